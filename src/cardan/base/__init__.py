@@ -1,0 +1,1 @@
+"""What everything stands on: units, sources, quantities, verdicts, errors."""

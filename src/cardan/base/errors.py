@@ -1,0 +1,55 @@
+"""What can go wrong, and what to try.
+
+    CardanError
+        DesignError       a part or a layout that cannot exist
+        BadFile           a file that cannot be read as meant: all its problems at once
+        NotConverged      a solver stopped early
+
+A wrong argument in code is a plain `ValueError`.
+"""
+
+from dataclasses import dataclass
+
+
+class CardanError(Exception):
+    """Anything this package refuses, with a reason a user can act on."""
+
+
+class DesignError(CardanError):
+    """A part or a layout that cannot exist."""
+
+
+class NotConverged(CardanError):  # noqa: N818  the name is the news
+    """A solver stopped before it had an answer worth returning."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """One thing wrong in a file: where it is, what it says, what is allowed.
+
+    `line` and `column` count from 1; 0 where the problem has no single place.
+    """
+
+    message: str
+    key: str = ""
+    value: str = ""
+    hint: str = ""
+    line: int = 0
+    column: int = 0
+
+    def located(self, file: str) -> str:
+        """Return the problem as one line a user can click on and act on."""
+        place = f"{file}:{self.line}:{self.column}" if self.line else file
+        key = f"{self.key}: " if self.key else ""
+        value = f" (got {self.value})" if self.value else ""
+        hint = f"; {self.hint}" if self.hint else ""
+        return f"{place}: {key}{self.message}{value}{hint}"
+
+
+class BadFile(CardanError):  # noqa: N818  the name is the news
+    """A file with problems; the message lists every one, in the order of the file."""
+
+    def __init__(self, file: str, problems: tuple[Problem, ...]) -> None:
+        self.file = file
+        self.problems = tuple(sorted(problems, key=lambda p: (p.line, p.column)))
+        super().__init__("\n".join(p.located(file) for p in self.problems))

@@ -1,0 +1,31 @@
+"""Where a number comes from."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A publication or an agreement, with the place in it: `AE7.at("p. 50")`."""
+
+    title: str
+    place: str = ""
+
+    def at(self, place: str) -> "Source":
+        """Return the same source, opened at a page, section or equation."""
+        return Source(self.title, place)
+
+    def __str__(self) -> str:
+        """Return title and place as a reader would write them."""
+        return f"{self.title}, {self.place}" if self.place else self.title
+
+
+AE7 = Source("SAE AE-7, Universal Joint and Driveshaft Design Manual")
+J3311 = Source("Dana Spicer J3311-1, Driveshaft application guidelines")
+GWB = Source("Dana GWB, Cardan shafts for industrial applications, catalogue")
+SEHERR = Source("Seherr-Thoss, Schmelz & Aucktor, Universal Joints and Driveshafts, 2nd ed. 2006")
+SOUZA = Source("Souza, Analysis of the failure of a cardan bearing bracket, Unesp 2014")
+E2 = Source("PME 2540 Automotive Engineering, exercise E2")
+OMAR = Source("ITIS Omar, Il giunto di Cardano")
+ELBE = Source("Elbe, Cardan shaft catalogue")
+ISO21940 = Source("ISO 21940-11, Mechanical vibration: rotor balancing")
+DERIVED = Source("Derived from first principles")

@@ -1,0 +1,122 @@
+"""A verdict: one demand held against one limit, with the reason for the limit."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.source import Source
+
+Grade: TypeAlias = Literal["pass", "warn", "fail"]
+Sense: TypeAlias = Literal["<=", ">="]
+
+GRADES: tuple[Grade, ...] = ("pass", "warn", "fail")
+"""From best to worst; arrays of grades hold places in this tuple."""
+
+
+def worst(grades: "list[Grade]") -> Grade:
+    """Return the worst of some grades; nothing held against anything passes."""
+    return GRADES[max(map(GRADES.index, grades), default=0)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """What a quantity may reach: normally, at most, and who says so. SI values.
+
+    Past `normal` a check warns, past `maximum` it fails; either may be absent, but not
+    both. A `band` is the other kind of limit: a range to keep out of, where a check
+    warns. A limit with `above_angle` asks only where a joint angle of the line exceeds it.
+    """
+
+    quantity: str
+    source: Source
+    normal: float | None = None
+    maximum: float | None = None
+    sense: Sense = "<="
+    band: tuple[float, float] | None = None
+    above_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        bounds = [b for b in (self.normal, self.maximum, *(self.band or ())) if b is not None]
+        if not bounds or not np.all(np.isfinite(bounds)):
+            msg = f"a limit of {self.quantity} needs a finite normal, maximum or band"
+            raise DesignError(msg)
+        if self.band and not 0 < self.band[0] < self.band[1]:
+            msg = f"the band of {self.quantity} must rise from above 0, got {self.band}"
+            raise DesignError(msg)
+        both = self.normal is not None and self.maximum is not None
+        if both and self._margin(np.asarray(self.normal), self.maximum) < 0:
+            msg = (
+                f"normal of {self.quantity} must lie on the safe side of its maximum "
+                f"{self.maximum:g}, got {self.normal:g}"
+            )
+            raise DesignError(msg)
+
+    def _margin(self, value: FloatArray, bound: float) -> FloatArray:
+        """Return the share of a bound still free; of 1 SI unit where the bound is 0."""
+        free = bound - value if self.sense == "<=" else value - bound
+        return free / (abs(bound) or 1.0)
+
+    def margin(self, value: ArrayLike, *, to: Literal["normal", "maximum"]) -> FloatArray:
+        """Return the share of the limit still free, negative where it is passed.
+
+        Where the limit has no bound of that name the other one serves. Inside a band the
+        margin is the way to its nearer edge, as a share of that edge.
+        """
+        value = np.asarray(value, dtype=float)
+        if self.band:
+            low, high = self.band
+            return np.maximum((low - value) / low, (value - high) / high)
+        bounds = (self.normal, self.maximum) if to == "normal" else (self.maximum, self.normal)
+        bound = next(b for b in bounds if b is not None)
+        return self._margin(value, bound)
+
+    def grade(self, value: float) -> Grade:
+        """Return pass, warn or fail. A demand that is not a number never passes."""
+        if np.isnan(value):
+            return "fail"
+        if self.maximum is not None and self.margin(value, to="maximum") < 0:
+            return "fail"
+        never_fails = self.band is not None or self.normal is not None
+        return "warn" if never_fails and self.margin(value, to="normal") < 0 else "pass"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """One demand held against one limit, for one part of one line in one state.
+
+    Only the facts are stored, in SI. Everything else is derived from them, so a check
+    cannot contradict itself.
+    """
+
+    quantity: str
+    line: str
+    state: str
+    part: str
+    value: float
+    limit: Limit
+
+    @property
+    def grade(self) -> Grade:
+        """Whether the demand passes, warns or fails."""
+        return self.limit.grade(self.value)
+
+    @property
+    def bound(self) -> float:
+        """The bound that decided: the one passed, or the first one ahead."""
+        limit = self.limit
+        if limit.band:
+            low, high = limit.band
+            return low if self.value < (low + high) / 2 else high
+        first, last = limit.normal, limit.maximum
+        chosen = last if first is None or (self.grade == "fail" and last is not None) else first
+        assert chosen is not None  # __post_init__ refuses a limit without bounds
+        return chosen
+
+    @property
+    def margin(self) -> float:
+        """Share of the deciding bound still free; negative where it is passed."""
+        to = "maximum" if self.grade == "fail" else "normal"
+        return float(self.limit.margin(self.value, to=to))

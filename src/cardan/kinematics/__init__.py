@@ -1,0 +1,1 @@
+"""How a driveline turns: one joint, a chain of them, and the industry's equivalents."""

@@ -1,0 +1,1 @@
+"""What a driveline is: parts, layouts, the vehicle around them, the application."""

@@ -1,0 +1,120 @@
+"""Where a line runs: joint centres and member directions, in the vehicle's frame.
+
+x points rearward, y to the vehicle's right, z up. Member 0 is the gearbox output, members
+1 to n-1 are the shafts, member n is the pinion; joint k sits between members k-1 and k.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """Joint centres and member directions; cases on leading axes.
+
+    Attributes
+    ----------
+    points : (..., n, 3) m
+        Joint centres, gearbox first.
+    directions : (..., n+1, 3) 1
+        Unit vectors of the members, pointing rearward.
+    """
+
+    points: FloatArray
+    directions: FloatArray
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Distances between neighbouring joint centres, (..., n-1) m."""
+        return np.linalg.norm(np.diff(self.points, axis=-2), axis=-1)
+
+    @property
+    def side(self) -> FloatArray:
+        """Side-view slopes, (..., n+1) rad: down to the rear is positive."""
+        d = self.directions
+        return np.arctan2(-d[..., 2], d[..., 0])
+
+    @property
+    def top(self) -> FloatArray:
+        """Top-view slopes, (..., n+1) rad: to the right going rearward is positive."""
+        d = self.directions
+        return np.arctan2(d[..., 1], d[..., 0])
+
+    def __getitem__(self, case: object) -> "Layout":
+        """Return the layout of some of the cases on the leading axes."""
+        return Layout(points=self.points[case], directions=self.directions[case])  # type: ignore[index]
+
+
+def unit(vector: ArrayLike) -> FloatArray:
+    """Return vectors (..., 3) scaled to length 1."""
+    vector = np.asarray(vector, dtype=float)
+    return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
+
+
+def direction(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
+    """Return unit vectors (..., 3) of members with side and top view slopes (...) rad.
+
+    A slope is the angle seen in its view, so d is along (1, tan top, -tan side).
+    """
+    side, top = np.broadcast_arrays(np.asarray(side, float), np.asarray(top, float))
+    return unit(np.stack([np.ones_like(side), np.tan(top), -np.tan(side)], axis=-1))
+
+
+def from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
+    """Return the layout of members with given slopes (..., n+1) rad and shafts (..., n-1) m.
+
+    The first joint is the origin.
+    """
+    directions = direction(side=side, top=top)
+    lengths = np.asarray(lengths, dtype=float)
+    steps = lengths[..., None] * directions[..., 1:-1, :]
+    start = np.zeros_like(directions[..., :1, :])
+    return Layout(
+        points=np.concatenate([start, np.cumsum(steps, axis=-2)], axis=-2), directions=directions
+    )
+
+
+def from_joint_angles(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
+    """Return the layout of view angles at the joints (..., n) rad, the gearbox level.
+
+    An angle is the change of slope at its joint, as application sheets tabulate it.
+    """
+    side, top = (
+        np.insert(np.cumsum(np.asarray(a, dtype=float), axis=-1), 0, 0.0, axis=-1)
+        for a in (side, top)
+    )
+    return from_slopes(side=side, top=top, lengths=lengths)
+
+
+def from_points(points: ArrayLike, *, gearbox: ArrayLike, pinion: ArrayLike) -> Layout:
+    """Return the layout through joint centres (..., n, 3) m between two flange directions.
+
+    `gearbox` and `pinion` are vectors (..., 3) along the flanges, pointing rearward.
+    """
+    points = np.asarray(points, dtype=float)
+    ends = [np.broadcast_to(unit(end), points[..., 0, :].shape) for end in (gearbox, pinion)]
+    shafts = unit(np.diff(points, axis=-2))
+    directions = np.concatenate([ends[0][..., None, :], shafts, ends[1][..., None, :]], axis=-2)
+    return Layout(points=points, directions=directions)
+
+
+def hung(
+    first: ArrayLike, bearings: ArrayLike, last: ArrayLike, *, lengths: ArrayLike
+) -> FloatArray:
+    """Return the joint centres (..., n, 3) m of a line hung on its bearings.
+
+    What the frame holds stays: the first joint (..., 3) and the bearing centres
+    (..., n-2, 3). Each hung shaft runs from its front joint through its bearing with its
+    own length, `lengths` (..., n-2) m, so the chain stays connected whatever moves; the
+    last shaft takes up the rest in its spline.
+    """
+    points = [np.asarray(first, dtype=float)]
+    bearings, lengths = np.asarray(bearings, dtype=float), np.asarray(lengths, dtype=float)
+    for k in range(bearings.shape[-2]):
+        along = unit(bearings[..., k, :] - points[-1])
+        points.append(points[-1] + lengths[..., k, None] * along)
+    points.append(np.asarray(last, dtype=float))
+    return np.stack(np.broadcast_arrays(*points), axis=-2)

@@ -1,0 +1,255 @@
+"""The parts of a line: tube, joint, centre bearing, spline, shaft. All SI."""
+
+from dataclasses import dataclass
+from math import pi
+
+from cardan.base.errors import DesignError
+from cardan.base.source import Source
+from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
+
+ASSUMED = Source("Assumed: not given in the application")
+
+
+def _positive(part: str, **values: float | None) -> None:
+    """Refuse values that are not above zero; the comparison refuses nan too."""
+    for name, value in values.items():
+        if value is not None and not value > 0:
+            msg = f"{name} of a {part} must be above 0, got {value:g}"
+            raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """An isotropic material."""
+
+    name: str
+    youngs_modulus: Pascal
+    density: float
+    poisson: float = 0.3
+    yield_strength: Pascal | None = None
+    ultimate_strength: Pascal | None = None
+    fatigue_shear: Pascal | None = None
+    source: Source = ASSUMED
+
+    def __post_init__(self) -> None:
+        _positive("material", youngs_modulus=self.youngs_modulus, density=self.density)
+
+    @property
+    def shear_modulus(self) -> Pascal:
+        """G = E / (2 (1 + nu))."""
+        return self.youngs_modulus / (2 * (1 + self.poisson))
+
+
+STEEL = Material(
+    name="steel", youngs_modulus=206 * GPa, density=7850.0, source=Source("EN 1993-1-1, 3.2.6")
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tube:
+    """A round tube's section."""
+
+    outer: Metre
+    wall: Metre
+    material: Material = STEEL
+
+    def __post_init__(self) -> None:
+        if not 0 < self.wall <= self.outer / 2:
+            msg = (
+                f"wall of a tube must be above 0 and at most half its outside diameter, "
+                f"{self.outer / 2 / mm:g} mm, got {self.wall / mm:g} mm"
+            )
+            raise DesignError(msg)
+
+    @property
+    def inner(self) -> Metre:
+        """Inside diameter."""
+        return self.outer - 2 * self.wall
+
+    @property
+    def area(self) -> float:
+        """Area of the section, m²."""
+        return pi / 4 * (self.outer**2 - self.inner**2)
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area in bending, m⁴; the polar one is twice that."""
+        return pi / 64 * (self.outer**4 - self.inner**4)
+
+    @property
+    def bending_stiffness(self) -> float:
+        """E I, N m²."""
+        return self.material.youngs_modulus * self.second_moment
+
+    @property
+    def mass_per_length(self) -> float:
+        """Mass per length, kg/m."""
+        return self.material.density * self.area
+
+    @property
+    def polar_inertia_per_length(self) -> float:
+        """Mass moment of inertia about the axis per length, kg m."""
+        return self.material.density * 2 * self.second_moment
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointSize:
+    """A universal joint as catalogues rate it; None is "not published".
+
+    `peak_torque` is the functional (elastic) limit, `reversing_torque` the fatigue limit
+    under alternating and `pulsating_torque` under pulsating torque. `bearing_torque` Td is
+    carried for 5000 h at 100 rpm and 3 deg; `bearing_factor` is GWB's Lc (kN m based).
+    """
+
+    name: str
+    series: str = ""
+    peak_torque: NewtonMetre | None = None
+    reversing_torque: NewtonMetre | None = None
+    pulsating_torque: NewtonMetre | None = None
+    bearing_torque: NewtonMetre | None = None
+    bearing_factor: float | None = None
+    angle_max: Radian | None = None
+    speed_angle_max: float | None = None
+    """Largest speed times joint angle, rad²/s (catalogues: rpm deg, deg/min)."""
+    speed_max: float | None = None
+    cross_width: Metre | None = None
+    cup_diameter: Metre | None = None
+    needle_circle: Metre | None = None
+    mass: Kilogram | None = None
+    source: Source = ASSUMED
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CentreBearing:
+    """The bearing a shaft hangs on near its rear joint.
+
+    `stiffness` is that of rubber and bracket across the shaft, N/m, vertical and lateral;
+    None is rigid. `from_rear_joint` is how far ahead of the rear joint centre it sits.
+    """
+
+    from_rear_joint: Metre = 0.0
+    stiffness: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.from_rear_joint >= 0:
+            msg = (
+                "a centre bearing sits ahead of its rear joint: from_rear_joint must be 0 or "
+                f"more, got {self.from_rear_joint / mm:g} mm"
+            )
+            raise DesignError(msg)
+        if self.stiffness is not None:
+            _positive(
+                "centre bearing", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True))
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spline:
+    """The sliding spline: how far it can move from its installed place, and how it rubs.
+
+    `plunge` is the travel left in shortening, `draw` in lengthening.
+    """
+
+    plunge: Metre | None = None
+    draw: Metre | None = None
+    mean_radius: Metre | None = None
+    friction: float = 0.11
+
+    def __post_init__(self) -> None:
+        _positive("spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shaft:
+    """One shaft between two joint centres.
+
+    `phase` is the yoke phase: 0 where the pin axes of its two yokes are parallel
+    (aligned), pi/2 crossed. `yoke_mass` is the mass at its front and rear end beyond the
+    tube. `polar_inertia` replaces what tube and yokes add up to.
+    """
+
+    length: Metre
+    tube: Tube | None = None
+    phase: Radian = 0.0
+    centre_bearing: CentreBearing | None = None
+    spline: Spline | None = None
+    yoke_mass: tuple[Kilogram, Kilogram] = (0.0, 0.0)
+    yoke_inertia: float = 0.0
+    polar_inertia_given: float | None = None
+    balance_grade: float | None = None
+    """ISO 21940-11 grade G, mm/s as the standard prints it."""
+
+    def __post_init__(self) -> None:
+        _positive("shaft", length=self.length, polar_inertia=self.polar_inertia_given)
+        bearing = self.centre_bearing
+        if bearing and not bearing.from_rear_joint < self.length:
+            msg = (
+                f"a centre bearing must sit on its shaft: from_rear_joint must be below its "
+                f"length {self.length / mm:g} mm, got {bearing.from_rear_joint / mm:g} mm"
+            )
+            raise DesignError(msg)
+
+    @property
+    def mass(self) -> Kilogram:
+        """Mass of tube and yokes."""
+        tube = self.tube.mass_per_length * self.length if self.tube else 0.0
+        return tube + sum(self.yoke_mass)
+
+    @property
+    def polar_inertia(self) -> float | None:
+        """Mass moment of inertia about the axis, kg m²; None without tube or given value."""
+        if self.polar_inertia_given is not None:
+            return self.polar_inertia_given
+        if self.tube is None:
+            return None
+        return self.tube.polar_inertia_per_length * self.length + self.yoke_inertia
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """A driveline: n joints, n-1 shafts, gearbox first, pinion last.
+
+    All shafts but the last hang on a centre bearing. `axial_freedom` says where the line
+    takes up length: in the spline of its last shaft, or in a floating gearbox flange.
+    """
+
+    name: str = "main"
+    shafts: tuple[Shaft, ...]
+    joints: tuple[JointSize | None, ...] = ()
+    axial_freedom: str = "last_shaft"
+    gearbox_bearing_spacing: Metre | None = None
+    gearbox_bearing_overhang: Metre | None = None
+    pinion_bearing_spacing: Metre | None = None
+    pinion_bearing_overhang: Metre | None = None
+
+    def __post_init__(self) -> None:
+        if not self.shafts:
+            msg = f"line {self.name} has no shaft"
+            raise DesignError(msg)
+        for k, shaft in enumerate(self.shafts, 1):
+            if (shaft.centre_bearing is None) != (k == len(self.shafts)):
+                what = "carries no" if k == len(self.shafts) else "needs a"
+                msg = f"shaft {k} of line {self.name} {what} centre bearing"
+                raise DesignError(msg)
+        if self.joints and len(self.joints) != self.joint_count:
+            msg = (
+                f"line {self.name} has {self.joint_count} joints, one more than shafts; "
+                f"{len(self.joints)} are given"
+            )
+            raise DesignError(msg)
+
+    @property
+    def joint_count(self) -> int:
+        """Number of joints: one more than shafts."""
+        return len(self.shafts) + 1
+
+    @property
+    def phases(self) -> tuple[Radian, ...]:
+        """Yoke phase of every shaft."""
+        return tuple(s.phase for s in self.shafts)
+
+    @property
+    def lengths(self) -> tuple[Metre, ...]:
+        """Length of every shaft, joint centre to joint centre."""
+        return tuple(s.length for s in self.shafts)
