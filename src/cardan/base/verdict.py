@@ -46,11 +46,11 @@ class Limit:
         if self.band and not 0 < self.band[0] < self.band[1]:
             msg = f"the band of {self.quantity} must rise from above 0, got {self.band}"
             raise DesignError(msg)
-        both = self.normal is not None and self.maximum is not None
-        if both and self._margin(np.asarray(self.normal), self.maximum) < 0:
+        first, last = self.normal, self.maximum
+        if first is not None and last is not None and self._margin(np.asarray(first), last) < 0:
             msg = (
                 f"normal of {self.quantity} must lie on the safe side of its maximum "
-                f"{self.maximum:g}, got {self.normal:g}"
+                f"{last:g}, got {first:g}"
             )
             raise DesignError(msg)
 
