@@ -33,11 +33,11 @@ def mathieu(a, q=1.0, damping=0.0):
     a, q = np.broadcast_arrays(np.asarray(a, float), np.asarray(q, float))
     return Periodic(
         period=np.full(a.shape, np.pi),
-        mass=np.eye(1),
-        damping=damping * np.eye(1),
-        stiffness=lambda t: (a[..., None] - 2 * q[..., None] * np.cos(2 * np.pi * t))[
-            ..., None, None
-        ],
+        matrices=lambda t: (
+            np.eye(1),
+            damping * np.eye(1),
+            (a[..., None] - 2 * q[..., None] * np.cos(2 * np.pi * t))[..., None, None],
+        ),
     )
 
 
@@ -46,9 +46,11 @@ def shaken(periods=(2.0, 3.5)):
     wave = lambda f, t: f(2 * np.pi * t)[:, None, None]  # noqa: E731
     return Periodic(
         period=np.asarray(periods),
-        mass=lambda t: np.eye(2) + wave(np.cos, t) * PARTS[0],
-        damping=lambda t: 0.1 * np.eye(2) + PARTS[1] + wave(np.sin, t) * PARTS[2],
-        stiffness=lambda t: 2 * np.eye(2) + PARTS[3] + 3 * wave(np.cos, t) * PARTS[4],
+        matrices=lambda t: (
+            np.eye(2) + wave(np.cos, t) * PARTS[0],
+            0.1 * np.eye(2) + PARTS[1] + wave(np.sin, t) * PARTS[2],
+            2 * np.eye(2) + PARTS[3] + 3 * wave(np.cos, t) * PARTS[4],
+        ),
     )
 
 
@@ -80,7 +82,7 @@ def test_monodromy_agrees_with_a_general_integrator():
     for k, period in enumerate(system.period):
 
         def rate(t, z, period=period):
-            M, C, K = (part[0] for part in system.at([t / period]))
+            M, C, K = (part[0] for part in system.matrices(np.array([t / period])))
             q, v = z.reshape(2, 2, 4)
             return np.concatenate([v, -np.linalg.solve(M, C @ v + K @ q)]).ravel()
 
@@ -115,7 +117,7 @@ def test_modes_obey_the_equation():
     rates, shapes = modes(system, samples=64)
     k = np.fft.fftfreq(64, 1 / 64)
     for case, period in enumerate(system.period):
-        M, C, K = (part for part in system.at(np.arange(64) / 64))
+        M, C, K = system.matrices(np.arange(64) / 64)
         for rate, p in zip(rates[case], shapes[case], strict=True):
             spectrum = np.fft.fft(p, axis=0)
             s = rate + 2j * np.pi * k[:, None] / period
@@ -135,7 +137,7 @@ def test_response_repeats():
     for k, period in enumerate(system.period):
 
         def rate(t, z, period=period):
-            M, C, K = (part[0] for part in system.at([t / period]))
+            M, C, K = (part[0] for part in system.matrices(np.array([t / period])))
             wave = 2 * np.pi * t / period
             f = np.array([np.cos(wave), 0.3 + np.sin(2 * wave)])
             return np.concatenate([z[2:], np.linalg.solve(M, f - C @ z[2:] - K @ z[:2])])

@@ -27,8 +27,8 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.base.errors import NotConverged
 
-Matrix: TypeAlias = FloatArray | Callable[[FloatArray], FloatArray]
-"""A constant matrix (..., m, m), or a function of phases (s,) returning (..., s, m, m)."""
+Matrices: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+"""A function of phases t/T (s,) that returns M, C and K, each broadcasting to (..., s, m, m)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,28 +39,17 @@ class Periodic:
     ----------
     period : (...) s
         T, of each case.
-    mass, damping, stiffness : (..., m, m), or a function of phase
-        A function takes phases t/T of shape (s,) and returns (..., s, m, m). SI units of
-        whatever the coordinates are.
+    matrices
+        M, C and K at given phases; SI units of whatever the coordinates are. One that is
+        constant may come as (m, m).
     """
 
     period: FloatArray
-    mass: Matrix
-    damping: Matrix
-    stiffness: Matrix
-
-    def at(self, phase: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return M, C and K, each (..., s or 1, m, m), at phases t/T (s,)."""
-        phase = np.asarray(phase, dtype=float)
-        M, C, K = (
-            part(phase) if callable(part) else np.asarray(part)[..., None, :, :]
-            for part in (self.mass, self.damping, self.stiffness)
-        )
-        return M, C, K
+    matrices: Matrices
 
     def scaled(self, phase: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return T M⁻¹C and T² M⁻¹K, each (..., s or 1, m, m): a period counts as 1."""
-        M, C, K = self.at(phase)
+        M, C, K = self.matrices(phase)
         inverse = np.linalg.inv(M)
         T = np.asarray(self.period, dtype=float)[..., None, None, None]
         return T * (inverse @ C), T**2 * (inverse @ K)
@@ -403,8 +392,8 @@ def response(system: Periodic, force: ArrayLike) -> FloatArray:
     force = np.asarray(force, dtype=float)
     samples, m = force.shape[-2:]
     M, C, K = (
-        np.broadcast_to(part, (*part.shape[:-3], samples, m, m))
-        for part in system.at(np.arange(samples) / samples)
+        np.broadcast_to(part, np.broadcast_shapes(part.shape, (samples, m, m)))
+        for part in system.matrices(np.arange(samples) / samples)
     )
     full = operator(M, C, K, system.period, samples)
     flat = force.reshape(*force.shape[:-2], samples * m, 1)
