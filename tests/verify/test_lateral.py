@@ -1,0 +1,207 @@
+"""Lateral stability of Mazzei et al. (1999), internal damping of Vatta & Vigliani (2008).
+
+The growth rates were computed from the authors' equations by an independent program; eight
+digits are printed. Beam frequencies are held against the transcendental equation.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from cardan.base.errors import DesignError
+from cardan.dynamics.damping import (
+    hysteretic_growth,
+    hysteretic_threshold,
+    viscous_exponents,
+    viscous_threshold,
+)
+from cardan.dynamics.lateral import (
+    flexible_shaft,
+    misaligned_motion,
+    misaligned_shaft,
+    natural_frequencies,
+    rigid_shaft,
+)
+from cardan.dynamics.periodic import growth, hill_multipliers, multipliers
+
+MAZZEI = {
+    "transverse_inertia": 1.0,
+    "polar_inertia": 0.1,
+    "stiffness": 1.0,
+    "damping": 0.05,
+}
+PRINTED = [(1, 0.2, 0.5, 0.02404822), (0, 0.2, 2.0, 0.02716749)]
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_growth_of_the_rigid_shaft(follower, torque, speed, rate):
+    shaft = rigid_shaft(speed=speed, torque=torque, follower=follower, **MAZZEI)
+    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(rate, abs=5e-9)
+
+
+def test_rotating_frame_and_floquet_agree():
+    """What is periodic at rest is constant to one who turns with the shaft."""
+    speed, torque, follower = np.meshgrid([0.5, 1.1, 2.0], [0.1, 0.6], [0.0, 0.4, 1.0])
+    shaft = rigid_shaft(speed=speed, torque=torque, follower=follower, **MAZZEI)
+    np.testing.assert_allclose(
+        growth(shaft.system, tolerance=1e-12), shaft.rotating_exponents().real.max(-1), atol=1e-10
+    )
+    # Each multiplier of half a turn is exp(λ π/Ω) of a rotating exponent, turned back half
+    # a turn: a sign.
+    rho = multipliers(shaft.system, tolerance=1e-12)
+    turned = -np.exp(shaft.rotating_exponents() * np.pi / speed[..., None])
+    assert np.abs(rho[..., :, None] - turned[..., None, :]).min(-1).max() < 1e-9
+
+
+def test_unequal_bearings_need_floquet():
+    shaft = rigid_shaft(speed=1.3, torque=0.2, stiffness_difference=0.2, **MAZZEI)
+    with pytest.raises(DesignError, match="equal all round"):
+        shaft.rotating_exponents()
+    found, hill = multipliers(shaft.system, tolerance=1e-12), hill_multipliers(shaft.system)
+    assert np.abs(found[:, None] - hill).min(-1).max() < 1e-8
+
+
+def test_unequal_bearings_calm_a_follower_torque():
+    """Flutter needs the two directions in step: their split detunes it (Mazzei 1999)."""
+    split = np.array([0.0, 0.1, 0.2])
+    rate = growth(rigid_shaft(speed=3.3, torque=0.3, stiffness_difference=split, **MAZZEI).system)
+    assert np.all(np.diff(rate) < 0)
+    assert rate[0] > 0 > rate[-1]
+
+
+def test_flutter_torque():
+    """About 4 ζ k, away from the zones, without gyroscopic moments."""
+    zeta = 0.01
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "stiffness": 1.0, "damping": 2 * zeta}
+    edge = brentq(
+        lambda T: float(growth(rigid_shaft(speed=7.3, torque=T, **shaft).system, tolerance=1e-12)),
+        2 * zeta, 6 * zeta,
+    )  # fmt: skip
+    # The joint's twice-a-turn term adds (T / 2k)² of first order; here 4e-4.
+    assert edge == pytest.approx(4 * zeta, rel=2e-3)
+
+
+def beam(**changes):
+    shaft = {
+        "speed": 0.5, "torque": 0.2, "length": 2.0, "bending_stiffness": 10.0,
+        "mass_per_length": 0.35, "bearing": 0.25, "bearing_damping": 0.0125,
+        "rotary_inertia": 0.025,
+    }  # fmt: skip
+    return flexible_shaft(**(shaft | changes))
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_a_stiff_flexible_shaft_is_the_rigid_one(follower, torque, speed, rate):
+    """ρA L³/3 + ρI L = 1 and 2 ρI L = 0.1 make it Mazzei's; flexibility is k L / 3EI ~ 1e-9."""
+    shaft = beam(
+        speed=speed, torque=torque, follower=follower, functions=1, mass_per_length=3 * 0.95 / 8
+    )
+    assert shaft.rotating_exponents().real.max() == pytest.approx(rate, abs=5e-9)
+
+
+def test_frequencies_of_the_beam_on_its_bearing():
+    """Pinned at the joint, spring s at the end: a (cot a - coth a) = -2 s L³ / EI, w = a² ..."""
+    L, EI, rhoA, k = 2.0, 10.0, 0.35, 4.0
+    shaft = beam(
+        bending_stiffness=EI, mass_per_length=rhoA, bearing=k, rotary_inertia=0.0, functions=12
+    )
+    # w = sin and sinh of a x / L; moment-free end, shear EI w''' = k w:
+    residue = lambda a: a**3 * (1 / np.tan(a) - 1 / np.tanh(a)) + 2 * k * L**3 / EI  # noqa: E731
+    roots = [brentq(residue, low + 1e-3, low + np.pi - 1e-3) for low in (0.0, np.pi, 2 * np.pi)]
+    exact = np.array(roots) ** 2 * np.sqrt(EI / rhoA) / L**2
+    np.testing.assert_allclose(natural_frequencies(shaft)[:3], exact, rtol=1e-7)
+
+
+def test_galerkin_converges():
+    low = []
+    for functions in (3, 5, 7, 9):
+        exponents = beam(functions=functions).rotating_exponents()
+        low.append(exponents[np.abs(exponents.imag) < 3].real.max())
+    error = np.abs(np.array(low[:-1]) - low[-1])
+    assert error[0] < 2e-5
+    assert error[1] < 5e-9
+    assert error[2] < 1e-11
+
+
+def test_flexible_floquet_and_rotating_frame_agree():
+    shaft = beam(functions=3, internal_damping=1e-3)
+    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(
+        shaft.rotating_exponents().real.max(), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_no_misalignment_is_mazzei(follower, torque, speed, rate):
+    shaft = {k: v for k, v in MAZZEI.items() if k != "stiffness"}
+    system, force = misaligned_shaft(
+        speed=speed, torque=torque, follower=follower, beta=0.0, stiffness=(1.0, 1.0), **shaft
+    )
+    assert growth(system, tolerance=1e-12) == pytest.approx(rate, abs=5e-9)
+    assert np.abs(force).max() < 1e-15
+
+
+def test_misaligned_moment_and_its_derivative():
+    """The joint's moment T [d - a (a.d)] / (d0.d), differenced at tilted shafts."""
+    beta, T, tilt = 0.2, 0.7, 1e-6
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.0}
+    system, force = misaligned_shaft(
+        speed=1.0, torque=T, follower=1.0, beta=beta, stiffness=(0.0, 0.0), **shaft
+    )
+    d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
+    across = np.array([np.cos(beta), 0, np.sin(beta)])
+    for k in (0, 5, 11, 20):
+        turned = np.pi * k / 33
+        a = np.cos(turned) * across + np.sin(turned) * np.array([0, 1.0, 0])
+
+        def bending(x, y, a=a):
+            d = np.array([x, y, np.sqrt(1 - x**2 - y**2)])
+            M = T * (d - a * (a @ d)) / (d0 @ d)
+            M = M - d * (d @ M)  # a follower load takes what turns the shaft
+            # Components along axes that tilt with the shaft, to first order.
+            return np.array([M[0] + x * M[2], M[1] + y * M[2]])
+
+        turn = np.array([[0, 1.0], [-1, 0]])
+        np.testing.assert_allclose(force[k], turn @ bending(0, 0), atol=1e-12)
+        slope = np.stack(
+            [(bending(tilt, 0) - bending(-tilt, 0)), (bending(0, tilt) - bending(0, -tilt))], -1
+        ) / (2 * tilt)
+        K = system.matrices(np.array([k / 33]))[2][0]
+        np.testing.assert_allclose(K, -turn @ slope, atol=1e-8)
+
+
+def test_misalignment_shakes_twice_a_turn():
+    """Mean moment T tan(beta)/2 and as much at order 2, to first order in the angle."""
+    beta, T = 0.02, 0.1
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.02}
+    q = misaligned_motion(speed=2.0, torque=T, beta=beta, stiffness=(1.0, 1.0), **shaft)
+    spectrum = np.abs(np.fft.fft(q[:, 0] + 1j * q[:, 1])) / 33
+    static, rolling = spectrum[0], spectrum[1]
+    assert static == pytest.approx(T * beta / 2, rel=0.05)  # over k = 1; T / k adds its share
+    assert rolling == pytest.approx(T * beta / 2 / (4.0**2 - 1), rel=0.05)
+
+
+def test_internal_damping_threshold():
+    """At w_n (1 + c_e/c_i) exactly, by closed form, Mazzei's model and Floquet."""
+    m, k, ce, ci = 2.0, 50.0, 0.3, 0.2
+    edge = viscous_threshold(frequency=5.0, external=ce, internal=ci)
+    assert edge == pytest.approx(12.5, rel=1e-15)
+    speeds = edge * np.array([0.999, 1.0, 1.001])
+    own = viscous_exponents(speed=speeds, mass=m, stiffness=k, external=ce, internal=ci)
+    forward = own[:, 0].real
+    assert forward[0] < 0 < forward[2]
+    assert abs(forward[1]) < 1e-14
+    shaft = rigid_shaft(
+        speed=speeds, torque=0.0, transverse_inertia=m, polar_inertia=0.0, stiffness=k,
+        damping=ce, internal_damping=ci,
+    )  # fmt: skip
+    np.testing.assert_allclose(growth(shaft.system, tolerance=1e-12), forward, atol=1e-10)
+
+
+def test_hysteretic_damping_turns_at_the_critical_speed():
+    shaft = {"mass": 2.0, "stiffness": 50.0, "external": 0.1}
+    rates = hysteretic_growth(speed=np.array([4.9, 5.1, 50.0]), loss_factor=0.05, **shaft)
+    # Small damping: -c_e/2m -+ η w/2.
+    np.testing.assert_allclose(rates[:, 0], [-0.15, 0.1, 0.1], rtol=2e-3)
+    assert np.all(rates[:, 1] < 0)
+    assert hysteretic_threshold(loss_factor=0.05, **shaft) == 5.0
+    assert hysteretic_threshold(loss_factor=0.009, **shaft) == np.inf
