@@ -62,9 +62,12 @@ def test_unequal_bearings_need_floquet():
 
 
 def test_unequal_bearings_calm_a_follower_torque():
-    """Flutter needs the two directions in step: their split detunes it (Mazzei 1999)."""
+    """Flutter needs the two directions in step: their split detunes it (Mazzei 1999).
+
+    At low speed; at high speed the gyroscopic moment keeps the motion round, split or not.
+    """
     split = np.array([0.0, 0.1, 0.2])
-    rate = growth(rigid_shaft(speed=3.3, torque=0.3, stiffness_difference=split, **MAZZEI).system)
+    rate = growth(rigid_shaft(speed=0.2, torque=0.3, stiffness_difference=split, **MAZZEI).system)
     assert np.all(np.diff(rate) < 0)
     assert rate[0] > 0 > rate[-1]
 
