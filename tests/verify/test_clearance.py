@@ -164,8 +164,8 @@ def test_onset_and_motion_agree():
         time, z = shimmy(steering, speed=speed, duration=6.0, kick=1e-3)
         early, late = (np.abs(z[(time > a) & (time < a + 1), 0]).max() for a in (2.0, 5.0))
         assert (late > early) == grows
-        if grows:
-            assert np.log(late / early) / 3 == pytest.approx(steering.growth(speed), rel=0.02)
+        if grows:  # seven periods a second: their peaks miss the envelope by up to 0.1 in 3 logs
+            assert np.log(late / early) / 3 == pytest.approx(steering.growth(speed), rel=0.04)
 
 
 def test_play_lets_small_motions_grow_where_the_tight_column_is_calm():
