@@ -104,8 +104,9 @@ def boundary(
     x, y
         The rectangle.
     start
-        Cells of the first grid. A tongue that none of its corners falls into is still
-        found where the margin comes near zero for the slopes seen.
+        Cells of the first grid. Growth rates are flat outside a zone, so a zone is found
+        where a corner falls into it or the slopes seen point to it: let a cell be no wider
+        than the narrowest zone that matters.
     levels
         How often cells are halved.
     tolerance
