@@ -67,9 +67,11 @@ def returned(law: Law, restitution: float) -> float:
         return 1.0
     from scipy.optimize import brentq
 
-    at = lambda u: u / a - np.log1p(a * u) / a**2  # noqa: E731
-    # The contact never pulls: leaving speeds stay below v0 / a.
-    return float(brentq(lambda e: at(-e) - at(1.0), 1e-12, min(1.0, 1 / a) * (1 - 1e-12)))
+    # The contact never pulls, so it leaves below v0 / a: with e = (1 - exp(-s)) / a the
+    # two ends meet where s - 1 + exp(-s) = a - ln(1 + a).
+    wanted = a - np.log1p(a)
+    s = brentq(lambda s: s + np.expm1(-s) - wanted, 0.0, 1.0 + a, xtol=1e-15)
+    return float(-np.expm1(-s) / a)
 
 
 def hertz_stiffness(
