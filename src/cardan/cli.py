@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
@@ -160,7 +161,7 @@ def schema(*, out: Path | None, force: bool) -> None:
 
     text = json.dumps(files.schema(), indent=2, ensure_ascii=False) + "\n"
     if out:
-        files.write(out, text, force=force)
+        files.write(out, text, replace=force)
     else:
         click.echo(text, nl=False)
 
@@ -174,7 +175,7 @@ def new(file: Path, *, kind: str, force: bool) -> None:
     """Write a commented starter to FILE: small, as from a protractor, or a whole truck."""
     from cardan import files
 
-    files.write(file, files.starter(kind), force=force)
+    files.write(file, files.starter(kind), replace=force)
     click.echo(f"{file} is written; `cardan check {file}` assesses it.")
 
 
@@ -182,9 +183,12 @@ def _read(file: Path, limits: str | None) -> Any:
     """Return the application of a file, with what looks odd in it told on the way."""
     from cardan import files
 
-    application = files.read(file, limits=limits)
+    application = files.read(file)
+    if limits:
+        name, found = files.limits(limits)
+        application = replace(application, profile=name, limits=found)
     for warning in application.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        click.echo(f"warning: {warning.located(str(file))}", err=True)
     return application
 
 
@@ -196,7 +200,7 @@ def _write_json(document: Any, out: str) -> None:
     else:
         from cardan import files
 
-        files.write(Path(out), text, force=True)
+        files.write(Path(out), text, replace=True)
 
 
 def _print(lines: Iterable[str]) -> None:

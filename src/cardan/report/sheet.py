@@ -92,7 +92,7 @@ def _demand(r: Response) -> Iterator[Row]:
     yield _row("speed", r.demand.speed)
     if r.demand.travel.any():
         yield _row("axle_travel", r.demand.travel)
-        yield _row("axle_pitch", r.demand.pitch)
+        yield _row("pinion_pitch", r.demand.pitch)
     yield _row("suspension_frequency", r.demand.suspension_frequency)
 
 

@@ -21,7 +21,7 @@ from cardan.study.sensitivity import Effect, Sensitivity
 LABEL = 44
 """Width of the names of rows."""
 
-COLUMN = 11
+COLUMN = 13
 """Width of a state's column."""
 
 COLOURS: dict[Grade, str] = {"pass": "\x1b[32m", "warn": "\x1b[33m", "fail": "\x1b[1;31m"}
@@ -37,7 +37,7 @@ def number(value: float) -> str:
     if abs(value) < 5e-7:
         return "0"
     size = math.floor(math.log10(abs(value)))
-    return f"{value:.3e}" if size >= 7 else f"{value:.{max(0, 3 - size)}f}"
+    return f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}"
 
 
 def summary(of: Assessment) -> Iterator[str]:
@@ -106,24 +106,27 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
 
 
 def _checks(of: Assessment, *, every: bool) -> Iterator[str]:
-    """Yield a table of checks, those that do not pass first."""
+    """Yield a table of checks, those that do not pass first, and the sources of its limits."""
     rows = sorted(of.checks, key=_badness) if every else _worst_of_each(of.checks)
+    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
+    several = len(of.responses) > 1
     yield ""
     yield _bold(
-        f"{'':6}{'limit':<38}{'where':<40}{'value':>9}   {'limit':<9}{'unit':<8}{'margin':>7}"
-        "  source"
+        f"{'':6}{'limit':<36}{'where it is worst':<36}{'value':>9} {'':8}{'limit':<9}"
+        f"{'unit':<9}{'margin':>7}  source"
     )
-    several = len(of.responses) > 1
     for c in rows:
         q = QUANTITIES[c.quantity]
-        where = f"{c.state}, {c.part}" if c.part != "line" else c.state
+        where = c.state if c.part == "line" else f"{c.state}, {c.part}"
         where = f"{c.line}: {where}" if several else where
         sense = "outside" if c.limit.band else c.limit.sense
         yield (
-            f"{_graded(c.grade, f'{c.grade:<6}')}{_fit(q.name, 38)}{_fit(where, 40)}"
-            f"{number(c.value / q.factor):>9} {sense} {_fit(number(c.bound / q.factor), 9)}"
-            f"{_fit(q.unit_name, 8)}{_percent(c.margin):>7}  {c.limit.source}"
+            f"{_graded(c.grade, f'{c.grade:<6}')}{_fit(q.name, 36)}{_fit(where, 36)}"
+            f"{number(c.value / q.factor):>9} {sense:<8}{_fit(number(c.bound / q.factor), 9)}"
+            f"{_fit(q.unit_name, 9)}{_percent(c.margin):>7}"
+            f"  [{sources.index(str(c.limit.source)) + 1}]"
         )
+    yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
 
 
 def _helps(of: tuple[Sensitivity, ...]) -> Iterator[str]:

@@ -115,8 +115,14 @@ class Response:
     @cached_property
     def loads(self) -> Loads:
         """Forces round the turn at the state's torque, with weight where it is asked for."""
-        gravity = g if self.application.include_gravity else 0.0
-        return loads(self.layout, self.turn, self.line, torque=self.demand.torque, gravity=gravity)
+        return loads(
+            self.layout, self.turn, self.line, torque=self.demand.torque, gravity=self.gravity
+        )
+
+    @property
+    def gravity(self) -> float:
+        """Standard gravity where the application counts weight, else 0, m/s²."""
+        return g if self.application.include_gravity else 0.0
 
     @cached_property
     def unbalance(self) -> Rotating | None:
@@ -134,9 +140,13 @@ class Response:
 
     @cached_property
     def small_angle_bearings(self) -> tuple[FloatArray, FloatArray]:
-        """Static (..., n-2, 3) N and dynamic (..., n-2) N force by the small-angle formula."""
+        """Static (..., n-2, 3) N and dynamic (..., n-2) N force by the small-angle formula.
+
+        Weight, where it is asked for, is added as it is: it knows no small angles.
+        """
         cycle = small_angle(self.layout, self.line, torque=self.demand.torque)
-        return cycle.static, cycle.dynamic
+        weight = loads(self.layout, self.turn, self.line, torque=0.0, gravity=self.gravity)
+        return cycle.static + weight.bearing_forces.static, cycle.dynamic
 
     @cached_property
     def critical_speeds(self) -> FloatArray:
