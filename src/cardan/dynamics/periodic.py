@@ -17,7 +17,7 @@ Runge-Kutta method of order 20, Hairer, Norsett & Wanner, Solving ODEs I (1993),
 """
 
 from collections.abc import Callable
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, chunked
 from cardan.base.errors import NotConverged
 
 Matrices: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
@@ -435,7 +435,7 @@ def over(
     chunk
         Points per call: enough to share NumPy's overhead, few enough to stay in the cache.
     executor
-        Where the chunks run; threads by default, for NumPy lets go of the interpreter.
+        Where the chunks run, in this process; by default threads, one for each core.
     progress
         Called with chunks done and chunks in all, after each.
 
@@ -445,23 +445,16 @@ def over(
         The values, with the function's further axes behind.
     """
     arrays = np.broadcast_arrays(*(np.asarray(p, dtype=float) for p in parameters))
-    shape = arrays[0].shape
     flat = [a.ravel() for a in arrays]
-    starts = range(0, flat[0].size, chunk)
+    pieces = -(-flat[0].size // chunk)
+    done: list[int] = []
 
-    def run(pool: Executor) -> list[FloatArray]:
-        jobs = [pool.submit(function, *(f[i : i + chunk] for f in flat)) for i in starts]
-        values: list[FloatArray] = []
-        for done, job in enumerate(jobs, 1):
-            values.append(np.asarray(job.result()))
-            if progress:
-                progress(done, len(jobs))
+    def told(*points: FloatArray) -> FloatArray:
+        values = np.asarray(function(*points))
+        done.append(points[0].size)
+        if progress:
+            progress(len(done), pieces)
         return values
 
-    if executor is None:
-        with ThreadPoolExecutor() as pool:
-            values = run(pool)
-    else:
-        values = run(executor)
-    joined = np.concatenate(values)
-    return joined.reshape(*shape, *joined.shape[1:])
+    values: FloatArray = chunked(told, *flat, size=chunk, executor=executor)
+    return values.reshape(*arrays[0].shape, *values.shape[1:])

@@ -26,7 +26,7 @@ from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.chart import edges
 from cardan.dynamics.periodic import Periodic, differentiation, growth, operator
-from cardan.kinematics.chain import planes
+from cardan.kinematics.chain import cross, dot, joint_angles, turn
 from cardan.model.parts import Line
 
 SAMPLES = 33
@@ -140,11 +140,7 @@ def of_line(
     DesignError
         If a shaft has no tube, or only one of the two gearbox values is given.
     """
-    layout = planes(directions, phases=line.phases)
-    beta = np.arccos(np.clip(layout.cos, -1, 1))
-    twist = np.concatenate(
-        [np.angle(layout.twist), np.zeros((*beta.shape[:-1], 1))], axis=-1
-    )  # fmt: skip
+    beta, twist = _placed(np.asarray(directions, dtype=float), line.phases)
     springs, halves = [], []
     for k, shaft in enumerate(line.shafts, 1):
         if shaft.tube is None or shaft.polar_inertia is None:
@@ -186,6 +182,21 @@ def of_line(
         stiffness=made.stiffness, front=front, front_twist=front_twist, torque=made.torque,
         damping=2 * damping_ratio / first * made.stiffness, **fields,
     )  # fmt: skip
+
+
+def _placed(directions: FloatArray, phases: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Angles (..., n) rad of a chain's joints, and the twist from each one's pin to the next's.
+
+    A pin is counted from its joint's own plane. The last twist, to no joint, is 0.
+    """
+    before, after = directions[..., :-1, :], directions[..., 1:, :]
+    pins = turn(directions, phases=phases, samples=4).driving_pins[..., 0, :]
+    normal = cross(before, after)
+    theta = np.arctan2(dot(pins, normal), dot(pins, cross(normal, before)))
+    beta = joint_angles(directions)
+    driven = transmitted(theta, beta=beta)[0]
+    twist = np.concatenate([theta[..., 1:] - driven[..., :-1], 0 * theta[..., :1]], axis=-1)
+    return beta, twist
 
 
 # ----- without the joints' unevenness -----------------------------------------------------
