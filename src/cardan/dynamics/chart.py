@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import NotConverged
 
 Margin: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
@@ -24,7 +24,7 @@ Progress: TypeAlias = Callable[[int, int], None]
 
 
 def _zero(
-    f: Callable[[FloatArray, FloatArray], FloatArray],
+    f: Callable[[FloatArray, IntArray], FloatArray],
     at_low: FloatArray,
     at_high: FloatArray,
     *,
@@ -38,7 +38,7 @@ def _zero(
     low, high = np.zeros(at_low.size), np.ones(at_low.size)
     a, b = at_low.astype(float), at_high.astype(float)
     best = np.full(at_low.size, 2.0)
-    busy = np.arange(at_low.size)
+    busy: IntArray = np.arange(at_low.size)
     while busy.size:
         left_end, width = low[busy], high[busy] - low[busy]
         fl, fh = a[busy], b[busy]
@@ -118,11 +118,11 @@ def boundary(
     known: dict[int, float] = {}
     asked = 0
 
-    def place(code: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def place(code: IntArray) -> tuple[FloatArray, FloatArray]:
         i, j = np.divmod(code, ny + 1)
         return x[0] + (x[1] - x[0]) * i / nx, y[0] + (y[1] - y[0]) * j / ny
 
-    def values(i: FloatArray, j: FloatArray) -> FloatArray:
+    def values(i: IntArray, j: IntArray) -> FloatArray:
         nonlocal asked
         code = i * (ny + 1) + j
         unique, back = np.unique(code, return_inverse=True)
@@ -138,7 +138,8 @@ def boundary(
         for a in np.meshgrid(np.arange(0, nx, step), np.arange(0, ny, step), indexing="ij")
     )
     around = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-    for level in range(levels + 1):
+    level = 0
+    while True:
         corner = values(i[:, None] + step * around[:, 0], j[:, None] + step * around[:, 1])
         crossed = (corner > 0).any(-1) & ~(corner > 0).all(-1)
         if progress:
@@ -148,7 +149,7 @@ def boundary(
         # A cell may hide a zero if its margin could reach it on the slopes of its corners.
         reach = np.abs(np.diff(corner, axis=-1, append=corner[:, :1])).max(-1)
         keep = crossed | (np.abs(corner).min(-1) <= reach)
-        i, j, step = i[keep], j[keep], step // 2
+        i, j, step, level = i[keep], j[keep], step // 2, level + 1
         i = (i[:, None] + step * around[:, 0]).ravel()
         j = (j[:, None] + step * around[:, 1]).ravel()
     i, j, corner = i[crossed], j[crossed], corner[crossed]
@@ -165,7 +166,7 @@ def boundary(
     first, last = (np.stack(place(lines[:, k]), axis=-1) for k in (0, 1))
     at = [np.array([known[c] for c in lines[:, k].tolist()]) for k in (0, 1)]
 
-    def along(s: FloatArray, which: FloatArray) -> FloatArray:
+    def along(s: FloatArray, which: IntArray) -> FloatArray:
         nonlocal asked
         asked += s.size
         p = first[which] + s[:, None] * (last - first)[which]
@@ -282,11 +283,13 @@ def curve(
         track, h = [p], step
         while len(track) < most and h > 1e-6:
             found = settle(p + h * tangent, tangent)
-            if found is not None:
-                new, gradient = found
-                turned = np.array([-gradient[1], gradient[0]]) / np.linalg.norm(gradient)
-                turned *= np.sign(turned @ tangent) or 1.0
-            if found is None or turned @ tangent < 0.9 or np.linalg.norm(new - p) > 2 * h:
+            if found is None:
+                h /= 2
+                continue
+            new, gradient = found
+            turned = np.array([-gradient[1], gradient[0]]) / np.linalg.norm(gradient)
+            turned *= np.sign(turned @ tangent) or 1.0
+            if turned @ tangent < 0.9 or np.linalg.norm(new - p) > 2 * h:
                 h /= 2
                 continue
             p, tangent = new, turned

@@ -14,7 +14,7 @@ two states and Hertz contact; its figures were not at hand and are not compared.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -159,6 +159,16 @@ class Rattle:
     impacts: FloatArray
 
 
+def _event(side: int, play: float, direction: int) -> Callable[..., float]:
+    """Return an event of `solve_ivp`: the gap passes the play on a side, closing or opening."""
+
+    def event(_t: float, y: FloatArray, *_: object) -> float:
+        return side * float(y[0]) - play
+
+    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    return event
+
+
 def rattle(
     joint: LooseJoint,
     *,
@@ -193,9 +203,12 @@ def rattle(
     """
     from scipy.integrate import solve_ivp
 
+    integrate: Callable[..., Any] = solve_ivp  # its stubs know no events with attributes
     R, K, n = joint.radius, joint.stiffness, joint.exponent
     a = joint.law(joint.restitution)
-    torque_of = lambda sunk: 2 * R * K * sunk**n  # noqa: E731
+
+    def torque_of(sunk: float) -> float:
+        return 2 * R * K * sunk**n
 
     def driving(t: float) -> tuple[float, float]:
         _, first, second, _ = transmitted(speed * t, beta=joint.beta)
@@ -215,29 +228,19 @@ def rattle(
         pushed = contact(state, side, arrived) - joint.load - joint.drag * driven
         return [state[1], acceleration - pushed / joint.inertia]
 
-    if gap is None:
-        gap = joint.play + (max(joint.load, 0.0) / torque_of(1.0)) ** (1 / n) / R
-    t, state = 0.0, np.array([gap, gap_rate])
-    side = int(np.sign(gap)) if abs(gap) > joint.play else 0
-    arrived, impacts, pieces = 0.0, [], []
+    resting = joint.play + (max(joint.load, 0.0) / torque_of(1.0)) ** (1 / n) / R
+    begin = resting if gap is None else gap
+    t, state = 0.0, np.array([begin, gap_rate])
+    side = int(np.sign(begin)) if abs(begin) > joint.play else 0
+    arrived = 0.0
+    impacts: list[float] = []
+    pieces: list[tuple[float, float, Any]] = []
     for _ in range(most):
-
-        def leaves(_t: float, y: FloatArray, side: int, _a: float) -> float:
-            return side * y[0] - joint.play
-
-        def meets(_t: float, y: FloatArray, _s: int, _a: float, way: int) -> float:
-            return way * y[0] - joint.play
-
         if side:
-            leaves.terminal, leaves.direction = True, -1  # type: ignore[attr-defined]
-            events = [leaves]
+            events = [_event(side, joint.play, -1)]
         else:
-            events = []
-            for way in (1, -1):
-                event = lambda t, y, s, v, way=way: meets(t, y, s, v, way)  # noqa: E731
-                event.terminal, event.direction = True, 1  # type: ignore[attr-defined]
-                events.append(event)
-        done = solve_ivp(
+            events = [_event(way, joint.play, 1) for way in (1, -1)]
+        done = integrate(
             rate, (t, duration), state, args=(side, arrived), events=events, method="DOP853",
             rtol=1e-9, atol=[1e-13, 1e-10], dense_output=True,
             max_step=np.inf if speed == 0 else np.pi / speed / 16,

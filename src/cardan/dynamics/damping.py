@@ -36,9 +36,8 @@ def viscous_exponents(
         np.asarray(v, dtype=float) for v in (speed, mass, stiffness, external, internal)
     )
     half = (ce + ci) / (2 * m)
-    root = np.sqrt(half**2 - (k - 1j * W * ci) / m + 0j)
-    root = np.where(root.imag < 0, -root, root)
-    return np.stack([-half + root, -half - root], axis=-1)
+    root = _forward(half**2 - (k - 1j * W * ci) / m)
+    return np.stack([-half + root, -half - root], axis=-1).astype(complex)
 
 
 def viscous_threshold(
@@ -80,7 +79,7 @@ def hysteretic_growth(
 
 def _forward(square: ComplexArray) -> ComplexArray:
     """Return the root that whirls forward."""
-    root = np.sqrt(square)
+    root = np.asarray(np.sqrt(square + 0j), dtype=np.complex128)
     return np.where(root.imag < 0, -root, root)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.base.errors import DesignError
-from cardan.dynamics.periodic import Periodic, response
+from cardan.dynamics.periodic import Periodic, eigenvalues, response
 from cardan.dynamics.torsion import transmitted
 
 
@@ -84,11 +84,13 @@ class Whirl:
             msg = "the rotating frame needs bearings equal all round; use growth(whirl.system)"
             raise DesignError(msg)
         iw = 1j * self.speed[..., None, None]
-        M = self.mass
-        C = self.damping + 2 * iw * M
-        K = self.stiffness + iw * self.damping + iw**2 * M
+        M, C, K, S = np.broadcast_arrays(
+            self.mass,
+            self.damping + 2 * iw * self.mass,
+            self.stiffness + iw * self.damping + iw**2 * self.mass,
+            self.stirred,
+        )
         m = M.shape[-1]
-        M, C, K = np.broadcast_arrays(M, C, K)
         none = np.zeros_like(M)
 
         def pair(own: ComplexArray, other: ComplexArray) -> ComplexArray:
@@ -97,9 +99,9 @@ class Whirl:
         inverse = np.linalg.inv(pair(M, none))
         A = np.zeros((*M.shape[:-2], 4 * m, 4 * m), dtype=complex)
         A[..., : 2 * m, 2 * m :] = np.eye(2 * m)
-        A[..., 2 * m :, : 2 * m] = -inverse @ pair(K, np.broadcast_to(self.stirred, M.shape))
+        A[..., 2 * m :, : 2 * m] = -inverse @ pair(K, S)
         A[..., 2 * m :, 2 * m :] = -inverse @ pair(C, none)
-        return np.linalg.eigvals(A)
+        return eigenvalues(A)
 
 
 def _single(value: ArrayLike) -> ComplexArray:
@@ -228,9 +230,11 @@ def flexible_shaft(
         u = (x + 1) / 2
         return u * P, P + 2 * u * dP, 4 * dP + 4 * u * ddP
 
+    def inner(a: FloatArray, b: FloatArray) -> FloatArray:
+        return (a * weight) @ b.T
+
     w, dw, ddw = sampled(x)
     start, end = (sampled(np.array([side])) for side in (-1.0, 1.0))
-    inner = lambda a, b: (a * weight) @ b.T  # noqa: E731
     slope = inner(dw, dw)
     bent = EI / L**3 * inner(ddw, ddw)
     tip = end[0] @ end[0].T
@@ -313,9 +317,11 @@ def misaligned_shaft(
         out = (torque * N[..., 2] / s)[..., None]
         along = load[..., None] * d + (1 - load[..., None]) * d0 / s[..., None]
         M = (torque / s)[..., None] * N - out * along
-        J = (torque / s)[..., None, None] * (np.eye(3) - a[..., :, None] * a[..., None, :])
-        J = J - (torque / s**2)[..., None, None] * N[..., :, None] * d0[..., None, :]
-        J = J - (out * load[..., None])[..., None] * np.eye(3)
+        J = (
+            (torque / s)[..., None, None] * (np.eye(3) - a[..., :, None] * a[..., None, :])
+            - (torque / s**2)[..., None, None] * N[..., :, None] * d0[..., None, :]
+            - (out * load[..., None])[..., None] * np.eye(3)
+        )
         # Moment square to the shaft; tilting the shaft tilts what counts as square.
         across = J[..., :2, :2] - M[..., 2, None, None] * np.eye(2)
         return M[..., :2], across, ratio * w

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
+from cardan.dynamics.periodic import eigenvalues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +49,7 @@ class Pendulum:
         mgl = np.asarray(self.weight_moment, dtype=float)
         return np.stack(np.broadcast_arrays((C - B) * W2 + mgl, (C - A) * W2 + mgl), axis=-1)
 
-    def stable_with_friction(self, speed: FloatArray | float) -> FloatArray:
+    def stable_with_friction(self, speed: FloatArray | float) -> BoolArray:
         """Return whether (C-B)Ω² + mgl > 0 and (C-A)Ω² + mgl > 0, (...) bool."""
         return np.all(self.stiffness(speed) > 0, axis=-1)
 
@@ -76,4 +77,4 @@ class Pendulum:
         rate[..., 0, 2] = rate[..., 1, 3] = 1.0
         rate[..., 2, 0], rate[..., 2, 2], rate[..., 2, 3] = -k[..., 0] / A, -c / A, -G / A
         rate[..., 3, 1], rate[..., 3, 3], rate[..., 3, 2] = -k[..., 1] / B, -c / B, G / B
-        return np.linalg.eigvals(rate).astype(complex)
+        return eigenvalues(rate)

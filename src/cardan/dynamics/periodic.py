@@ -48,7 +48,7 @@ class Periodic:
     period: FloatArray
     matrices: Matrices
 
-    def scaled(self, phase: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def scaled(self, phase: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return T M⁻¹C and T² M⁻¹K, each (..., s or 1, m, m): a period counts as 1."""
         M, C, K = self.matrices(phase)
         inverse = _inverse(M)
@@ -59,12 +59,12 @@ class Periodic:
 def _inverse(M: FloatArray) -> FloatArray:
     """Invert mass matrices; one or two coordinates by hand, which is ten times quicker."""
     if M.shape[-1] == 1:
-        return 1 / M
+        return np.reciprocal(M)
     if M.shape[-1] == 2:
         a, b, c, d = M[..., 0, 0], M[..., 0, 1], M[..., 1, 0], M[..., 1, 1]
         adjugate = np.stack([d, -b, -c, a], axis=-1).reshape(M.shape)
         return adjugate / (a * d - b * c)[..., None, None]
-    return np.linalg.inv(M)
+    return np.asarray(np.linalg.inv(M), np.float64)
 
 
 # ----- in time: the monodromy matrix ----------------------------------------------------
@@ -73,6 +73,11 @@ _STAGES = (7, 10)
 """Gauss nodes a step: a trial and the answer, whose difference is the trial's error."""
 
 _MOST_STEPS = 1 << 13
+
+
+def eigenvalues(matrix: FloatArray | ComplexArray) -> ComplexArray:
+    """Return the eigenvalues (..., n) of matrices (..., n, n), complex even where all are real."""
+    return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
 
 
 def _size(matrix: FloatArray) -> FloatArray:
@@ -101,12 +106,12 @@ def _steps(system: Periodic, scale: FloatArray, count: int, stages: int) -> Floa
     accelerations at the nodes, so a step costs one solve of size stages times m.
     """
     x, weight, A = _gauss(stages)
-    C, K = system.scaled(((np.arange(count)[:, None] + x) / count).ravel())
-    m = K.shape[-1]
-    shape = np.broadcast_shapes(C.shape[:-3], K.shape[:-3], scale.shape)
+    given = system.scaled(((np.arange(count)[:, None] + x) / count).ravel())
+    m = given[1].shape[-1]
+    shape = np.broadcast_shapes(*(part.shape[:-3] for part in given), scale.shape)
     C, K = (
         np.broadcast_to(part, (*shape, count * stages, m, m)).reshape(*shape, count, stages, m, m)
-        for part in (C / count, K / count**2)
+        for part in (given[0] / count, given[1] / count**2)
     )
     # Row (node, coordinate), column (node, coordinate).
     left = K[..., None, :] * (A @ A)[:, None, :, None]
@@ -177,11 +182,11 @@ def monodromy(system: Periodic, *, tolerance: float = 1e-10) -> FloatArray:
     NotConverged
         If 8192 steps a period are not enough.
     """
-    P, scale, _ = _settled(system, tolerance)
-    m = P.shape[-1] // 2
+    found, scale, _ = _settled(system, tolerance)
+    m = found.shape[-1] // 2
     # From (q, q' T / scale) back to (q, q').
     factor = (scale / np.asarray(system.period))[..., None, None]
-    P = P.copy()
+    P = found.copy()
     P[..., :m, m:] /= factor
     P[..., m:, :m] *= factor
     return P
@@ -189,13 +194,13 @@ def monodromy(system: Periodic, *, tolerance: float = 1e-10) -> FloatArray:
 
 def multipliers(system: Periodic, *, tolerance: float = 1e-10) -> ComplexArray:
     """Floquet multipliers, (..., 2m): eigenvalues of the monodromy matrix."""
-    return np.linalg.eigvals(_settled(system, tolerance)[0]).astype(complex)
+    return eigenvalues(_settled(system, tolerance)[0])
 
 
 def exponents(system: Periodic, *, tolerance: float = 1e-10) -> ComplexArray:
     """Floquet exponents, (..., 2m) 1/s, their imaginary parts within half a turn per period."""
     rho = multipliers(system, tolerance=tolerance)
-    return np.log(rho) / np.asarray(system.period)[..., None]
+    return np.asarray(np.log(rho) / np.asarray(system.period)[..., None], np.complex128)
 
 
 def growth(system: Periodic, *, tolerance: float = 1e-10) -> FloatArray:
@@ -255,9 +260,12 @@ def _harmonics(system: Periodic, samples: int = 256) -> tuple[ComplexArray, Comp
     """Fourier coefficients of the scaled C and K, (..., samples, m, m), in FFT order."""
     C, K = system.scaled(np.arange(samples) / samples)
     shape = np.broadcast_shapes(C.shape, K.shape, (samples, 1, 1))
-    return tuple(  # type: ignore[return-value]
-        np.fft.fft(np.broadcast_to(part, shape), axis=-3) / samples for part in (C, K)
-    )
+
+    def spectrum(part: FloatArray) -> ComplexArray:
+        whole = np.broadcast_to(part, shape)
+        return np.asarray(np.fft.fft(whole, axis=-3) / samples, np.complex128)
+
+    return spectrum(C), spectrum(K)
 
 
 def _hill(C: ComplexArray, K: ComplexArray, s: ComplexArray, N: int) -> ComplexArray:
@@ -270,10 +278,10 @@ def _hill(C: ComplexArray, K: ComplexArray, s: ComplexArray, N: int) -> ComplexA
     H = C[..., shift, :, :] * rate[..., None, :, None, None] + K[..., shift, :, :]
     H[..., np.arange(k.size), np.arange(k.size), :, :] += rate[..., None, None] ** 2 * one
     mean = H[..., np.arange(k.size), np.arange(k.size), :, :]
-    H = np.linalg.inv(mean)[..., :, None, :, :] @ H
+    even = np.linalg.inv(mean)[..., :, None, :, :] @ H
     m, n = C.shape[-1], k.size
-    H = np.moveaxis(H, -2, -3).reshape(*H.shape[:-4], n * m, n * m)
-    return np.linalg.det(H)
+    even = np.moveaxis(even, -2, -3).reshape(*even.shape[:-4], n * m, n * m)
+    return np.linalg.det(even)
 
 
 def hill_determinant(system: Periodic, exponent: ArrayLike) -> ComplexArray:
@@ -303,7 +311,7 @@ def hill_determinant(system: Periodic, exponent: ArrayLike) -> ComplexArray:
         to 12 ... 60 are extrapolated: the tail is a power series in 1/N.
     """
     C, K = _harmonics(system)
-    s = np.asarray(exponent, dtype=complex) * np.asarray(system.period)
+    s: ComplexArray = (np.asarray(exponent) * system.period).astype(complex)
     sizes = (12, 16, 20, 26, 34, 44, 60)
     values = [_hill(C, K, s, N) for N in sizes]
     h = [1 / (N + 0.5) for N in sizes]
@@ -328,7 +336,7 @@ def hill_multipliers(system: Periodic) -> ComplexArray:
     mean[..., :m, m:] = np.eye(m)
     mean[..., m:, :m] = -K[..., 0, :, :]
     mean[..., m:, m:] = -C[..., 0, :, :]
-    still = np.exp(np.linalg.eigvals(mean))
+    still = np.exp(eigenvalues(mean))
     # Well outside the mean system's multipliers: far from every pole of Δ.
     radius = 1.5 * np.abs(still).max(-1)[..., None]
     rho = radius * np.exp(2j * np.pi * (np.arange(d) + 0.5) / d)
@@ -348,7 +356,7 @@ def hill_multipliers(system: Periodic) -> ComplexArray:
     companion = np.zeros((*lower.shape, d), dtype=complex)
     companion[..., np.arange(1, d), np.arange(d - 1)] = 1
     companion[..., :, -1] = -lower
-    return np.linalg.eigvals(companion)
+    return eigenvalues(companion)
 
 
 # ----- the forced motion ----------------------------------------------------------------
@@ -380,8 +388,8 @@ def operator(
     # (..., i, a, j, b): sample i and coordinate a from sample j and coordinate b.
     D1, D2 = D[:, None, :, None] / T, (D @ D)[:, None, :, None] / T**2
     one = np.eye(samples)[:, None, :, None]
-    M, C, K = (part[..., :, :, None, :] for part in (M, C, K))
-    full = M * D2 + C * D1 + K * one
+    M_, C_, K_ = (part[..., :, :, None, :] for part in (M, C, K))
+    full = M_ * D2 + C_ * D1 + K_ * one
     m = full.shape[-1]
     return full.reshape(*full.shape[:-4], samples * m, samples * m)
 
@@ -409,7 +417,7 @@ def response(system: Periodic, force: ArrayLike) -> FloatArray:
     )
     full = operator(M, C, K, system.period, samples)
     flat = force.reshape(*force.shape[:-2], samples * m, 1)
-    answer = np.linalg.solve(full, flat)
+    answer: FloatArray = np.linalg.solve(full, flat).astype(float)
     return answer.reshape(*answer.shape[:-2], samples, m)
 
 

@@ -117,9 +117,9 @@ def passage(*, rate: ArrayLike, damping_ratio: ArrayLike = 0.0, start: float = 0
     reach = t[..., 1:2]
     for _ in range(10):
         fine = np.clip(when + reach * np.linspace(-1, 1, 17), 0, end[..., None])
-        value = envelope(fine)
-        when, reach = np.take_along_axis(fine, value.argmax(-1)[..., None], -1), reach / 8
-    peak = value.max(-1)
+        best = envelope(fine).argmax(-1)[..., None]
+        when, reach = np.take_along_axis(fine, best, -1), reach / 8
+    peak = envelope(when)[..., 0]
     return Passage(
         peak=peak,
         frequency=start + slope[..., 0] * when[..., 0],

@@ -21,6 +21,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.dynamics.chart import edges
+from cardan.dynamics.periodic import eigenvalues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +102,7 @@ class Steering:
 
     def exponents(self, speed: ArrayLike) -> ComplexArray:
         """Exponents (..., 12) 1/s of small motions, play closed."""
-        return np.linalg.eigvals(self.rates(speed)).astype(complex)
+        return eigenvalues(self.rates(speed))
 
     def growth(self, speed: ArrayLike) -> FloatArray:
         """Fastest growth (...) 1/s at a road speed m/s; above 0 the wheels shimmy."""

@@ -16,9 +16,10 @@ have, found two ways and confirmed by a multibody engine; the papers' figures we
 hand and are not compared.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal
+from itertools import combinations, pairwise
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -270,16 +271,17 @@ def _matrices(
 def _at_instants(line: TorsionLine) -> TorsionLine:
     """Return the line with an axis for instants between its cases and its joints."""
 
-    def spread(value: FloatArray | float, *, joints: bool) -> FloatArray | float:
-        if np.ndim(value) == 0:
-            return value
-        return np.asarray(value)[..., None, :] if joints else np.asarray(value)[..., None]
+    def joints(value: FloatArray | float) -> Any:
+        return value if np.ndim(value) == 0 else np.asarray(value)[..., None, :]
+
+    def alone(value: FloatArray | float) -> Any:
+        return value if np.ndim(value) == 0 else np.asarray(value)[..., None]
 
     return TorsionLine(
-        **{f: spread(getattr(line, f), joints=True)
-           for f in ("beta", "stiffness", "driving", "driven", "damping", "twist")},
-        **{f: spread(getattr(line, f), joints=False) for f in ("front", "front_twist", "torque")},
-    )  # type: ignore[arg-type]  # fmt: skip
+        beta=joints(line.beta), stiffness=joints(line.stiffness), damping=joints(line.damping),
+        driving=joints(line.driving), driven=joints(line.driven), twist=joints(line.twist),
+        front=alone(line.front), front_twist=alone(line.front_twist), torque=alone(line.torque),
+    )  # fmt: skip
 
 
 def _input(
@@ -528,6 +530,12 @@ def about_forced_orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SA
 # ----- parametric zones -------------------------------------------------------------------
 
 
+Kind: TypeAlias = Literal["principal", "sum", "difference"]
+
+About: TypeAlias = Callable[[TorsionLine, FloatArray], Periodic]
+"""What a line is linearised about: `about_rigid_rotation` and its like."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Zone:
     """A range of speeds in which a line shakes itself up, without forcing.
@@ -537,7 +545,7 @@ class Zone:
     growth in it, 1/s.
     """
 
-    kind: Literal["principal", "sum", "difference"]
+    kind: Kind
     modes: tuple[int, int]
     centre: float
     low: float
@@ -553,7 +561,7 @@ class Zone:
 def zones(
     line: TorsionLine,
     *,
-    about=about_rigid_rotation,  # type: ignore[no-untyped-def]
+    about: About = about_rigid_rotation,
     window: float | None = None,
     samples: int = 160,
 ) -> tuple[Zone, ...]:
@@ -575,13 +583,14 @@ def zones(
     Returns
     -------
     tuple of Zone
-        Principal zones first, then sum and difference combinations, closed ones included.
+        Principal zones first, then the combinations of each pair; closed ones included.
     """
     w = natural_frequencies(line)
     n = w.size
-    wanted = [("principal", i, i, w[i]) for i in range(n)]
-    wanted += [("sum", i, j, (w[i] + w[j]) / 2) for i in range(n) for j in range(i + 1, n)]
-    wanted += [("difference", i, j, (w[j] - w[i]) / 2) for i in range(n) for j in range(i + 1, n)]
+    wanted: list[tuple[Kind, int, int, float]] = [("principal", i, i, w[i]) for i in range(n)]
+    for i, j in combinations(range(n), 2):
+        wanted.append(("sum", i, j, (w[i] + w[j]) / 2))
+        wanted.append(("difference", i, j, (w[j] - w[i]) / 2))
     uneven = np.tan(np.append(np.ravel(line.beta), line.front) / 2) ** 2
     window = min(0.3, 1e-3 + 3 * float(uneven.sum())) if window is None else window
     found: list[Zone] = []
@@ -605,7 +614,7 @@ def zones(
         top = float(rate[inside].max()) if inside.any() else 0.0
         found.append(
             Zone(kind=kind, modes=(i + 1, j + 1), centre=float(centre), low=float(low),
-                 high=float(high), rate=top)  # type: ignore[arg-type]
+                 high=float(high), rate=top)
         )  # fmt: skip
     return tuple(found)
 
@@ -677,7 +686,12 @@ def motion(
     )
 
 
-def _runge_kutta(derivative, t, h, state):  # type: ignore[no-untyped-def]
+def _runge_kutta(
+    derivative: Callable[..., tuple[FloatArray, ...]],
+    t: float,
+    h: float,
+    state: tuple[FloatArray, ...],
+) -> tuple[FloatArray, ...]:
     """One classical step of fourth order for a tuple of arrays."""
     k1 = derivative(t, *state)
     k2 = derivative(t + h / 2, *(s + h / 2 * k for s, k in zip(state, k1, strict=True)))
@@ -710,21 +724,23 @@ def lyapunov_exponent(
     q, v = q + start, np.broadcast_to(v, q.shape)
     rate = w[..., None]
 
-    def derivative(turned, q, v, dq, dv):  # type: ignore[no-untyped-def]
+    def derivative(
+        turned: float, q: FloatArray, v: FloatArray, dq: FloatArray, dv: FloatArray
+    ) -> tuple[FloatArray, ...]:
         ahead = _input(line, np.full(w.shape, turned), w)[:2]
         a = _accelerations(line, q, v, ahead)
         _, M, C, K = _tangent(line, q, v, a, ahead)
         force = (C @ dv[..., None] + K @ dq[..., None])[..., 0]
         return v / rate, a / rate, dv / rate, -force / np.diagonal(M, axis1=-2, axis2=-1) / rate
 
-    dq, dv = np.ones(q.shape), np.zeros(q.shape)
-    state, total = (q, v, dq, dv), np.zeros(w.shape)
-    for turn in range(settle + turns):
+    state: tuple[FloatArray, ...] = (q, v, np.ones(q.shape), np.zeros(q.shape))
+    total = np.zeros(w.shape)
+    for done in range(settle + turns):
         for step in range(steps_per_turn):
-            state = _runge_kutta(derivative, (turn * steps_per_turn + step) * h, h, state)
+            state = _runge_kutta(derivative, (done * steps_per_turn + step) * h, h, state)
         q, v, dq, dv = state
         length = np.sqrt((dq**2).sum(-1) + ((dv / rate) ** 2).sum(-1))
-        if turn >= settle:
+        if done >= settle:
             total = total + np.log(length)
         state = (q, v, dq / length[..., None], dv / length[..., None])
     return total * w / (2 * np.pi * turns)
