@@ -250,7 +250,8 @@ def modes(
     shapes = np.moveaxis(shapes, -1, -3)
     flat = shapes.reshape(*shapes.shape[:-2], -1)
     largest = np.take_along_axis(flat, np.abs(flat).argmax(-1)[..., None], -1)
-    return np.log(rho) / np.asarray(system.period)[..., None], shapes / largest[..., None]
+    rates = np.asarray(np.log(rho) / np.asarray(system.period)[..., None], np.complex128)
+    return rates, np.asarray(shapes / largest[..., None], np.complex128)
 
 
 # ----- in frequency: Hill's infinite determinant ----------------------------------------
