@@ -1,7 +1,10 @@
 """Torque makes a driven shaft flutter on its bearing; unequal bearings can calm it.
 
-Mazzei's rigid shaft: a torque that follows the shaft feeds the whirl at any speed, one that
-stays along the driving shaft only in a zone where the joint's twice-a-turn term resonates.
+Mazzei's rigid shaft: a torque that follows the shaft feeds the whirl one way round, one that
+stays along the driving shaft the other, both from about four times the damping ratio times
+the stiffness. Where the speed meets the natural frequency the joint's own twice-a-turn term
+adds a zone, if the torque follows. Slow shafts are calmed by bearings stiffer one way than
+the other; fast ones are kept whirling by their gyroscopic moment.
 """
 
 import matplotlib.pyplot as plt
