@@ -58,6 +58,13 @@ def test_the_forced_torque_peaks_at_the_resonance(truck):
         assert peak == pytest.approx(line.frequencies[0] / 2, rel=0.03)
 
 
+def test_order_4_is_far_below_order_2(truck):
+    """By about tan²(β/2), the ratio of a joint's own orders, times a resonance."""
+    (line,) = stability(files.read(truck)).lines
+    low, high = line.amplitudes[:, 1].max(-1), line.amplitudes[:, 0].max(-1)
+    assert np.all(low < 0.05 * high)
+
+
 def test_damping_is_what_keeps_zones_closed(truck):
     """Without it a line that runs in its zone grows, and the verdict fails."""
     application = files.read(truck)

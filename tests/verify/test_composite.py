@@ -81,6 +81,17 @@ def test_failure_criteria_at_the_corners(ply):
     np.testing.assert_allclose(strength_ratio(corners, ply), 1, rtol=1e-12)
 
 
+def test_tsai_wu_coefficients_of_t300_5208():
+    """Tsai & Hahn (1980), table 7.2, per GPa: 0.444, 101.6, -3.36, 216.2, 0 and 20.93."""
+    index = lambda *s: float(tsai_wu(np.array(s, dtype=float) * GPa, CARBON_EPOXY))  # noqa: E731
+    even = lambda s: (index(*s) + index(*(-x for x in s))) / 2  # noqa: E731
+    F11, F22, F66 = even((1, 0, 0)), even((0, 1, 0)), even((0, 0, 1))
+    F12 = (even((1, 1, 0)) - F11 - F22) / 2
+    F1, F2 = ((index(*s) - index(*(-x for x in s))) / 2 for s in ((1, 0, 0), (0, 1, 0)))
+    np.testing.assert_allclose([F11, F22, F12, F66], [0.444, 101.6, -3.36, 216.2], rtol=2e-3)
+    np.testing.assert_allclose([F1, F2], [0, 20.93], rtol=1e-3, atol=1e-9)
+
+
 def test_strength_ratio_scales_to_failure():
     rng = np.random.default_rng(3)
     stress = rng.normal(size=(50, 3)) * [300e6, 20e6, 30e6]

@@ -115,6 +115,44 @@ def test_frequencies_of_the_beam_on_its_bearing():
     np.testing.assert_allclose(natural_frequencies(shaft)[:3], exact, rtol=1e-7)
 
 
+@pytest.mark.parametrize("follower", [0.0, 1.0])
+def test_galerkin_solves_the_differential_equation(follower):
+    """Strong form of the bent, twisted shaft, seen turning: z = e^{iWt} (u e^{λt} + v* e^{λ*t}).
+
+    ρA (λ + iW)² u + EI u_xxxx + iT u_xxx = 0 from the balance of moments and forces, the same
+    for v with -i; at the joint iEI u_xx = T (u_x + v_x)/2, at the load EI u_xx = -iT (1 - σ) u_x,
+    shear EI u_xxx + iT u_xx = (k + c (λ + iW)) u. Eight exponentials: their determinant vanishes.
+    """
+    W, T, L, EI, rhoA, k, c = 0.5, 0.6, 2.0, 3.0, 0.35, 0.5, 0.03
+    shaft = flexible_shaft(
+        speed=W, torque=T, length=L, bending_stiffness=EI, mass_per_length=rhoA, bearing=k,
+        bearing_damping=c, follower=follower, functions=14,
+    )  # fmt: skip
+    found = shaft.rotating_exponents()
+    found = found[np.argsort(np.abs(found))][:8]
+
+    def residue(s):
+        rows = np.zeros((8, 8), dtype=complex)
+        for half, sign in ((0, 1j), (1, -1j)):
+            rate = s + sign * W
+            r = np.roots([EI, sign * T, 0, 0, rhoA * rate**2])
+            at = slice(4 * half, 4 * half + 4)
+            # Columns scaled so that none of the exponentials grows large.
+            start = np.exp(-np.maximum((r * L).real, 0))
+            grown = np.exp(r * L - np.maximum((r * L).real, 0))
+            rows[half, at] = start
+            rows[2 + half, at] = (sign * EI * r**2 - T / 2 * r) * start
+            rows[3 - half, at] = -T / 2 * r * start
+            rows[4 + half, at] = (EI * r**2 + sign * T * (1 - follower) * r) * grown
+            rows[6 + half, at] = (EI * r**3 + sign * T * r**2 - (k + c * rate)) * grown
+        rows /= np.abs(rows).max(axis=1, keepdims=True)
+        return np.linalg.svd(rows, compute_uv=False)[-1]
+
+    for s in found:
+        assert residue(s) < 1e-7
+        assert residue(s + 0.01) > 1e-5
+
+
 def test_galerkin_converges():
     low = []
     for functions in (3, 5, 7, 9):
@@ -143,12 +181,13 @@ def test_no_misalignment_is_mazzei(follower, torque, speed, rate):
     assert np.abs(force).max() < 1e-15
 
 
-def test_misaligned_moment_and_its_derivative():
-    """The joint's moment T [d - a (a.d)] / (d0.d), differenced at tilted shafts."""
+@pytest.mark.parametrize("follower", [0.0, 1.0])
+def test_misaligned_moment_and_its_derivative(follower):
+    """The joint's moment along d - a (a.d), carrying the load, differenced at tilted shafts."""
     beta, T, tilt = 0.2, 0.7, 1e-6
     shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.0}
     system, force = misaligned_shaft(
-        speed=1.0, torque=T, follower=1.0, beta=beta, stiffness=(0.0, 0.0), **shaft
+        speed=1.0, torque=T, follower=follower, beta=beta, stiffness=(0.0, 0.0), **shaft
     )
     d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
     across = np.array([np.cos(beta), 0, np.sin(beta)])
@@ -158,10 +197,10 @@ def test_misaligned_moment_and_its_derivative():
 
         def bending(x, y, a=a):
             d = np.array([x, y, np.sqrt(1 - x**2 - y**2)])
-            M = T * (d - a * (a @ d)) / (d0 @ d)
-            M = M - d * (d @ M)  # a follower load takes what turns the shaft
-            # Components along axes that tilt with the shaft, to first order.
-            return np.array([M[0] + x * M[2], M[1] + y * M[2]])
+            M = d - a * (a @ d)
+            load = d if follower else d0 / np.cos(beta)
+            # The load is held at T about the nominal shaft; what the joint passes on follows.
+            return T * (M / (d @ M) - load)[:2]
 
         turn = np.array([[0, 1.0], [-1, 0]])
         np.testing.assert_allclose(force[k], turn @ bending(0, 0), atol=1e-12)

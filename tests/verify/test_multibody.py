@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cardan.base.units import deg
-from cardan.dynamics.lateral import rigid_shaft
+from cardan.dynamics.lateral import misaligned_shaft, rigid_shaft
 from cardan.dynamics.periodic import growth, multipliers
 from cardan.dynamics.torsion import TorsionLine, about_forced_orbit, orbit
 
@@ -203,23 +203,28 @@ def test_torsional_growth(line, speed):
 # ----- lateral
 
 
-def lateral_run(*, speed, torque, follower, bearing, damping, inertia, count):
+def lateral_run(
+    *, speed, torque, follower, bearing, damping, inertia, count, beta=0.0, tipped=(2e-5, 1e-5)
+):
     """Flywheel, cross and a driven shaft on a bearing 1 m on; inclination and its rate."""
-    z = np.array([0.0, 0, 1])
-    a, b = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
-    tipped = np.array([2e-5, 1e-5, 0.0])
+    z, b = np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
+    d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
+    a = np.array([np.cos(beta), 0, np.sin(beta)])  # in the plane of the shafts
+    push = np.array([*tipped, 0.0])
+    # Cross: w d0 + s a = w2 z + push + r b.
+    w2, _, s = np.linalg.solve(np.stack([z, b, -a], axis=-1), speed * d0 - push)
     machine = Machine()
-    wheel = machine.body(z, a, (FLYWHEEL, FLYWHEEL), speed * z)
-    cross = machine.body(z, a, (1e-5, 1e-5), speed * z + (tipped @ a) * a)
-    shaft = machine.body(z, b, inertia, speed * z + tipped)
-    machine.hinge(machine.ground, wheel, z)
+    wheel = machine.body(d0, a, (FLYWHEEL, FLYWHEEL), speed * d0)
+    cross = machine.body(np.cross(a, b), a, (1e-5, 1e-5), speed * d0 + s * a)
+    shaft = machine.body(z, b, inertia, w2 * z + push)
+    machine.hinge(machine.ground, wheel, d0)
     machine.hinge(wheel, cross, a)
     machine.hinge(cross, shaft, b)
     machine.mbs.CreateCartesianSpringDamper(
         bodyNumbers=[machine.ground, shaft], localPosition0=[0.0, 0, 1], localPosition1=[0.0, 0, 1],
         stiffness=[*bearing, 0.0], damping=[damping, damping, 0.0],
     )  # fmt: skip
-    machine.mbs.CreateTorque(bodyNumber=wheel, loadVector=[0.0, 0.0, torque])
+    machine.mbs.CreateTorque(bodyNumber=wheel, loadVector=list(torque * d0))
     machine.mbs.CreateTorque(bodyNumber=shaft, loadVector=[0.0, 0.0, -torque], bodyFixed=follower)
     machine.watch(shaft)
     matrix, rate = machine.run(np.pi / speed, count)
@@ -247,3 +252,28 @@ def test_lateral_growth(speed, torque, follower, difference, count):
     rate = np.log(np.abs(found).max()) * speed / np.pi
     assert rate == pytest.approx(float(growth(shaft.system)), abs=1e-4)
     assert np.abs(found[:, None] - exact).min(-1).max() < 0.02
+
+
+@pytest.mark.parametrize(("speed", "torque", "beta"), [(0.5, 0.2, 8), (1.0, 0.15, 12)])
+def test_misaligned_growth(speed, torque, beta):
+    """A shaft held at an angle, shaken twice a turn; the difference of two runs grows."""
+    given = {"torque": torque, "damping": 0.05, "speed": speed}
+    shaft, _ = misaligned_shaft(
+        beta=beta * deg, transverse_inertia=1.0, polar_inertia=0.1, stiffness=(1.0, 1.1), **given
+    )
+    runs = [
+        lateral_run(
+            follower=True, inertia=(1.0, 0.1), bearing=(1.0, 1.1), count=20, beta=beta * deg,
+            tipped=tipped, **given,
+        ) for tipped in ((0.0, 0.0), (2e-4, 1e-4))
+    ]  # fmt: skip
+    rate = np.log(np.abs(mapped(runs[1] - runs[0])).max()) * speed / np.pi
+    aligned = growth(
+        rigid_shaft(
+            transverse_inertia=1.0, polar_inertia=0.1, stiffness=1.05, stiffness_difference=-0.05,
+            **given,
+        ).system
+    )  # fmt: skip
+    print(rate, float(growth(shaft)), float(aligned))
+    # Linear about the shaft held at the angle: it really swings by T beta / 2k about it.
+    assert rate == pytest.approx(float(growth(shaft)), abs=3e-4)

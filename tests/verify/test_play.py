@@ -124,6 +124,32 @@ def test_gyroscopic_moments_hold_what_friction_drops():
     assert rubbed.exponents(8.0).real.max() > 1e-6
 
 
+def test_equations_follow_from_the_energy():
+    """Kinetic and potential energy of the hung body, differenced, give the same exponents."""
+    A, B, C, mgl, W = 2.0, 1.3, 0.9, 7.0, 2.5
+
+    def lagrangian(x):
+        a, b, da, db = x
+        turning = np.array([
+            da * np.cos(b) - W * np.cos(a) * np.sin(b), W * np.sin(a) + db,
+            da * np.sin(b) + W * np.cos(a) * np.cos(b),
+        ])  # fmt: skip
+        return turning**2 @ [A, B, C] / 2 + mgl * np.cos(a) * np.cos(b)
+
+    h, one = 1e-3, np.eye(4)
+    H = np.array([[
+        (lagrangian(h * (i + j)) - lagrangian(h * (i - j)) - lagrangian(h * (j - i))
+         + lagrangian(-h * (i + j))) / (4 * h**2) for i in one] for j in one])  # fmt: skip
+    # d/dt of L_v - L_q = 0 with L = x' H x / 2.
+    M, G, K = H[2:, 2:], H[2:, :2] - H[:2, 2:], -H[:2, :2]
+    inverse = np.linalg.inv(M)
+    rate = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ K, -inverse @ G]])
+    body = Pendulum(driving_inertia=A, driven_inertia=B, polar_inertia=C, weight_moment=mgl)
+    np.testing.assert_allclose(
+        np.sort(body.exponents(W).imag), np.sort(np.linalg.eigvals(rate).imag), rtol=1e-4
+    )
+
+
 def test_a_flat_body_spins_as_fast_as_it_likes():
     disc = Pendulum(driving_inertia=1.0, driven_inertia=1.0, polar_inertia=1.8, weight_moment=5.0)
     assert disc.speed_limit() == np.inf

@@ -10,7 +10,7 @@ import pytest
 from cardan.base.errors import DesignError
 from cardan.base.units import deg
 from cardan.dynamics.chart import edges
-from cardan.dynamics.periodic import growth
+from cardan.dynamics.periodic import growth, monodromy
 from cardan.dynamics.torsion import (
     TorsionLine,
     about_forced_orbit,
@@ -125,6 +125,25 @@ def test_forced_orbit_is_what_the_equations_settle_to():
     # Fourth order: (2 pi / 256)^4 of the fastest motion.
     np.testing.assert_allclose(run.deviation[-1], start, atol=2e-7)
     np.testing.assert_allclose(run.rate[-1], found.rate[0], atol=2e-7)
+
+
+def test_monodromy_is_the_derivative_of_the_motion():
+    """Half a turn of the nonlinear equations from pushed starts, against the linear matrix."""
+    speed, push = np.array(0.5), 1e-4
+    found = orbit(GENERAL, speed, samples=65)
+    rigid = motion(GENERAL, speed, turns=0)  # where the rigid line starts
+    ends = []
+    for sign in (1, -1):
+        pushed = sign * push * np.eye(6)
+        run = motion(
+            GENERAL, np.full(6, speed), turns=0.5, steps_per_turn=2000,
+            start=found.rotation[0] - rigid.deviation[0] + pushed[:, :3],
+            start_rate=found.rate[0] - rigid.rate[0] + pushed[:, 3:],
+        )  # fmt: skip
+        ends.append(np.concatenate([run.deviation[:, -1], run.rate[:, -1]], axis=-1))
+    # Central differences: the error is of third order in the push.
+    P = (ends[0] - ends[1]).T / (2 * push)
+    np.testing.assert_allclose(P, monodromy(about_forced_orbit(GENERAL, speed)), atol=1e-6)
 
 
 def test_growth_about_the_orbit_is_the_lyapunov_exponent():

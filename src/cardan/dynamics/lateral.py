@@ -271,12 +271,13 @@ def misaligned_shaft(
     """Return the rigid shaft at a nominal joint angle: its small motions, and what shakes it.
 
     Small motions are about the shaft held at the angle, with the joint's full moment and
-    its derivative there, and the shaft's uneven rotation in the gyroscopic moment.
+    its derivative there, and the shaft's uneven rotation: it speeds and slows the shaft's
+    own inertia and its gyroscopic moment.
 
     Parameters
     ----------
     speed, torque : (...) rad/s, N m
-        Ω and T of the driving shaft, both constant.
+        Ω of the driving shaft and T of the load, both constant.
     beta : (...) rad
         Nominal joint angle; x of the motion lies in the plane of the two shafts.
     transverse_inertia, polar_inertia, damping, follower
@@ -300,7 +301,7 @@ def misaligned_shaft(
 
     def moment(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return force, its derivative and the shaft's own speed, at phases of half a turn."""
-        w, torque, b, _, load = each
+        w, torque, b, polar, load = each
         turned = np.pi * phase
         cos_b, sin_b = np.cos(b), np.sin(b)
         # Frame of the driven shaft: x and y square to it, z along it. Driving shaft d0 and
@@ -310,17 +311,19 @@ def misaligned_shaft(
             np.broadcast_arrays(cos_b * np.cos(turned), np.sin(turned), sin_b * np.cos(turned)), -1
         )
         d = np.array([0.0, 0.0, 1.0])
-        s = d0[..., 2]
         N = d - a * a[..., 2:]
-        ratio = transmitted(turned, beta=b)[1]
-        # The shaft in uniform rotation needs no torque: what comes in goes to the load.
-        out = (torque * N[..., 2] / s)[..., None]
-        along = load[..., None] * d + (1 - load[..., None]) * d0 / s[..., None]
-        M = (torque / s)[..., None] * N - out * along
+        _, ratio, bend, _ = transmitted(turned, beta=b)
+        # The joint carries the load and what speeds the shaft up; its moment lies along N.
+        carried = torque + polar * bend * w**2
+        size = (carried / N[..., 2])[..., None]
+        along = load[..., None] * d + (1 - load[..., None]) * d0 / d0[..., 2:]
+        M = size * N - torque[..., None] * along
+        # N = P d with P = 1 - a a', and size = carried / (d' P d).
+        P = np.eye(3) - a[..., :, None] * a[..., None, :]
         J = (
-            (torque / s)[..., None, None] * (np.eye(3) - a[..., :, None] * a[..., None, :])
-            - (torque / s**2)[..., None, None] * N[..., :, None] * d0[..., None, :]
-            - (out * load[..., None])[..., None] * np.eye(3)
+            size[..., None] * P
+            - 2 * (size / N[..., 2:])[..., None] * N[..., :, None] * N[..., None, :]
+            - (torque * load)[..., None, None] * np.eye(3)
         )
         # Moment square to the shaft; tilting the shaft tilts what counts as square.
         across = J[..., :2, :2] - M[..., 2, None, None] * np.eye(2)

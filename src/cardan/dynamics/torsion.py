@@ -647,6 +647,7 @@ def motion(
     *,
     turns: float,
     start: ArrayLike = 0.0,
+    start_rate: ArrayLike = 0.0,
     steps_per_turn: int = 256,
 ) -> Motion:
     """Integrate the nonlinear equations at constant input speed, from near rigid rotation.
@@ -659,8 +660,8 @@ def motion(
         Input speed.
     turns
         How long, in turns of the input.
-    start : (..., n) rad
-        Rotations in excess of the rigid ones at time 0.
+    start, start_rate : (..., n) rad, rad/s
+        Rotations and rates in excess of the rigid ones at time 0.
     steps_per_turn
         Equal Runge-Kutta steps of fourth order.
     """
@@ -668,7 +669,7 @@ def motion(
     h = 2 * np.pi / steps_per_turn
     count = round(turns * steps_per_turn)
     q, v, _ = _rigid(line, np.zeros(w.shape), w)
-    q, v = np.broadcast_arrays(q + np.asarray(start, dtype=float), v)
+    q, v = np.broadcast_arrays(q + np.asarray(start, float), v + np.asarray(start_rate, float))
     rate = w[..., None]
 
     def derivative(turned: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
