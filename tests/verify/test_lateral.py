@@ -6,6 +6,7 @@ digits are printed. Beam frequencies are held against the transcendental equatio
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from cardan.base.errors import DesignError
@@ -17,12 +18,17 @@ from cardan.dynamics.damping import (
 )
 from cardan.dynamics.lateral import (
     flexible_shaft,
-    misaligned_motion,
     misaligned_shaft,
     natural_frequencies,
     rigid_shaft,
 )
-from cardan.dynamics.periodic import growth, hill_multipliers, multipliers
+from cardan.dynamics.periodic import (
+    differentiation,
+    growth,
+    hill_multipliers,
+    monodromy,
+    multipliers,
+)
 
 MAZZEI = {
     "transverse_inertia": 1.0,
@@ -174,48 +180,52 @@ def test_flexible_floquet_and_rotating_frame_agree():
 @pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
 def test_no_misalignment_is_mazzei(follower, torque, speed, rate):
     shaft = {k: v for k, v in MAZZEI.items() if k != "stiffness"}
-    system, force = misaligned_shaft(
+    system, swing = misaligned_shaft(
         speed=speed, torque=torque, follower=follower, beta=0.0, stiffness=(1.0, 1.0), **shaft
     )
     assert growth(system, tolerance=1e-12) == pytest.approx(rate, abs=5e-9)
-    assert np.abs(force).max() < 1e-15
+    assert np.abs(swing).max() < 1e-15
 
 
 @pytest.mark.parametrize("follower", [0.0, 1.0])
-def test_misaligned_moment_and_its_derivative(follower):
-    """The joint's moment along d - a (a.d), carrying the load, differenced at tilted shafts."""
-    beta, T, tilt = 0.2, 0.7, 1e-6
-    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.0}
-    system, force = misaligned_shaft(
-        speed=1.0, torque=T, follower=follower, beta=beta, stiffness=(0.0, 0.0), **shaft
+def test_misaligned_motion_and_its_neighbours(follower):
+    """The full equations, integrated from the forced motion and beside it.
+
+    I_t q'' + c q' + k q = the joint's moment along d - a (a.d) that carries the load T, less
+    the load, turned by -i. The forced motion comes back, and pushes map as the matrix says.
+    """
+    beta, T, W, c = 0.3, 0.2, 0.8, 0.1
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": c}
+    system, swing = misaligned_shaft(
+        speed=W, torque=T, follower=follower, beta=beta, stiffness=(1.0, 1.2), **shaft
     )
     d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
     across = np.array([np.cos(beta), 0, np.sin(beta)])
-    for k in (0, 5, 11, 20):
-        turned = np.pi * k / 33
-        a = np.cos(turned) * across + np.sin(turned) * np.array([0, 1.0, 0])
 
-        def bending(x, y, a=a):
-            d = np.array([x, y, np.sqrt(1 - x**2 - y**2)])
-            M = d - a * (a @ d)
-            load = d if follower else d0 / np.cos(beta)
-            # The load is held at T about the nominal shaft; what the joint passes on follows.
-            return T * (M / (d @ M) - load)[:2]
+    def rate(t, z):
+        q, v = z[:2], z[2:]
+        a = np.cos(W * t) * across + np.sin(W * t) * np.array([0, 1.0, 0])
+        d = np.array([*q, np.sqrt(1 - q @ q)])
+        M = d - a * (a @ d)
+        M = T * (M / (d @ M) - (d if follower else d0 / np.cos(beta)))
+        return np.concatenate([v, [M[1], -M[0]] - c * v - np.array([1.0, 1.2]) * q])
 
-        turn = np.array([[0, 1.0], [-1, 0]])
-        np.testing.assert_allclose(force[k], turn @ bending(0, 0), atol=1e-12)
-        slope = np.stack(
-            [(bending(tilt, 0) - bending(-tilt, 0)), (bending(0, tilt) - bending(0, -tilt))], -1
-        ) / (2 * tilt)
-        K = system.matrices(np.array([k / 33]))[2][0]
-        np.testing.assert_allclose(K, -turn @ slope, atol=1e-8)
+    start = np.concatenate([swing[0], (differentiation(33) @ swing)[0] * W / np.pi])
+    settings = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-13}
+    end = lambda z: solve_ivp(rate, (0, np.pi / W), z, **settings).y[:, -1]  # noqa: E731
+    np.testing.assert_allclose(end(start), start, atol=1e-9)
+    push = 1e-5
+    P = np.stack(
+        [(end(start + push * e) - end(start - push * e)) / (2 * push) for e in np.eye(4)], 1
+    )
+    np.testing.assert_allclose(monodromy(system), P, atol=1e-7)
 
 
 def test_misalignment_shakes_twice_a_turn():
     """Mean moment T tan(beta)/2 and as much at order 2, to first order in the angle."""
     beta, T = 0.02, 0.1
     shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.02}
-    q = misaligned_motion(speed=2.0, torque=T, beta=beta, stiffness=(1.0, 1.0), **shaft)
+    _, q = misaligned_shaft(speed=2.0, torque=T, beta=beta, stiffness=(1.0, 1.0), **shaft)
     spectrum = np.abs(np.fft.fft(q[:, 0] + 1j * q[:, 1])) / 33
     static, rolling = spectrum[0], spectrum[1]
     assert static == pytest.approx(T * beta / 2, rel=0.05)  # over k = 1; T / k adds its share

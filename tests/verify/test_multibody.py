@@ -10,7 +10,7 @@ import pytest
 
 from cardan.base.units import deg
 from cardan.dynamics.lateral import misaligned_shaft, rigid_shaft
-from cardan.dynamics.periodic import growth, multipliers
+from cardan.dynamics.periodic import differentiation, growth, multipliers
 from cardan.dynamics.torsion import TorsionLine, about_forced_orbit, orbit
 
 pytestmark = [
@@ -204,19 +204,22 @@ def test_torsional_growth(line, speed):
 
 
 def lateral_run(
-    *, speed, torque, follower, bearing, damping, inertia, count, beta=0.0, tipped=(2e-5, 1e-5)
-):
+    *, speed, torque, follower, bearing, damping, inertia, count, beta=0.0,
+    at=(0.0, 0.0), moving=(1e-5, -2e-5),
+):  # fmt: skip
     """Flywheel, cross and a driven shaft on a bearing 1 m on; inclination and its rate."""
-    z, b = np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
+    z = np.sqrt(1 - np.dot(at, at))
+    axis = np.array([*at, z])
     d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
-    a = np.array([np.cos(beta), 0, np.sin(beta)])  # in the plane of the shafts
-    push = np.array([*tipped, 0.0])
-    # Cross: w d0 + s a = w2 z + push + r b.
-    w2, _, s = np.linalg.solve(np.stack([z, b, -a], axis=-1), speed * d0 - push)
+    a = np.array([np.cos(beta), 0, np.sin(beta)])  # in the plane of the nominal shafts
+    b = np.cross(axis, a) / np.linalg.norm(np.cross(axis, a))
+    tipping = np.cross(axis, [*moving, -np.dot(at, moving) / z])
+    # Cross: w d0 + s a = w2 axis + tipping + r b.
+    w2, _, s = np.linalg.solve(np.stack([axis, b, -a], axis=-1), speed * d0 - tipping)
     machine = Machine()
     wheel = machine.body(d0, a, (FLYWHEEL, FLYWHEEL), speed * d0)
     cross = machine.body(np.cross(a, b), a, (1e-5, 1e-5), speed * d0 + s * a)
-    shaft = machine.body(z, b, inertia, w2 * z + push)
+    shaft = machine.body(axis, b, inertia, w2 * axis + tipping)
     machine.hinge(machine.ground, wheel, d0)
     machine.hinge(wheel, cross, a)
     machine.hinge(cross, shaft, b)
@@ -254,26 +257,25 @@ def test_lateral_growth(speed, torque, follower, difference, count):
     assert np.abs(found[:, None] - exact).min(-1).max() < 0.02
 
 
-@pytest.mark.parametrize(("speed", "torque", "beta"), [(0.5, 0.2, 8), (1.0, 0.15, 12)])
-def test_misaligned_growth(speed, torque, beta):
-    """A shaft held at an angle, shaken twice a turn; the difference of two runs grows."""
+@pytest.mark.parametrize(
+    ("speed", "torque", "beta"), [(0.7, 0.05, 25), (1.5, 0.03, 30), (0.7, 0.02, 30)]
+)
+def test_misaligned_shaft(speed, torque, beta):
+    """A shaft held at an angle, shaken twice a turn: two runs from beside its forced motion."""
     given = {"torque": torque, "damping": 0.05, "speed": speed}
-    shaft, _ = misaligned_shaft(
-        beta=beta * deg, transverse_inertia=1.0, polar_inertia=0.1, stiffness=(1.0, 1.1), **given
+    shaft, swing = misaligned_shaft(
+        beta=beta * deg, transverse_inertia=1.0, polar_inertia=0.001, stiffness=(1.0, 1.1), **given
     )
+    moving = (differentiation(33) @ swing)[0] * speed / np.pi
     runs = [
         lateral_run(
-            follower=True, inertia=(1.0, 0.1), bearing=(1.0, 1.1), count=20, beta=beta * deg,
-            tipped=tipped, **given,
-        ) for tipped in ((0.0, 0.0), (2e-4, 1e-4))
+            follower=True, inertia=(1.0, 0.001), bearing=(1.0, 1.1), count=10, beta=beta * deg,
+            at=swing[0], moving=moving + push, **given,
+        ) for push in (np.zeros(2), np.array([1e-4, 2e-4]))
     ]  # fmt: skip
+    # The engine goes on in the forced motion computed here: static and twice a turn.
+    assert np.ptp(swing, axis=0).max() > 0.1 * np.abs(swing).max()
+    assert np.abs(runs[0][:, :2] - swing[0]).max() < 3e-3 * np.abs(swing).max()
     rate = np.log(np.abs(mapped(runs[1] - runs[0])).max()) * speed / np.pi
-    aligned = growth(
-        rigid_shaft(
-            transverse_inertia=1.0, polar_inertia=0.1, stiffness=1.05, stiffness_difference=-0.05,
-            **given,
-        ).system
-    )  # fmt: skip
-    print(rate, float(growth(shaft)), float(aligned))
-    # Linear about the shaft held at the angle: it really swings by T beta / 2k about it.
-    assert rate == pytest.approx(float(growth(shaft)), abs=3e-4)
+    # How spin answers to tilt is left out: of order I_a tan²β ~ 2e-4 of a frequency.
+    assert rate == pytest.approx(float(growth(shaft)), abs=2e-4)

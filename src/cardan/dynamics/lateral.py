@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
-from cardan.base.errors import DesignError
-from cardan.dynamics.periodic import Periodic, eigenvalues, response
+from cardan.base.errors import DesignError, NotConverged
+from cardan.dynamics.periodic import Periodic, differentiation, eigenvalues, operator
 from cardan.dynamics.torsion import transmitted
 
 
@@ -267,12 +267,11 @@ def misaligned_shaft(
     stiffness: tuple[ArrayLike, ArrayLike],
     damping: ArrayLike = 0.0,
     follower: ArrayLike = 1.0,
-) -> tuple[Periodic, "FloatArray"]:
-    """Return the rigid shaft at a nominal joint angle: its small motions, and what shakes it.
+) -> tuple[Periodic, FloatArray]:
+    """Return the rigid shaft at a nominal joint angle: small motions, and what they are about.
 
-    Small motions are about the shaft held at the angle, with the joint's full moment and
-    its derivative there, and the shaft's uneven rotation: it speeds and slows the shaft's
-    own inertia and its gyroscopic moment.
+    The joint bends the shaft aside and shakes it twice a turn. That forced motion is found
+    first, with the joint's full moment, and small motions are linear about it.
 
     Parameters
     ----------
@@ -281,7 +280,8 @@ def misaligned_shaft(
     beta : (...) rad
         Nominal joint angle; x of the motion lies in the plane of the two shafts.
     transverse_inertia, polar_inertia, damping, follower
-        As for `rigid_shaft`.
+        As for `rigid_shaft`. The polar inertia is sped and slowed by the joint; how that
+        answers to small motions is left out, of order I_a tan²β / I_t.
     stiffness : two of (...) N m/rad
         Of the bearing about the joint, for motion in the plane of the shafts and square to it.
 
@@ -289,65 +289,87 @@ def misaligned_shaft(
     -------
     system : Periodic
         For (x, y), inclinations in rad.
-    force : (..., 33, 2) N m
-        The joint's bending moment at equal instants of half a turn, for `response`.
+    motion : (..., 33, 2) rad
+        The forced inclinations from the nominal axis, at equal instants of half a turn.
+
+    Raises
+    ------
+    NotConverged
+        If no forced motion is found: torque or angle bend the shaft too far.
     """
     speed, T, beta, It, Ia, kx, ky, c, sigma = np.broadcast_arrays(
         *(np.asarray(v, dtype=float) for v in (
             speed, torque, beta, transverse_inertia, polar_inertia, *stiffness, damping, follower
         ))
     )  # fmt: skip
-    each = [v[..., None] for v in (speed, T, beta, Ia, sigma)]
-
-    def moment(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return force, its derivative and the shaft's own speed, at phases of half a turn."""
-        w, torque, b, polar, load = each
-        turned = np.pi * phase
-        cos_b, sin_b = np.cos(b), np.sin(b)
-        # Frame of the driven shaft: x and y square to it, z along it. Driving shaft d0 and
-        # driving pin a (in the plane of the shafts at phase 0), seen from there.
-        d0 = np.stack(np.broadcast_arrays(-sin_b, 0.0, cos_b), axis=-1)
-        a = np.stack(
-            np.broadcast_arrays(cos_b * np.cos(turned), np.sin(turned), sin_b * np.cos(turned)), -1
-        )
-        d = np.array([0.0, 0.0, 1.0])
-        N = d - a * a[..., 2:]
-        _, ratio, bend, _ = transmitted(turned, beta=b)
-        # The joint carries the load and what speeds the shaft up; its moment lies along N.
-        carried = torque + polar * bend * w**2
-        size = (carried / N[..., 2])[..., None]
-        along = load[..., None] * d + (1 - load[..., None]) * d0 / d0[..., 2:]
-        M = size * N - torque[..., None] * along
-        # N = P d with P = 1 - a a', and size = carried / (d' P d).
-        P = np.eye(3) - a[..., :, None] * a[..., None, :]
-        J = (
-            size[..., None] * P
-            - 2 * (size / N[..., 2:])[..., None] * N[..., :, None] * N[..., None, :]
-            - (torque * load)[..., None, None] * np.eye(3)
-        )
-        # Moment square to the shaft; tilting the shaft tilts what counts as square.
-        across = J[..., :2, :2] - M[..., 2, None, None] * np.eye(2)
-        return M[..., :2], across, ratio * w
-
+    w, load, b, polar, follows = (v[..., None] for v in (speed, T, beta, Ia, sigma))
+    d0 = np.stack([-np.sin(b), np.zeros_like(b), np.cos(b)], axis=-1)
     # A moment (mx, my) turns the shaft's tip by -i: d x d'' = m gives (x, y)'' ~ (my, -mx).
     turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
     one = np.eye(2)
-    k = np.stack([kx, ky], axis=-1)[..., None, :, None] * one
+
+    def moment(phase: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return moments (..., s, 2) square to the nominal axis and their derivatives by q."""
+        turned = np.pi * phase
+        cos, sin = np.cos(turned), np.sin(turned)
+        a = np.stack(np.broadcast_arrays(np.cos(b) * cos, sin, np.sin(b) * cos), axis=-1)
+        upright = np.sqrt(1 - (q**2).sum(-1, keepdims=True))
+        d = np.concatenate([q, upright], axis=-1)
+        # The joint carries the load and what speeds the shaft up; its moment lies along
+        # N = P d with P = 1 - a a'.
+        carried = load + polar * transmitted(turned, beta=b)[2] * w**2
+        N = d - a * (a * d).sum(-1, keepdims=True)
+        along = (d * N).sum(-1, keepdims=True)
+        size = carried[..., None] / along
+        fixed = (1 - follows)[..., None] * d0 / np.cos(b)[..., None]
+        M = size * N - load[..., None] * (follows[..., None] * d + fixed)
+        P = np.eye(3) - a[..., :, None] * a[..., None, :]
+        J = (
+            size[..., None] * P
+            - 2 * (size / along)[..., None] * N[..., :, None] * N[..., None, :]
+            - (load * follows)[..., None, None] * np.eye(3)
+        )
+        tilt = np.concatenate(
+            [np.broadcast_to(one, (*q.shape, 2)), (-q / upright)[..., None, :]], axis=-2
+        )
+        return M[..., :2], (J @ tilt)[..., :2, :]
+
+    def held(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return M, C and K of all but the joint's moment and the load's."""
+        _, ratio, bend, _ = transmitted(np.pi * phase, beta=b)
+        k = np.stack([kx, ky], axis=-1)[..., None, :, None] * one
+        spun = (polar * ratio * w)[..., None, None] * turn
+        sped = (polar * bend * w**2)[..., None, None] * turn
+        M = np.broadcast_to(It[..., None, None, None] * one, spun.shape)
+        return M, c[..., None, None, None] * one + spun, k + sped
+
+    samples = 33
+    phase, period = np.arange(samples) / samples, np.pi / speed
+    D = differentiation(samples)
+    T1, T2 = period[..., None, None], period[..., None, None] ** 2
+    M, C, K = held(phase)
+    q, largest = np.zeros((*speed.shape, samples, 2)), np.array(np.inf)
+    for _ in range(40):
+        push, slope = moment(phase, q)
+        left = M @ (D @ (D @ q) / T2)[..., None] + C @ (D @ q / T1)[..., None] + K @ q[..., None]
+        left = left[..., 0] - push @ turn.T
+        full = operator(M, C, K - turn @ slope, period, samples)
+        step = np.linalg.solve(full, left.reshape(*speed.shape, -1, 1)).reshape(q.shape)
+        largest = np.abs(step).max((-1, -2), keepdims=True)
+        q = q - step * np.minimum(1.0, 0.2 / np.maximum(largest, 1e-300))
+        if np.all(largest < 1e-12) or not np.all(np.abs(q) < 0.7):
+            break
+    if not np.all(np.abs(q) < 0.7) or not np.all(largest < 1e-12):
+        msg = "no forced motion of the misaligned shaft found; is its bearing stiff enough?"
+        raise NotConverged(msg)
+    spectrum = np.fft.rfft(q, axis=-2) / samples
+    order = np.arange(samples // 2 + 1)
+    weight = np.where(order == 0, 1.0, 2.0)
 
     def matrices(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        _, across, own = moment(phase)
-        M = It[..., None, None, None] * one
-        C = c[..., None, None, None] * one + (each[3] * own)[..., None, None] * turn
-        return M, C, k - turn @ across
+        wave = weight * np.exp(2j * np.pi * phase[:, None] * order)
+        _, slope = moment(phase, np.real(wave @ spectrum))
+        M, C, K = held(phase)
+        return M, C, K - turn @ slope
 
-    instants = np.arange(33) / 33
-    force = np.einsum("ij,...j->...i", turn, moment(instants)[0])
-    return Periodic(period=np.pi / speed, matrices=matrices), force
-
-
-def misaligned_motion(**shaft: ArrayLike) -> FloatArray:
-    """Return the inclinations (..., 33, 2) rad a misaligned shaft is shaken to.
-
-    Takes what `misaligned_shaft` takes.
-    """
-    return response(*misaligned_shaft(**shaft))  # type: ignore[arg-type]
+    return Periodic(period=period, matrices=matrices), q
