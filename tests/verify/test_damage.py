@@ -1,0 +1,58 @@
+"""Marin factors against Shigley, 9th ed., chapter 6; FKM against pyLife; Gerber by hand."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from cardan.base.units import MPa, mm
+from cardan.fatigue import strength
+from cardan.fatigue.correction import fkm, gerber
+from cardan.fatigue.strength import SNCurve
+
+
+def test_gerber_and_basquin_by_hand():
+    """sf' 475.4, b -0.078, amplitude 180, mean 100, strength 700: 183.8 MPa, 98,104 cycles."""
+    equivalent = gerber(180 * MPa, 100 * MPa, ultimate=700 * MPa)
+    assert equivalent / MPa == pytest.approx(183.75, abs=1e-12)  # 180 / (48/49)
+    curve = SNCurve.basquin(coefficient=475.4 * MPa, exponent=-0.078)
+    assert curve.life(equivalent) == pytest.approx(98_104, abs=0.5)  # printed whole
+
+
+def test_surface_factor_of_example_6_3():
+    assert strength.surface_factor("machined", ultimate=400 * MPa) == pytest.approx(0.922, abs=5e-4)
+
+
+def test_size_factor_of_example_6_4():
+    assert strength.size_factor(32 * mm) == pytest.approx(0.858, abs=5e-4)
+
+
+def test_temperature_factor_of_table_6_4():
+    """Table 6-4: 1.010 at 50, 1.020 at 100, 1.025 at 150, 0.843 at 450 °C, to its digits."""
+    for celsius, factor in {50: 1.010, 100: 1.020, 150: 1.025, 450: 0.843}.items():
+        # The polynomial is a fit to the table, in °F; the book allows it half a per cent.
+        assert strength.temperature_factor(celsius) == pytest.approx(factor, abs=5e-3)
+
+
+def test_reliability_factor_of_table_6_5():
+    for failure, factor in {0.5: 1.0, 0.1: 0.897, 0.05: 0.868, 0.01: 0.814, 1e-3: 0.753}.items():
+        assert strength.reliability_factor(failure) == pytest.approx(factor, abs=6e-4)
+
+
+@pytest.mark.oracle
+def test_fkm_is_pylifes():
+    from pylife.strength.meanstress import fkm_goodman
+
+    rng = np.random.default_rng(0)
+    a = rng.uniform(1, 100, 500)
+    m = a * rng.uniform(-4, 3, 500)  # beyond R = 1/2 the guideline is level; pyLife goes on
+    theirs = fkm_goodman(a, m, 0.3, 0.1, -1.0)
+    np.testing.assert_allclose(fkm(a, m, sensitivity=0.3), theirs, rtol=1e-9)
+
+
+def test_fkm_at_the_corners_of_its_lines():
+    line = partial(fkm, sensitivity=0.3)
+    assert line(100, -100) == pytest.approx(70)  # R = ∞: 1 - M
+    assert line(100, 100) == pytest.approx(130)  # R = 0: 1 + M
+    assert line(100, 300) == pytest.approx(130 * 1.3 / 1.1)  # R = 1/2
+    assert line(100, 900) == line(100, 300)
