@@ -134,14 +134,14 @@ def test_parquet(tmp_path):
             pa.field("S2", pa.float64()),
             pa.field("note", pa.string()),
         ],
-        metadata={"rate_Hz": "500"},
+        metadata={"rate_Hz": "500", "note": "by hand"},
     )
     table = pa.table([S1.astype("f4"), S2, ["x"] * N], schema=schema)
     pq.write_table(table, tmp_path / "a.parquet", row_group_size=333)
     recording = open_recording(tmp_path / "a.parquet")
     assert (recording.rate, recording.samples) == (RATE, N)
     assert recording.channels[0].unit == "MPa"
-    assert "note" in recording.notes[0]
+    assert recording.notes == ("by hand", "not numbers, left out: note")
     np.testing.assert_allclose(recording.whole(), [S1, S2], atol=2e-7)  # float32
     cut_short = (tmp_path / "a.parquet").read_bytes()[:-100]
     (tmp_path / "b.parquet").write_bytes(cut_short)

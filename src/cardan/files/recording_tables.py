@@ -46,6 +46,8 @@ def parquet(path: Path) -> Table:
     fields = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
     left = [f.name for f in schema if f not in fields]
     notes = (f"not numbers, left out: {', '.join(left)}",) if left else ()
+    if b"note" in (schema.metadata or {}):
+        notes = (_text(schema.metadata[b"note"]), *notes)
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         names = [fields[k].name for k in places]
