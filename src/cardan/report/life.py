@@ -106,8 +106,8 @@ def lines(
             for said in health.findings(rate=recording.rate):
                 yield f"  {name}: {said}"
     yield ""
-    heads = ("low", 8), ("high", 8), ("damage", 12), ("hours", 12), ("km", 12), ("d ln D/d ln S", 15)
-    yield f"{'gauge':<12}" + "".join(f"{name:>{width}}" for name, width in heads)
+    heads = {"low": 8, "high": 8, "damage": 12, "hours": 12, "km": 12, "d ln D/d ln S": 15}
+    yield f"{'gauge':<12}" + "".join(f"{name:>{width}}" for name, width in heads.items())
     yield f"{'':<12}{'MPa':>8}{'MPa':>8}"
     for one in lives:
         life = one.life
