@@ -139,7 +139,8 @@ def write_recording(path, gigabytes):
 WORK = {
     "just reading": "for piece in r.pieces(): pass",
     "life of five gauges": "life(r, plan=plan)",
-    "life and causes of five gauges": (
+    "life and causes of one gauge": (
+        "plan = replace(plan, gauges=plan.gauges[:1]);"
         "h = look(r, channels=plan.channels); life(r, plan=plan, healths=h);"
         "s, e = (rotation_from_speed(r.pieces([c]), rate=r.rate, unit=1 / 60)"
         " for c in ('shaft_speed', 'engine_speed'));"
@@ -148,6 +149,7 @@ WORK = {
 }
 SETUP = """
 import resource, time, json
+from dataclasses import replace
 from pathlib import Path
 from cardan.base.units import MPa
 from cardan.fatigue.cause import separation, suspects
