@@ -1,6 +1,7 @@
 """From a recording to life and cause: the whole way, on synthetic recordings with known truth."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,6 +82,26 @@ def test_a_rosette_is_one_gauge():
     one = life(recording, plan=plan)[0]
     assert one.high == pytest.approx(206e9 * 300e-6, rel=1e-3)
     assert set(one.health) == {"a", "b", "c"}
+
+
+def test_planes_of_a_rosette_are_a_gauge_each(tmp_path):
+    """Tension along grid a is felt most on the plane across it, not at all on the one along."""
+    t = np.arange(6000) / RATE
+    pull = 300 * np.sin(2 * np.pi * 7 * t)
+    rows = np.stack([t, pull, 0.35 * pull, -0.3 * pull], -1)
+    head = "time,a [um/m],b [um/m],c [um/m]"
+    np.savetxt(tmp_path / "r.csv", rows, delimiter=",", header=head, comments="")
+    done = run(
+        tmp_path / "r.csv", "--rosette", "R1=a,b,c", "--rosette-measure", "planes",
+        "--sn", "30,2e6,5", "--json",
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    gauges = {g["name"]: g for g in json.loads(done.output)["gauges"]}
+    assert len(gauges) == 18
+    worst = max(gauges.values(), key=lambda g: g["damage"])
+    assert worst["name"] == "R1@0"
+    assert worst["high_MPa"] == pytest.approx(61.8, rel=1e-3)
+    assert abs(gauges["R1@90"]["high_MPa"]) < 1e-6
 
 
 def test_dead_and_empty_recordings_are_refused():
@@ -180,6 +201,39 @@ def test_a_figure_is_drawn(parquet, tmp_path):
     assert drawn.startswith("<?xml")
 
 
+TRUCK = Path(__file__).parents[1] / "truck.yaml"
+
+
+def test_an_application_predicts_the_second_order(parquet):
+    """By the command, and by hand from the response's bearing force."""
+    from cardan import files
+    from cardan.demand.states import demand
+    from cardan.study.recorded import bearing_order2
+    from cardan.study.response import respond
+
+    application = files.read(TRUCK)
+    asked = demand(application, application.lines[0])
+    row = asked.states.index("gvw")
+    force = respond(application, asked).loads.bearing_forces.order(2)[row, 0]
+    by_hand = abs(force[2]) * 35e-3 / asked.torque[row] * 1e3  # MPa per kN m, along z alone
+    assert by_hand > 0
+    np.testing.assert_allclose(
+        np.abs(bearing_order2(application, state="gvw")[2]) * 35, by_hand, rtol=1e-12
+    )
+    done = run(
+        parquet, *ALL[:18], "--application", TRUCK, "--unit-stress", "S1=0,0,35", "--json"
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    order2 = json.loads(done.output)["gauges"][0]["order2"]
+    assert order2["ratio"] == pytest.approx(4 / by_hand, rel=0.05)  # the truth is 4
+    for more, said in (
+        (("--state", "parked"), "no state 'parked'"), (("--bearing", "7"), "centre bearings")
+    ):  # fmt: skip
+        done = run(parquet, *ALL[:18], "--application", TRUCK, "--unit-stress", "S1=0,0,35", *more)
+        assert done.exit_code == 2
+        assert said in done.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -192,6 +246,7 @@ def test_a_figure_is_drawn(parquet, tmp_path):
         (("--rosette", "R=S1,S2", "--sn", "30,2e6,5"), "three channels"),
         (("--gauge", "S1", "--sn", "30,2e6,5", "--low-pass-Hz", "900"), "cutoff"),
         ((*ALL, "--predicted", "S1:4"), "GAUGE=MPa_per_kNm"),
+        ((*ALL, "--unit-stress", "S1=1,2,3"), "--application"),
     ],
 )
 def test_bad_options_are_answered_in_words(parquet, arguments, said):

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from cardan.base.errors import CardanError
-from cardan.base.units import GPa, MPa, rpm
+from cardan.base.units import GPa, MPa, deg, rpm
 
 _TURN = 2 * math.pi
 _STRESS = {
@@ -45,8 +45,24 @@ def _named(text: str) -> tuple[str, str | None]:
     return (name, unit) if name and unit in known else (text, None)
 
 
+def _measures(name: str) -> dict[str, Any]:
+    """Return what is counted of a rosette, by the ending of the gauge's name."""
+    from cardan.fatigue import strain
+
+    if name == "planes":
+        angles = range(0, 180, 10)
+        return {f"@{a}": partial(strain.PlaneStress.normal, angle=a * deg) for a in angles}
+    return {"": strain.signed_mises if name == "mises" else strain.largest}
+
+
 def _gauges(
-    recording: Any, singles: tuple[str, ...], rosettes: tuple[str, ...], kind: str, modulus: float
+    recording: Any,
+    singles: tuple[str, ...],
+    rosettes: tuple[str, ...],
+    *,
+    kind: str,
+    measure: str,
+    modulus: float,
 ) -> tuple[Any, ...]:
     from cardan.fatigue.strain import DELTA, RECTANGULAR, direct, rosette_gauge
 
@@ -67,7 +83,12 @@ def _gauges(
             raise ValueError(msg)
         unit = _unit(recording, channels[0], given, _STRAIN)
         angles = DELTA if kind == "delta" else RECTANGULAR
-        found.append(rosette_gauge(name, channels, unit=unit, angles=angles, modulus=modulus))
+        found += [
+            rosette_gauge(
+                name + end, channels, unit=unit, angles=angles, modulus=modulus, measure=of
+            )
+            for end, of in _measures(measure).items()
+        ]
     return tuple(found)
 
 
@@ -117,9 +138,29 @@ def _rotation(recording: Any, *, speed: str | None, tacho: str | None, pulses: i
     return None
 
 
-def _predictions(texts: tuple[str, ...]) -> dict[str, float]:
+def _predictions(how: dict[str, Any]) -> dict[str, float]:
+    """Order-2 stress per shaft torque, Pa per N m, by gauge: given, or of an application."""
     found: dict[str, float] = {}
-    for text in texts:
+    if how["unit_stress"]:
+        if how["application"] is None:
+            msg = "--unit-stress needs the --application whose bearing loads it is for"
+            raise ValueError(msg)
+        import numpy as np
+
+        from cardan import files
+        from cardan.study.recorded import predicted_stress
+
+        application = files.read(how["application"])
+        for text in how["unit_stress"]:
+            name, _, axes = text.rpartition("=")
+            unit = np.array(_numbers(axes)) * MPa / 1e3
+            if unit.shape != (3,):
+                msg = f"a unit stress is GAUGE=X,Y,Z in MPa per kN, got {text!r}"
+                raise ValueError(msg)
+            found[name] = predicted_stress(
+                application, unit_stress=unit, state=how["state"], bearing=how["bearing"]
+            )
+    for text in how["predicted"]:
         name, _, value = text.rpartition("=")
         try:
             found[name] = float(value) * MPa / 1e3
@@ -133,7 +174,7 @@ def _numbers(text: str) -> tuple[float, ...]:
     try:
         return tuple(float(v) for v in text.split(","))
     except ValueError:
-        msg = f"orders are numbers with commas between, got {text!r}"
+        msg = f"expected numbers with commas between, got {text!r}"
         raise ValueError(msg) from None
 
 
@@ -171,13 +212,21 @@ class _Bar:
     "rosettes",
     multiple=True,
     metavar="NAME=A,B,C[:UNIT]",
-    help="Three channels of one rosette; counted by signed von Mises stress.",
+    help="Three channels of one rosette.",
 )
 @click.option(
     "--rosette-kind",
     type=click.Choice(["rectangular", "delta"]),
     default="rectangular",
     show_default=True,
+)
+@click.option(
+    "--rosette-measure",
+    "measure",
+    type=click.Choice(["mises", "principal", "planes"]),
+    default="mises",
+    show_default=True,
+    help="The stress of a rosette that is counted; planes: on 18 planes, a gauge each.",
 )
 @click.option("--modulus-GPa", "modulus", type=float, default=206.0, show_default=True)
 @click.option(
@@ -252,6 +301,20 @@ class _Bar:
     metavar="GAUGE=MPa_per_kNm",
     help="Order-2 stress the geometry predicts, to hold against the measured.",
 )
+@click.option(
+    "--application",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Application file that predicts it instead, with --unit-stress.",
+)
+@click.option(
+    "--unit-stress",
+    "unit_stress",
+    multiple=True,
+    metavar="GAUGE=X,Y,Z",
+    help="MPa at the gauge for 1 kN of the bearing along each vehicle axis.",
+)
+@click.option("--state", default="gvw", show_default=True, help="State of the application.")
+@click.option("--bearing", type=int, default=1, show_default=True, help="Centre bearing number.")
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
@@ -292,7 +355,12 @@ def _run(path: Path, **how: Any) -> list[Any]:
         msg = f"name the gauges with --gauge; {path.name} has {', '.join(source.names)}"
         raise ValueError(msg)
     gauges = _gauges(
-        source, how["gauges"], how["rosettes"], how["rosette_kind"], how["modulus"] * GPa
+        source,
+        how["gauges"],
+        how["rosettes"],
+        kind=how["rosette_kind"],
+        measure=how["measure"],
+        modulus=how["modulus"] * GPa,
     )
     rules = {
         "half": rainflow.half_cycles, "repeat": rainflow.repeating, "discard": rainflow.discarded
@@ -334,7 +402,7 @@ def _run(path: Path, **how: Any) -> list[Any]:
             torque = (channel, _unit(source, channel, given, _TORQUE))
         causes = room.causes(
             source, plan=plan, healths=healths, how=separation(named, rate=source.rate),
-            torque=torque, predicted=_predictions(how["predicted"]), progress=bar,
+            torque=torque, predicted=_predictions(how), progress=bar,
         )  # fmt: skip
     bar.close()
     if how["json_out"]:

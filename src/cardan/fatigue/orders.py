@@ -12,18 +12,14 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.fatigue.conditioning import bridged, overlapping
 from cardan.fatigue.recording import cut
 from cardan.fatigue.spectral import periodograms
-
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
