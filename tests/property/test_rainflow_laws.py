@@ -164,6 +164,8 @@ def test_range_pairs_and_range_mean_add_up():
     pairs = range_pairs(cycles, ranges=edges)
     np.testing.assert_allclose(table.sum(1), -np.diff(pairs))
     assert pairs[0] == cycles.count.sum()
+    standard = rainflow([-2, 1, -3, 5, -1, 3, -4, 4, -2])
+    assert range_pairs(standard, ranges=[4, 9, 9.5]).tolist() == [3.5, 0.5, 0]
 
 
 def test_discarding_the_residue_loses_the_largest_cycle():

@@ -306,7 +306,7 @@ class _Survey:
             self.shift = float(known[0])
         centred = known - self.shift
         self.total += float(centred.sum())
-        self.squares += float(centred @ centred)
+        self.squares += float(np.square(centred).sum())
         low, high = float(known.min()), float(known.max())
         if low < self.low:
             self.low, self.bottom = low, _Run()

@@ -18,7 +18,8 @@ def miner(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrecte
     Source: Palmgren, Z. VDI 68 (1924); Miner, J. Appl. Mech. 12 (1945).
     """
     amplitude = correction(cycles.amplitude, cycles.mean)
-    return float(cycles.count @ curve.damage(amplitude))
+    # Not a dot product: BLAS would start threads for it, one set in each of ours.
+    return float((cycles.count * curve.damage(amplitude)).sum())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

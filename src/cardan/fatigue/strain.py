@@ -97,7 +97,7 @@ def rosette(
     if e.shape[0] != len(angles) or np.linalg.matrix_rank(design, tol=1e-6) < 3:
         msg = f"a rosette needs three or more different angles, one per row; got {angles}"
         raise ValueError(msg)
-    ex, ey, g = np.tensordot(np.linalg.pinv(design), e, axes=1)
+    ex, ey, g = np.einsum("ij,j...->i...", np.linalg.pinv(design), e)
     plane = modulus / (1 - poisson**2)
     return PlaneStress(
         x=plane * (ex + poisson * ey),
