@@ -61,6 +61,12 @@ def test_faults_are_counted_whatever_the_cuts(size):
     assert [s for s in health.findings(rate=RATE) if "8 samples are spikes" in s]
 
 
+def test_holes_longer_than_pieces_are_one_hole():
+    x = signal(20_000)
+    x[3210:9876] = np.nan
+    assert look(x, size=500).longest_hole == 6666
+
+
 @pytest.mark.parametrize("size", [500, 7000, 100_000])
 def test_clipping_is_found(size):
     x = np.clip(signal(), -18, 25)

@@ -71,6 +71,7 @@ HOSTILE = {
     "short row": ("time,S1,S2\n" + LONG + "18,5\n" + LONG, "3 columns"),
     "thousands": ("time;S1\n0;1.234,5\n1;2.345,6\n", "no rows of numbers"),
     "backwards": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.001,3\n", "not even at row 4"),
+    "jitter": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.0069,3\n0.009,1\n", "not even at row 4"),
     "no time": ("S1,S2\n1,2\n3,4\n5,6\n", "how fast"),
     "two ways": ("1,5\n2,5\n3,5\n", "more than one way"),
     "twins": ("time,S1,S1\n0,1,2\n1,1,2\n2,1,3\n", "one name"),
@@ -99,6 +100,8 @@ def test_a_hole_in_time_becomes_missing_samples(tmp_path):
     x = recording.whole(["S1"])[0]
     assert x.size == N
     assert np.isnan(x).sum() == np.isnan(x[300:310]).sum() == 10
+    known = ~np.isnan(x)
+    np.testing.assert_allclose(x[known], S1[known], atol=1e-12)
 
 
 def test_empty_fields_are_missing_samples(tmp_path):

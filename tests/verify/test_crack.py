@@ -118,6 +118,12 @@ def test_newmans_opening_at_zero_ratio():
     assert f == pytest.approx(0.2875 * 0.8910065**0.4, rel=1e-6)
 
 
+def test_newmans_opening_at_half_ratio():
+    """0.27451 + 0.07125 R + 1.03397 R² - 0.37973 R³ = 0.52116 at R = 1/2, α = 2.5."""
+    growth_rate = float(nasgro(20.0, 10.0, C=1, n=1, p=0, q=0, threshold=0, toughness=1e9))
+    assert 1 - growth_rate / 10 * 0.5 == pytest.approx(0.52116, abs=2e-5)
+
+
 def test_impossible_cracks_are_refused():
     with pytest.raises(DesignError, match="grow"):
         repeats(start=1.0, end=0.5, cycles=ONE, law=LAW)

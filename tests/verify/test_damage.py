@@ -7,7 +7,7 @@ import pytest
 
 from cardan.base.units import MPa, mm
 from cardan.fatigue import strength
-from cardan.fatigue.correction import fkm, gerber
+from cardan.fatigue.correction import fkm, gerber, swt, walker
 from cardan.fatigue.strength import SNCurve
 
 
@@ -17,6 +17,12 @@ def test_gerber_and_basquin_by_hand():
     assert equivalent / MPa == pytest.approx(183.75, abs=1e-12)  # 180 / (48/49)
     curve = SNCurve.basquin(coefficient=475.4 * MPa, exponent=-0.078)
     assert curve.life(equivalent) == pytest.approx(98_104, abs=0.5)  # printed whole
+
+
+def test_walker_weighs_the_peak_and_the_amplitude():
+    """σmax^(1-γ) σa^γ: 200^0.35 80^0.65 = 110.25; and √(200 80) = 126.5 for SWT."""
+    assert walker(80, 120, exponent=0.65) == pytest.approx(110.25, abs=5e-3)
+    assert swt(80, 120) == pytest.approx(126.49, abs=5e-3)
 
 
 def test_surface_factor_of_example_6_3():

@@ -49,6 +49,17 @@ def test_narrow_band_moment_is_bendats(m):
     assert 2**m * mix.moment(m) / crossings == pytest.approx(expected, rel=1e-12)
 
 
+def test_dirliks_constants_for_a_flat_spectrum():
+    """m0, m1, m2, m4 = 1, 1/2, 1/3, 1/5: D1 0.11564, D2 0.35239, D3 0.53198, Q 0.1446, R 0.5676."""
+    f = np.linspace(0, 1, 20_001)
+    mix = dirlik(Spectrum(f, np.ones_like(f)))
+    peaks = math.sqrt(3 / 5)
+    np.testing.assert_allclose(mix.rate / peaks, [0.11564, 0.35239, 0.53198], atol=2e-5)
+    scales = [0.1446, 0.5676 * math.sqrt(2), math.sqrt(2)]
+    np.testing.assert_allclose(mix.scale, scales, atol=1e-4)
+    assert mix.shape.tolist() == [1, 2, 2]
+
+
 @pytest.mark.oracle
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("k", [3.0, 5.0, 8.0])
