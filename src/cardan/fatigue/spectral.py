@@ -51,7 +51,8 @@ def periodograms(x: ArrayLike, *, rate: float, segment: int) -> tuple[FloatArray
     frames = frames[~np.isnan(frames).any(-1)]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(segment) / segment)
     frames = (frames - frames.mean(-1, keepdims=True)) * window
-    power = np.abs(np.fft.rfft(frames, axis=-1)) ** 2 / (rate * (window**2).sum())
+    lines = np.fft.rfft(frames, axis=-1)
+    power = (lines.real**2 + lines.imag**2) / (rate * (window**2).sum())
     power[:, 1 : (segment + 1) // 2] *= 2  # the negative frequencies
     return frequency, power
 
