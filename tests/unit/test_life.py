@@ -10,10 +10,11 @@ from click.testing import CliRunner
 from cardan.base.errors import DesignError
 from cardan.base.units import MPa
 from cardan.commands.life import life as command
-from cardan.fatigue.cause import EVENTS, JOINTS, Attribution
+from cardan.fatigue.cause import EVENTS, JOINTS, Attribution, separation, suspects
 from cardan.fatigue.conditioning import zero_at_median
 from cardan.fatigue.damage import miner
-from cardan.fatigue.life import Plan, life, look, verdict
+from cardan.fatigue.life import Plan, causes, life, look, verdict
+from cardan.fatigue.orders import Rotation
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.spectral import spectrum
@@ -267,3 +268,18 @@ def test_mean_stress_options_reach_the_count(parquet):
     assert damage("--miner", "elementary") > plain > damage("--miner", "original")
     assert damage("--residue", "discard") < plain
     assert damage("--gauge", "S2:MPa") == plain
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 100, 5000])
+def test_recordings_of_any_length_have_an_answer(n):
+    """One sample does no harm; all causes together always do what the count says."""
+    x = 50 * np.sin(np.arange(n) * 0.3)[None]
+    recording = in_memory(x, rate=RATE, names=["S1"])
+    plan = Plan(gauges=PLAN.gauges[:1], curve=CURVE)
+    healths = look(recording, channels=["S1"])
+    counted = life(recording, plan=plan, healths=healths)[0].life.damage
+    shaft = Rotation(np.array([0.0, 10.0]), np.array([0.0, 200.0]))
+    how = separation(suspects(shaft), rate=RATE)
+    found = causes(recording, plan=plan, healths=healths, how=how)
+    assert found.attributions[0].whole == pytest.approx(counted, rel=1e-9)
+    assert (counted > 0) == (n > 5)

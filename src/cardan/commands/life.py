@@ -336,6 +336,10 @@ def life(context: click.Context, recording: Path, **how: Any) -> None:
     """
     try:
         lives = _run(recording, **how)
+    except ImportError as error:
+        extra = "report" if error.name == "matplotlib" else "fatigue,recordings"
+        click.echo(f"Error: this needs {error.name}; pip install 'cardan[{extra}]'", err=True)
+        context.exit(2)
     except (CardanError, ValueError, OSError) as error:
         click.echo(f"Error: {error}", err=True)
         context.exit(2)

@@ -82,6 +82,8 @@ def coincidences(
     While they do, nothing in the signal tells them apart, and their sum is shared evenly.
     """
     pairs: list[tuple[Suspect, Suspect, float]] = []
+    if not times.size:
+        return pairs
     for k, one in enumerate(named):
         for other in named[k + 1 :]:
             if one.cause != other.cause:
