@@ -33,6 +33,21 @@ def test_size_factor_of_example_6_4():
     assert strength.size_factor(32 * mm) == pytest.approx(0.858, abs=5e-4)
 
 
+def test_notch_factor_of_example_6_6():
+    """Shigley: 690 MPa, 3 mm fillet, Kt 1.65 gives Kf 1.55 by Neuber's line."""
+    q = strength.neuber_sensitivity(radius=3 * mm, ultimate=690 * MPa)
+    assert strength.notch_factor(concentration=1.65, sensitivity=q) == pytest.approx(1.55, abs=5e-3)
+
+
+def test_endurance_limit_of_equation_6_8():
+    """Half of 400 MPa and of 1200, 700 from 1400 on; times every factor, over the notch's."""
+    for ultimate, limit in {400: 200, 1200: 600, 1400: 700, 1750: 700}.items():
+        assert strength.endurance_limit(ultimate * MPa) == pytest.approx(limit * MPa)
+    assert strength.endurance_limit(400 * MPa, 0.9, 0.8, notch=1.5) == pytest.approx(96 * MPa)
+    bar = strength.equivalent_diameter(width=10 * mm, height=40 * mm)
+    assert bar == pytest.approx(16.16 * mm)
+
+
 def test_temperature_factor_of_table_6_4():
     """Table 6-4: 1.010 at 50, 1.020 at 100, 1.025 at 150, 0.843 at 450 °C, to its digits."""
     for celsius, factor in {50: 1.010, 100: 1.020, 150: 1.025, 450: 0.843}.items():

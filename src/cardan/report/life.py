@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
+from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import MEANING, Comparison
 from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
@@ -27,6 +28,19 @@ def _compared(answer: Comparison) -> dict[str, Any]:
         "measured_MPa": _number(answer.measured / MPa),
         "predicted_MPa": _number(answer.predicted / MPa),
     }
+
+
+def _cut(speed: FloatArray, amplitude: FloatArray, *, step: float = 100.0) -> list[dict[str, Any]]:
+    """Rms amplitude, MPa, in bands of 100 rpm of shaft speed: an order cut."""
+    turning = amplitude > 0
+    band = np.floor(speed[turning] * 60 / step)
+    return [
+        {
+            "rpm": float((b + 0.5) * step),
+            "MPa": float(np.sqrt((amplitude[turning][band == b] ** 2).mean()) / MPa),
+        }
+        for b in np.unique(band)
+    ]
 
 
 def contract(
@@ -60,6 +74,7 @@ def contract(
                 for cause in found.causes
             ]
             entry["verdict"] = verdict(one.name, found)
+            entry["order2_by_speed"] = _cut(causes.speed, causes.order2[k])
             if causes.comparisons:
                 entry["order2"] = _compared(causes.comparisons[k])
         gauges.append(entry)
