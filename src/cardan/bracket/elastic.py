@@ -39,7 +39,7 @@ def mesh(
     size: Metre,
     degree: int = 2,
     finer: Sequence[tuple[ArrayLike, Metre]] = (),
-    grading: float = 0.3,
+    grading: float = 0.5,
     per_radius: float = 1.5,
 ) -> Any:
     """Mesh a solid of the CAD kernel with tetrahedra that follow its curved faces.
@@ -320,6 +320,17 @@ class Elastic:
         ends = np.searchsorted(elements.ravel()[order], np.arange(len(self.nodes.points) + 1))
         owners = order // elements.shape[1]
         return lambda n: owners[ends[n] : ends[n + 1]]
+
+    def between_nodes(self, places: Sequence[Place], values: FloatArray) -> FloatArray:
+        """Values (k, ...) at places of a field known at the nodes (n, ...)."""
+        found: list[FloatArray] = []
+        for place in places:
+            xi = np.array([*place.reference, 1 - sum(place.reference)])
+            corner = np.argmax(np.column_stack([_CORNERS, _CORNERS.sum(axis=1) == 0]), axis=1)
+            L = xi[corner]
+            quadratic = np.array([*(L * (2 * L - 1)), *(4 * L[a] * L[b] for a, b in _EDGES)])
+            found.append(np.tensordot(quadratic, values[self.nodes.elements[place.element]], 1))
+        return np.stack(found)
 
     def strains_at(self, places: Sequence[Place], displacements: ArrayLike) -> FloatArray:
         """Strains (k, c, 6) at places of displacement vectors (c, unknowns)."""

@@ -4,13 +4,15 @@ Three forces and three moments at the bearing's centre, spread over its seat, an
 accelerations of the frame, which the bracket's own mass feels.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, hooke, mesh, silent
+from cardan.base.units import Metre
+from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, mesh, silent
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import SEAT, Solid
 from cardan.model.parts import Material
@@ -28,12 +30,15 @@ class Units:
     solid : Solid
     elastic : Elastic
     loads, displacements : (9, unknowns)
+    size : float
+        Largest edge asked of the mesher, m.
     """
 
     solid: Solid
     elastic: Elastic
     loads: FloatArray
     displacements: FloatArray
+    size: Metre
 
     @property
     def mass(self) -> float:
@@ -62,10 +67,11 @@ class Units:
         return self.elastic.at_nodes(self.displacements)
 
     def stress_at(self, points: ArrayLike) -> FloatArray:
-        """Stress (k, 9, 6) Pa at the points of the bracket nearest to (k, 3) m."""
-        places = self.elastic.locate(points)
-        strain = self.elastic.strains_at(places, self.displacements)
-        return hooke(strain, self.elastic.material)
+        """Stress (k, 9, 6) Pa at the points of the bracket nearest to (k, 3) m.
+
+        From the means at the nodes, which are nearer the truth than any one element.
+        """
+        return self.elastic.between_nodes(self.elastic.locate(points), self.at_nodes[1])
 
     def modes(
         self, count: int = 6, *, mass: float = 0.0, rubber: ArrayLike | None = None
@@ -101,9 +107,9 @@ def unit_solutions(
     solid: Solid,
     material: Material,
     *,
-    size: float | None = None,
+    size: Metre | None = None,
     degree: int = 2,
-    finer: "list[tuple[ArrayLike, float]] | None" = None,
+    finer: Sequence[tuple[ArrayLike, Metre]] = (),
     tell: Progress = silent,
 ) -> Units:
     """Mesh, hold and solve a bracket under its nine unit loads, with one factorisation.
@@ -119,14 +125,15 @@ def unit_solutions(
         If the bolts leave the bracket free to move.
     """
     tell("meshing")
-    made = mesh(solid.shape, size=size or solid.thickness, degree=degree, finer=finer or ())
+    size = size or solid.thickness
+    made = mesh(solid.shape, size=size, degree=degree, finer=finer)
     held = elastic(made, material, held=dict.fromkeys(solid.bolts, "xyz"), degree=degree, tell=tell)
-    return solved(solid, held, tell=tell)
+    return solved(solid, held, size=size, tell=tell)
 
 
-def solved(solid: Solid, held: Elastic, *, tell: Progress = silent) -> Units:
+def solved(solid: Solid, held: Elastic, *, size: Metre, tell: Progress = silent) -> Units:
     """Solve a held bracket under its nine unit loads."""
     inertia = np.stack([held.inertia(a) for a in np.eye(3)])
     loads = np.concatenate([seat_loads(held), inertia])
     tell("solving for nine unit loads")
-    return Units(solid=solid, elastic=held, loads=loads, displacements=held.solve(loads))
+    return Units(solid=solid, elastic=held, loads=loads, displacements=held.solve(loads), size=size)
