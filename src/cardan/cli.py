@@ -1,1 +1,213 @@
 """The command line: read, ask, print."""
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import wraps
+from pathlib import Path
+from typing import Any, NoReturn, TypeVar
+
+import click
+
+from cardan import __version__
+from cardan.base.errors import CardanError
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+LIMITS = click.option("--limits", metavar="PROFILE", help="Limit profile instead of the file's.")
+JSON = click.option(
+    "--json",
+    "json_out",
+    metavar="OUT",
+    is_flag=False,
+    flag_value="-",
+    help="The JSON contract, into a file or (-, the default) on standard output.",
+)
+
+
+def kindly(command: Command) -> Command:
+    """Return a command that turns what it refuses into a message and exit code 2."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> Any:
+        try:
+            return command(*args, **kwargs)
+        except (CardanError, OSError) as error:
+            _refuse(str(error))
+
+    return guarded  # type: ignore[return-value]
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, "-V", "--version")
+def cli() -> None:
+    """Cardan drivelines, from hardpoints to verdict."""
+
+
+@cli.command()
+@FILE
+@JSON
+@LIMITS
+@click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
+@click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
+@kindly
+def check(
+    file: Path, *, json_out: str | None, limits: str | None, every: bool, quiet: bool
+) -> None:
+    """Hold an application against every limit, in every state.
+
+    Exit code 0 where everything passes or warns, 1 where something fails, 2 for a bad file.
+    """
+    from cardan.report import terminal
+    from cardan.study.assess import assess
+    from cardan.study.sensitivity import sensitivities
+
+    found = assess(_read(file, limits))
+    if json_out:
+        from cardan.report import contract
+
+        _write_json(contract.assessment(found), json_out)
+    if quiet:
+        _print(terminal.summary(found))
+    elif json_out != "-":
+        _print(terminal.assessment(found, helps=sensitivities(found), every=every))
+    raise SystemExit(1 if found.verdict == "fail" else 0)
+
+
+@cli.command()
+@FILE
+@JSON
+@LIMITS
+@click.option("--line", help="Which line; by default the one with the worst check.")
+@click.option("--hold", multiple=True, metavar="WHAT", help="Leave in place, as in the file.")
+@click.option("--count", default=5, show_default=True, help="Proposals at most.")
+@kindly
+def fix(
+    file: Path,
+    *,
+    json_out: str | None,
+    limits: str | None,
+    line: str | None,
+    hold: tuple[str, ...],
+    count: int,
+) -> None:
+    """Propose what to change, over all states at once.
+
+    Moves centre bearings, the axle's shim and yoke phases within what the file's `adjust`
+    allows; --hold bearing_height, or --hold "phase 2", leaves that where it is. Exit code
+    0 where a proposal stops every failure, else 1.
+    """
+    from cardan.report import terminal
+    from cardan.study.fix import fix as search
+
+    found = search(_read(file, limits), line=line, hold=hold, count=count)
+    if json_out:
+        from cardan.report import contract
+
+        _write_json(contract.proposals(found), json_out)
+    if json_out != "-":
+        _print(terminal.proposals(found))
+    raise SystemExit(0 if any(p.verdict != "fail" for p in found) else 1)
+
+
+@cli.command()
+@click.argument("quantity", required=False)
+@kindly
+def explain(quantity: str | None) -> None:
+    """Say what QUANTITY is: equation, symbols, source, limits of use."""
+    from cardan.base.quantities import QUANTITIES
+    from cardan.report import terminal
+
+    if quantity is None:
+        _print(f"{key:<28} {q.name}" for key, q in QUANTITIES.items())
+    elif quantity in QUANTITIES:
+        _print(terminal.explanation(QUANTITIES[quantity]))
+    else:
+        from difflib import get_close_matches
+
+        near = get_close_matches(quantity, QUANTITIES, n=3, cutoff=0.4)
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        _refuse(f"there is no quantity {quantity}{hint} (`cardan explain` lists them all)")
+
+
+@cli.command()
+@JSON
+@kindly
+def verify(*, json_out: str | None) -> None:
+    """Recompute published cases on this machine and show both numbers.
+
+    Exit code 1 where one does not agree to its printed digits.
+    """
+    from cardan.report import terminal
+    from cardan.study.published import published
+
+    cases = published()
+    if json_out:
+        from cardan.report import contract
+
+        _write_json(contract.published(cases), json_out)
+    if json_out != "-":
+        _print(terminal.published(cases))
+    raise SystemExit(0 if all(c.agrees for c in cases) else 1)
+
+
+@cli.command()
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Into a file.")
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def schema(*, out: Path | None, force: bool) -> None:
+    """Print the JSON Schema of the application file, for editors."""
+    from cardan import files
+
+    text = json.dumps(files.schema(), indent=2, ensure_ascii=False) + "\n"
+    if out:
+        files.write(out, text, replace=force)
+    else:
+        click.echo(text, nl=False)
+
+
+@cli.command()
+@FILE
+@click.option("--kind", type=click.Choice(["small", "truck"]), default="truck", show_default=True)
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def new(file: Path, *, kind: str, force: bool) -> None:
+    """Write a commented starter to FILE: small, as from a protractor, or a whole truck."""
+    from cardan import files
+
+    files.write(file, files.starter(kind), replace=force)
+    click.echo(f"{file} is written; `cardan check {file}` assesses it.")
+
+
+def _read(file: Path, limits: str | None) -> Any:
+    """Return the application of a file, with what looks odd in it told on the way."""
+    from cardan import files
+
+    application = files.read(file)
+    if limits:
+        name, found = files.limits(limits)
+        application = replace(application, profile=name, limits=found)
+    for warning in application.warnings:
+        click.echo(f"warning: {warning.located(str(file))}", err=True)
+    return application
+
+
+def _write_json(document: Any, out: str) -> None:
+    """Write a document to a file, or to standard output for `-`."""
+    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    if out == "-":
+        click.echo(text, nl=False)
+    else:
+        from cardan import files
+
+        files.write(Path(out), text, replace=True)
+
+
+def _print(lines: Iterable[str]) -> None:
+    click.echo("\n".join(lines))
+
+
+def _refuse(message: str) -> NoReturn:
+    """Print why nothing was done, and leave with exit code 2."""
+    click.echo(f"error: {message}", err=True)
+    raise SystemExit(2)

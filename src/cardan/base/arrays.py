@@ -1,12 +1,19 @@
-"""Arrays: their types, and which library the caller's arrays belong to."""
+"""Arrays: their types, whose library they belong to, and many cases at a time."""
 
-from typing import Any, TypeAlias
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 ComplexArray: TypeAlias = npt.NDArray[np.complex128]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
 ArrayLike: TypeAlias = npt.ArrayLike
 
 
@@ -20,3 +27,79 @@ def namespace(*arrays: Any) -> Any:
         if not isinstance(array, np.ndarray) and hasattr(array, "__array_namespace__"):
             return array.__array_namespace__()
     return np
+
+
+def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]]:
+    """Return the array library of the values, then each value as a real array of it.
+
+    Numbers and lists become arrays of that library; NumPy's are in double precision. An
+    array `like` counts for the library without being returned.
+    """
+    xp = namespace(like, *values)
+    return xp, *(
+        v if xp is not np and hasattr(v, "__array_namespace__") else xp.asarray(v, dtype=xp.float64)
+        for v in values
+    )
+
+
+def chunked(
+    function: Callable[..., Any],
+    *arrays: Any,
+    size: int = 4096,
+    executor: "Executor | None" = None,
+) -> Any:
+    """Return function(*arrays), computed for `size` cases at a time on every core.
+
+    Parameters
+    ----------
+    function
+        Takes arrays with cases on axis 0 and returns an array, or a dataclass, tuple or
+        dict of them, with cases on axis 0 as well. What all cases share it brings along
+        (`functools.partial`).
+    arrays : (cases, ...)
+        The cases, the same number in each.
+    size
+        Cases in a chunk: few enough that a chunk's arrays stay in the processor's cache,
+        which is also all the memory the work needs besides arguments and results.
+    executor
+        Where the chunks are computed; by default threads, one for each core. NumPy lets
+        go of the interpreter while it computes, so threads serve it as processes would.
+
+    Raises
+    ------
+    ValueError
+        If the arrays disagree on the number of cases.
+    """
+    from concurrent.futures import ThreadPoolExecutor  # a check of one design needs none
+
+    counts = {a.shape[0] for a in arrays}
+    if len(counts) != 1:
+        msg = f"all arrays must hold the same number of cases, got {sorted(counts)}"
+        raise ValueError(msg)
+    cases = counts.pop()
+    pieces = [slice(i, min(i + size, cases)) for i in range(0, max(cases, 1), size)]
+    if len(pieces) == 1:
+        return function(*arrays)
+
+    def work(piece: slice) -> Any:
+        return function(*(a[piece, ...] for a in arrays))
+
+    if executor is not None:
+        return _joined(executor.map(work, pieces))
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        return _joined(threads.map(work, pieces))
+
+
+def _joined(parts: Iterable[Any]) -> Any:
+    """Return results of neighbouring chunks as one, field by field."""
+    first, *_ = parts = list(parts)
+    if is_dataclass(first) and not isinstance(first, type):
+        names = [f.name for f in fields(first) if f.init]
+        return type(first)(**{k: _joined(getattr(p, k) for p in parts) for k in names})
+    if isinstance(first, dict):
+        return {key: _joined(p[key] for p in parts) for key in first}
+    if isinstance(first, tuple):
+        return tuple(_joined(column) for column in zip(*parts, strict=True))
+    if not hasattr(first, "shape"):
+        return first  # no array: the same for every case
+    return namespace(first).concat(parts)

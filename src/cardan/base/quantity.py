@@ -6,6 +6,13 @@ from cardan.base.source import Source
 from cardan.base.units import UNITS
 
 
+WRITTEN = {
+    "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
+    "N_mm": "N/mm", "percent": "%",
+}  # fmt: skip
+"""How people write the units whose names in keys cannot hold a slash or a dot."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
     """A quantity of the field, declared once.
@@ -31,6 +38,11 @@ class Quantity:
     def factor(self) -> float:
         """SI value of one display unit."""
         return UNITS[self.unit]
+
+    @property
+    def unit_name(self) -> str:
+        """The display unit as people write it: rad/s², N·m."""
+        return WRITTEN.get(self.unit, self.unit)
 
     def named(self, language: str) -> str:
         """Return the name in `en`, `pt` or `it`."""

@@ -1,29 +1,44 @@
 """A chain of joints, exactly: any number, any layout, any yoke phase.
 
-Across a member a pin axis is the complex number e^{iθ}, with θ counted from the plane of
-the joint's two shafts. The joint turns it into
+A member's direction is one complex number, its slope, and the bend at a joint is the slope
+behind it less the slope before it, on the sphere:
 
-    e^{iφ} = (cos β cos θ + i sin θ) / |cos β cos θ + i sin θ|,    tan φ = tan θ / cos β
+    S = (dy - i dz)/(1 + dx),    D = (S' - S)/(1 + S̄ S') = tan(β/2) e^{iφ}
 
-and on the way to the next joint it turns by a quarter (from driven pin to plane normal),
-by the yoke phase of the shaft and by the twist between the two joint planes, all fixed.
-A whole turn so costs no trigonometry beyond its starting angles, and nothing is unwrapped.
-Source: derived from first principles; confirmed with independent multibody engines.
+with φ the position of the joint's plane. Across a member a pin axis is a complex number
+too, w, and tan φ₂ = tan θ / cos β makes of the driving pin, up to its length,
+
+    w' = w - D̄² w̄
+
+Whatever a chain of such steps does to w = e^{iθ}, it is A e^{iθ} + B e^{-iθ}: every member
+turns as if one single joint drove it. E = -conj(B/A), its phasor, says of how large an angle,
+tan²(β/2) = |E|, and where in the turn. Joint by joint phasors add up, this time as in the
+hyperbolic plane,
+
+    E' = (E + s D²)/(1 + Ē s D²)
+
+with s from the yoke phases. At small angles both denominators are 1, and what is left is
+AE-7's sum of squares of the changes in slope. With x = E e^{2iθ} a member has over a turn
+
+    lead -arg(1 - x),    speed Re (1 + x)/(1 - x),    acceleration -4 Im x/(1 - x)²
+
+so there is nothing to unwrap, to integrate or to differentiate.
+Source: derived from first principles; confirmed with an independent multibody engine.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, namespace
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
 from cardan.base.errors import DesignError
 
 SAMPLES = 64
 """Angles in a turn: orders up to 32, exact to rounding for joint angles up to 40 degrees."""
 
-_UP = (0.0, 0.0, 1.0)
+_X, _Y_IZ = np.array([1.0, 0, 0]), np.array([0, 1, -1j])
 
 
 def cross(a: Any, b: Any) -> Any:
@@ -35,8 +50,8 @@ def cross(a: Any, b: Any) -> Any:
 
 
 def dot(a: Any, b: Any) -> Any:
-    """Return the scalar product over the last axis."""
-    return (a * b).sum(-1)
+    """Return the scalar product over the last axis; quicker than NumPy's own for this."""
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
 def joint_angles(directions: ArrayLike) -> FloatArray:
@@ -44,107 +59,103 @@ def joint_angles(directions: ArrayLike) -> FloatArray:
 
     Exact and well conditioned at every angle: atan2(|u x v|, u . v).
     """
-    d = np.asarray(directions, dtype=float)
+    xp, d = floats(directions)
     u, v = d[..., :-1, :], d[..., 1:, :]
-    return np.arctan2(np.linalg.norm(cross(u, v), axis=-1), dot(u, v))
-
-
-@dataclass(frozen=True)
-class Planes:
-    """The joint planes of a chain, which do not turn: all its layout has to say.
-
-    Attributes
-    ----------
-    cos : (..., n) 1
-        cos β of each joint.
-    normal, front : (..., n, 3) 1
-        Normal of each joint's plane, and the direction in that plane square to the
-        driving member: (front, normal, driving member) is right-handed.
-    start : (...) 1, complex
-        Turns a pin axis counted from the horizontal into one counted from joint 1's plane.
-    twist : (..., n-1) 1, complex
-        Turns e^{iφ} of one joint into e^{iθ} of the next, yoke phase included.
-    """
-
-    cos: FloatArray
-    normal: FloatArray
-    front: FloatArray
-    start: ComplexArray
-    twist: ComplexArray
-
-
-def planes(directions: ArrayLike, *, phases: ArrayLike) -> Planes:
-    """Joint planes of members (..., n+1, 3) whose shafts have yoke phases (..., n-1) rad.
-
-    Raises
-    ------
-    DesignError
-        If a joint angle reaches a right angle, where the joint locks.
-    """
-    d = np.asarray(directions, dtype=float)
-    u, v = d[..., :-1, :], d[..., 1:, :]
-    cos = dot(u, v)
-    if not np.all(cos > 0):
-        angles = np.degrees(joint_angles(d))
-        k = int(np.unravel_index(np.argmax(angles), angles.shape)[-1]) + 1
-        msg = f"joint {k} locks: its angle must stay below 90 deg, got {angles.max():.4g} deg"
-        raise DesignError(msg)
     normal = cross(u, v)
-    size = np.linalg.norm(normal, axis=-1, keepdims=True)
-    # A straight joint has no plane of its own; any plane through its shafts serves.
-    spare = cross(u, np.where(np.abs(u[..., 2:]) < 0.9, _UP, (0.0, 1.0, 0.0)))
-    straight = size < 1e-14
-    normal = np.where(straight, spare, normal)
-    normal = normal / np.where(straight, np.linalg.norm(spare, axis=-1, keepdims=True), size)
-    front = cross(normal, u)
-    # e^{iθ} of a pin axis a is a.front + i a.normal; the reference is the horizontal.
-    level = cross(np.asarray(_UP), d[..., 0, :])
-    level = level / np.linalg.norm(level, axis=-1, keepdims=True)
-    start = dot(level, front[..., 0, :]) + 1j * dot(level, normal[..., 0, :])
-    before, after, along = normal[..., :-1, :], normal[..., 1:, :], d[..., 1:-1, :]
-    turned = dot(before, after) + 1j * dot(cross(before, after), along)
-    twist = 1j * np.exp(1j * np.asarray(phases, dtype=float)) * turned.conj()
-    return Planes(cos=cos, normal=normal, front=front, start=start, twist=twist)
+    return xp.atan2(xp.sqrt(dot(normal, normal)), dot(u, v))
 
 
 @dataclass(frozen=True)
 class Turn:
-    """One turn of a chain: what every member does at equally spaced input angles.
+    """One turn of a chain: what every member does, and each pin axis.
 
     Leading axes are cases, then comes the joint (or the member behind it), then the angle.
+    Stored is what the layout decides; the motion at N equally spaced angles follows from it.
 
     Attributes
     ----------
-    theta : (N,) rad
-        Rotation of the gearbox yoke about member 0, zero where its pin axis is horizontal
-        and points to the vehicle's right.
-    pin : (..., n, N) 1, complex
-        e^{iθ} of the driving pin axis at each joint, from that joint's own plane.
-    lead : (..., n, N) rad
-        Rotation of member k less that of the gearbox, since each joint's mean position.
-    speed, acceleration : (..., n, N) 1
-        Speed and acceleration of member k at constant input speed, over w and over w².
+    directions : (..., n+1, 3) 1
+        Unit vectors of the members.
+    phasors : (..., n) 1, complex
+        E of each member: it turns as one joint of angle β would drive it, tan²(β/2) = |E|.
+    settings : (..., n) 1, complex
+        Where the driving pin axis of each joint stands at θ = 0, but for the lead.
+    samples
+        The number N of angles.
     """
 
-    planes: Planes
-    theta: FloatArray
-    pin: ComplexArray
-    lead: FloatArray
-    speed: FloatArray
-    acceleration: FloatArray
+    directions: FloatArray
+    phasors: ComplexArray
+    settings: ComplexArray
+    samples: int
+
+    @cached_property
+    def theta(self) -> FloatArray:
+        """Rotation of the gearbox yoke, (N,) rad, zero where its pin axis is horizontal."""
+        return namespace(self.phasors).asarray(_around(self.samples)[0])
+
+    @cached_property
+    def _circle(self) -> ComplexArray:
+        """Return e^{iθ}, (N,)."""
+        return namespace(self.phasors).asarray(_around(self.samples)[1])
+
+    @cached_property
+    def waves(self) -> ComplexArray:
+        """Return x = E e^{2iθ} of each member, (..., n, N)."""
+        return self.phasors[..., None] * self._circle**2
+
+    @cached_property
+    def _gain(self) -> ComplexArray:
+        """Return 1/(1 - x), (..., n, N)."""
+        return 1 / (1 - self.waves)
+
+    @cached_property
+    def lead(self) -> FloatArray:
+        """Rotation of each member less that of the gearbox, (..., n, N) rad; mean zero."""
+        xp = namespace(self.phasors)
+        return xp.atan2(xp.imag(self._gain), xp.real(self._gain))
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        """Speed of each member over the gearbox's, (..., n, N)."""
+        return 2 * namespace(self.phasors).real(self._gain) - 1
+
+    @cached_property
+    def acceleration(self) -> FloatArray:
+        """Acceleration of each member over ω² of the gearbox turning uniformly, (..., n, N)."""
+        return -4 * namespace(self.phasors).imag(self.waves * self._gain**2)
+
+    @cached_property
+    def coast_acceleration(self) -> FloatArray:
+        """Acceleration of each member over ω² of the pinion turning uniformly, (..., n, N).
+
+        At the same angles of the gearbox.
+        """
+        w, a = self.speed, self.acceleration
+        last, gain = w[..., -1:, :], a[..., -1:, :]
+        return (a * last - w * gain) / last**3
+
+    @cached_property
+    def pins(self) -> ComplexArray:
+        """Driving pin axis of each joint across its driving member, (..., n, N) complex."""
+        xp = namespace(self.phasors)
+        leads = self._gain[..., :-1, :] / xp.abs(self._gain[..., :-1, :])
+        leads = xp.concat([xp.ones_like(self._gain[..., :1, :]), leads], axis=-2)
+        return self.settings[..., None] * self._circle * leads
+
+    @cached_property
+    def frames(self) -> ComplexArray:
+        """Frame of the complex numbers across each driving member, (..., n, 3) complex.
+
+        u - iv of its two axes: y - iz as the shortest way from x to the member carries it.
+        """
+        xp, d = floats(self.directions[..., :-1, :])
+        return xp.asarray(_Y_IZ) - _slopes(d)[..., None] * (xp.asarray(_X) + d)
 
     @cached_property
     def driving_pins(self) -> FloatArray:
         """Unit vectors along the driving pin axis of each joint, (..., n, N, 3)."""
-        front, normal = self.planes.front[..., None, :], self.planes.normal[..., None, :]
-        return self.pin.real[..., None] * front + self.pin.imag[..., None] * normal
-
-    @cached_property
-    def coast_acceleration(self) -> FloatArray:
-        """Acceleration of each member over the pinion's w², the pinion turning uniformly."""
-        w, a = self.speed, self.acceleration
-        last, gain = w[..., -1:, :], a[..., -1:, :]
-        return (a * last - w * gain) / last**3
+        return namespace(self.phasors).real(self.pins[..., None] * self.frames[..., None, :])
 
 
 def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) -> Turn:
@@ -153,51 +164,47 @@ def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) ->
     Parameters
     ----------
     directions : (..., n+1, 3) 1
-        Unit vectors of the members, gearbox first, pinion last.
+        Unit vectors of the members, gearbox first, pinion last. The gearbox must not point
+        straight up or down.
     phases : (..., n-1) rad
         Yoke phase of each shaft: from the driven pin axis at its front to the driving pin
         axis at its rear, right-handed about the shaft.
     samples
-        Number N of equally spaced input angles. Orders above N/2 fold down: 32 is exact to
-        rounding at truck angles, the default up to 40 degrees.
+        Number N of equally spaced input angles. What is computed from the samples may fold
+        orders above N/2 down: 32 is exact to rounding at truck angles, the default up to
+        40 degrees.
 
-    Returns
-    -------
-    Turn
-        Smooth and periodic, so its mean and orders are spectrally accurate (`orders`).
+    Raises
+    ------
+    DesignError
+        If a joint angle reaches a right angle, where the joint locks.
     """
-    return turn_planes(planes(directions, phases=phases), samples=samples)
-
-
-def turn_planes(geometry: Planes, *, samples: int = SAMPLES) -> Turn:
-    """Turn a chain whose joint planes are known."""
-    xp = namespace(geometry.cos)
-    theta = 2 * np.pi * xp.arange(samples) / samples
-    entering = geometry.start[..., None] * xp.exp(1j * theta)
-    lead, speed, gain = 1.0 + 0j, 1.0, 0.0
-    pins, leads, speeds, accelerations = [], [], [], []
-    for k in range(geometry.cos.shape[-1]):
-        cos_beta = geometry.cos[..., k, None]
-        cos, sin = entering.real, entering.imag
-        size2 = (cos_beta * cos) ** 2 + sin**2
-        leaving = (cos_beta * cos + 1j * sin) / xp.sqrt(size2)
-        # d(ln ratio)/dθ = -sin²β sin 2θ / (1 - sin²β cos²θ), and dθ runs at `speed`.
-        gain = gain - 2 * (1 - cos_beta**2) * sin * cos / size2 * speed
-        speed = speed * cos_beta / size2
-        lead = lead * leaving * entering.conj()
-        pins.append(entering)
-        leads.append(xp.atan2(lead.imag, lead.real) if hasattr(xp, "atan2") else xp.angle(lead))
-        speeds.append(speed)
-        accelerations.append(speed * gain)
-        if k < geometry.twist.shape[-1]:
-            entering = leaving * geometry.twist[..., k, None]
+    xp, d, phases = floats(directions, phases)
+    slopes = _slopes(d)
+    before, after = slopes[..., :-1], slopes[..., 1:]
+    apart = 1 + xp.conj(before) * after
+    bends = (after - before) / apart
+    if not bool(xp.all(xp.abs(bends) < 1)):
+        raise DesignError(_locked(d))
+    # On to the next driving pin: the carried frames twist, then a quarter turn, the phase.
+    ahead = (1j * xp.conj(apart) / apart)[..., :-1] * xp.exp(1j * phases)
+    level = xp.conj(1 + slopes[..., 0] ** 2)
+    setting = level / xp.abs(level) * xp.ones(phases.shape[:-1], dtype=level.dtype)
+    phasor = 0 * setting
+    phasors, settings = [], []
+    for k in range(bends.shape[-1]):
+        step = (bends[..., k] * setting) ** 2
+        turned = 1 + phasor * xp.conj(step)
+        phasor = (phasor + step) / xp.conj(turned)
+        settings.append(setting)
+        phasors.append(phasor)
+        if k < ahead.shape[-1]:
+            setting = setting * ahead[..., k] * turned / xp.abs(turned)
     return Turn(
-        planes=geometry,
-        theta=theta,
-        pin=xp.stack(pins, axis=-2),
-        lead=xp.stack(leads, axis=-2),
-        speed=xp.stack(speeds, axis=-2),
-        acceleration=xp.stack(accelerations, axis=-2),
+        directions=d,
+        phasors=xp.stack(phasors, axis=-1),
+        settings=xp.stack(settings, axis=-1),
+        samples=samples,
     )
 
 
@@ -235,3 +242,24 @@ def peak(values: ArrayLike, *, axis: int = -1) -> FloatArray:
         theta = theta + np.clip(np.where(bend == 0, 0.0, newton), -step, step)
     top = np.abs((spectrum * np.exp(1j * k * theta[..., None])).real.sum(-1))
     return np.maximum(top, np.abs(values).max(-1))
+
+
+@cache
+def _around(samples: int) -> tuple[FloatArray, ComplexArray]:
+    """Return equally spaced angles θ of one turn, (samples,) rad, and e^{iθ}."""
+    theta = 2 * np.pi / samples * np.arange(samples, dtype=np.float64)
+    theta.flags.writeable = False  # every turn shares it
+    return theta, np.exp(1j * theta)
+
+
+def _slopes(directions: Any) -> Any:
+    """Return the complex slopes (...) of members (..., 3): half of top + i side, if small."""
+    d = directions
+    return (d[..., 1] - 1j * d[..., 2]) / (1 + d[..., 0])
+
+
+def _locked(directions: Any) -> str:
+    """Return what to say of a chain in which a joint locks."""
+    angles = np.degrees(np.asarray(joint_angles(directions)))
+    k = int(np.unravel_index(np.argmax(angles), angles.shape)[-1]) + 1
+    return f"joint {k} locks: its angle must stay below 90 deg, got {angles.max():.4g} deg"

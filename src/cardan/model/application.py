@@ -1,19 +1,23 @@
 """An application: lines in a vehicle, the states to check, what is in the way, the limits."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, Problem
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
-from cardan.model.vehicle import Axle, Engine, Gearbox, Suspension, Tyre, Vehicle
-
-SuspensionState: TypeAlias = Literal[
-    "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce",
-    "windup", "windup brake",
-]  # fmt: skip
+from cardan.model.vehicle import (
+    Axle,
+    Drives,
+    Engine,
+    Gearbox,
+    Suspension,
+    SuspensionState,
+    Tyre,
+    Vehicle,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,8 +25,10 @@ class State:
     """One state to check every line in.
 
     `kind` says how the suspension places the axle; None leaves the geometry as given.
-    `travel` places the axle by hand instead (rise from the reference state). What is given
-    here replaces what the vehicle would ask: `layouts` by line name, torque, speed.
+    `travel` places the axle by hand instead (rise from the reference state), `pitch` turns
+    it (from the reference state, positive as traction winds it: the pinion of a rear axle
+    rises). What is given here replaces what the vehicle would ask: `layouts` by line name,
+    torque and speed (of the gearbox output, from which each line has its share).
     """
 
     name: str
@@ -81,7 +87,12 @@ class Adjustable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Installed:
-    """A line as installed: its parts, its layout in the reference state, its axle."""
+    """A line as installed: its parts, its layout in the reference state, its axle.
+
+    The layout runs with the flow of torque: x points along it, z up, y to the right of it.
+    So a line to a front axle lies in the vehicle's frame turned half round about z, and
+    every line has its gearbox end first and its pinion facing back at it.
+    """
 
     line: Line
     layout: Layout
@@ -89,12 +100,28 @@ class Installed:
     torque_ratio: float = 1.0
     """Torque of this line over that of the gearbox output (inter-axle shares and the like)."""
     speed_ratio: float = 1.0
+    drives: Drives = "rear"
+    """Which axles turn behind this line; its pinion sits on one of them, or, where it
+    drives all, on a transfer case held by the frame."""
+    load_share: float = 1.0
+    """Share of their load that is on wheels behind this line: 0.5 between two axles."""
+    output_joint: tuple[Metre, Metre] | None = None
+    """Joint 1 from the centre of the wheels of the axle it rides on, (x, z), where it
+    leaves an axle (an inter-axle shaft); None where the frame holds it."""
+    suspension: Suspension | None = None
+    """What moves this line's axle, if not the application's; a front axle needs its own."""
 
     def __post_init__(self) -> None:
         if self.layout.points.shape[-2] != self.line.joint_count:
             msg = (
                 f"line {self.line.name} has {self.line.joint_count} joints, its layout "
                 f"{self.layout.points.shape[-2]}"
+            )
+            raise DesignError(msg)
+        if not 0 < self.load_share <= 1:
+            msg = (
+                f"load_share of line {self.line.name} must be above 0 and at most 1, got "
+                f"{self.load_share:g}"
             )
             raise DesignError(msg)
 
@@ -123,3 +150,5 @@ class Application:
     shock_factor: float = 1.0
     include_gravity: bool = False
     include_unbalance: bool = False
+    warnings: tuple[Problem, ...] = ()
+    """What looked wrong while the file was read, though it could be."""

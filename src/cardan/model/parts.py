@@ -41,7 +41,10 @@ class Material:
 
 
 STEEL = Material(
-    name="steel", youngs_modulus=206 * GPa, density=7850.0, source=Source("EN 1993-1-1, 3.2.6")
+    name="steel",
+    youngs_modulus=206 * GPa,
+    density=7850.0,
+    source=Source("EN 13906-1, spring steel: E = 206 GPa"),
 )
 
 
@@ -148,13 +151,16 @@ class CentreBearing:
 class Spline:
     """The sliding spline: how far it can move from its installed place, and how it rubs.
 
-    `plunge` is the travel left in shortening, `draw` in lengthening.
+    `plunge` is the travel left in shortening, `draw` in lengthening. `mass` is what it adds
+    to the tube, `from_front_joint` how far behind the front joint centre that sits.
     """
 
     plunge: Metre | None = None
     draw: Metre | None = None
     mean_radius: Metre | None = None
     friction: float = 0.11
+    mass: Kilogram = 0.0
+    from_front_joint: Metre = 0.0
 
     def __post_init__(self) -> None:
         _positive("spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius)
@@ -192,9 +198,9 @@ class Shaft:
 
     @property
     def mass(self) -> Kilogram:
-        """Mass of tube and yokes."""
+        """Mass of tube, yokes and spline."""
         tube = self.tube.mass_per_length * self.length if self.tube else 0.0
-        return tube + sum(self.yoke_mass)
+        return tube + sum(self.yoke_mass) + (self.spline.mass if self.spline else 0.0)
 
     @property
     def polar_inertia(self) -> float | None:

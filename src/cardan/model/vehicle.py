@@ -2,12 +2,35 @@
 
 import itertools
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from cardan.base.errors import DesignError
 from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
+Drives: TypeAlias = Literal["rear", "front", "all"]
+"""Which axles a line turns."""
+
+SuspensionState: TypeAlias = Literal[
+    "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce",
+    "windup", "windup brake",
+]  # fmt: skip
+
+
+def _positive(part: str, **values: float | None) -> None:
+    """Refuse values that are not above zero; the comparison refuses nan too."""
+    for name, value in values.items():
+        if value is not None and not value > 0:
+            msg = f"{name} of {part} must be above 0, got {value:g}"
+            raise DesignError(msg)
+
+
+def _rising(part: str, **columns: tuple[float, ...]) -> None:
+    """Refuse columns of a table that do not rise; a nan does not rise either."""
+    for name, values in columns.items():
+        if any(not b > a for a, b in itertools.pairwise(values)):
+            msg = f"the {name} of {part} must rise"
+            raise DesignError(msg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,9 +46,7 @@ class Engine:
         if len(self.speed) != len(self.torque) or not self.speed:
             msg = "an engine needs as many torques as speeds, and at least one of each"
             raise DesignError(msg)
-        if any(b <= a for a, b in zip(self.speed, self.speed[1:], strict=False)):
-            msg = "the speeds of an engine curve must rise"
-            raise DesignError(msg)
+        _rising("an engine curve", speeds=self.speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,13 +60,26 @@ class Gearbox:
     transfer_ratio: float = 1.0
     """Low range of a transfer case; 1 without one."""
 
+    def __post_init__(self) -> None:
+        if not self.ratios:
+            msg = "a gearbox needs at least one ratio"
+            raise DesignError(msg)
+        _positive("a gearbox", **{f"ratio {k}": r for k, r in enumerate(self.ratios, 1)})
+        _positive(
+            "a gearbox",
+            efficiency=self.efficiency,
+            converter_ratio=self.converter_ratio,
+            transfer_ratio=self.transfer_ratio,
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axle:
     """The driven axle of a line.
 
-    `pinion_joint` is the joint centre from the wheel centre, (x, z), where x is rearward
-    (a pinion pointing forward sits at negative x) and z up.
+    `pinion_joint` is the joint centre from the wheel centre, (x, z), where x runs with the
+    flow of torque, as in the line's layout (a pinion facing the gearbox sits at negative
+    x, on a rear axle and on a front axle alike) and z up.
     """
 
     ratio: float
@@ -53,6 +87,12 @@ class Axle:
     pinion_joint: tuple[Metre, Metre] = (0.0, 0.0)
     torque_share: float = 1.0
     """Share of the vehicle's torque that this line carries."""
+
+    def __post_init__(self) -> None:
+        _positive(
+            "an axle",
+            ratio=self.ratio, efficiency=self.efficiency, torque_share=self.torque_share,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,12 +103,18 @@ class Tyre:
     friction: float = 0.8
     dynamic_radius: Metre | None = None
 
+    def __post_init__(self) -> None:
+        _positive("a tyre", static_radius=self.static_radius, friction=self.friction)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadState:
     """How the vehicle is loaded: mass and centre of gravity, or the axle loads themselves.
 
-    `rear_load` is that of the whole rear group (a single axle or a bogie).
+    `rear_load` is that of the whole rear group (a single axle or a bogie), `front_load`
+    that of all front axles; a vehicle's auxiliary axles carry their own load beside them.
+    With a mass one of the two is enough. Without `cg_height` nothing is transferred under
+    traction.
     """
 
     name: str
@@ -77,6 +123,31 @@ class LoadState:
     cg_height: Metre | None = None
     front_load: Newton | None = None
     rear_load: Newton | None = None
+    auxiliary_lifted: bool = False
+    """Whether the vehicle's auxiliary axles are off the ground."""
+
+    def __post_init__(self) -> None:
+        known = [v is not None for v in (self.mass, self.front_load, self.rear_load)]
+        by_loads, by_mass = sum(known) == 2, known == [True, False, False]
+        if by_mass == (self.cg_behind_front is None) or not (by_loads or by_mass):
+            msg = (
+                f"load state {self.name} needs mass and cg_behind_front, or two of mass, "
+                "front_load and rear_load without cg_behind_front"
+            )
+            raise DesignError(msg)
+        _positive(f"load state {self.name}", mass=self.mass, cg_height=self.cg_height)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuxiliaryAxle:
+    """An undriven axle on air: it carries the same load whatever the other axles do.
+
+    `behind_front` is its distance from where the wheelbase starts. An auxiliary axle that
+    shares a bogie's load mechanically is no such axle: `Vehicle.driven_share` says its part.
+    """
+
+    behind_front: Metre
+    load: Newton
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,15 +155,78 @@ class Vehicle:
     """Drive configuration and load states.
 
     `wheelbase` runs from the front axle (or the middle of two) to the rear axle (or the
-    bogie's load point). `driven_share` is the share of the rear group's load on its driven
-    axles. `grade` is the slope's angle, up positive.
+    bogie's load point). `grade` is the slope's angle, up positive. `drive` counts points on
+    the ground and driven points, two to an axle.
     """
 
     drive: Drive
     wheelbase: Metre
-    driven_share: float = 1.0
+    driven_share: float | None = None
+    """Share of the rear group's load on its driven axles; None: all its axles alike."""
     grade: Radian = 0.0
     loads: tuple[LoadState, ...] = ()
+    front_axles: int | None = None
+    """None: two on an 8x, else one."""
+    front_driven: bool | None = None
+    """None: only where every axle is driven (4x4, 6x6, 8x8)."""
+    auxiliary: tuple[AuxiliaryAxle, ...] = ()
+
+    def __post_init__(self) -> None:
+        _positive("a vehicle", wheelbase=self.wheelbase)
+        if self.driven_share is not None and not 0 <= self.driven_share <= 1:
+            msg = f"driven_share of a vehicle must be within 0 and 1, got {self.driven_share:g}"
+            raise DesignError(msg)
+        if self.rear_group < 1:
+            msg = f"a {self.drive} with {len(self.auxiliary)} auxiliary axles has no rear axle left"
+            raise DesignError(msg)
+        fixed = {0: 0.0, self.rear_group: 1.0}.get(self.driven_rear)
+        if self.driven_share is not None and fixed not in (None, self.driven_share):
+            msg = (
+                f"driven_share of a {self.drive} whose rear group has {self.driven_rear} of "
+                f"{self.rear_group} axles driven must be {fixed:g}, got {self.driven_share:g}"
+            )
+            raise DesignError(msg)
+
+    @property
+    def axle_count(self) -> int:
+        """Number of axles."""
+        return int(self.drive[0]) // 2
+
+    @property
+    def driven_count(self) -> int:
+        """Number of driven axles."""
+        return int(self.drive[2]) // 2
+
+    @property
+    def front_group(self) -> int:
+        """Number of front axles."""
+        if self.front_axles is not None:
+            return self.front_axles
+        return 2 if self.axle_count == 4 else 1
+
+    @property
+    def rear_group(self) -> int:
+        """Number of axles in the rear group, auxiliary axles on air apart."""
+        return self.axle_count - self.front_group - len(self.auxiliary)
+
+    @property
+    def driven_front(self) -> int:
+        """Number of driven front axles: all of them or none."""
+        driven = self.front_driven
+        all_wheel = self.driven_count == self.axle_count
+        return self.front_group if (all_wheel if driven is None else driven) else 0
+
+    @property
+    def driven_rear(self) -> int:
+        """Number of driven axles in the rear group."""
+        return min(max(self.driven_count - self.driven_front, 0), self.rear_group)
+
+    @property
+    def rear_share(self) -> float:
+        """Share of the rear group's load on its driven axles."""
+        if self.driven_share is not None:
+            return self.driven_share
+        return self.driven_rear / self.rear_group
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,20 +245,18 @@ class Spring:
         if len(self.load) != len(self.deflection) or len(self.load) < 2:
             msg = "a spring needs as many loads as deflections, and at least two of each"
             raise DesignError(msg)
-        for what, values in (("loads", self.load), ("deflections", self.deflection)):
-            if any(not b > a for a, b in itertools.pairwise(values)):
-                msg = f"the {what} of a spring must rise"
-                raise DesignError(msg)
+        _rising("a spring", loads=self.load, deflections=self.deflection)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Linkage:
-    """How the axle moves fore and aft and pitches as it rises.
+    """How the axle moves fore and aft and pitches as it rises, in the vehicle's frame.
 
     A leaf spring is an equivalent link of `radius` (about three quarters of the front half
     length) from its pivot ahead of the axle, at `angle` above the horizontal in the
     reference state (pivot above axle positive), with `pitch_rate` rad per metre of rise.
-    A table from CAD replaces it: travel (up positive) against dx (rearward), pitch.
+    A table from CAD replaces it: travel (up positive) against dx (rearward), pitch. Pitch
+    is positive as traction winds the axle: a pinion that faces forward rises.
     """
 
     radius: Metre | None = None
@@ -134,6 +266,14 @@ class Linkage:
     dx: tuple[Metre, ...] = ()
     pitch: tuple[Radian, ...] = ()
 
+    def __post_init__(self) -> None:
+        _positive("a linkage", radius=self.radius)
+        columns = [c for c in (self.dx, self.pitch) if c]
+        if any(len(c) != len(self.travel) for c in columns) or (columns and len(self.travel) < 2):
+            msg = "a linkage table needs as many dx and pitch as travel, and at least two"
+            raise DesignError(msg)
+        _rising("a linkage", travel=self.travel)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Suspension:
@@ -141,7 +281,8 @@ class Suspension:
 
     `reference` names the state in which the driveline's geometry is given. Stiffness in
     wind-up is N m/rad. Deflections of full rebound and jounce replace what follows from the
-    spring, where check strap or bump stop act first.
+    spring, where check strap or bump stop act first. `unsprung_mass` is that of one axle
+    with its wheels.
     """
 
     spring: Spring
@@ -150,7 +291,20 @@ class Suspension:
     linkage: Linkage = field(default_factory=Linkage)
     windup_stiffness: float | None = None
     brake_torque: NewtonMetre = 0.0
-    """Brake torque on the axle housing; coast wind-up."""
-    reference: str = "gvw"
+    """Brake torque on the axle housing; 0 takes what the tyres can hold."""
+    reference: SuspensionState = "gvw"
     full_rebound_deflection: Metre | None = None
     jounce_deflection: Metre | None = None
+
+    def __post_init__(self) -> None:
+        _positive(
+            "a suspension",
+            springs_per_axle=self.springs_per_axle, windup_stiffness=self.windup_stiffness,
+        )  # fmt: skip
+        if not self.unsprung_mass >= 0:
+            msg = f"unsprung_mass of a suspension must be 0 or more, got {self.unsprung_mass:g}"
+            raise DesignError(msg)
+        fit = [s for s in get_args(SuspensionState) if not s.startswith("windup")]
+        if self.reference not in fit:
+            msg = f"reference of a suspension must be one of {', '.join(fit)}: {self.reference}"
+            raise DesignError(msg)

@@ -1,0 +1,42 @@
+# Everything runs in a virtual environment of its own, made on first use.
+PYTHON ?= python3
+FILE ?= examples/refuse-collector-6x2.yaml
+VENV := .venv
+BIN := $(if $(filter Windows_NT,$(OS)),$(VENV)/Scripts,$(VENV)/bin)
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+INSTALL = $(PIP) install --constraint constraints.txt --editable
+
+.PHONY: check test lint docs oracle bench clean
+
+check: $(VENV)/cardan       ## check FILE, the main job
+	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
+
+test: $(VENV)/cardan-test   ## the whole test suite
+	$(BIN)/python -m pytest -n 2 -q
+
+lint: $(VENV)/cardan-lint   ## format, lint, types, floors
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+docs: $(VENV)/cardan-docs   ## the documentation site, into site/
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
+	$(BIN)/python -m pytest -q -m oracle
+
+bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles  ## performance, as ratios in one run
+	$(BIN)/python -m benchmarks
+
+$(VENV)/cardan: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(INSTALL) .
+	@touch $@
+
+$(VENV)/cardan-%: $(VENV)/cardan
+	$(INSTALL) .[$*]
+	@touch $@
+
+clean:
+	rm -rf $(VENV) site build dist

@@ -1,0 +1,252 @@
+"""Loads on the axles: at rest, on a slope, under any force at the ground, at the slip limit.
+
+The vehicle stands on two groups of axles, front and rear, the wheelbase apart; a group
+hands its load on to its axles in fixed shares. Auxiliary axles on air carry their own load.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import g
+from cardan.model.vehicle import Drives, LoadState, Vehicle
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxleLoads:
+    """Loads normal to the ground.
+
+    Attributes
+    ----------
+    front, rear : (...) N
+        Of all front axles, and of the rear group.
+    auxiliary : (A,) N
+        Of each auxiliary axle on air.
+    """
+
+    front: FloatArray
+    rear: FloatArray
+    auxiliary: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """Load of all axles, (...) N."""
+        return self.front + self.rear + self.auxiliary.sum()
+
+    def scaled(self, times: float) -> "AxleLoads":
+        """Return the loads of a vehicle so many times as heavy."""
+        return AxleLoads(
+            front=times * self.front, rear=times * self.rear, auxiliary=times * self.auxiliary
+        )
+
+    def shifted(self, load: ArrayLike) -> "AxleLoads":
+        """Return the loads with some (...) N moved from the front to the rear.
+
+        An axle cannot be pulled down: no more is moved than there is to move.
+        """
+        rear = np.clip(self.rear + np.asarray(load, dtype=float), 0.0, self.front + self.rear)
+        return replace(self, front=self.front + self.rear - rear, rear=rear)
+
+
+def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: float = 0.0) -> AxleLoads:
+    """Return the loads of a vehicle in a load state before anything is transferred, N.
+
+    From mass and centre of gravity, Nr L = W cos α lf − Σ A x and Nf = W cos α − Nr − Σ A,
+    with A the loads of auxiliary axles and x their distance behind the front axles; or the
+    loads given.
+
+    Parameters
+    ----------
+    vehicle, load
+        The vehicle and how it is loaded.
+    grade : rad
+        Slope α, up positive. The slope's own part, W sin α, acts along the ground: the
+        tyres' force holds it, and `under_force` and `at_slip` move load for all of that.
+
+    Notes
+    -----
+    Source: Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 1.
+    """
+    held = [(a.load, a.behind_front) for a in vehicle.auxiliary if not load.auxiliary_lifted]
+    auxiliary = np.array([a for a, _ in held], dtype=float)
+    levered = sum(a * x for a, x in held) / vehicle.wheelbase
+    front, rear = load.front_load, load.rear_load
+    weight = None if load.mass is None else load.mass * g
+    if weight is None:
+        assert front is not None  # LoadState holds two of the three
+        assert rear is not None
+        weight = front + rear + auxiliary.sum()
+    if rear is None:
+        if front is not None:
+            rear = weight - auxiliary.sum() - front
+        else:
+            assert load.cg_behind_front is not None
+            rear = weight * load.cg_behind_front / vehicle.wheelbase - levered
+    # On a slope what weight there is shrinks by cos α, but not what air holds.
+    rear = (rear + levered) * np.cos(grade) - levered
+    front = weight * np.cos(grade) - auxiliary.sum() - rear
+    return AxleLoads(front=np.asarray(front), rear=np.asarray(rear), auxiliary=auxiliary)
+
+
+def under_force(
+    loads: AxleLoads, force: ArrayLike, *, cg_height: float, wheelbase: float
+) -> AxleLoads:
+    """Return the loads while the tyres push the vehicle ahead with a force (...) N.
+
+    F h / L moves from front to rear, whatever the force is spent on: acceleration, or the
+    slope's W sin α. A braking force is negative. Source: Wong, Theory of Ground Vehicles
+    (2008), ch. 3.
+    """
+    return loads.shifted(np.asarray(force, dtype=float) * cg_height / wheelbase)
+
+
+def at_slip(
+    loads: AxleLoads,
+    *,
+    friction: ArrayLike,
+    cg_height: float,
+    wheelbase: float,
+    front_share: float = 0.0,
+    rear_share: float = 1.0,
+) -> AxleLoads:
+    r"""Return the loads while the driven wheels are about to slip.
+
+    With F = μ (sf Nf + sr Nr) the transfer feeds the force that makes it; solved for the
+    rear, from loads Nf, Nr without transfer,
+
+    $$N_r' = \frac{N_r + \mu s_f (N_f + N_r) h/L}{1 - \mu (s_r - s_f) h/L}$$
+
+    Rear drive gives W lf/(L − μ h), front drive Nf' = W lr/(L + μ h), all-wheel drive
+    W (lf + μ h)/L, a bogie driven by a share s of its load W lf/(L − μ s h).
+
+    Parameters
+    ----------
+    loads : (...) N
+        Loads before transfer, `axle_loads`.
+    friction : (...) 1
+        Of tyre on ground; negative when the driven wheels brake.
+    cg_height, wheelbase : m
+        Height of the centre of gravity; wheelbase.
+    front_share, rear_share
+        Share of each group's load on its driven wheels.
+
+    Notes
+    -----
+    All driven wheels slip at once, as with locked differentials: the largest torque. Where
+    the front would lift it carries nothing and the rear all. Rolling resistance and air
+    drag are left out. On a slope start from its loads; W sin α needs no term of its own,
+    for F holds it. Source: Gillespie (1992), ch. 2; Wong (2008), ch. 3; the form for shares
+    of both groups is derived.
+    """
+    lever = np.asarray(friction, dtype=float) * cg_height / wheelbase
+    both = loads.front + loads.rear
+    relief = 1 - lever * (rear_share - front_share)
+    lifted = relief <= 0
+    rear = (loads.rear + lever * front_share * both) / np.where(lifted, 1.0, relief)
+    return loads.shifted(np.where(lifted, both, rear) - loads.rear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineLoads:
+    """Loads that one line feels in a load state.
+
+    Attributes
+    ----------
+    axle : (...) N
+        At rest, on the axle its pinion is part of.
+    rest, traction, coast : (...) N
+        On all wheels behind the line: at rest, about to slip as the line drives them, and
+        as it holds them back.
+    braked : (...) N
+        On its axle, with every wheel of the vehicle braked to its limit.
+    """
+
+    axle: FloatArray
+    rest: FloatArray
+    traction: FloatArray
+    coast: FloatArray
+    braked: FloatArray
+
+
+def line_loads(
+    vehicle: Vehicle,
+    load: LoadState,
+    *,
+    drives: Drives = "rear",
+    load_share: float = 1.0,
+    friction: float = 0.0,
+    times: float = 1.0,
+) -> LineLoads:
+    """Return the loads felt by a line that drives a group of axles, N.
+
+    At rest means on level ground, where the springs find their height; the slip limits are
+    those on the vehicle's grade.
+
+    Parameters
+    ----------
+    vehicle, load
+        The vehicle and how it is loaded.
+    drives, load_share
+        The group of axles the line drives, and the share of their load behind it.
+    friction
+        Of tyre on ground.
+    times
+        How many times as heavy all axles are (overload).
+
+    Raises
+    ------
+    DesignError
+        If the vehicle drives no axle there.
+    """
+    axles = driven_axles(vehicle, drives=drives)
+    if not axles:
+        msg = f"a {vehicle.drive} drives no {drives} axle for a line to turn"
+        raise DesignError(msg)
+    level, slope = (axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade))
+    driven_front, driven_rear = float(vehicle.driven_front > 0), vehicle.rear_share
+
+    def driven(loads: AxleLoads) -> FloatArray:
+        front, rear = driven_front * loads.front, driven_rear * loads.rear
+        return {"rear": rear, "front": front, "all": front + rear}[drives]
+
+    def limit(friction: float, front_share: float, rear_share: float) -> FloatArray:
+        loads = at_slip(
+            slope,
+            friction=friction,
+            cg_height=load.cg_height or 0.0,
+            wheelbase=vehicle.wheelbase,
+            front_share=front_share,
+            rear_share=rear_share,
+        )
+        return driven(loads)
+
+    return LineLoads(
+        axle=driven(level) / axles,
+        rest=load_share * driven(level),
+        traction=load_share * limit(friction, driven_front, driven_rear),
+        coast=load_share * limit(-friction, driven_front, driven_rear),
+        braked=limit(-friction, 1.0, 1.0) / axles,
+    )
+
+
+def driven_axles(vehicle: Vehicle, *, drives: Drives) -> int:
+    """Return the number of driven axles in a group; each has two driven points."""
+    rear, front = vehicle.driven_rear, vehicle.driven_front
+    return {"rear": rear, "front": front, "all": front + rear}[drives]
+
+
+def each_axle(loads: AxleLoads, vehicle: Vehicle) -> FloatArray:
+    """Load of every axle, (..., axles) N: front, driven rear, other rear, auxiliary on air.
+
+    The axles of one kind in a group carry alike; all sum up to the total.
+    """
+    driven, other = vehicle.driven_rear, vehicle.rear_group - vehicle.driven_rear
+    parts = [
+        (loads.front, vehicle.front_group),
+        (loads.rear * vehicle.rear_share, driven),
+        (loads.rear * (1 - vehicle.rear_share), other),
+        *((np.broadcast_to(a, loads.rear.shape), 1) for a in loads.auxiliary),
+    ]
+    return np.stack([load / n for load, n in parts for _ in range(n)], axis=-1)

@@ -1,0 +1,62 @@
+"""What is in the way: the distance between shafts and obstacles, state by state."""
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.model.application import Obstacle
+from cardan.model.layout import Layout
+from cardan.model.parts import Line
+
+
+def clearances(
+    layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel: ArrayLike
+) -> FloatArray:
+    """Return the free distance between each shaft and each obstacle, (..., n-1, obstacles) m.
+
+    Shafts are round bars of their tube's diameter (lines where no tube is known) between
+    joint centres; obstacles are capsules that follow the axle by their share of its
+    `travel` (...) m, up positive. Negative is interference.
+    """
+    starts = np.array([o.start for o in obstacles]).reshape(-1, 3)
+    ends = np.array([o.end for o in obstacles]).reshape(-1, 3)
+    radii = np.array([o.radius for o in obstacles])
+    rise = np.asarray(travel, dtype=float)[..., None] * np.array(
+        [o.travel_share for o in obstacles]
+    )
+    lift = np.stack([np.zeros_like(rise), np.zeros_like(rise), rise], axis=-1)[..., None, :, :]
+    points = layout.points[..., :, None, :]
+    distance = segment_distance(
+        points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift
+    )
+    bars = np.array([s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts])
+    return distance - bars[:, None] - radii
+
+
+def segment_distance(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> FloatArray:
+    """Return the shortest distance between segments ab and cd, points (..., 3) m.
+
+    The nearest points of the two lines, if both lie on their segments, or else the nearest
+    of the four end points to the other segment.
+    """
+    a, b, c, d = (np.asarray(p, dtype=float) for p in (a, b, c, d))
+    u, v, w = b - a, d - c, a - c
+    uu, uv, vv = (u * u).sum(-1), (u * v).sum(-1), (v * v).sum(-1)
+    uw, vw = (u * w).sum(-1), (v * w).sum(-1)
+    det = uu * vv - uv**2
+    crossing = det > 1e-12 * uu * vv  # parallel lines have their nearest points at ends too
+    safe = np.where(crossing, det, 1.0)
+    s, t = (uv * vw - vv * uw) / safe, (uu * vw - uv * uw) / safe
+    inside = crossing & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
+    between = np.linalg.norm(w + s[..., None] * u - t[..., None] * v, axis=-1)
+    ends = [_to_segment(p, *segment) for p, segment in
+            ((a, (c, d)), (b, (c, d)), (c, (a, b)), (d, (a, b)))]  # fmt: skip
+    nearest = np.min(np.stack(np.broadcast_arrays(*ends)), axis=0)
+    return np.where(inside, between, nearest)
+
+
+def _to_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the distance of a point to a segment, which may have no length."""
+    along, to = end - start, point - start
+    length2 = (along**2).sum(-1)
+    share = np.clip((to * along).sum(-1) / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
+    return np.linalg.norm(to - share[..., None] * along, axis=-1)

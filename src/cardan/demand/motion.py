@@ -1,0 +1,102 @@
+"""How a line follows what carries it: axle and centre bearings move, the chain stays connected."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.model.layout import Layout, hung, unit
+from cardan.model.parts import Line
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ride:
+    """How an axle moves and what rides on it, in the line's own frame.
+
+    Attributes
+    ----------
+    shift : (..., 3) m
+        Of the wheel centre.
+    pitch : (...) rad
+        About y: the nose of a pinion that faces the gearbox rises.
+    arm : (..., 3) m
+        From the wheel centre to the joint the axle carries, before it moves.
+    """
+
+    shift: ArrayLike = 0.0
+    pitch: ArrayLike = 0.0
+    arm: ArrayLike = (0.0, 0.0, 0.0)
+
+    def carried(self, point: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return where a joint centre and a member's direction (..., 3) have gone."""
+        arm = np.asarray(self.arm, dtype=float)
+        swing = _pitched(arm, self.pitch) - arm
+        return point + np.asarray(self.shift, dtype=float) + swing, _pitched(along, self.pitch)
+
+
+def _pitched(vector: FloatArray, pitch: ArrayLike) -> FloatArray:
+    """Vectors (..., 3) turned about y by (...) rad: what points against x rises."""
+    sin, cos = np.sin(pitch), np.cos(pitch)
+    x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
+    return np.stack(np.broadcast_arrays(x * cos + z * sin, y, z * cos - x * sin), axis=-1)
+
+
+def moved(
+    layout: Layout,
+    line: Line,
+    *,
+    bearing_shift: ArrayLike = 0.0,
+    last_shift: ArrayLike = 0.0,
+    pinion_pitch: ArrayLike = 0.0,
+    pinion_arm: ArrayLike = (0.0, 0.0, 0.0),
+    first: Ride | None = None,
+) -> Layout:
+    """Layout after axle and centre bearings have moved; the chain stays connected.
+
+    The frame holds joint 1, the gearbox's direction and the bearing centres. Each hung shaft
+    keeps its length and runs from its front joint through its bearing; the last joint and
+    the pinion go with the axle, and the last shaft takes up what is left. Where nothing
+    moves, nothing changes.
+
+    Parameters
+    ----------
+    layout : (..., n, 3) m
+        Where the line runs before. Its own distances are the lengths that are kept.
+    line
+        Says where on its shaft each bearing sits.
+    bearing_shift : (..., n-2, 3) m
+        Of each centre bearing.
+    last_shift : (..., 3) m
+        Of the wheel centre (of the last joint, without pitch or arm).
+    pinion_pitch : (...) rad
+        Of the axle about y, the pinion's nose rising.
+    pinion_arm : (..., 3) m
+        From the wheel centre to the last joint, before.
+    first
+        The ride of joint 1 and the member before it, where an axle carries those too.
+
+    Returns
+    -------
+    Layout
+        Leading axes are those of all arguments, broadcast: variants and states at once.
+
+    Notes
+    -----
+    A bearing lets its shaft slide and tilt in it. Yoke phases belong to the shafts and stay.
+    Derived.
+    """
+    points, d = layout.points, layout.directions
+    steps = np.diff(points, axis=-2)[..., :-1, :]
+    lengths = np.linalg.norm(steps, axis=-1)
+    behind = [s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing]
+    back = np.asarray(behind, dtype=float) / lengths
+    bearings = points[..., 1:-1, :] - back[..., None] * steps
+    front, gearbox = points[..., 0, :], d[..., 0, :]
+    if first is not None:
+        front, gearbox = first.carried(front, gearbox)
+    axle = Ride(shift=last_shift, pitch=pinion_pitch, arm=pinion_arm)
+    last, pinion = axle.carried(points[..., -1, :], d[..., -1, :])
+    new = hung(front, bearings + np.asarray(bearing_shift, dtype=float), last, lengths=lengths)
+    ends = [np.broadcast_to(e[..., None, :], (*new.shape[:-2], 1, 3)) for e in (gearbox, pinion)]
+    members = np.concatenate([ends[0], unit(np.diff(new, axis=-2)), ends[1]], axis=-2)
+    return Layout(points=new, directions=members)

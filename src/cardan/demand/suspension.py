@@ -1,0 +1,210 @@
+"""Where the suspension puts the axle: spring, height in each state, its path, wind-up.
+
+Deflection counts from the free spring, in its direction of load; the axle rises by as much
+towards the frame. Motions are in the vehicle's frame: x rearward, z up, pitch about y.
+"""
+
+from math import isnan, nan
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import g, inch, mm
+from cardan.model.vehicle import Linkage, Spring, Suspension, SuspensionState
+
+COMFORT = (1.0, 1.3)
+"""Natural frequencies people bear best, Hz. Source: Souza (2014), 2.3, after SAE AE-11."""
+
+OVERLOAD = 1.1
+"""Load of the overload state over the axle's rating. Source: Souza (2014), figure 13."""
+
+AT_LIMIT = ("full rebound", "rebound", "jounce")
+"""States in which the spring's travel, not the axle's load, says where the axle is."""
+
+
+def _through(x: ArrayLike, xs: ArrayLike, ys: ArrayLike) -> FloatArray:
+    """Values (...) at x of a table joined by straight lines, its outer slopes going on."""
+    x, xs, ys = (np.asarray(a, dtype=float) for a in (x, xs, ys))
+    k = np.clip(np.searchsorted(xs, x) - 1, 0, len(xs) - 2)
+    return ys[k] + (ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]) * (x - xs[k])
+
+
+def spring_load(spring: Spring, deflection: ArrayLike) -> FloatArray:
+    """Load of one spring, (...) N, at deflections (...) m; negative where it is pulled."""
+    return _through(deflection, spring.deflection, spring.load)
+
+
+def spring_deflection(spring: Spring, load: ArrayLike) -> FloatArray:
+    """Deflection of one spring, (...) m, under loads (...) N."""
+    return _through(load, spring.load, spring.deflection)
+
+
+def table_rates(spring: Spring) -> FloatArray:
+    """Rate of a spring between the points of its table, (points - 1,) N/m."""
+    return np.diff(spring.load) / np.diff(spring.deflection)
+
+
+def rate_mismatch(spring: Spring) -> FloatArray:
+    """Stated rates over those of the spring's own table, less 1, (stated,) 1.
+
+    The first stated rate belongs to the table's first slope and the last to its last; those
+    between are spread over the slopes between. The table is what counts.
+    """
+    rates, stated = table_rates(spring), np.asarray(spring.stated_rates, dtype=float)
+    places = np.linspace(0, len(rates) - 1, len(stated)).round().astype(int)
+    return stated / rates[places] - 1
+
+
+def spring_rate(spring: Spring, deflection: ArrayLike, *, amplitude: float = 1 * mm) -> FloatArray:
+    """Rate of a spring about deflections (...) m, (...) N/m.
+
+    The mean over plus and minus an amplitude (m): the table's slope, and continuous across
+    its corners, where the drawing's own load points so often lie.
+    """
+    deflection = np.asarray(deflection, dtype=float)
+    span = spring_load(spring, deflection + amplitude) - spring_load(spring, deflection - amplitude)
+    return span / (2 * amplitude)
+
+
+def natural_frequency(spring: Spring, load: ArrayLike) -> FloatArray:
+    """Frequency in Hz at which the mass on a spring bounces, (...), under loads (...) N.
+
+    f = √(k/m) / 2π, with k the table's rate there and m = load/g: the mass the spring holds.
+
+    Notes
+    -----
+    Small motion; neither tyres, dampers nor friction between leaves. `COMFORT` is the band
+    to aim at. Source: Souza (2014), section 2.3.
+    """
+    load = np.asarray(load, dtype=float)
+    rate = spring_rate(spring, spring_deflection(spring, load))
+    return np.sqrt(rate * g / load) / (2 * np.pi)
+
+
+def carried(suspension: Suspension, axle_load: ArrayLike) -> FloatArray:
+    """Load on each spring, (...) N, of an axle that loads the ground with (...) N."""
+    axle_load = np.asarray(axle_load, dtype=float)
+    return (axle_load - suspension.unsprung_mass * g) / suspension.springs_per_axle
+
+
+def deflection(suspension: Suspension, state: SuspensionState, *, axle_load: float = nan) -> float:
+    """Deflection of the springs in a named state, m.
+
+    Parameters
+    ----------
+    suspension
+        Springs, unsprung mass, and where check strap or bump stop act.
+    state
+        Full rebound: the axle hangs on the springs, or as far down as
+        rebound at least. Rebound: spring free, and one inch more. Jounce: the end of the
+        spring's table, metal to metal. Curb, empty, gvw, overload: under the axle's load.
+        Wind-up: as high as its load state has it.
+    axle_load : N
+        Load of the axle on the ground (overload included); unused in `AT_LIMIT` states.
+
+    Raises
+    ------
+    DesignError
+        If the state needs an axle load that is not known (nan).
+
+    Notes
+    -----
+    Source: Souza (2014), section 2.3 and figure 13.
+    """
+    spring = suspension.spring
+    if state == "jounce":
+        given = suspension.jounce_deflection
+        return spring.deflection[-1] if given is None else given
+    inch_more = float(spring_deflection(spring, 0.0)) - inch
+    if state in AT_LIMIT:
+        hanging = float(spring_deflection(spring, carried(suspension, 0.0)))
+        given = suspension.full_rebound_deflection
+        lowest = min(hanging, inch_more) if given is None else given
+        return lowest if state == "full rebound" else max(inch_more, lowest)
+    if isnan(axle_load):
+        msg = f"suspension state {state} needs the axle's load: give the vehicle a load state"
+        raise DesignError(msg)
+    return float(spring_deflection(spring, carried(suspension, axle_load)))
+
+
+def leaf_link(front_half: float, *, camber: float = 0.0, pitch_rate: float = 0.0) -> Linkage:
+    """Return the link that guides an axle as the front half of a leaf spring does.
+
+    A leaf of even strength bends into an arc; flattening it from a camber c moves its seat
+    away from the eye by 2 c²/(3 l), as a link of radius 3 l/4 does that starts c above it.
+
+    Parameters
+    ----------
+    front_half : m
+        Length l of leaf from its fixed eye to the axle.
+    camber : m
+        How far the axle's seat is below the eye in the reference state, c.
+    pitch_rate : rad/m
+        Pitch as the axle rises, of halves of unequal length.
+
+    Raises
+    ------
+    DesignError
+        If the camber is more than the link can span.
+
+    Notes
+    -----
+    The arc's own path differs in the fourth power of the camber. Source: SAE HS-788, Manual
+    on Design and Application of Leaf Springs, the three-quarter link.
+    """
+    radius = 0.75 * front_half
+    if not abs(camber) < radius:
+        msg = f"camber of a leaf must be below {radius / mm:g} mm, got {camber / mm:g} mm"
+        raise DesignError(msg)
+    return Linkage(radius=radius, angle=float(np.arcsin(camber / radius)), pitch_rate=pitch_rate)
+
+
+def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Rearward motion dx (...) m and pitch (...) rad of an axle that rises by `travel` (...) m.
+
+    All from the reference state, where travel is zero and so is what this returns. The link
+    turns about its pivot ahead of the axle, sin a = sin a₀ − travel/R and
+    dx = R (cos a − cos a₀); a table is joined by straight lines and goes on beyond its ends.
+
+    Raises
+    ------
+    DesignError
+        If the travel is more than the link can follow.
+    """
+    travel = np.asarray(travel, dtype=float)
+    if linkage.travel:
+        dx, pitch = (
+            _through(travel, linkage.travel, column) - _through(0.0, linkage.travel, column)
+            if column
+            else np.zeros_like(travel)
+            for column in (linkage.dx, linkage.pitch)
+        )
+        return dx, pitch
+    pitch = linkage.pitch_rate * travel
+    if linkage.radius is None:
+        return np.zeros_like(travel), pitch
+    sine = np.sin(linkage.angle) - travel / linkage.radius
+    if not np.all(np.abs(sine) <= 1):
+        msg = (
+            f"a link of radius {linkage.radius / mm:g} mm cannot follow an axle travel of "
+            f"{travel.flat[np.argmax(np.abs(sine))] / mm:g} mm"
+        )
+        raise DesignError(msg)
+    return linkage.radius * (np.sqrt(1 - sine**2) - np.cos(linkage.angle)), pitch
+
+
+def windup(torque: ArrayLike, *, stiffness: float) -> FloatArray:
+    """Pitch (...) rad of an axle under torques (...) N m on its housing, about y.
+
+    Rolling ahead the wheels turn about -y, so traction turns the housing about +y: a pinion
+    that faces forward rises, one that faces rearward sinks. Brakes do the opposite.
+
+    The torque is that of the wheels, i η times the pinion's; the pinion's own reaction is
+    about its axis, rolls the axle and does not pitch it.
+
+    Notes
+    -----
+    Quasi-static, springs linear in wind-up. Derived: moments on the housing.
+    """
+    return np.asarray(torque, dtype=float) / stiffness

@@ -1,0 +1,8 @@
+"""Files: applications, limit profiles and catalogues, read into parts; and written safely."""
+
+from cardan.files.application import loads, read
+from cardan.files.profile import limits
+from cardan.files.schema import schema
+from cardan.files.starter import starter, write
+
+__all__ = ["limits", "loads", "read", "schema", "starter", "write"]

@@ -1,0 +1,395 @@
+"""The application file: `read` it into parts, with everything wrong in it said at once."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias, get_args
+
+from cardan.base.errors import BadFile
+from cardan.base.verdict import Limit
+from cardan.files.catalogue import Catalogue, Sheet
+from cardan.files.document import Mapping, Node, Scalar, Sequence, parse, text_of
+from cardan.files.geometry import StateGeometryTable
+from cardan.files.line import AdjustTable, LineTable
+from cardan.files.measure import Angle, Length, Percent, Point, Size, Speed, Torque, Turn
+from cardan.files.profile import DEFAULT, ALimit, LimitTable, names, profile, read_profile
+from cardan.files.table import (
+    Choice, ListOf, Number, OneOf, Reading, Spoilt, Table, TableRule, Text, key, nearest,
+)  # fmt: skip
+from cardan.files.vehicle import (
+    AnAxle, ASuspension, EngineTable, GearboxTable, TyreTable, VehicleTable,
+)  # fmt: skip
+from cardan.model.application import (
+    Adjustable, Application, DutyPoint, Installed, Obstacle, State,
+)  # fmt: skip
+from cardan.model.layout import Layout
+from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
+
+PRIME_MOVERS = {"diesel": 1.25, "petrol": 1.2, "electric": 1.0}
+"""Prime mover factors of a joint's life. Source: Dana GWB catalogue, K1."""
+
+Profile: TypeAlias = tuple[str, tuple[Limit, ...]]
+"""Name and limits."""
+
+
+def read(path: str | Path) -> Application:
+    """Return the application a file describes, in SI.
+
+    Raises
+    ------
+    BadFile
+        With everything wrong in it: line, column, key, value, what is allowed and advice.
+        What looks wrong but can be read is in `Application.warnings`.
+    """
+    path = Path(path)
+    return loads(text_of(path), name=str(path), folder=path.parent)
+
+
+def loads(text: str, *, name: str = "application", folder: Path | None = None) -> Application:
+    """Return the application a text describes; `read` is the same for a file.
+
+    `name` is what errors call the text. Profiles and catalogues of the user's own are files
+    in `folder`; a text without one stands alone.
+    """
+    root, problems = parse(text, name)
+    reading = Reading(problems=problems, folder=folder)
+    reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
+    try:
+        application: Application = ApplicationTable.read(root, "", reading)
+    except Spoilt:
+        raise BadFile(name, tuple(problems)) from None
+    if problems:
+        raise BadFile(name, tuple(problems))
+    return application
+
+
+# --------------------------------------------------------------------------- files beside
+
+
+def _beside(name: str, node: Node, at: str, reading: Reading) -> Path:
+    """Return the path of a file named in this one."""
+    if reading.folder is None:
+        raise reading.refuse(node, at, "a text by itself has no files beside it", got=name)
+    return reading.folder / name
+
+
+def _noted(error: BadFile, node: Node, at: str, reading: Reading) -> Spoilt:
+    """Note the problems of another file where this one names it."""
+    for problem in error.problems:
+        reading.refuse(node, at, problem.located(error.file))
+    return Spoilt()
+
+
+def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
+    """Read the user's own catalogues, which the names in the file may come from."""
+    if not isinstance(root, Mapping) or "catalogues" not in root.entries:
+        return
+    node = root.entries["catalogues"][1]
+    items = node.items if isinstance(node, Sequence) else [node]
+    sheets: list[tuple[Sheet, Node]] = []
+    for item in items:
+        if isinstance(item, Scalar) and isinstance(item.value, str):
+            try:
+                path = _beside(item.text, item, "catalogues", reading)
+                sheets.append((Sheet(text_of(path), str(path)), item))
+            except BadFile as error:
+                _noted(error, item, "catalogues", reading)
+            except Spoilt:
+                continue
+    catalogue = Catalogue(tuple(sheet for sheet, _ in sheets))
+    for sheet, item in sheets:
+        own = Reading(catalogue)
+        sheet.check(own)
+        if own.problems:
+            _noted(BadFile(sheet.file, tuple(own.problems)), item, "catalogues", reading)
+    yield from catalogue.own
+
+
+class ProfileName(Text):
+    """A profile that comes with this package, or the file of one beside the application."""
+
+    one, many = "a limit profile", "limit profiles"
+
+    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Profile:
+        """Return its name and limits."""
+        name = super().read(node, at, reading, unit)
+        if not name.endswith((".yaml", ".yml")):
+            if name in names():
+                return name, profile(name)
+            hint = f"{nearest(name, names())} A file of your own ends in .yaml"
+            raise reading.refuse(node, at, "there is no limit profile of this name", hint, got=name)
+        try:
+            return read_profile(_beside(name, node, at, reading))
+        except BadFile as error:
+            raise _noted(error, node, at, reading) from None
+
+
+class InlineLimits(ListOf):
+    """Limits given in place."""
+
+    def __init__(self) -> None:
+        super().__init__(TableRule(LimitTable))
+
+    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Profile:
+        """Return them, named as they are."""
+        return "limits of the application", super().read(node, at, reading, unit)
+
+
+AProfile: TypeAlias = Annotated[Profile, ProfileName()]
+
+
+class OverridesTable(Table):
+    """A profile with some of its limits replaced."""
+
+    profile: AProfile = key("the profile to start from")
+    overrides: tuple[ALimit, ...] = key("limits that replace those of the same quantity")
+
+    def build(self) -> Profile:
+        """Return the profile's name and its limits as replaced."""
+        name, limits = self.profile
+        replaced = {limit.quantity for limit in self.overrides}
+        kept = tuple(limit for limit in limits if limit.quantity not in replaced)
+        return f"{name}, with overrides", kept + self.overrides
+
+
+# --------------------------------------------------------------------------- tables
+
+
+class KindName(Choice):
+    """A suspension state, by its name alone."""
+
+    def __init__(self) -> None:
+        super().__init__(*get_args(SuspensionState))
+
+    def read(self, node: Node, at: str, reading: Reading, unit: str) -> State:
+        """Return the state."""
+        name = super().read(node, at, reading, unit)
+        return State(name=name, kind=name)  # type: ignore[arg-type]  # one of its names
+
+
+class StateTable(StateGeometryTable):
+    """A state to check: where the suspension places the axle, or a geometry of its own."""
+
+    name: str = key("what reports call it")
+    kind: SuspensionState | None = key("how the suspension places the axle", default=None)
+    load: str | None = key("the vehicle's load state that counts", default=None)
+    travel: Length | None = key("rise of the axle from the reference state", default=None)
+    pitch: Turn | None = key("turn of the axle, pinion nose up positive", default=None)
+    torque: Torque | None = key("at the gearbox output", default=None)
+    speed: Speed | None = key("of the gearbox output", default=None)
+    drivelines: dict[str, StateGeometryTable] = key("geometry of each of several", default={})
+
+    def state(self, lines: tuple[Installed, ...], vehicle: Vehicle | None) -> State:
+        """Return the state of an application's lines, in SI."""
+        layouts = dict(self._layouts({installed.line.name: installed for installed in lines}))
+        kind = self.kind
+        if kind is None and self.name in get_args(SuspensionState):
+            placed = layouts or self.travel is not None
+            kind = None if placed else self.name  # its name says how, unless something else does
+        loads = [load.name for load in vehicle.loads] if vehicle else []
+        if self.load is not None and self.load not in loads:
+            hint = nearest(self.load, loads)
+            raise self.refuse("load", "the vehicle has no such load state", hint, got=self.load)
+        load = self.load
+        if load is None and kind is None and self.name in loads:
+            load = self.name
+        return State(
+            name=self.name,
+            kind=kind,  # type: ignore[arg-type]  # one of its names
+            load=load,
+            travel=self.travel,
+            pitch=self.pitch,
+            torque=self.torque,
+            speed=self.speed,
+            layouts=layouts or None,
+        )
+
+    def _layouts(self, lines: dict[str, Installed]) -> Iterator[tuple[str, Layout]]:
+        given: dict[str, StateGeometryTable] = dict(self.drivelines)
+        own = ("slopes", "joint_angles", "points", "gearbox_slope", "pinion_slope", "last_length")
+        if any(self.has(name) for name in own):
+            if len(lines) > 1 or given:
+                first = next(name for name in own if self.has(name))
+                raise self.refuse(first, "give the geometry of each line in drivelines")
+            given = {next(iter(lines)): self}
+        for name, table in given.items():
+            if name not in lines:
+                hint = nearest(name, list(lines))
+                raise self.refuse("drivelines", "no driveline of this name", hint, got=name)
+            if not table.gives_geometry:
+                raise table.refuse("", "needs slopes, joint_angles or points_mm")
+            line = lines[name]
+            yield name, table.state_layout(line.line.lengths, line.layout)
+
+
+class ObstacleTable(Table):
+    """Something a line must clear: a round bar between two points, or a ball."""
+
+    at_most_one_of = (("radius", "diameter"),)
+
+    name: str = key("what reports call it")
+    start: Point = key("one end of its axis, in the frame of the line's points")
+    end: Point | None = key("the other end; a ball has none", default=None)
+    radius: Size | None = key("around the axis", default=None)
+    diameter: Size | None = key("around the axis", default=None)
+    travel_share: Annotated[float, Number(least=-2, most=2)] = key(
+        "how much of the axle's rise it makes: 0 on the frame, 1 on the axle", default=0.0
+    )
+    line: str | None = key("the driveline it is in the way of", default=None)
+
+    def obstacle(self, lines: tuple[Installed, ...]) -> Obstacle:
+        """Return the obstacle in SI."""
+        known = [installed.line.name for installed in lines]
+        line = self.line or known[0]
+        if line not in known:
+            raise self.refuse("line", "no driveline of this name", nearest(line, known), got=line)
+        radius = self.radius or (self.diameter or 0.0) / 2
+        return Obstacle(
+            name=self.name,
+            start=self.start,
+            end=self.end or self.start,
+            radius=radius,
+            travel_share=self.travel_share,
+            line=line,
+        )
+
+
+class DutyTable(Table):
+    """A share of the life."""
+
+    share: Percent = key("of the time; all shares make 100")
+    torque: Torque = key("at the gearbox output")
+    speed: Speed = key("of the gearbox output")
+    angle: Angle | None = key("joint angle, in place of the computed one", default=None)
+
+    def build(self) -> DutyPoint:
+        """Return the share in SI."""
+        return DutyPoint(share=self.share, torque=self.torque, speed=self.speed, angle=self.angle)
+
+
+_STATES = ListOf(OneOf(KindName(), TableRule(StateTable)))
+_LIMITS = OneOf(ProfileName(), TableRule(OverridesTable), InlineLimits())
+
+
+class ApplicationTable(Table):
+    """A driveline application: lines in a vehicle, the states to check, the limits."""
+
+    one_of = (("driveline", "drivelines"),)
+
+    title: str = key("what reports call it")
+    driveline: LineTable | None = key("the line, gearbox to axle", default=None)
+    drivelines: dict[str, LineTable] = key("several lines by name: main, inter-axle", default={})
+    torque: Torque | None = key("at the gearbox output, in place of engine and tyres", default=None)
+    coast_torque: Torque | None = key("the same, holding back", default=None)
+    speed: Speed | None = key("top speed of the gearbox output", default=None)
+    vehicle: Annotated[Vehicle, VehicleTable] | None = key("drive and loads", default=None)
+    engine: Annotated[Engine, EngineTable] | None = key("its torque", default=None)
+    gearbox: Annotated[Gearbox, GearboxTable] | None = key("its ratios", default=None)
+    axle: AnAxle | None = key("of every line that has none of its own", default=None)
+    tyre: Annotated[Tyre, TyreTable] | None = key("of the driven wheels", default=None)
+    suspension: ASuspension | None = key("of the rear axles", default=None)
+    states: Annotated[tuple[State | StateTable, ...], _STATES] = key(
+        "suspension states by name, or tables of your own", default=()
+    )
+    obstacles: tuple[ObstacleTable, ...] = key("what a line must clear", default=())
+    limits: Annotated[Profile, _LIMITS] | None = key(
+        "a profile, a file of one, a profile with overrides, or limits", default=None
+    )
+    duty: tuple[Annotated[DutyPoint, DutyTable], ...] = key("how the life is spent", default=())
+    adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
+    prime_mover: Literal["diesel", "petrol", "electric"] = key("engine", default="diesel")
+    shock_factor: Annotated[float, Number(least=1, most=10)] = key(
+        "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
+    )
+    include: tuple[Literal["gravity", "unbalance"], ...] = key(
+        "what is added to the centre bearings' loads", default=()
+    )
+    catalogues: str | tuple[str, ...] = key("CSV files of your own parts", default=())
+
+    def build(self) -> Application:
+        """Return the application in SI."""
+        tables = self.drivelines or ({"main": self.driveline} if self.driveline else {})
+        if not tables:
+            raise self.refuse("drivelines", "needs at least one line")
+        lines = tuple(table.installed(name, axle=self.axle) for name, table in tables.items())
+        states = self._states(lines)
+        self._say_what_is_missing(states)
+        name, limits = self.limits or (DEFAULT, profile(DEFAULT))
+        return Application(
+            title=self.title,
+            lines=lines,
+            states=states,
+            limits=limits,
+            profile=name,
+            torque=self.torque,
+            coast_torque=self.coast_torque,
+            speed=self.speed,
+            vehicle=self.vehicle,
+            engine=self.engine,
+            gearbox=self.gearbox,
+            tyre=self.tyre,
+            suspension=self.suspension,
+            obstacles=tuple(o.obstacle(lines) for o in self.obstacles),
+            duty=self._duty(),
+            adjustables=tuple(self._adjustables(lines, list(tables.values()))),
+            prime_mover_factor=PRIME_MOVERS[self.prime_mover],
+            shock_factor=self.shock_factor,
+            include_gravity="gravity" in self.include,
+            include_unbalance="unbalance" in self.include,
+            warnings=tuple(sorted(self._here.reading.warnings, key=lambda p: (p.line, p.column))),
+        )
+
+    def _states(self, lines: tuple[Installed, ...]) -> tuple[State, ...]:
+        states: list[State] = []
+        for k, entry in enumerate(self.states):
+            state = entry if isinstance(entry, State) else entry.state(lines, self.vehicle)
+            if state.name in [s.name for s in states]:
+                self.refuse_item("states", k, "a state of this name is above", got=state.name)
+            self._placed(k, state, lines)
+            states.append(state)
+        return tuple(states) or (State(name="as given"),)
+
+    def _placed(self, k: int, state: State, lines: tuple[Installed, ...]) -> None:
+        """Refuse a state in which nothing can say where an axle is."""
+        kind = state.kind
+        for installed in lines:
+            own = state.layouts and installed.line.name in state.layouts
+            if kind is None or own or installed.drives == "all":
+                continue
+            rear = self.suspension if installed.drives == "rear" else None
+            suspension = installed.suspension or rear
+            where = f"{installed.drives} axle of line {installed.line.name}"
+            moves = kind != (suspension.reference if suspension else "gvw")
+            if "windup" in kind and state.pitch is None:
+                if suspension is None or suspension.windup_stiffness is None:
+                    message = f"state {state.name} winds up the {where}: how stiff is it?"
+                    hint = (
+                        "give its suspension a windup_stiffness_kNm_deg, or the state a pitch_deg"
+                    )
+                    self.refuse_item("states", k, message, hint)
+            elif suspension is None and state.travel is None and moves:
+                message = f"state {state.name} moves the {where}: how far?"
+                hint = "give a suspension, or the state its own slopes or travel_mm"
+                self.refuse_item("states", k, message, hint)
+
+    def _say_what_is_missing(self, states: tuple[State, ...]) -> None:
+        if self.engine is None and self.torque is None and any(s.torque is None for s in states):
+            message = "no torque is given: loads, strength and life cannot be checked"
+            self.warn("", message, "give torque_Nm, or an engine and a gearbox")
+        if self.engine is None and self.speed is None and any(s.speed is None for s in states):
+            message = "no speed is given: accelerations and critical speeds cannot be checked"
+            self.warn("", message, "give speed_rpm, or an engine and a gearbox")
+
+    def _duty(self) -> tuple[DutyPoint, ...]:
+        total = sum(point.share for point in self.duty)
+        if self.duty and not abs(total - 1) <= 1e-3:
+            raise self.refuse("duty", "the shares must make 100 %", got=f"{100 * total:g} %")
+        return self.duty
+
+    def _adjustables(
+        self, lines: tuple[Installed, ...], tables: list[LineTable]
+    ) -> Iterator[Adjustable]:
+        if self.adjust is not None and (len(tables) > 1 or tables[0].adjust):
+            raise self.refuse("adjust", "give this inside each of the drivelines")
+        for installed, table in zip(lines, tables, strict=True):
+            if adjust := table.adjust or self.adjust:
+                yield from adjust.adjustables(installed.line)

@@ -1,0 +1,174 @@
+"""Where a line runs, as a file may say it: slopes, joint angles or points.
+
+All three are one geometry: slopes of every member with the shafts' lengths, the changes of
+slope at the joints, or the joint centres between two flange directions.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.units import deg, mm
+from cardan.files.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
+from cardan.files.table import Table, key
+from cardan.model.layout import Layout, direction, from_points, from_slopes
+
+CLOSE = 2 * mm
+"""How far a length may be from what the points give: they are measured to the millimetre."""
+
+
+class SlopeTable(Table):
+    """The slope of one member."""
+
+    side: Slope = key("side view, down to the rear positive", default=0.0)
+    top: Slope = key("top view, to the right going rearward positive", default=0.0)
+
+    def build(self) -> tuple[float, float]:
+        """Return both slopes, rad."""
+        return self.side, self.top
+
+
+class ViewsTable(Table):
+    """Angles in side and top view, gearbox first; a view left out is straight."""
+
+    side: Slopes | None = key("side view, down to the rear positive", default=None)
+    top: FlatSlopes | None = key("top view, to the right going rearward positive", default=None)
+
+    def angles(self, *members: str) -> tuple[FloatArray, FloatArray]:
+        """Return both views, (members,) rad, one value for each member named."""
+        if self.side is None and self.top is None:
+            raise self.refuse("", "needs side_deg or top_deg")
+        for name, view in (("side", self.side), ("top", self.top)):
+            if view is not None and len(view) != len(members):
+                message = f"must hold {len(members)} values, for {', '.join(members)}"
+                raise self.refuse(name, message, got=f"{len(view)} values")
+        views = [
+            np.zeros(len(members)) if v is None else np.array(v) for v in (self.side, self.top)
+        ]
+        return views[0], views[1]
+
+
+ASlope: TypeAlias = Annotated[tuple[float, float], SlopeTable]
+
+
+class GeometryTable(Table):
+    """Where a line runs: slopes, joint angles or points, one of them."""
+
+    at_most_one_of = (("slopes", "joint_angles", "points"),)
+
+    slopes: ViewsTable | None = key("slope of every member: gearbox, shafts, pinion", default=None)
+    joint_angles: ViewsTable | None = key(
+        "change of slope at every joint, as application sheets tabulate it", default=None
+    )
+    points: tuple[Point, ...] | None = key(
+        "joint centres [x, y, z]: x along the line from gearbox to axle, y to its right, z up",
+        default=None,
+    )
+    gearbox_slope: ASlope | None = key("of the gearbox output, beside points", default=None)
+    pinion_slope: ASlope | None = key("of the axle's pinion, beside points", default=None)
+
+    @property
+    def gives_geometry(self) -> bool:
+        """Whether this says where the line runs."""
+        return any(self.has(n) for n in ("slopes", "joint_angles", "points"))
+
+    def layout(self, lengths: Sequence[float | None], *, reference: Layout | None = None) -> Layout:
+        """Return the layout; what a state leaves out is as in the reference layout.
+
+        Raises
+        ------
+        Spoilt
+            With the problem noted, if the line cannot run like this.
+        """
+        if self.points is not None:
+            return self._through_points(self.points, lengths, reference)
+        for name in ("pinion_slope", *(() if self.joint_angles else ("gearbox_slope",))):
+            if self.has(name):
+                hint = "the slopes hold it already" if self.slopes else "the joint angles give it"
+                raise self.refuse(name, "stands beside points alone", hint)
+        if None in lengths:
+            k = list(lengths).index(None) + 1
+            raise self.refuse("", f"the length of shaft {k} is missing", "give length_mm or points")
+        shafts = [f"shaft {k}" for k in range(1, len(lengths) + 1)]
+        if self.slopes is not None:
+            side, top = self.slopes.angles("gearbox", *shafts, "pinion")
+        else:
+            side, top = self._summed(len(lengths) + 1, reference)
+        layout = from_slopes(side=side, top=top, lengths=np.array(lengths, dtype=float))
+        if reference is None:
+            return layout
+        return Layout(points=layout.points + reference.points[0], directions=layout.directions)
+
+    def _summed(self, joints: int, reference: Layout | None) -> tuple[FloatArray, FloatArray]:
+        """Slopes of every member from the joint angles, (members,) rad."""
+        assert self.joint_angles is not None  # asked for where it is given
+        views = self.joint_angles.angles(*(f"joint {k}" for k in range(1, joints + 1)))
+        start = self.gearbox_slope or (0.0, 0.0)
+        if self.gearbox_slope is None and reference is not None:
+            start = float(reference.side[0]), float(reference.top[0])
+        side, top = (np.cumsum([first, *view]) for first, view in zip(start, views, strict=True))
+        steepest = max(np.abs(side).max(), np.abs(top).max())
+        if not steepest < STEEP:
+            message = f"the angles add up to a member sloping {steepest / deg:.1f} deg"
+            raise self.refuse("joint_angles", message, f"slopes stay below {STEEP / deg:.0f} deg")
+        return side, top
+
+    def _through_points(
+        self,
+        points: tuple[Point, ...],
+        lengths: Sequence[float | None],
+        reference: Layout | None,
+    ) -> Layout:
+        if len(points) != len(lengths) + 1:
+            message = f"must hold {len(lengths) + 1} joint centres, one more than shafts"
+            raise self.refuse("points", message, got=f"{len(points)} points")
+        steps = np.diff(np.array(points), axis=0)
+        for k, step in enumerate(steps, 1):
+            if not step[0] > np.hypot(step[1], step[2]) / np.tan(STEEP):
+                message = f"x must rise from joint {k} to joint {k + 1}: it runs along the line"
+                raise self.refuse("points", message, got=f"{step[0] / mm:g} mm")
+        ends: list[FloatArray] = []
+        for name, end in (("gearbox_slope", 0), ("pinion_slope", -1)):
+            slope: tuple[float, float] | None = getattr(self, name)
+            if slope is not None:
+                ends.append(direction(side=slope[0], top=slope[1]))
+            elif reference is not None:
+                ends.append(reference.directions[end])
+            else:
+                hint = f"{name}: {{side_deg: 3.0, top_deg: 0.0}}"
+                raise self.refuse("points", f"points need a {name} beside them", hint)
+        layout = from_points(points, gearbox=ends[0], pinion=ends[1])
+        self._compare(lengths, layout, reference)
+        return layout
+
+    def _compare(
+        self, lengths: Sequence[float | None], layout: Layout, reference: Layout | None
+    ) -> None:
+        """Hold the lengths given against the points; the last shaft slides between states."""
+        slides = len(lengths) if reference is not None else 0
+        for k, (given, between) in enumerate(zip(lengths, layout.lengths, strict=True), 1):
+            if given is not None and k != slides and not abs(given - between) <= CLOSE:
+                raise self.refuse(
+                    "points",
+                    f"put joints {k} and {k + 1} {between / mm:.1f} mm apart, but shaft {k} is "
+                    f"{given / mm:g} mm long",
+                    "correct the points or the length",
+                )
+
+
+class StateGeometryTable(GeometryTable):
+    """Where a line runs in one state; what is left out is as in the reference."""
+
+    last_length: ShaftLength | None = key(
+        "length of the last shaft in this state, beside slopes or joint angles", default=None
+    )
+
+    def state_layout(self, lengths: Sequence[float], reference: Layout) -> Layout:
+        """Return the layout of a line in this state."""
+        if self.last_length is not None:
+            if self.points is not None:
+                raise self.refuse("last_length", "the points give this already")
+            lengths = [*lengths[:-1], self.last_length]
+        return self.layout(lengths, reference=reference)

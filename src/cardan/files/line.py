@@ -1,0 +1,302 @@
+"""A line of a file: shafts, joints, axle, and what a correction may move."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, TypeAlias
+
+from cardan.base.units import deg, mm
+from cardan.files import measure
+from cardan.files.catalogue import AJoint, ATube
+from cardan.files.document import Node, Scalar
+from cardan.files.geometry import GeometryTable
+from cardan.files.measure import (
+    Distance, Factor, Friction, Inertia, Mass, Share, ShaftLength, Size, Stiffness, Turn,
+)  # fmt: skip
+from cardan.files.table import (
+    ListOf, MapOf, Number, OneOf, Reading, Rule, Schema, Spoilt, Table, TableRule, Whole, key, nearest,
+)  # fmt: skip
+from cardan.files.vehicle import AnAxle, APlace, ASuspension
+from cardan.model.application import Adjustable, Installed
+from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Spline
+from cardan.model.vehicle import Axle, Drives
+
+
+class CentreBearingTable(Table):
+    """The bearing a shaft hangs on near its rear joint."""
+
+    at_most_one_of = (("stiffness", "vertical_stiffness"), ("stiffness", "lateral_stiffness"))
+
+    from_rear_joint: Distance = key("how far ahead of the rear joint centre it sits")
+    stiffness: Stiffness | None = key(
+        "of rubber and bracket across the shaft; rigid if left out", default=None
+    )
+    vertical_stiffness: Stiffness | None = key("the same, up and down", default=None)
+    lateral_stiffness: Stiffness | None = key("the same, side to side", default=None)
+
+    def build(self) -> CentreBearing:
+        """Return the bearing in SI."""
+        vertical, lateral = self.vertical_stiffness, self.lateral_stiffness
+        if (vertical is None) != (lateral is None):
+            missing = "lateral" if lateral is None else "vertical"
+            raise self.refuse("", f"{missing}_stiffness_N_mm is missing beside the other one")
+        pair = (vertical, lateral) if vertical and lateral else None
+        if self.stiffness is not None:
+            pair = (self.stiffness, self.stiffness)
+        return CentreBearing(from_rear_joint=self.from_rear_joint, stiffness=pair)
+
+
+class SplineTable(Table):
+    """The sliding spline, from its place in the reference state."""
+
+    plunge: Size | None = key("travel left in shortening", default=None)
+    draw: Size | None = key("travel left in lengthening", default=None)
+    mean_radius: Size | None = key("mean radius of the teeth", default=None)
+    friction: Friction = key("0.08 coated, 0.11 greased steel", default=0.11)
+    mass: Mass = key("what it adds to the tube's mass", default=0.0)
+    from_front_joint: Distance = key("how far behind the front joint that mass sits", default=0.0)
+
+    def build(self) -> Spline:
+        """Return the spline in SI."""
+        return Spline(
+            plunge=self.plunge,
+            draw=self.draw,
+            mean_radius=self.mean_radius,
+            friction=self.friction,
+            mass=self.mass,
+            from_front_joint=self.from_front_joint,
+        )
+
+
+class BalanceGrade(Rule):
+    """A balance quality grade: G40, or 40."""
+
+    one, many = "a balance grade like G40", "balance grades"
+
+    def read(self, node: Node, at: str, reading: Reading, unit: str) -> float:
+        """Return the grade as the standard prints it, mm/s."""
+        if isinstance(node, Scalar):
+            bare = Scalar(node.text.removeprefix("G"), node.line, node.column).value
+            if isinstance(bare, (int, float)) and 0 < bare <= 4000:
+                return float(bare)
+        raise self.refused(node, at, reading)
+
+    def schema(self, defs: Schema, unit: str) -> Schema:
+        """Return the schema of a number or a text."""
+        number = {"type": "number", "exclusiveMinimum": 0, "maximum": 4000}
+        return {"anyOf": [number, {"type": "string", "pattern": "^G?[0-9.]+$"}]}
+
+
+_ENDS = ListOf(Number(*measure.MASSES, least=0), "front", "rear")
+
+
+class ShaftTable(Table):
+    """One shaft, from joint centre to joint centre."""
+
+    length: ShaftLength | None = key("joint centre to joint centre", default=None)
+    tube: ATube | None = key("a tube of a catalogue, or its sizes", default=None)
+    phase: Turn = key("yoke phase: 0 aligned, 90 crossed; right-handed, rearward", default=0.0)
+    centre_bearing: Annotated[CentreBearing, CentreBearingTable] | None = key(
+        "what the shaft hangs on; every shaft but the last needs one", default=None
+    )
+    spline: Annotated[Spline, SplineTable] | None = key("the sliding spline", default=None)
+    yoke_mass: (
+        Mass
+        | Annotated[tuple[float, ...], ListOf(Number(*measure.MASSES, least=0), "front", "rear")]
+    ) = key("beyond the tube, at each end or [front, rear]", default=0.0)
+    yoke_inertia: Inertia = key("of both yokes together, about the axis", default=0.0)
+    polar_inertia: Inertia | None = key(
+        "of the whole shaft, in place of tube and yokes", default=None
+    )
+    balance_grade: Annotated[float, BalanceGrade()] | None = key(
+        "ISO 21940-11: G16, G40", default=None
+    )
+
+    def build(self) -> "ShaftTable":
+        """Return this table, its parts tried: the line knows the lengths points give."""
+        if self.length is not None:
+            self.shaft(self.length)
+        return self
+
+    def shaft(self, length: float) -> Shaft:
+        """Return the shaft of a length, in SI."""
+        mass = self.yoke_mass
+        return self.attempt(
+            lambda: Shaft(
+                length=length,
+                tube=self.tube,
+                phase=self.phase,
+                centre_bearing=self.centre_bearing,
+                spline=self.spline,
+                yoke_mass=mass if isinstance(mass, tuple) else (mass, mass),
+                yoke_inertia=self.yoke_inertia,
+                polar_inertia_given=self.polar_inertia,
+                balance_grade=self.balance_grade,
+            )
+        )
+
+
+_LENGTHS = ListOf(Number(*measure.LENGTHS), "lowest", "highest")
+_ANGLES = ListOf(Number(*measure.ANGLES), "lowest", "highest")
+Range: TypeAlias = tuple[float, float]
+Ranges: TypeAlias = Range | dict[int, Range]
+"""One range for all parts, or a range for each part that may move."""
+Moves: TypeAlias = Annotated[Ranges, OneOf(_LENGTHS, MapOf(Whole(), _LENGTHS))]
+Turns: TypeAlias = Annotated[Ranges, OneOf(_ANGLES, MapOf(Whole(), _ANGLES))]
+
+
+class AdjustTable(Table):
+    """What `cardan fix` may move, and how far from where it is: [lowest, highest].
+
+    A range alone is for every bearing or shaft; {1: [-20, 30]} is for the first alone.
+    """
+
+    bearing_height: Moves | None = key("centre bearings, up positive", default=None)
+    bearing_side: Moves | None = key("centre bearings, to the right positive", default=None)
+    shim: Annotated[Range, _ANGLES] | None = key("axle, pinion nose up positive", default=None)
+    phase: Turns | None = key("yoke phases, counted from those installed", default=None)
+    hold: tuple[str, ...] = key(
+        "what stays for now, though it has a range: shim, bearing_height 1", default=()
+    )
+
+    def adjustables(self, line: Line) -> tuple[Adjustable, ...]:
+        """Return what may move of a line."""
+        found = tuple(self._found(line))
+        held = {f"{a.what} {a.part}" for a in found} | {a.what for a in found}
+        for name in self.hold:
+            if name not in held:
+                self.refuse(
+                    "hold",
+                    "nothing of this name has a range",
+                    nearest(name, sorted(held)),
+                    got=name,
+                )
+        return found
+
+    def _found(self, line: Line) -> Iterator[Adjustable]:
+        counts = {
+            "bearing_height": len(line.shafts) - 1, "bearing_side": len(line.shafts) - 1,
+            "shim": 1, "phase": len(line.shafts),
+        }  # fmt: skip
+        for what, count in counts.items():
+            given: Ranges | None = getattr(self, what)
+            ranges = given if isinstance(given, dict) else dict.fromkeys(range(1, count + 1), given)
+            for part, moves in ranges.items():
+                if moves is not None:
+                    yield from self._one(what, part, moves, count=count, line=line.name)
+
+    def _one(
+        self, what: Any, part: int, moves: Range, *, count: int, line: str
+    ) -> Iterator[Adjustable]:
+        low, high = moves
+        if part > count:
+            of = "shaft" if what == "phase" else "centre bearing"
+            self.refuse(what, f"line {line} has {count} {of}s", got=f"{of} {part}")
+        elif not low <= 0 <= high or low == high:
+            worth = deg if what in ("shim", "phase") else mm
+            self.refuse(
+                what,
+                "must reach from 0 or less to 0 or more: ranges count from where the part is",
+                got=f"[{low / worth:g}, {high / worth:g}]",
+            )
+        else:
+            held = bool({what, f"{what} {part}"} & set(self.hold))
+            yield Adjustable(what=what, part=part, low=low, high=high, line=line, hold=held)
+
+
+class LineTable(GeometryTable):
+    """A driveline: n shafts between n + 1 joints, gearbox first, axle last."""
+
+    one_of = (("slopes", "joint_angles", "points"),)
+    at_most_one_of = ()
+
+    shafts: Annotated[tuple[ShaftTable, ...], ListOf(TableRule(ShaftTable), least=1)] = key(
+        "gearbox to axle"
+    )
+    joints: AJoint | tuple[AJoint, ...] | None = key(
+        "one joint for all, or a list from gearbox to axle", default=None
+    )
+    axle: AnAxle | None = key("the axle this line drives", default=None)
+    adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
+    suspension: ASuspension | None = key(
+        "what moves this line's axle, if not the vehicle's rear suspension", default=None
+    )
+    drives: Drives = key("which axles turn behind this line", default="rear")
+    load_share: Share = key("share of their load on wheels behind this line", default=1.0)
+    torque_share: Share = key("share of the gearbox output's torque", default=1.0)
+    torque_ratio: Factor = key("torque over that share: a transfer case's gears", default=1.0)
+    speed_ratio: Factor = key("speed over that of the gearbox output", default=1.0)
+    output_joint: APlace | None = key(
+        "joint 1 from the wheel centre, where the line leaves an axle", default=None
+    )
+    axial_freedom: Literal["last_shaft", "gearbox_flange"] = key(
+        "what takes up length: the last shaft's spline, or a floating flange", default="last_shaft"
+    )
+    gearbox_bearing_spacing: Size | None = key("between the output's bearings", default=None)
+    gearbox_bearing_overhang: Size | None = key("joint 1 from the nearer of them", default=None)
+    pinion_bearing_spacing: Size | None = key("between the pinion's bearings", default=None)
+    pinion_bearing_overhang: Size | None = key("last joint from the nearer of them", default=None)
+
+    def build(self) -> "LineTable":
+        """Return this table: its name and the vehicle's axle come from outside."""
+        self.installed("main", axle=None)
+        return self
+
+    def installed(self, name: str, *, axle: Axle | None) -> Installed:
+        """Return the line as installed, in SI; `axle` is the vehicle's, if it has none."""
+        self._hang()
+        layout = self.layout([s.length for s in self.shafts])
+        shafts = [
+            table.shaft(float(length) if table.length is None else table.length)
+            for table, length in zip(self.shafts, layout.lengths, strict=True)
+        ]
+        line = self.attempt(
+            lambda: Line(
+                name=name,
+                shafts=tuple(shafts),
+                joints=self._sizes(len(shafts) + 1),
+                axial_freedom=self.axial_freedom,
+                gearbox_bearing_spacing=self.gearbox_bearing_spacing,
+                gearbox_bearing_overhang=self.gearbox_bearing_overhang,
+                pinion_bearing_spacing=self.pinion_bearing_spacing,
+                pinion_bearing_overhang=self.pinion_bearing_overhang,
+            )
+        )
+        return self.attempt(
+            lambda: Installed(
+                line=line,
+                layout=layout,
+                axle=self.axle or axle,
+                torque_ratio=self.torque_ratio * self.torque_share,
+                speed_ratio=self.speed_ratio,
+                drives=self.drives,
+                load_share=self.load_share,
+                output_joint=self.output_joint,
+                suspension=self.suspension,
+            )
+        )
+
+    def _hang(self) -> None:
+        """Refuse a shaft that hangs on nothing, and a last one that hangs on something."""
+        *hung, last = self.shafts
+        problems = list[Spoilt]()
+        for k, shaft in enumerate(hung, 1):
+            if shaft.centre_bearing is None:
+                hint = "give centre_bearing: {from_rear_joint_mm: ...}"
+                message = f"shaft {k} of {len(self.shafts)} needs a centre bearing"
+                problems.append(shaft.refuse("", message, hint))
+        if last.centre_bearing is not None:
+            hint = "it runs between two joints; add the shaft behind it, or remove this"
+            message = "the last shaft hangs on no bearing"
+            problems.append(last.refuse("centre_bearing", message, hint))
+        if problems:
+            raise problems[0]
+
+    def _sizes(self, count: int) -> tuple[JointSize | None, ...]:
+        """Return the size of every joint."""
+        if self.joints is None:
+            return ()
+        if isinstance(self.joints, JointSize):
+            return (self.joints,) * count
+        if len(self.joints) != count:
+            message = f"must hold {count} joints, one more than shafts"
+            raise self.refuse("joints", message, got=f"{len(self.joints)} joints")
+        return self.joints

@@ -1,0 +1,156 @@
+"""Limit profiles: what each quantity may reach, from data files with a source per limit."""
+
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
+
+from cardan.base.errors import BadFile, Problem
+from cardan.base.quantities import QUANTITIES
+from cardan.base.quantity import WRITTEN
+from cardan.base.source import Source
+from cardan.base.units import UNITS, deg
+from cardan.base.verdict import Limit
+from cardan.files import measure
+from cardan.files.document import parse, text_of
+from cardan.files.table import Reading, Spoilt, Table, key, nearest
+
+DEFAULT = "heavy-truck"
+"""The profile of an application that names none."""
+
+AT_LEAST = ("joint_angle_min", "joint_life", "spline_travel_margin", "clearance")
+"""Quantities of which more is better."""
+
+_ALIKE = (
+    measure.LENGTHS, measure.TORQUES, measure.MASSES, measure.FORCES, measure.ANGLES,
+    measure.SPEEDS, measure.STRESSES, ("1", "percent"), ("h", "s"),
+)  # fmt: skip
+"""Units of one dimension: a limit may stand in any that its quantity can be shown in."""
+
+
+class LimitTable(Table):
+    """What a quantity may reach: past `normal` a check warns, past `maximum` it fails."""
+
+    quantity: str = key("the quantity, by the name `cardan explain` knows it under")
+    unit: str | None = key("unit of the numbers; by default the one it is shown in", default=None)
+    normal: float | None = key("what it may reach without a warning", default=None)
+    maximum: float | None = key("what it may reach at all", default=None)
+    sense: Literal["<=", ">="] | None = key(
+        "whether the limit is an upper or a lower one; by default what the quantity asks for",
+        default=None,
+    )
+    band: tuple[float, ...] | None = key("range to keep out of, [from, to]", default=None)
+    above_angle: float | None = key("asked only above this joint angle, deg", default=None)
+    source: str = key("who says so")
+
+    def build(self) -> Limit:
+        """Return the limit in SI."""
+        quantity = QUANTITIES.get(self.quantity)
+        if quantity is None:
+            hint = nearest(self.quantity, list(QUANTITIES))
+            raise self.refuse("quantity", "unknown quantity", hint, got=self.quantity)
+        alike = next((a for a in _ALIKE if quantity.unit in a), (quantity.unit,))
+        unit = quantity.unit if self.unit is None else _unit(self.unit)
+        if unit not in alike:
+            message = f"{self.quantity} is limited in {' or '.join(alike)}"
+            raise self.refuse("unit", message, got=self.unit or "")
+        sense = self.sense or (">=" if self.quantity in AT_LEAST else "<=")
+        self._order(sense)
+        worth, band = UNITS[unit], self.band
+        if band is not None and len(band) != 2:
+            raise self.refuse("band", "must be a list of two numbers, [from, to]")
+        return Limit(
+            quantity=self.quantity,
+            source=Source(self.source),
+            normal=None if self.normal is None else self.normal * worth,
+            maximum=None if self.maximum is None else self.maximum * worth,
+            sense=sense,
+            band=None if band is None else (band[0] * worth, band[1] * worth),
+            above_angle=None if self.above_angle is None else self.above_angle * deg,
+        )
+
+    def _order(self, sense: str) -> None:
+        """Refuse a warning that would come after the failure."""
+        first, last = self.normal, self.maximum
+        if first is not None and last is not None and first != last:
+            if (first < last) != (sense == "<="):
+                message = f"must lie on the safe side of maximum {last:g}, {self.quantity} being {sense} it"
+                hint = 'sense: "<=" is an upper limit, ">=" a lower one'
+                raise self.refuse("normal", message, hint, got=f"{first:g}")
+
+
+ALimit: TypeAlias = Annotated[Limit, LimitTable]
+
+
+def _unit(written: str) -> str:
+    """Return the name in keys of a unit as people write it: rad/s2, N·m."""
+    bare = written.replace("/", "_").replace("²", "2").replace("·", "").replace(" ", "_")
+    return {v: k for k, v in WRITTEN.items() if v}.get(written, bare)
+
+
+class ProfileTable(Table):
+    """A limit profile."""
+
+    profile: str = key("its name")
+    title: str | None = key("what it is for", default=None)
+    limits: tuple[ALimit, ...] = key("the limits")
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the profiles that come with this package."""
+    return tuple(sorted(p.stem for p in _FOLDER.glob("*.yaml")))
+
+
+_FOLDER = Path(__file__).with_name("profiles")
+
+
+@cache
+def profile(name: str) -> tuple[Limit, ...]:
+    """Return the limits of a profile that comes with this package.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    if name not in names():
+        msg = f"there is no profile {name}; {nearest(name, names())}"
+        raise ValueError(msg)
+    return read_profile(_FOLDER / f"{name}.yaml")[1]
+
+
+def limits(name: str) -> tuple[str, tuple[Limit, ...]]:
+    """Return name and limits of a shipped profile, or of a profile's own .yaml file.
+
+    Raises
+    ------
+    BadFile
+        If there is none of that name, or with everything wrong in the file.
+    """
+    if name.endswith((".yaml", ".yml")):
+        return read_profile(Path(name))
+    if name not in names():
+        problem = Problem(
+            message="there is no limit profile of this name",
+            hint=f"{nearest(name, names())} A file of your own ends in .yaml",
+        )
+        raise BadFile(name, (problem,))
+    return name, profile(name)
+
+
+def read_profile(path: Path) -> tuple[str, tuple[Limit, ...]]:
+    """Return name and limits of a profile's file.
+
+    Raises
+    ------
+    BadFile
+        With everything wrong in it.
+    """
+    root, problems = parse(text_of(path), str(path))
+    reading = Reading(problems=problems)
+    try:
+        table = ProfileTable.read(root, "", reading)
+    except Spoilt:
+        raise BadFile(str(path), tuple(reading.problems)) from None
+    if problems:
+        raise BadFile(str(path), tuple(problems))
+    return table.profile, table.limits

@@ -1,0 +1,57 @@
+"""Files to start from, and the safe way to write one."""
+
+import os
+from pathlib import Path
+
+from cardan.base.errors import BadFile, Problem
+
+_FOLDER = Path(__file__).with_name("starters")
+
+
+def kinds() -> tuple[str, ...]:
+    """Return the names of the starters."""
+    return tuple(sorted(p.stem for p in _FOLDER.glob("*.yaml")))
+
+
+def starter(kind: str = "small") -> str:
+    """Return a commented application file to start from: `small` or `truck`.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that kind.
+    """
+    if kind not in kinds():
+        msg = f"there is no starter {kind}; there are: {', '.join(kinds())}"
+        raise ValueError(msg)
+    return (_FOLDER / f"{kind}.yaml").read_text(encoding="utf-8")
+
+
+def write(path: str | Path, text: str, *, replace: bool = False) -> Path:
+    """Write a text file whole or not at all, and return its path.
+
+    Raises
+    ------
+    BadFile
+        If the file is there already and `replace` is False, or cannot be written.
+    """
+    path = Path(path)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        if replace:
+            part.replace(path)
+        else:
+            os.link(part, path)  # unlike a rename it fails where there is a file already
+    except FileExistsError:
+        problem = Problem(message="is there already", hint="choose another name, or replace it")
+        raise BadFile(str(path), (problem,)) from None
+    except OSError as error:
+        problem = Problem(message=f"cannot be written: {error.strerror}")
+        raise BadFile(str(path), (problem,)) from None
+    finally:
+        part.unlink(missing_ok=True)
+    return path

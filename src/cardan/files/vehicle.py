@@ -1,0 +1,319 @@
+"""The vehicle of a file: engine, gearbox, axle, tyre, load states, suspension."""
+
+from collections.abc import Sequence
+from math import atan
+from typing import Annotated, TypeAlias
+
+from cardan.base.units import deg
+from cardan.files import measure
+from cardan.files.measure import (
+    AxleLoad, Deflections, Efficiency, Forces, Friction, Length, Mass, Part,
+    PitchRate, Ratio, Size, Torque, TyreRadius, VehicleMass, Wheelbase,
+    WindupStiffness,
+)  # fmt: skip
+from cardan.files.table import ListOf, Number, Table, Whole, key
+from cardan.model.vehicle import (
+    AuxiliaryAxle, Axle, Drive, Engine, Gearbox, Linkage, LoadState, Spring, Suspension,
+    SuspensionState, Tyre, Vehicle,
+)  # fmt: skip
+
+_CURVE = ListOf(Number(*measure.TORQUES, least=0, usual=(20, 200e3)), least=1)
+_RATES = ListOf(Number("N_mm", "kN_m", "N_m", "lbf_in", above=0), least=1)
+_SPEEDS = ListOf(Number(*measure.SPEEDS, least=0, usual=(1, 2000)), least=1)
+
+
+class EngineTable(Table):
+    """The engine at full load: one point, or a curve joined by straight lines."""
+
+    speed: measure.Speed | Annotated[tuple[float, ...], _SPEEDS] = key("rising")
+    torque: Torque | Annotated[tuple[float, ...], _CURVE] = key("at those speeds")
+    brake_torque: Torque = key("of engine brake or retarder, at the crankshaft", default=0.0)
+
+    def build(self) -> Engine:
+        """Return the engine in SI."""
+        speed, torque = (v if isinstance(v, tuple) else (v,) for v in (self.speed, self.torque))
+        if len(speed) != len(torque):
+            message = f"must hold {len(speed)} values, one for each speed"
+            raise self.refuse("torque", message, got=f"{len(torque)} values")
+        return Engine(speed=speed, torque=torque, brake_torque=self.brake_torque)
+
+
+class GearboxTable(Table):
+    """What stands between engine and driveline."""
+
+    ratios: Ratio | Annotated[tuple[float, ...], ListOf(Number(above=0, below=100), least=1)] = key(
+        "lowest gear, which has the largest ratio, first"
+    )
+    efficiency: Efficiency = key("of the gearbox", default=1.0)
+    converter_ratio: Annotated[float, Number(least=1, below=10)] = key(
+        "torque ratio of a converter at stall", default=1.0
+    )
+    transfer_ratio: Ratio = key("low range of a transfer case", default=1.0)
+
+    def build(self) -> Gearbox:
+        """Return the gearbox."""
+        ratios = self.ratios if isinstance(self.ratios, tuple) else (self.ratios,)
+        if list(ratios) != sorted(ratios, reverse=True):
+            raise self.refuse("ratios", "must fall from the lowest gear to the highest")
+        return Gearbox(
+            ratios=ratios,
+            efficiency=self.efficiency,
+            converter_ratio=self.converter_ratio,
+            transfer_ratio=self.transfer_ratio,
+        )
+
+
+class PlaceTable(Table):
+    """A joint centre seen from the wheel centre of its axle, across the wheels."""
+
+    at_most_one_of = (("ahead", "behind"), ("above", "below"))
+
+    ahead: Length | None = key("towards the gearbox", default=None)
+    behind: Length | None = key("away from the gearbox", default=None)
+    above: Length | None = key("above the wheel centre", default=None)
+    below: Length | None = key("below the wheel centre", default=None)
+
+    def build(self) -> tuple[float, float]:
+        """Return (x, z): x along the flow of torque, z up."""
+        return (self.behind or 0.0) - (self.ahead or 0.0), (self.above or 0.0) - (self.below or 0.0)
+
+
+APlace: TypeAlias = Annotated[tuple[float, float], PlaceTable]
+
+
+class AxleTable(Table):
+    """The driven axle of a line."""
+
+    ratio: Ratio = key("pinion speed over wheel speed")
+    efficiency: Efficiency = key("of the axle", default=1.0)
+    pinion: APlace = key("last joint from the wheel centre", default=(0.0, 0.0))
+
+    def build(self) -> Axle:
+        """Return the axle in SI."""
+        return Axle(ratio=self.ratio, efficiency=self.efficiency, pinion_joint=self.pinion)
+
+
+AnAxle: TypeAlias = Annotated[Axle, AxleTable]
+
+
+class TyreTable(Table):
+    """Tyre and ground."""
+
+    static_radius: TyreRadius = key("loaded, standing")
+    friction: Friction = key("of tyre on ground", default=0.8)
+    dynamic_radius: TyreRadius | None = key("rolling", default=None)
+
+    def build(self) -> Tyre:
+        """Return the tyre in SI."""
+        return Tyre(
+            static_radius=self.static_radius,
+            friction=self.friction,
+            dynamic_radius=self.dynamic_radius,
+        )
+
+
+class LoadTable(Table):
+    """How the vehicle is loaded: mass with centre of gravity, or what its axles carry."""
+
+    mass: VehicleMass | None = key("of the whole vehicle", default=None)
+    cg_behind_front: Length | None = key(
+        "centre of gravity behind the front axle (or the middle of two)", default=None
+    )
+    cg_height: Size | None = key("centre of gravity above the ground", default=None)
+    front_axle: AxleLoad | None = key("on all front axles", default=None)
+    rear_axle: AxleLoad | None = key("on the rear axle or bogie", default=None)
+    auxiliary_lifted: bool = key("whether auxiliary axles are off the ground", default=False)
+
+    def named(self, name: str) -> LoadState:
+        """Return the load state in SI."""
+        return self.attempt(
+            lambda: LoadState(
+                name=name,
+                mass=self.mass,
+                cg_behind_front=self.cg_behind_front,
+                cg_height=self.cg_height,
+                front_load=self.front_axle,
+                rear_load=self.rear_axle,
+                auxiliary_lifted=self.auxiliary_lifted,
+            )
+        )
+
+    def build(self) -> "LoadTable":
+        """Return this table, tried: its name stands outside."""
+        known = [self.has(n) for n in ("mass", "front_axle", "rear_axle")]
+        by_mass, by_loads = known == [True, False, False], sum(known) == 2
+        if self.has("cg_behind_front") != by_mass or not (by_mass or by_loads):
+            raise self.refuse(
+                "",
+                "give mass_kg with cg_behind_front_mm, or two of mass_kg, front_axle_kg and "
+                "rear_axle_kg without it",
+            )
+        self.named("")
+        return self
+
+
+class AuxiliaryTable(Table):
+    """An undriven axle on air, which carries the same load whatever the others do."""
+
+    behind_front: Length = key("behind the front axle (or the middle of two)")
+    load: AxleLoad = key("what it carries")
+
+    def build(self) -> AuxiliaryAxle:
+        """Return the axle in SI."""
+        return AuxiliaryAxle(behind_front=self.behind_front, load=self.load)
+
+
+class VehicleTable(Table):
+    """Drive configuration, wheelbase, load states."""
+
+    at_most_one_of = (("grade_percent", "grade"),)
+
+    drive: Drive = key("points on the ground x driven points")
+    wheelbase: Wheelbase = key("front axle (or the middle of two) to rear axle or bogie")
+    driven_share: Part | None = key("share of a bogie's load on its driven axles", default=None)
+    grade: Annotated[float, Number(*measure.ANGLES, above=-45 * deg, below=45 * deg)] | None = key(
+        "slope of the road, up positive", default=None
+    )
+    grade_percent: Annotated[float, Number(above=-100, below=100)] | None = key(
+        "slope of the road, rise over run, up positive", default=None
+    )
+    loads: dict[str, LoadTable] = key("by name: curb, empty, gvw, ...", default={})
+    front_axles: Annotated[int, Whole(1)] | None = key("two on an 8x, else one", default=None)
+    front_driven: bool | None = key("only where every axle is, if not said", default=None)
+    auxiliary: tuple[Annotated[AuxiliaryAxle, AuxiliaryTable], ...] = key(
+        "axles on air", default=()
+    )
+
+    def build(self) -> Vehicle:
+        """Return the vehicle in SI."""
+        percent = self.grade_percent or 0.0
+        return Vehicle(
+            drive=self.drive,
+            wheelbase=self.wheelbase,
+            driven_share=self.driven_share,
+            grade=atan(percent / 100) if self.grade is None else self.grade,
+            loads=tuple(load.named(name) for name, load in self.loads.items()),
+            front_axles=self.front_axles,
+            front_driven=self.front_driven,
+            auxiliary=self.auxiliary,
+        )
+
+
+class SpringTable(Table):
+    """A spring: loads over deflections, or one or two rates with where the second starts."""
+
+    one_of = (("load", "rates"),)
+
+    load: Forces | None = key("table of loads, rising", default=None)
+    deflection: Deflections | None = key("deflections under them", default=None)
+    stated_rates: Annotated[tuple[float, ...], _RATES] = key(
+        "the drawing's own rates, compared with the table's", default=()
+    )
+    rates: Annotated[tuple[float, ...], _RATES] | None = key("rate, or both rates", default=None)
+    contact: Size | None = key("deflection at which the second rate starts", default=None)
+
+    def build(self) -> Spring:
+        """Return the spring in SI."""
+        if self.load is not None:
+            return self._from_table(self.load)
+        rates: Sequence[float] = self.rates or ()
+        if self.has("deflection"):
+            raise self.refuse("deflection", "stands beside load_N, not beside rates")
+        if len(rates) not in (1, 2):
+            raise self.refuse("rates", "must hold one rate or two", got=f"{len(rates)} rates")
+        if (self.contact is None) != (len(rates) == 1):
+            message = (
+                "contact_mm says where the second rate starts: two rates need it, one does not"
+            )
+            raise self.refuse("contact" if self.contact else "rates", message)
+        first = self.contact or 0.1
+        second = first * rates[0] + first * rates[-1]
+        return Spring(load=(0.0, first * rates[0], second), deflection=(0.0, first, 2 * first))
+
+    def _from_table(self, load: tuple[float, ...]) -> Spring:
+        if self.has("contact"):
+            raise self.refuse("contact", "stands beside rates, not beside a table")
+        if self.deflection is None:
+            raise self.refuse("", "deflection_mm is missing beside load_N")
+        if len(self.deflection) != len(load):
+            message = f"must hold {len(load)} values, one for each load"
+            raise self.refuse("deflection", message, got=f"{len(self.deflection)} values")
+        return Spring(load=load, deflection=self.deflection, stated_rates=self.stated_rates)
+
+
+class LinkageTable(Table):
+    """How the axle moves fore and aft and pitches as it rises: a link, or a table."""
+
+    at_most_one_of = (("radius", "front_half_length", "travel"),)
+
+    radius: Size | None = key("of the link from its pivot ahead of the axle", default=None)
+    front_half_length: Size | None = key(
+        "of a leaf spring: its link is three quarters as long", default=None
+    )
+    angle: Annotated[float, Number(*measure.ANGLES, above=-60 * deg, below=60 * deg)] = key(
+        "of the link in the reference state, pivot above axle positive", default=0.0
+    )
+    pitch_rate: PitchRate = key("pitch as the axle rises, pinion nose up positive", default=0.0)
+    travel: Annotated[tuple[float, ...], ListOf(Number(*measure.LENGTHS))] = key(
+        "table: rise of the axle", default=()
+    )
+    dx: Annotated[tuple[float, ...], ListOf(Number(*measure.LENGTHS))] = key(
+        "table: how far rearward it goes", default=()
+    )
+    pitch: Annotated[tuple[float, ...], ListOf(Number(*measure.ANGLES))] = key(
+        "table: its pitch, pinion nose up positive", default=()
+    )
+
+    def build(self) -> Linkage:
+        """Return the linkage in SI."""
+        if self.travel:
+            for name in ("angle", "pitch_rate"):
+                if self.has(name):
+                    raise self.refuse(name, "belongs to a link; the table says it all")
+        for name in ("dx", "pitch"):
+            column: tuple[float, ...] = getattr(self, name)
+            if self.has(name) and len(column) != len(self.travel):
+                message = f"must hold {len(self.travel)} values, one for each travel"
+                raise self.refuse(name, message, got=f"{len(column)} values")
+        radius = self.radius
+        if self.front_half_length is not None:
+            radius = 0.75 * self.front_half_length
+        return Linkage(
+            radius=radius,
+            angle=self.angle,
+            pitch_rate=self.pitch_rate,
+            travel=self.travel,
+            dx=self.dx,
+            pitch=self.pitch,
+        )
+
+
+class SuspensionTable(Table):
+    """What moves the axle: springs, linkage, wind-up."""
+
+    spring: Annotated[Spring, SpringTable] = key("one spring")
+    springs_per_axle: Annotated[int, Whole(1)] = key("springs on one axle", default=2)
+    unsprung_mass: Mass = key("of one axle with its wheels", default=0.0)
+    linkage: Annotated[Linkage, LinkageTable] = key("how the axle is guided", default=Linkage())
+    windup_stiffness: WindupStiffness | None = key("of the axle in pitch", default=None)
+    brake_torque: Torque = key("of the brakes on the axle; 0: what the tyres hold", default=0.0)
+    reference: SuspensionState = key("state in which the geometry is given", default="gvw")
+    full_rebound_deflection: Length | None = key("where a check strap stops it", default=None)
+    jounce_deflection: Length | None = key("where a bump stop stops it", default=None)
+
+    def build(self) -> Suspension:
+        """Return the suspension in SI."""
+        return Suspension(
+            spring=self.spring,
+            springs_per_axle=self.springs_per_axle,
+            unsprung_mass=self.unsprung_mass,
+            linkage=self.linkage,
+            windup_stiffness=self.windup_stiffness,
+            brake_torque=self.brake_torque,
+            reference=self.reference,
+            full_rebound_deflection=self.full_rebound_deflection,
+            jounce_deflection=self.jounce_deflection,
+        )
+
+
+ASuspension: TypeAlias = Annotated[Suspension, SuspensionTable]

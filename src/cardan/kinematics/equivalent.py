@@ -1,0 +1,343 @@
+"""A line as one joint: how much it shakes, exactly and as the field approximates it.
+
+A line excites its ends in three ways: torsionally, by what its pinion does at constant
+gearbox speed; and by the inertia of its own shafts, driven from the gearbox (drive) or
+from the axle (coast). Each is given as the angle of the one joint that would do the same,
+and as an angular acceleration.
+
+Exactly, members turn as the phasors of `cardan.kinematics.chain` say. AE-7 adds the squares
+of small complex joint angles instead, and everyone else in the field approximates AE-7.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from math import ceil, pi
+from operator import mul
+from typing import Any
+
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
+from cardan.base.units import deg, rpm
+from cardan.kinematics.chain import Turn
+from cardan.kinematics.joint import irregularity, max_acceleration
+
+SPICER = 3.3403e-6
+"""rad/s² per rpm² deg², as Spicer's calculator prints it; exactly rpm² deg² = 3.3405e-6."""
+
+STARTS, STEPS = 8, 5
+"""Angles of half a turn to seek peaks from, at small phasors, and steps that reach them."""
+
+
+def tangent_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:
+    """Return the true angle (...) rad of view angles: tan² β = tan² βv + tan² βh.
+
+    Exact behind a member that is level in both views; `chain.joint_angles` is exact always.
+    Source: Elbe catalogue.
+    """
+    xp, side, top = floats(side, top)
+    return xp.atan(xp.hypot(xp.tan(side), xp.tan(top)))
+
+
+def pythagorean_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:
+    """Return the true angle (...) rad of view angles: β² = βv² + βh².
+
+    Source: Souza (2014), table 3.
+    """
+    xp, side, top = floats(side, top)
+    return xp.hypot(side, top)
+
+
+TRUE_ANGLE: dict[str, Callable[[ArrayLike, ArrayLike], FloatArray]] = {
+    "elbe": tangent_angle,
+    "pythagoras": pythagorean_angle,
+}
+"""Approximations of the true joint angle from its side and top view angles, by name."""
+
+
+def position(side: ArrayLike, top: ArrayLike) -> FloatArray:
+    """Position of the joint's plane, (...) rad in [0, 2π): atan2(βv, βh).
+
+    Source: Souza (2014), table 3.
+    """
+    xp, side, top = floats(side, top)
+    # Twice: a full turn is what is left of the tiniest negative angle the first time.
+    return xp.atan2(side, top) % (2 * pi) % (2 * pi)
+
+
+def quadrant(side: ArrayLike, top: ArrayLike) -> Any:
+    """Quadrant of the joint's plane, (...) integers 1 to 4; 1 begins at position 0."""
+    xp, angle = floats(position(side, top))
+    return xp.astype(xp.floor(angle / (pi / 2)), xp.int64) + 1
+
+
+def angle_for_acceleration(acceleration: ArrayLike, *, speed: ArrayLike) -> FloatArray:
+    """Largest angle (...) rad of a joint by itself, ω² β² = acceleration (...) rad/s².
+
+    Source: Dana Spicer J3311-1, table of angles by speed (1000 rad/s²).
+    """
+    xp, acceleration, speed = floats(acceleration, speed)
+    return xp.sqrt(acceleration) / speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EquivalentJoint:
+    """The one joint that excites as much as a line does.
+
+    Attributes
+    ----------
+    angle : (...) rad
+        Equivalent angle, 2 √A₂ with A₂ the order 2 amplitude of what it stands for.
+    acceleration : (...) rad/s²
+        Largest angular acceleration over a turn.
+    """
+
+    angle: FloatArray
+    acceleration: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Excitation:
+    """What a line does to its ends by turning.
+
+    Attributes
+    ----------
+    torsional
+        Of the pinion, the gearbox turning uniformly.
+    drive, coast
+        Of the sum over the shafts of their own accelerations, gearbox or pinion turning
+        uniformly: AE-7's inertia excitation of shafts of equal inertia.
+    drive_torque, coast_torque : (...) N m or None
+        The torque to accelerate the real shafts; None where no inertias are given.
+    irregularity : (...) 1
+        Largest less smallest pinion speed over the gearbox's.
+    """
+
+    torsional: EquivalentJoint
+    drive: EquivalentJoint
+    coast: EquivalentJoint
+    drive_torque: FloatArray | None
+    coast_torque: FloatArray | None
+    irregularity: FloatArray
+
+
+def excitation(turn: Turn, *, speed: ArrayLike, inertias: ArrayLike | None = None) -> Excitation:
+    """Excitation of a line, exactly.
+
+    The pinion turns as one joint of angle β would drive it, so its peak and irregularity
+    are that joint's. Seen from a pinion that turns uniformly, shaft j has the phasor
+    (E_j - E_n)/(1 - E_j Ē_n).
+
+    Parameters
+    ----------
+    turn
+        The line, from `chain.turn`; its samples do not matter.
+    speed : (...) rad/s
+        Speed of the gearbox, or in coast of the pinion.
+    inertias : (..., n-1) kg m²
+        Polar mass moment of inertia of each shaft.
+
+    Notes
+    -----
+    Members rigid. Source: derived from first principles.
+    """
+    xp, speed = floats(speed, like=turn.phasors)
+    shafts, pinion = turn.phasors[..., :-1], turn.phasors[..., -1]
+    released = (shafts - pinion[..., None]) / (1 - shafts * xp.conj(pinion[..., None]))
+
+    def inertia(phasors: ComplexArray) -> tuple[EquivalentJoint, FloatArray | None]:
+        angle = 2 * xp.sqrt(xp.abs(xp.sum(phasors, axis=-1)))
+        acceleration = speed**2 * _largest_sum(phasors, xp.ones(1))
+        joint = EquivalentJoint(angle=angle, acceleration=acceleration)
+        if inertias is None:
+            return joint, None
+        _, J = floats(inertias, like=phasors)
+        return joint, speed**2 * _largest_sum(phasors, J)
+
+    drive, drive_torque = inertia(shafts)
+    coast, coast_torque = inertia(released)
+    root = xp.sqrt(xp.abs(pinion))
+    joint = 2 * xp.atan(root)
+    return Excitation(
+        torsional=EquivalentJoint(angle=2 * root, acceleration=speed**2 * max_acceleration(joint)),
+        drive=drive,
+        coast=coast,
+        drive_torque=drive_torque,
+        coast_torque=coast_torque,
+        irregularity=irregularity(joint),
+    )
+
+
+def ae7(
+    side: ArrayLike,
+    top: ArrayLike,
+    *,
+    phases: ArrayLike,
+    speed: ArrayLike,
+    inertias: ArrayLike | None = None,
+) -> Excitation:
+    r"""Excitation of a line by AE-7's phasors of small angles.
+
+    $$P_j = \sum_{k \le j} s_k D_k^2, \quad D = \beta_h + i \beta_v, \quad
+      \text{angle} = \sqrt{|P|}, \quad \text{acceleration} = \omega^2 |P|$$
+
+    with P_n for the pinion, Σ P_j over the shafts in drive and Σ (P_j - P_n) in coast, which
+    is (n-k) and (k-1) times s_k D_k² joint by joint.
+
+    Parameters
+    ----------
+    side, top : (..., n) rad
+        View angles βv, βh of the joints: change of slope, down and to the right positive.
+    phases : (..., n-1) rad
+        Yoke phase ε of each shaft. s₁ = 1, and each shaft takes s on to -s e^{2iε}: an
+        aligned one flips the sign of the next joint, a crossed one keeps it.
+    speed : (...) rad/s
+        Speed of the line.
+    inertias : (..., n-1) kg m²
+        Polar mass moment of inertia of each shaft.
+
+    Notes
+    -----
+    The weights of drive and coast take all shafts for equally heavy; the torques do not.
+    Source: SAE AE-7, p. 50; odd yoke phases derived, confirmed against the exact chain.
+    """
+    xp, side, top, phases, speed = floats(side, top, phases, speed)
+    on = -xp.exp(2j * phases)
+    signs = accumulate((on[..., k] for k in range(on.shape[-1])), initial=1.0, func=mul)
+    steps = (s * (top[..., k] + 1j * side[..., k]) ** 2 for k, s in enumerate(signs))
+    *shafts, pinion = accumulate(steps)
+    released = [shaft - pinion for shaft in shafts]
+
+    def joint(phasor: ComplexArray) -> EquivalentJoint:
+        size = xp.abs(phasor)
+        return EquivalentJoint(angle=xp.sqrt(size), acceleration=speed**2 * size)
+
+    def torque(phasors: list[ComplexArray]) -> FloatArray | None:
+        if inertias is None:
+            return None
+        _, J = floats(inertias, like=pinion)
+        return speed**2 * xp.abs(sum(J[..., j] * p for j, p in enumerate(phasors)))
+
+    torsional = joint(pinion)
+    return Excitation(
+        torsional=torsional,
+        drive=joint(sum(shafts, 0 * pinion)),
+        coast=joint(sum(released, 0 * pinion)),
+        drive_torque=torque(shafts),
+        coast_torque=torque(released),
+        irregularity=xp.sin(torsional.angle) * xp.tan(torsional.angle),
+    )
+
+
+def in_plane(
+    side: ArrayLike,
+    top: ArrayLike,
+    *,
+    phases: ArrayLike,
+    speed: ArrayLike,
+    inertias: ArrayLike | None = None,
+) -> Excitation:
+    """Excitation as if all joints lay in one plane: `ae7` of the true angles alone.
+
+    For two shafts, aligned or crossed, β₁² ∓ β₂² ± β₃². It leaves out where the planes
+    lie. Source: Souza (2014), eq. 11-14; more joints and odd phases as in AE-7.
+    """
+    true = pythagorean_angle(side, top)
+    return ae7(0 * true, true, phases=phases, speed=speed, inertias=inertias)
+
+
+def spicer_sine(
+    side: ArrayLike,
+    top: ArrayLike,
+    *,
+    phases: ArrayLike,
+    speed: ArrayLike,
+    inertias: ArrayLike | None = None,
+) -> Excitation:
+    """`ae7` with accelerations ω² sin² of the equivalent angle, as some tools have it."""
+    xp, speed = floats(speed, like=side)
+    result = ae7(side, top, phases=phases, speed=speed, inertias=inertias)
+    return _revalued(result, lambda angle: (speed * xp.sin(angle)) ** 2)
+
+
+def spicer_rpm(
+    side: ArrayLike,
+    top: ArrayLike,
+    *,
+    phases: ArrayLike,
+    speed: ArrayLike,
+    inertias: ArrayLike | None = None,
+) -> Excitation:
+    """`ae7` with accelerations 3.3403e-6 N² θ², N in rpm and θ in degrees."""
+    _, speed = floats(speed, like=side)
+    result = ae7(side, top, phases=phases, speed=speed, inertias=inertias)
+    return _revalued(result, lambda angle: SPICER * (speed / rpm * angle / deg) ** 2)
+
+
+APPROXIMATIONS: dict[str, Callable[..., Excitation]] = {
+    "ae7": ae7,
+    "in_plane": in_plane,
+    "spicer_sine": spicer_sine,
+    "spicer_rpm": spicer_rpm,
+}
+"""The field's approximations of `excitation` by name; all take what `ae7` takes."""
+
+
+def approximations(
+    side: ArrayLike,
+    top: ArrayLike,
+    *,
+    phases: ArrayLike,
+    speed: ArrayLike,
+    inertias: ArrayLike | None = None,
+) -> dict[str, Excitation]:
+    """Every one of `APPROXIMATIONS` of a line, by name; the arguments are those of `ae7`."""
+    return {
+        name: of(side, top, phases=phases, speed=speed, inertias=inertias)
+        for name, of in APPROXIMATIONS.items()
+    }
+
+
+def _revalued(
+    excitation: Excitation, acceleration: Callable[[FloatArray], FloatArray]
+) -> Excitation:
+    """Return the excitation with each acceleration following from its angle."""
+
+    def joint(old: EquivalentJoint) -> EquivalentJoint:
+        return replace(old, acceleration=acceleration(old.angle))
+
+    return replace(
+        excitation,
+        torsional=joint(excitation.torsional),
+        drive=joint(excitation.drive),
+        coast=joint(excitation.coast),
+    )
+
+
+def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
+    """Largest |sum over members| of weight times acceleration over ω², (...).
+
+    `phasors` and `weights` are (..., members). With x = E z, z = e^{2iθ}, p = x/(1 - x)
+    and g = p (1 + p), a member has -4 Im g, whose slopes by 2θ are as plain. They are followed
+    uphill from several z at once, because which of two peaks of nearly equal height is the
+    higher cannot be told beforehand. The step is Newton's near a peak, and at once the
+    whole way to it where the sum is a pure sine.
+    """
+    xp = namespace(phasors)
+    E, J = phasors[..., None], weights[..., None]
+    # The larger a phasor, the narrower its peak; a single joint has no shafts at all.
+    size = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
+    starts = ceil(STARTS / (1 - size))
+    z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))
+    largest = 0 * xp.real(z)
+    for _ in range(STEPS):
+        x = E * z[..., None, :]
+        p = x / (1 - x)
+        g = p * (1 + p)
+        swing = xp.sum(J * xp.imag(g), axis=-2)
+        slope = xp.sum(J * xp.real(g * (1 + 2 * p)), axis=-2)
+        bend = xp.sum(J * xp.imag(g * (1 + 6 * g)), axis=-2)
+        step = xp.abs(bend) + 1j * slope * xp.sign(bend)
+        flat = xp.abs(step)
+        z = z * step / xp.where(flat == 0, 1.0, flat)
+        largest = xp.maximum(largest, xp.abs(swing))
+    return 4 * xp.max(largest, axis=-1)

@@ -1,0 +1,71 @@
+r"""Centre-bearing forces at small angles, in closed form.
+
+At small angles a shaft's two joints leave over a mean couple and one that turns with the
+shaft. With the change of direction at joint k as a complex number across the line, y + i z,
+which is Δ_k = top view angle less i times side view angle, and the torque T,
+
+$$q_k = \frac{\Delta_k + \Delta_{k+1}
+        + (s_k \Delta_k^* - s_{k+1} \Delta_{k+1}^*)\, e^{2 i \theta}}{L_k},
+\qquad s_1 = 1,\ s_{k+1} = -s_k e^{2 i \psi_k}$$
+
+is that couple as a force i T q_k / 2 at either end of shaft k, whose yoke phase is ψ_k.
+"""
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike
+from cardan.loads.cycle import Cycle
+from cardan.model.layout import Layout
+from cardan.model.parts import Line
+
+
+def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
+    r"""Force on each centre bearing to first order in the joint angles.
+
+    $$B_k = \frac{L_k}{l_k} \left( \frac{i T}{2} q_k - F_{k+1} \right), \qquad
+      F_k = F_{k+1} + B_k, \qquad F_{n-1} = \frac{i T}{2} q_{n-1}$$
+
+    with l_k from the front joint of shaft k to its bearing and F_k the force of joint k on
+    shaft k. Two shafts with the bearing at joint 2 give the handbook pair: static
+    T/2 \|(Δ₁+Δ₂)/L₁ − (Δ₂+Δ₃)/L₂\|, twice a turn
+    T/2 \|(s₁Δ₁* − s₂Δ₂*)/L₁ − (s₂Δ₂* − s₃Δ₃*)/L₂\|.
+
+    Parameters
+    ----------
+    layout, line
+        Where the line runs; its phases and bearings.
+    torque : (...) N m
+        Torque of the gearbox output.
+
+    Returns
+    -------
+    Cycle
+        Waves (..., n-2, 2, 3) N.
+
+    Notes
+    -----
+    Short of the exact force by about β². Either axial freedom gives the same: what it
+    changes is of second order. Source: derived from first principles.
+    """
+    bend = np.diff(layout.top - 1j * layout.side, axis=-1)
+    s = np.cumprod(np.concatenate([np.ones(1), -np.exp(2j * np.asarray(line.phases))]))
+    turning = s * bend.conj()
+    mean, swing = bend[..., :-1] + bend[..., 1:], turning[..., :-1] - turning[..., 1:]
+    lengths = layout.lengths[..., None]
+    # The two columns are factors of 1 and of e^{2iθ}.
+    force = 0.5j * np.asarray(torque, dtype=float)[..., None, None] / lengths
+    couple = force * np.stack([mean, swing], axis=-1)
+    joint, bearings = couple[..., -1, :], []
+    for k in reversed(range(len(line.shafts) - 1)):
+        bearing = line.shafts[k].centre_bearing
+        overhang = bearing.from_rear_joint if bearing else 0.0
+        length = lengths[..., k, :]
+        force = length / (length - overhang) * (couple[..., k, :] - joint)
+        joint = joint + force
+        bearings.append(force)
+    across = np.stack([joint, *bearings][::-1], axis=-2)[..., :-1, :]
+    # y + i z as vectors: the mean lies still, the swing goes round with θ.
+    mean, swing = across[..., 0], across[..., 1]
+    still = np.stack([0 * mean, mean.real, mean.imag], axis=-1)
+    round_ = np.stack([0 * swing, swing, -1j * swing], axis=-1)
+    return Cycle(np.stack([still, round_], axis=-2).astype(np.complex128))

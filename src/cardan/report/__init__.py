@@ -1,0 +1,1 @@
+"""Show an assessment: terminal tables and the JSON contract."""

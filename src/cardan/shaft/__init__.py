@@ -1,0 +1,1 @@
+"""What one line of shafts endures: whirl, strength, life."""

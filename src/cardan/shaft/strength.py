@@ -1,0 +1,247 @@
+"""Whether tube and joints carry the torque: stress, ratings, and the smallest size that does."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray, floats
+from cardan.base.errors import DesignError
+from cardan.base.quantities import QUANTITIES
+from cardan.base.units import NewtonMetre
+from cardan.model.parts import JointSize
+from cardan.shaft.life import joint_life, life_rating, n_beta, wear
+
+SHOCK_FACTORS = {
+    "continuous": (1.2, 1.5),
+    "light": (1.5, 2.0),
+    "medium": (2.5, 2.5),
+    "heavy": (3.0, 3.0),
+    "extreme": (4.0, 6.0),
+}
+"""Service factors of industrial catalogues (Dana Spicer), by how the driven machine loads."""
+
+
+def tube_shear(torque: ArrayLike, *, outer: ArrayLike, inner: ArrayLike) -> FloatArray:
+    """Shear stress at the outside of a tube, (...) Pa: τ = 16 T D / (π (D⁴ − d⁴)).
+
+    `torque` in N m, diameters `outer` D and `inner` d in m, all (...). Away from welds and
+    yokes. Source: any handbook; Seherr-Thoss et al. (2006).
+
+    Examples
+    --------
+    >>> round(float(tube_shear(10e3, outer=0.1, inner=0.09)) / 1e6, 1)
+    148.1
+    """
+    xp, T, D, d = floats(torque, outer, inner)
+    return 16 * T * D / (xp.pi * (D**4 - d**4))
+
+
+def tube_bending(moment: ArrayLike, *, outer: ArrayLike, inner: ArrayLike) -> FloatArray:
+    """Bending stress at the outside of a tube, (...) Pa: σ = 32 M D / (π (D⁴ − d⁴)).
+
+    A joint at angle β under torque T bends the shaft behind it by at most T tan β.
+    """
+    return 2 * tube_shear(moment, outer=outer, inner=inner)
+
+
+def von_mises(shear: ArrayLike, *, normal: ArrayLike = 0.0) -> FloatArray:
+    """Equivalent stress of shear and normal stress, (...) Pa: √(σ² + 3 τ²)."""
+    xp, tau, sigma = floats(shear, normal)
+    return xp.sqrt(sigma**2 + 3 * tau**2)
+
+
+def tube_utilisation(
+    torque: ArrayLike,
+    *,
+    outer: ArrayLike,
+    inner: ArrayLike,
+    yield_strength: ArrayLike,
+    shock_factor: ArrayLike,
+) -> FloatArray:
+    """Share of a tube's yield strength in shear that a torque uses, (...).
+
+    τ / (Re/√3), with τ of the torque (...) N m times the shock factor. Source: von Mises.
+    """
+    _, T, Re, shock = floats(torque, yield_strength, shock_factor)
+    return von_mises(tube_shear(abs(T) * shock, outer=outer, inner=inner)) / Re
+
+
+def tube_fatigue_utilisation(
+    highest: ArrayLike,
+    *,
+    lowest: ArrayLike,
+    outer: ArrayLike,
+    inner: ArrayLike,
+    fatigue_shear: ArrayLike,
+    ultimate_shear: ArrayLike = inf,
+) -> FloatArray:
+    """Share of a tube's endurance in shear that a swing of torque uses, (...).
+
+    τa/τf + |τm|/τu, with τa and τm the amplitude and mean of the stress (Goodman).
+
+    Parameters
+    ----------
+    highest, lowest : (...) N m
+        Ends of the swing: drive torque, and 0 or coast torque, which is negative.
+    outer, inner : (...) m
+    fatigue_shear : (...) Pa
+        Amplitude endured for ever about zero: of the weld, where there is one.
+    ultimate_shear : (...) Pa
+        Infinite leaves the mean out, as tests of smooth steel in torsion do.
+
+    Returns
+    -------
+    (...) 1
+
+    Notes
+    -----
+    Source: Shigley, Mechanical Engineering Design; on the mean, Smith, Univ. of Illinois
+    Bulletin 334 (1942).
+    """
+    xp, top, bottom, endured, ultimate = floats(highest, lowest, fatigue_shear, ultimate_shear)
+    swing = tube_shear((top - bottom) / 2, outer=outer, inner=inner)
+    mean = tube_shear((top + bottom) / 2, outer=outer, inner=inner)
+    return xp.abs(swing) / endured + xp.abs(mean) / ultimate
+
+
+def joint_utilisation(
+    torque: ArrayLike,
+    *,
+    rating: ArrayLike,
+    shock_factor: ArrayLike,
+    prime_mover_factor: ArrayLike,
+) -> FloatArray:
+    """Share of a joint's torque rating in use, (...): |T| · shock · K1 / rating.
+
+    Against the functional limit Tcs only shocks count, with K1 = 1. For the factors see
+    `SHOCK_FACTORS` and `cardan.shaft.life.PRIME_MOVER_FACTORS`.
+    """
+    xp, T, limit, shock, K1 = floats(torque, rating, shock_factor, prime_mover_factor)
+    return xp.abs(T) * shock * K1 / limit
+
+
+def joint_fatigue_utilisation(
+    highest: ArrayLike,
+    *,
+    lowest: ArrayLike,
+    reversing: ArrayLike,
+    pulsating: ArrayLike | None = None,
+) -> FloatArray:
+    """Share of a joint's fatigue rating that a swing of torque uses, (...).
+
+    (Ta + (2 Tdw/Tds − 1) |Tm|) / Tdw: the straight line of amplitude Ta over mean Tm through
+    a catalogue's two ratings, T/Tdw for reversing and T/Tds for pulsating torque.
+
+    Parameters
+    ----------
+    highest, lowest : (...) N m
+        Ends of the swing: drive torque, and 0 or coast torque, which is negative.
+    reversing : (...) N m
+        Tdw, carried for ever from −Tdw to Tdw.
+    pulsating : (...) N m
+        Tds, carried for ever from 0 to Tds; by default no more than Tdw. GWB takes 1.4 Tdw.
+
+    Notes
+    -----
+    Source: ratings as Dana GWB defines them; the line between them derived.
+    """
+    xp, top, bottom, Tdw = floats(highest, lowest, reversing)
+    _, Tds = floats(reversing if pulsating is None else pulsating)
+    amplitude, mean = xp.abs(top - bottom) / 2, xp.abs(top + bottom) / 2
+    return (amplitude + (2 * Tdw / Tds - 1) * mean) / Tdw
+
+
+def cross_force(torque: ArrayLike, *, across: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
+    """Largest force on a journal of the cross in a turn, (...) N: T / (a cos β).
+
+    `torque` (...) N m of the driving yoke, `across` (...) m between the middles of opposite
+    needle rows (width over the cups less one cup), joint angle `angle` (...) rad. Derived:
+    the couple of the journals stands square to the cross, T tilted by at most β.
+    """
+    xp, T, a, beta = floats(torque, across, angle)
+    return xp.abs(T) / (a * xp.cos(beta))
+
+
+def cup_pressure(force: ArrayLike, *, diameter: ArrayLike, length: ArrayLike) -> FloatArray:
+    """Mean pressure of a cup in its yoke, or of needles on a journal, (...) Pa: F / (d l)."""
+    _, F, d, b = floats(force, diameter, length)
+    return F / (d * b)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointDemand:
+    """What a joint is asked for: a torque to survive, and a duty cycle to live through.
+
+    Attributes
+    ----------
+    peak_torque : N m
+        The largest, shocks included.
+    torque, speed, angle, shares : (p,) N m, rad/s, rad, 1
+        Points of the duty cycle, and their shares of the time.
+    life : s
+    prime_mover_factor
+        K1 of the life formula.
+    """
+
+    peak_torque: NewtonMetre
+    torque: FloatArray
+    speed: FloatArray
+    angle: FloatArray
+    shares: FloatArray
+    life: float
+    prime_mover_factor: float
+
+
+def size_utilisations(size: JointSize, demand: JointDemand) -> dict[str, float]:
+    """Return the share of each of a joint's ratings that a demand uses, by quantity.
+
+    Ratings that its catalogue does not publish are left out.
+    """
+    ratings = {
+        "joint_torque_utilisation": (demand.peak_torque, size.peak_torque),
+        "joint_angle": (np.max(demand.angle), size.angle_max),
+        "n_beta": (np.max(n_beta(demand.speed, angle=demand.angle)), size.speed_angle_max),
+        "joint_speed": (np.max(np.abs(demand.speed)), size.speed_max),
+    }
+    used = {key: float(asked / rating) for key, (asked, rating) in ratings.items() if rating}
+    rated = life_rating(size)
+    if rated:
+        wearing = wear(
+            demand.torque,
+            speed=demand.speed,
+            angle=demand.angle,
+            rated_torque=rated,
+            prime_mover_factor=demand.prime_mover_factor,
+        )
+        used["joint_life"] = float(demand.life / joint_life(wearing, shares=demand.shares))
+    return used
+
+
+def smallest_size(sizes: Iterable[JointSize], demand: JointDemand) -> JointSize:
+    """Return the joint of the least life rating that no demand is too much for.
+
+    Joints whose catalogue publishes no peak torque or no life rating are passed over: nobody
+    could say whether they carry it.
+
+    Raises
+    ------
+    DesignError
+        If none does; the message names the one that comes nearest, and what it lacks.
+    """
+    known = [s for s in sizes if s.peak_torque and life_rating(s)]
+    used = {s.name: size_utilisations(s, demand) for s in known}
+    enough = [s for s in known if max(used[s.name].values()) <= 1]
+    if enough:
+        return min(enough, key=lambda s: life_rating(s) or inf)
+    if not known:
+        msg = "no joint on offer publishes both peak torque and life rating; give them"
+        raise DesignError(msg)
+    nearest = min(known, key=lambda s: max(used[s.name].values()))
+    key, most = max(used[nearest.name].items(), key=lambda item: item[1])
+    msg = (
+        f"none of {len(known)} joints carries this: {nearest.name} comes nearest and is asked "
+        f"for {most:.3g} times its {QUANTITIES[key].name.lower()}; offer larger sizes"
+    )
+    raise DesignError(msg)

@@ -1,0 +1,1 @@
+"""Ask questions of an application: assess it, correct it, verify the program itself."""

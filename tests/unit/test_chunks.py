@@ -1,0 +1,54 @@
+"""Many cases at a time: chunks on a pool give what one call gives, in order."""
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+import pytest
+
+from cardan.base.arrays import chunked
+from cardan.kinematics.chain import turn
+from cardan.kinematics.equivalent import approximations, excitation
+from cardan.model.layout import direction
+
+RNG = np.random.default_rng(1)
+SIDE, TOP = RNG.uniform(-0.1, 0.1, (2, 1000, 4))
+
+
+def exact(side, top, speed):
+    return excitation(turn(direction(side=side, top=top), phases=[0, 0.3]), speed=speed)
+
+
+def test_chunks_join_to_what_one_call_gives():
+    speed = RNG.uniform(100, 300, 1000)
+    whole, parts = exact(SIDE, TOP, speed), chunked(exact, SIDE, TOP, speed, size=37)
+    assert parts.drive_torque is None
+    # Not bit by bit: how NumPy rounds an element depends on its place in the array.
+    assert parts.torsional.angle == pytest.approx(whole.torsional.angle, rel=1e-13)
+    assert parts.coast.acceleration == pytest.approx(whole.coast.acceleration, rel=1e-12)
+
+
+def test_dicts_tuples_and_parameters_shared_by_all_cases():
+    both = partial(approximations, phases=[0, 0.3, 1.0], speed=200.0)
+    parts = chunked(lambda s, t: (both(s, t), s), SIDE, TOP, size=300)
+    assert np.array_equal(parts[0]["ae7"].drive.angle, both(SIDE, TOP)["ae7"].drive.angle)
+    assert np.array_equal(parts[1], SIDE)
+
+
+def test_no_chunk_holds_more_than_its_size_and_any_executor_serves():
+    seen = []
+
+    def work(side):
+        seen.append(len(side))
+        return side.sum(-1)
+
+    with ThreadPoolExecutor(1) as executor:
+        total = chunked(work, SIDE, size=300, executor=executor)
+    assert seen == [300, 300, 300, 100]
+    assert np.array_equal(total, SIDE.sum(-1))
+    assert chunked(work, SIDE[:0]).shape == (0,)
+
+
+def test_arrays_must_agree_on_the_cases():
+    with pytest.raises(ValueError, match=r"same number of cases, got \[2, 3\]"):
+        chunked(np.add, np.ones(2), np.ones(3))

@@ -1,0 +1,39 @@
+"""Distances between segments, by hand and by brute force."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.demand.clearance import clearances, segment_distance
+from cardan.model.application import Obstacle
+from cardan.model.layout import from_slopes
+from cardan.model.parts import Line, Shaft, Tube
+
+coordinate = st.integers(-3, 3).map(float)
+point = st.tuples(coordinate, coordinate, coordinate)
+
+
+@given(a=point, b=point, c=point, d=point)
+@settings(max_examples=60)
+def test_segment_distance_against_a_fine_grid(a, b, c, d):
+    """The grid's distance is at most half a step along each segment too long."""
+    a, b, c, d = map(np.array, (a, b, c, d))
+    s = np.linspace(0, 1, 101)[:, None]
+    p, q = a + s * (b - a), c + s * (d - c)
+    grid = np.linalg.norm(p[:, None] - q[None], axis=-1).min()
+    step = (np.linalg.norm(b - a) + np.linalg.norm(d - c)) / 200
+    found = segment_distance(a, b, c, d)
+    assert grid - step - 1e-12 <= found <= grid + 1e-12
+
+
+def test_a_beam_below_a_shaft():
+    """A 100 mm shaft runs level; a 60 mm beam crosses 200 mm below and rises with the axle."""
+    line = Line(shafts=(Shaft(length=2.0, tube=Tube(outer=0.1, wall=0.003)),))
+    layout = from_slopes(side=[0, 0, 0], top=[0, 0, 0], lengths=[2.0])
+    beam = Obstacle(
+        name="beam", start=(1, -1, -0.2), end=(1, 1, -0.2), radius=0.03, travel_share=1.0
+    )
+    free = clearances(layout, line, (beam,), travel=[0.0, 0.05])
+    assert free.shape == (2, 1, 1)
+    assert free.ravel() == pytest.approx([0.2 - 0.05 - 0.03, 0.15 - 0.05 - 0.03], abs=1e-15)

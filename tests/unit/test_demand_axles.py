@@ -1,0 +1,152 @@
+"""Which axles carry what."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cardan.base.errors import DesignError
+from cardan.base.units import g
+from cardan.demand.axles import at_slip, axle_loads, driven_axles, each_axle, line_loads
+from cardan.model.vehicle import AuxiliaryAxle, LoadState, Vehicle
+
+LADEN = LoadState(name="gvw", mass=20e3, cg_behind_front=3.5, cg_height=1.4)
+
+
+@pytest.mark.parametrize(
+    ("drive", "front", "rear", "driven_front", "driven_rear"),
+    [
+        ("4x2", 1, 1, 0, 1),
+        ("4x4", 1, 1, 1, 1),
+        ("6x2", 1, 2, 0, 1),
+        ("6x4", 1, 2, 0, 2),
+        ("6x6", 1, 2, 1, 2),
+        ("8x2", 2, 2, 0, 1),
+        ("8x4", 2, 2, 0, 2),
+        ("8x8", 2, 2, 2, 2),
+    ],
+)
+def test_a_drive_counts_points_and_driven_points(drive, front, rear, driven_front, driven_rear):
+    vehicle = Vehicle(drive=drive, wheelbase=5.0)
+    assert (vehicle.front_group, vehicle.rear_group) == (front, rear)
+    assert driven_axles(vehicle, drives="front") == driven_front
+    assert driven_axles(vehicle, drives="rear") == driven_rear
+    points, driven = map(int, drive.split("x"))
+    assert 2 * driven_axles(vehicle, drives="all") == driven
+    assert len(each_axle(axle_loads(vehicle, LADEN), vehicle)) == points // 2
+
+
+def test_front_drive_and_a_front_axle_at_rest_can_be_said():
+    van = Vehicle(drive="4x2", wheelbase=3.5, front_driven=True)
+    assert (van.driven_front, van.driven_rear, van.rear_share) == (1, 0, 0.0)
+    part_time = Vehicle(drive="4x4", wheelbase=3.5, front_driven=False)
+    assert (part_time.driven_front, part_time.driven_rear) == (0, 1)
+
+
+def test_a_lone_front_axle_before_three_rear_ones():
+    tridem = Vehicle(drive="8x4", wheelbase=5.0, front_axles=1)
+    assert (tridem.rear_group, tridem.driven_rear) == (3, 2)
+    assert tridem.rear_share == pytest.approx(2 / 3, rel=1e-15)
+
+
+def test_mass_or_loads_say_the_same():
+    vehicle = Vehicle(drive="4x2", wheelbase=5.0)
+    by_mass = axle_loads(vehicle, LADEN)
+    front, rear = float(by_mass.front), float(by_mass.rear)
+    for load in (
+        LoadState(name="gvw", front_load=front, rear_load=rear),
+        LoadState(name="gvw", mass=20e3, rear_load=rear),
+        LoadState(name="gvw", mass=20e3, front_load=front),
+    ):
+        for grade in (0.0, 0.1):
+            found, same = (
+                axle_loads(vehicle, load, grade=grade),
+                axle_loads(vehicle, LADEN, grade=grade),
+            )
+            assert found.front == pytest.approx(same.front, rel=1e-12)
+            assert found.rear == pytest.approx(same.rear, rel=1e-12)
+
+
+def test_a_tag_axle_unloads_the_others_about_its_lever():
+    tag = AuxiliaryAxle(behind_front=6.25, load=40e3)
+    vehicle = Vehicle(drive="6x2", wheelbase=5.0, auxiliary=(tag,))
+    found = axle_loads(vehicle, LADEN)
+    # Moments about the front axle, by hand.
+    assert found.rear == pytest.approx((20e3 * g * 3.5 - 40e3 * 6.25) / 5.0, rel=1e-14)
+    assert found.total == pytest.approx(20e3 * g, rel=1e-14)
+    lifted = axle_loads(vehicle, replace(LADEN, auxiliary_lifted=True))
+    assert lifted.rear == pytest.approx(20e3 * g * 3.5 / 5.0, rel=1e-14)
+    assert lifted.auxiliary.size == 0
+
+
+def test_a_wheel_that_lifts_carries_nothing():
+    short = Vehicle(drive="4x2", wheelbase=1.0)
+    load = LoadState(name="gvw", mass=20e3, cg_behind_front=0.8, cg_height=1.4)
+    for friction in (0.3, 0.8):  # the closed form says more than the weight; then less than none
+        found = at_slip(axle_loads(short, load), friction=friction, cg_height=1.4, wheelbase=1.0)
+        assert found.front == 0
+        assert found.rear == pytest.approx(20e3 * g, rel=1e-14)
+
+
+def test_driving_loads_the_rear_and_holding_back_unloads_it():
+    vehicle = Vehicle(drive="6x4", wheelbase=5.0, loads=(LADEN,))
+    found = line_loads(vehicle, LADEN, friction=0.7)
+    assert found.braked * 2 < found.coast < found.rest < found.traction
+    assert found.axle * 2 == pytest.approx(found.rest, rel=1e-14)
+
+
+def test_without_a_height_nothing_is_transferred():
+    vehicle = Vehicle(drive="4x2", wheelbase=5.0)
+    found = line_loads(vehicle, replace(LADEN, cg_height=None), friction=0.8)
+    assert found.traction == found.coast == found.rest
+
+
+def test_overload_is_everything_ten_percent_heavier():
+    vehicle = Vehicle(drive="6x2", wheelbase=5.0)
+    one, more = (line_loads(vehicle, LADEN, friction=0.8, times=t) for t in (1.0, 1.1))
+    for name in ("axle", "rest", "traction", "coast", "braked"):
+        assert getattr(more, name) == pytest.approx(1.1 * getattr(one, name), rel=1e-14)
+
+
+def test_a_line_to_an_axle_that_is_not_driven_is_refused():
+    with pytest.raises(DesignError, match="drives no front axle"):
+        line_loads(Vehicle(drive="4x2", wheelbase=5.0), LADEN, drives="front")
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        lambda: LoadState(name="gvw"),
+        lambda: LoadState(name="gvw", mass=20e3),
+        lambda: LoadState(name="gvw", cg_behind_front=3.0),
+        lambda: LoadState(name="gvw", mass=20e3, front_load=1e5, rear_load=1e5),
+        lambda: LoadState(name="gvw", mass=20e3, rear_load=1e5, cg_behind_front=3.0),
+        lambda: LoadState(name="gvw", mass=np.nan, cg_behind_front=3.0),
+        lambda: Vehicle(drive="4x2", wheelbase=0.0),
+        lambda: Vehicle(drive="6x2", wheelbase=5.0, driven_share=1.2),
+        lambda: Vehicle(drive="6x4", wheelbase=5.0, driven_share=0.7),
+        lambda: Vehicle(
+            drive="4x2", wheelbase=5.0, auxiliary=(AuxiliaryAxle(behind_front=6, load=1e4),)
+        ),
+    ],
+)
+def test_impossible_vehicles_are_refused(part):
+    with pytest.raises(DesignError):
+        part()
+
+
+def test_a_bogie_shares_its_load_as_said():
+    vehicle = Vehicle(drive="6x2", wheelbase=5.0, driven_share=0.6)
+    loads = axle_loads(vehicle, LADEN)
+    np.testing.assert_allclose(
+        each_axle(loads, vehicle), [loads.front, 0.6 * loads.rear, 0.4 * loads.rear], rtol=1e-14
+    )
+    assert line_loads(vehicle, LADEN).axle == pytest.approx(0.6 * loads.rear, rel=1e-14)
+
+
+def test_a_grade_takes_grip_but_does_not_move_the_axle():
+    """The springs' state is found on the level; on the grade the tyres hold cos of it."""
+    flat = Vehicle(drive="4x2", wheelbase=5.0)
+    one, two = (line_loads(v, LADEN, friction=0.8) for v in (flat, replace(flat, grade=0.2)))
+    assert two.axle == one.axle
+    assert two.traction == pytest.approx(one.traction * np.cos(0.2), rel=1e-14)
