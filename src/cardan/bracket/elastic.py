@@ -29,6 +29,10 @@ _CORNERS = np.array([(0, 1, 0), (1, 0, 0), (0, 0, 1), (0, 0, 0)], dtype=float)
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK and Abaqus
 
 
+_FLAT = 0.3
+"""Smallest over largest Jacobian of an element that is trusted at a node."""
+
+
 def silent(_: str) -> None:
     """Tell nobody."""
 
@@ -270,7 +274,8 @@ class Elastic:
         displacements = np.asarray(displacements, dtype=float)
         where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
         flat, count = self.nodes.elements.ravel(), len(self.nodes.points)
-        share = np.bincount(flat, minlength=count)
+        worth = self._worth.ravel()
+        share = np.bincount(flat, weights=worth, minlength=count)
         u = np.empty((count, len(displacements), 3))
         stress = np.empty((count, len(displacements), 6))
         with ngs.TaskManager():
@@ -278,9 +283,21 @@ class Elastic:
                 u[flat, c] = self.field(vector)(where)
                 raw = hooke(self.strain_of(vector)(where), self.material)
                 for k in range(6):
-                    summed = np.bincount(flat, weights=raw[:, k], minlength=count)
+                    summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
                     stress[:, c, k] = summed / share
         return u, stress
+
+    @cached_property
+    def _worth(self) -> FloatArray:
+        """How much each element's word at each of its nodes is worth, (e, 10).
+
+        An element bent round a small radius can be pressed flat at a corner, where its
+        strain is then nonsense: its neighbours know better.
+        """
+        ngs = engine().ngs
+        volume = ngs.Det(ngs.specialcf.JacobianMatrix(3))
+        here = volume(self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)).reshape(-1, 10)
+        return np.where(here > _FLAT * here.max(axis=1, keepdims=True), 1.0, 1e-12)
 
     def locate(self, points: ArrayLike) -> list[Place]:
         """Find the point of the solid nearest to each of some points (k, 3) m."""

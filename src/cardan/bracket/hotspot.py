@@ -1,14 +1,15 @@
 """Hot spots: where a crack would start, and how well the stress there is known."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre
 from cardan.bracket.elastic import Progress, elastic, silent
 from cardan.bracket.stress import superpose, von_mises
-from cardan.bracket.surface import BoolArray, away_from, peaks, sharp_edges
+from cardan.bracket.surface import away_from, peaks, sharp_edges
 from cardan.bracket.unit import Units, solved, unit_solutions
 
 
@@ -28,12 +29,13 @@ class Searched:
 def searched(units: Units, *, clear: Metre | None = None) -> Searched:
     """Points (n, 3) m and unit stresses (n, 9, 6) Pa on the surface, the unsound ones marked.
 
-    `clear` is how far from a sharp edge stress counts, by default the wall's thickness.
+    `clear` is how far from a sharp edge stress counts, by default one and a half of the
+    wall's thickness.
     """
     nodes = units.elastic.nodes
     points, stress = nodes.points[nodes.surface], units.at_nodes[1][nodes.surface]
     edges = sharp_edges(nodes, held=units.solid.bolts)
-    distance = units.solid.thickness if clear is None else clear
+    distance = 1.5 * units.solid.thickness if clear is None else clear
     return Searched(points, stress, away_from(points, edges, distance=distance))
 
 
@@ -82,8 +84,17 @@ class Converged:
         return self.error(loads) <= within * top
 
 
-def converged(units: Units, points: ArrayLike, *, tell: Progress = silent) -> Converged:
-    """Solve again, of higher degree and then finer, for the stress at points (k, 3) m."""
+def converged(
+    units: Units,
+    points: ArrayLike,
+    *,
+    also: Sequence[tuple[ArrayLike, Metre]] = (),
+    tell: Progress = silent,
+) -> Converged:
+    """Solve again, of higher degree and then finer, for the stress at points (k, 3) m.
+
+    `also` are other points with the edge of elements wanted there.
+    """
     points = np.asarray(points, dtype=float).reshape(-1, 3)
     body = units.elastic
     degree = body.degree + 1
@@ -94,7 +105,7 @@ def converged(units: Units, points: ArrayLike, *, tell: Progress = silent) -> Co
     tell("again with smaller elements at the hot spots")
     best = unit_solutions(
         units.solid, body.material, size=units.size, degree=degree,
-        finer=[spot for p in points for spot in _star(p, _edge(units, p))], tell=tell,
+        finer=[*also, *(spot for p in points for spot in _star(p, _edge(units, p)))], tell=tell,
     )  # fmt: skip
     return Converged(points, units.stress_at(points), higher, best.stress_at(points), best)
 

@@ -65,6 +65,31 @@ def superpose(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
     return np.einsum("tu,...uk->...tk", np.asarray(loads, float), np.asarray(unit, float))
 
 
+_DIRECTIONS = 2000
+
+
+def critical_direction(stress: ArrayLike) -> FloatArray:
+    """Return the direction (3,) along which the normal stress of a history (t, 6) swings most.
+
+    Of a history in proportion this is a principal direction, found as such. Else the best
+    of 2000 directions spread over half a ball, at most 2.5 degrees apart: 0.2 % at worst.
+    """
+    history = np.asarray(stress, dtype=float)
+    swing = np.ptp(history, axis=0)
+    at = history[np.linalg.norm(history - history.mean(axis=0), axis=-1).argmax()]
+    step = at - history[np.linalg.norm(history - at, axis=-1).argmax()]
+    step = step if np.any(step) else at
+    values, vectors = np.linalg.eigh(tensor(step))
+    k = np.arange(_DIRECTIONS) + 0.5
+    z, turn = k / _DIRECTIONS, k * np.pi * (3 - np.sqrt(5))
+    r = np.sqrt(1 - z**2)
+    spread = np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=-1)
+    tried = np.concatenate([vectors[:, [np.abs(values).argmax()]].T, spread])
+    if not np.any(swing):
+        return tried[0]
+    return tried[np.ptp(along(history[:, None], tried), axis=0).argmax()]
+
+
 @dataclass(frozen=True, slots=True)
 class Extreme:
     """An extreme stress: its value, at which point of those searched, at which time."""

@@ -1,16 +1,12 @@
 """The surface of a meshed bracket: the point nearest to another, its normal, its sharp edges."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre, Radian, deg
 from cardan.bracket.elastic import IntArray, Nodes
-
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 RE_ENTRANT = 20 * deg
 """Faces that turn towards each other by more meet in a notch without a radius."""
