@@ -290,7 +290,7 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 
 
 def picture(of: BracketStudy, path: Path) -> None:
-    """Draw each variant under its worst case, deformed and coloured by stress, into a PNG.
+    """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
     Raises
     ------
@@ -310,12 +310,13 @@ def picture(of: BracketStudy, path: Path) -> None:
 
     figure: Any = Figure(figsize=(6.5 * len(of.variants), 6), layout="constrained")
     FigureCanvasAgg(figure)
-    top = max(float(v.worst.von_mises.value) for v in of.variants)
+    case = of.variants[0].worst.case.name
+    shown = [next(o for o in v.outcomes if o.case.name == case) for v in of.variants]
+    top = max(o.von_mises.value for o in shown)
     scale = Normalize(0, top / MPa)
     colours: Any = colormaps["turbo"]
     axes: Any = figure.subplots(1, len(of.variants), squeeze=False)[0]
-    for axis, v in zip(axes, of.variants, strict=True):
-        o = v.worst
+    for axis, v, o in zip(axes, of.variants, shown, strict=True):
         u, mises = peak_fields(v, o)
         nodes = v.units.elastic.nodes
         size = float(np.ptp(nodes.points, axis=0).max())
@@ -337,7 +338,7 @@ def picture(of: BracketStudy, path: Path) -> None:
         axis.set_aspect("equal")
         axis.autoscale_view()
         axis.set_axis_off()
-        axis.set_title(f"{v.name}: {o.case.name}\ndeformed {exaggeration:.0f} times")
+        axis.set_title(f"{v.name}: {case}\ndeformed {exaggeration:.0f} times")
     bar = ScalarMappable(norm=scale, cmap=colours)
     figure.colorbar(bar, ax=list(axes), label="von Mises stress, MPa", shrink=0.8)
     figure.savefig(path, dpi=130)
