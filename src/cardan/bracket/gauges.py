@@ -46,7 +46,7 @@ def _reading(units: Units, gauge: Gauge) -> FloatArray:
     along = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
     at, weights = np.polynomial.legendre.leggauss(_GRID)
     grid = nearest(nodes, middle.points + np.outer(at, along) * gauge.length / 2)
-    if grid.distances.max() > gauge.length / 4:
+    if grid.distances.max() > gauge.length / 10:
         msg = (
             f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an edge: "
             "move or shorten it"

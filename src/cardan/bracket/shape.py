@@ -159,7 +159,7 @@ def _l(part: LShape) -> Any:
         thick, down = part.gusset / mm, part.gusset_height / mm
         back = -front + 0.85 * (rear + front)
         for side in (-1, 1):
-            y = side * (wall / 2 - thick / 2) - thick / 2
+            y = side * (part.brace / mm - thick / 2) - thick / 2
             corners = [(0.0, h - t / 2), (back, h - t / 2), (back, h - 1.5 * t),
                        (-front + t / 2, h - t - down), (0.0, h - t - down)]  # fmt: skip
             points = [occ.Pnt(x, y, z) for x, z in corners]

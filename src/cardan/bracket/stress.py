@@ -39,8 +39,8 @@ def principal(stress: ArrayLike) -> FloatArray:
     a, b, c = xx - p, yy - p, zz - p
     q = np.sqrt((a**2 + b**2 + c**2 + 2 * (xy**2 + yz**2 + zx**2)) / 6)
     third = a * b * c + 2 * xy * yz * zx - a * yz**2 - b * zx**2 - c * xy**2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cosine = np.where(q > 0, third / (2 * q**3), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        cosine = np.where(q**3 > 1e-280, third / (2 * q**3), 0.0)  # not where it underflows
     phi = np.arccos(np.clip(cosine, -1, 1)) / 3
     high, low = p + 2 * q * np.cos(phi), p + 2 * q * np.cos(phi + 2 * np.pi / 3)
     return np.stack([low, 3 * p - high - low, high], axis=-1)

@@ -133,10 +133,16 @@ class LShape:
                  self.depth, "the plate's depth, for two rows of bolts,")  # fmt: skip
         if self.gusset:
             _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
-            room = min(self.wall_width, self.width - 4.4 * self.bolt_edge) / 2
-            _at_most(part, "gusset", self.gusset, room, "the room between the bolts")
+            room = self.brace - self.seat_diameter / 2
+            _at_most(part, "gusset", self.gusset, room, "the room between the bore and the bolts")
             room = self.height - t
             _at_most(part, "gusset_height", self.gusset_height, room, "the wall above the bearing")
+
+    @property
+    def brace(self) -> Metre:
+        """Outer face of each gusset, from the middle: clear of the bolts' washers."""
+        clear = self.width / 2 - self.bolt_edge - 1.1 * self.bolt_diameter
+        return min(self.wall_width / 2, clear)
 
     @property
     def places(self) -> tuple[Vector, ...]:
