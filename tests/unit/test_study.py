@@ -1,6 +1,7 @@
 """Assessing and correcting an application: what a check promises, a correction keeps."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ HOUSE = Source("House rules")
 
 @pytest.fixture(scope="module")
 def truck() -> Application:
-    return files.loads(files.starter("truck"))
+    return files.read(Path(__file__).parents[1] / "truck.yaml")
 
 
 def only(application: Application, *limits: Limit) -> Application:
@@ -160,3 +161,17 @@ def test_reordering_states_changes_nothing(truck):
     assert {(c.quantity, c.state, c.part, c.value) for c in assess(truck).checks} == {
         (c.quantity, c.state, c.part, c.value) for c in assess(backwards).checks
     }
+
+
+def test_a_spring_that_contradicts_its_table_is_noted(truck):
+    """The dissertation's spring: 120.6 and 192.2 N/mm stated, 120.4 and 194.5 in its table."""
+    spring = replace(
+        truck.suspension.spring,
+        load=(0.0, 11562.0, 12749.0, 26233.0, 43345.0),
+        deflection=tuple(x * mm for x in (0, 96, 105, 185, 273)),
+        stated_rates=(120.6 / mm, 192.2 / mm),
+    )
+    suspension = replace(truck.suspension, spring=spring)
+    (note,) = assess(replace(truck, suspension=suspension)).notes
+    assert "192.2" in note
+    assert "194.5" in note

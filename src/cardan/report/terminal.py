@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from cardan.base.quantities import QUANTITIES
 from cardan.base.quantity import Quantity
 from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Check, Grade
+from cardan.base.verdict import GRADES, Check, Grade, Limit
 from cardan.model.application import Adjustable
 from cardan.report.sheet import Row, sections
 from cardan.study.assess import Assessment
@@ -60,7 +60,8 @@ def assessment(
     if of.unasked():
         names = ", ".join(QUANTITIES[q].name.lower() for q in of.unasked())
         yield f"Not asked, for want of data: {names}."
-    yield from _helps(tuple(helps))
+    yield from (f"Note: {note}." for note in of.notes)
+    yield from _helps(tuple(helps), several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response)
 
@@ -112,7 +113,7 @@ def _checks(of: Assessment, *, every: bool) -> Iterator[str]:
     several = len(of.responses) > 1
     yield ""
     yield _bold(
-        f"{'':6}{'limit':<36}{'where it is worst':<36}{'value':>9} {'':8}{'limit':<9}"
+        f"{'':6}{'limit':<36}{'where it is worst':<40}{'value':>9} {'':8}{'limit':<9}"
         f"{'unit':<9}{'margin':>7}  source"
     )
     for c in rows:
@@ -121,7 +122,7 @@ def _checks(of: Assessment, *, every: bool) -> Iterator[str]:
         where = f"{c.line}: {where}" if several else where
         sense = "outside" if c.limit.band else c.limit.sense
         yield (
-            f"{_graded(c.grade, f'{c.grade:<6}')}{_fit(q.name, 36)}{_fit(where, 36)}"
+            f"{_graded(c.grade, f'{c.grade:<6}')}{_fit(q.name, 36)}{_fit(where, 40)}"
             f"{number(c.value / q.factor):>9} {sense:<8}{_fit(number(c.bound / q.factor), 9)}"
             f"{_fit(q.unit_name, 9)}{_percent(c.margin):>7}"
             f"  [{sources.index(str(c.limit.source)) + 1}]"
@@ -129,7 +130,7 @@ def _checks(of: Assessment, *, every: bool) -> Iterator[str]:
     yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
 
 
-def _helps(of: tuple[Sensitivity, ...]) -> Iterator[str]:
+def _helps(of: tuple[Sensitivity, ...], *, several: bool) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
@@ -139,7 +140,8 @@ def _helps(of: tuple[Sensitivity, ...]) -> Iterator[str]:
         useful = [e for e in one.effects if one.gain(e) > 0][:3]
         tried = "; ".join(_effect(one, e) for e in useful) or "nothing that can be moved"
         states = f" ({len(one.states)} states)" if len(one.states) > 1 else ""
-        yield f"  {_sentence(one.check)}{states}"
+        line = f"{one.check.line}: " if several else ""
+        yield f"  {line}{_sentence(one.check)}{states}"
         yield f"      {tried}"
 
 
@@ -160,7 +162,7 @@ def _line(r: Response) -> Iterator[str]:
     shafts = len(r.line.shafts)
     yield ""
     yield _bold(f"Line {r.line.name}: {shafts} shaft{'s' * (shafts > 1)}, {shafts + 1} joints")
-    head = "".join(f"{_fit(s, COLUMN - 1):>{COLUMN}}" for s in states)
+    head = "".join(f"{_cut(s, COLUMN - 1):>{COLUMN}}" for s in states)
     for section in sections(r):
         yield ""
         yield _bold(f"{_fit(section.title, LABEL)}{'':8}{head}")
@@ -175,9 +177,9 @@ def _row(row: Row) -> str:
 
 def _worst_of_each(checks: Iterable[Check]) -> list[Check]:
     """Return the worst check of each limit, those that do not pass first."""
-    worst: dict[tuple[str, str, int], Check] = {}
+    worst: dict[tuple[str, str, Limit], Check] = {}
     for c in sorted(checks, key=_badness):
-        worst.setdefault((c.quantity, c.line, id(c.limit)), c)
+        worst.setdefault((c.quantity, c.line, c.limit), c)
     return sorted(worst.values(), key=_badness)
 
 
@@ -192,7 +194,7 @@ def _sentence(c: Check) -> str:
     return (
         f"{q.name}{part} in {c.state}: {number(c.value / q.factor)} against "
         f"{number(c.bound / q.factor)} {q.unit_name}"
-    )
+    ).rstrip()
 
 
 def _move(m: Move) -> str:
@@ -218,8 +220,13 @@ def movable(a: Adjustable) -> str:
 
 
 def _fit(text: str, width: int) -> str:
-    """Return a text in a column of a width, cut where it is longer."""
-    return f"{text if len(text) < width else text[: width - 2] + '…':<{width}}"
+    """Return a text in a column of a width, with a space behind it, cut where it is longer."""
+    return f"{_cut(text, width - 1):<{width}}"
+
+
+def _cut(text: str, width: int) -> str:
+    """Return a text, cut where it is longer than a width."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def _percent(margin: float) -> str:

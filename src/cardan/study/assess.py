@@ -6,11 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.units import mm
 from cardan.base.verdict import Check, Grade, Limit, worst
 from cardan.demand.states import demand
+from cardan.demand.suspension import rate_mismatch
 from cardan.model.application import Application
+from cardan.model.vehicle import Spring, Suspension
 from cardan.study.held import HELD
 from cardan.study.response import Response, respond
+
+MISMATCH = 0.005
+"""Share by which a stated rate may differ from its table before it is worth a word."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +31,11 @@ class Assessment:
     def verdict(self) -> Grade:
         """The worst of all checks."""
         return worst([c.grade for c in self.checks])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the application should know: where it contradicts itself."""
+        return tuple(n for s in _suspensions(self.application) for n in _rate_notes(s.spring))
 
     def unasked(self) -> tuple[str, ...]:
         """Limits of the profile that no number answered: what they ask about is not given."""
@@ -47,6 +58,23 @@ def assess(application: Application) -> Assessment:
     )
     checks = tuple(c for r in responses for c in checks_of(r))
     return Assessment(application=application, responses=responses, checks=checks)
+
+
+def _suspensions(application: Application) -> tuple[Suspension, ...]:
+    """Return the suspensions of all lines, each once."""
+    every = (application.suspension, *(i.suspension for i in application.lines))
+    return tuple(dict.fromkeys(s for s in every if s))
+
+
+def _rate_notes(spring: Spring) -> Iterator[str]:
+    """Yield where a drawing's stated rate is not that of its own table."""
+    for stated, apart in zip(spring.stated_rates, rate_mismatch(spring), strict=True):
+        if abs(apart) > MISMATCH:
+            of_table = stated / (1 + apart)
+            yield (
+                f"a spring's stated rate of {stated * mm:.4g} N/mm is {apart:+.1%} from the "
+                f"{of_table * mm:.4g} N/mm of its own table, which counts"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
