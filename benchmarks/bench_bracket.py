@@ -33,7 +33,7 @@ BRACKET = LShape(
     gusset=8 * mm, gusset_height=50 * mm,
 )  # fmt: skip
 THREADS = "2"
-SIZES = (3.6 * mm, 2.35 * mm)
+SIZES = (5.1 * mm, 3.27 * mm)
 
 
 def ours(size, folder):

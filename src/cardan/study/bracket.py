@@ -257,6 +257,11 @@ def judge(
     units = unit_solutions(
         body, bracket.material, size=bracket.element, degree=bracket.order, finer=grids, tell=told
     )
+    try:
+        first = influence(units, bracket.gauges)  # now: a misplaced gauge is told at once
+    except DesignError as error:
+        msg = f"{name} bracket: {error}"
+        raise DesignError(msg) from None
     told("natural frequencies")
     alone, _ = units.modes(6)
     carried = alone
@@ -267,7 +272,7 @@ def judge(
     highest = np.max([envelope(where.stress, case.loads) for case in cases], axis=0)
     spots = hot_spots(where, highest, count=HOT_SPOTS, apart=2 * body.thickness)
     best = converged(units, spots, also=grids, tell=told)
-    first, readings = influence(units, bracket.gauges), influence(best.units, bracket.gauges)
+    readings = influence(best.units, bracket.gauges)
     change = float(np.abs(readings - first).max() / np.abs(readings).max()) if len(first) else 0.0
     return Judged(
         name=name,
