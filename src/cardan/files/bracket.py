@@ -7,11 +7,23 @@ from cardan.base.units import g, mm
 from cardan.files.catalogue import AMaterial
 from cardan.files.measure import FORCES, Diameter, Distance, Mass, Point, Size, Wall
 from cardan.files.table import (
-    ListOf, Number, Table, Whole, key, nearest,
+    ListOf,
+    Number,
+    Table,
+    Whole,
+    key,
+    nearest,
 )  # fmt: skip
 from cardan.model.application import Installed
 from cardan.model.bracket import (
-    Bracket, BracketCase, Gauge, LShape, Pick, Shape, StepShape, UShape,
+    Bracket,
+    BracketCase,
+    Gauge,
+    LShape,
+    Pick,
+    Shape,
+    StepShape,
+    UShape,
 )  # fmt: skip
 from cardan.model.parts import STEEL
 
@@ -100,12 +112,12 @@ class StepTable(Table):
 
     def build(self) -> StepShape:
         """Return the shape in SI."""
-        folder = self._here.reading.folder
+        folder = self.at().reading.folder
         if folder is None:
-            raise self.refuse("file", "a text by itself has no files beside it", got=self.file)
+            self.at("file").refuse("a text by itself has no files beside it", got=self.file)
         path = folder / self.file
         if not path.is_file():
-            raise self.refuse("file", "no such file", f"looked for {path}", got=self.file)
+            self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
         return StepShape(
             path=str(path),
             centre=self.centre,
@@ -136,10 +148,10 @@ class ReinforcedTable(Table):
             return self.step
         changed = {n: v for n, v in _given(self).items() if v is not None}
         if not changed:
-            raise self.refuse("", "says nothing that is different")
+            self.at().refuse("says nothing that is different")
         for name in changed:
             if not hasattr(before, name):
-                raise self.refuse(name, f"the shape above has no {name}")
+                self.at(name).refuse(f"the shape above has no {name}")
         return self.attempt(lambda: replace(before, **changed))
 
 
@@ -170,7 +182,7 @@ class CaseTable(Table):
     def build(self) -> BracketCase:
         """Return the case in SI."""
         if not any((*self.force, *self.moment, *self.acceleration)):
-            raise self.refuse("", "loads nothing", "give force_N, moment_Nm or acceleration_g")
+            self.at().refuse("loads nothing", "give force_N, moment_Nm or acceleration_g")
         return BracketCase(
             name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration
         )
@@ -203,11 +215,11 @@ class BracketTable(Table):
         line = self.line or next(iter(known))
         if line not in known:
             hint = nearest(line, list(known))
-            raise self.refuse("line", "no driveline of this name", hint, got=line)
+            self.at("line").refuse("no driveline of this name", hint, got=line)
         count = known[line].joint_count - 2
         if self.bearing > count:
             message = f"line {line} has {count} centre bearing{'s' * (count != 1)}"
-            raise self.refuse("bearing", message, got=str(self.bearing))
+            self.at("bearing").refuse(message, got=str(self.bearing))
         shape = next(s for s in (self.u_shape, self.l_shape, self.step) if s is not None)
         return self.attempt(
             lambda: Bracket(

@@ -62,6 +62,8 @@ def assessment(
         yield f"Not asked, for want of data: {names}."
     yield from (f"Note: {note}." for note in of.notes)
     yield from _helps(tuple(helps), several=len(of.responses) > 1)
+    if of.application.bracket:
+        yield "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
     for response in of.responses:
         yield from _line(response)
 
@@ -100,8 +102,7 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
     for c in cases:
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
         yield (
-            f"{word}{_fit(c.title, 66)}{number(c.expected):>13}{number(c.computed):>13}"
-            f"{c.difference:>+11.2%}"
+            f"{word}{_fit(c.title, 66)}{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
         )
         yield f"{'':6}{'':2}{c.source}"
 

@@ -18,7 +18,13 @@ from cardan.bracket.gauges import influence
 from cardan.bracket.hotspot import Converged, Searched, converged, hot_spots, searched
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import (
-    Extreme, along, critical_direction, envelope, extremes, superpose, von_mises,
+    Extreme,
+    along,
+    critical_direction,
+    envelope,
+    extremes,
+    superpose,
+    von_mises,
 )  # fmt: skip
 from cardan.bracket.unit import UNITS, Units, unit_solutions
 from cardan.model.application import Application
