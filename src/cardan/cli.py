@@ -122,10 +122,17 @@ def fix(
 @JSON
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
 @click.option("--png", type=OUT, help="A picture of the worst case.")
+@click.option("--html", type=OUT, help="A page to turn it about in.")
 @click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
 @kindly
 def bracket(
-    file: Path, *, json_out: str | None, vtu: Path | None, png: Path | None, quiet: bool
+    file: Path,
+    *,
+    json_out: str | None,
+    vtu: Path | None,
+    png: Path | None,
+    html: Path | None,
+    quiet: bool,
 ) -> None:
     """Stresses, hot spots, virtual gauges and modes of FILE's bracket.
 
@@ -152,6 +159,11 @@ def bracket(
             files.write(name, shown.vtu(variant), replace=True)
     if png:
         shown.picture(found, png)
+    if html:
+        from cardan import files
+        from cardan.report import bracket_scene
+
+        files.write(html, bracket_scene.page(found), replace=True)
     if json_out != "-":
         _print(shown.terminal(found))
 

@@ -1,5 +1,6 @@
 """Unit loads of a bracket, gauges and hot spots on it: needs the extra cardan[bracket]."""
 
+import base64
 import json
 from dataclasses import replace
 from xml.etree import ElementTree as ET
@@ -274,7 +275,7 @@ include: [unbalance]
 
 def test_the_command_judges_a_file(tmp_path):
     (tmp_path / "a.yaml").write_text(FILE)
-    out = {k: str(tmp_path / f"out.{k}") for k in ("json", "vtu", "png")}
+    out = {k: str(tmp_path / f"out.{k}") for k in ("json", "vtu", "png", "html")}
     args = ["bracket", str(tmp_path / "a.yaml"), "-q"]
     done = CliRunner().invoke(cli, [*args, *(x for k, v in out.items() for x in (f"--{k}", v))])
     assert done.exit_code == 0, done.output
@@ -303,5 +304,12 @@ def test_the_command_judges_a_file(tmp_path):
     assert int(piece.get("NumberOfCells")) == first["elements"]
     assert (tmp_path / "out-reinforced.vtu").exists()
     assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+    scene = (tmp_path / "out.html").read_text()
+    drawn = json.loads(scene.split('type="application/json">')[1].split("</script>")[0])
+    points = np.frombuffer(base64.b64decode(drawn["variants"][0]["points"]), "<f4").reshape(-1, 3)
+    faces = np.frombuffer(base64.b64decode(drawn["variants"][0]["faces"]), "<u4")
+    assert faces.max() == len(points) - 1
+    assert points[:, 2].max() == pytest.approx(0.09, rel=1e-6)
+    assert "http" not in scene
     assert "Reinforced" in done.output
     assert "H1 at (" in done.output
