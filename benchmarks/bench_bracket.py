@@ -33,7 +33,7 @@ BRACKET = LShape(
     gusset=8 * mm, gusset_height=50 * mm,
 )  # fmt: skip
 THREADS = "2"
-SIZES = (5.1 * mm, 3.27 * mm)
+SIZES = (4.3 * mm, 3.2 * mm)
 
 
 def ours(size, folder):
