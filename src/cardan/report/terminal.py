@@ -232,7 +232,7 @@ def _cut(text: str, width: int) -> str:
 
 def _percent(margin: float) -> str:
     """Return a margin as a share in per cent, cut where it says nothing more."""
-    return "< -999 %" if margin < -9.99 else f"{margin:+.0%}".replace("%", " %")
+    return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
 
 
 def _bold(text: str) -> str:

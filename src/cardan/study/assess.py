@@ -38,10 +38,11 @@ class Assessment:
         return tuple(n for s in _suspensions(self.application) for n in _rate_notes(s.spring))
 
     def unasked(self) -> tuple[str, ...]:
-        """Limits of the profile that no number answered: what they ask about is not given."""
-        asked = {c.quantity for c in self.checks}
+        """Limits on what some line has, but that no number answered: something is not given."""
+        answered = {c.quantity for c in self.checks}
+        asking = dict.fromkeys(m.quantity for m in self.application.limits)
         return tuple(
-            dict.fromkeys(m.quantity for m in self.application.limits if m.quantity not in asked)
+            q for q in asking if q not in answered and any(HELD[q].parts(r) for r in self.responses)
         )
 
 
@@ -72,8 +73,8 @@ def _rate_notes(spring: Spring) -> Iterator[str]:
         if abs(apart) > MISMATCH:
             of_table = stated / (1 + apart)
             yield (
-                f"a spring's stated rate of {stated * mm:.4g} N/mm is {apart:+.1%} from the "
-                f"{of_table * mm:.4g} N/mm of its own table, which counts"
+                f"a spring's stated rate of {stated * mm:.4g} N/mm is {100 * apart:+.1f} % from "
+                f"the {of_table * mm:.4g} N/mm of its own table, which counts"
             )
 
 
