@@ -13,6 +13,7 @@ from cardan.base.units import mm
 from cardan.bracket import stress
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import recover
+from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
 
@@ -178,3 +179,5 @@ def test_what_to_install_is_said(monkeypatch, error, says):
     monkeypatch.setattr("cardan.bracket.engine.import_module", fail)
     with pytest.raises(NotInstalled, match=says):
         engine()
+    with pytest.raises(NotInstalled, match=says):  # and not blamed on the shape
+        solid(UShape(**U))

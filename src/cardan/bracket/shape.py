@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
 from cardan.model.bracket import LShape, Pick, Shape, StepShape, UShape
@@ -59,7 +59,7 @@ def solid(part: Shape) -> Solid:
     body, name = (_u, "U") if isinstance(part, UShape) else (_l, "L")
     try:
         raw = body(part)  # type: ignore[arg-type]
-    except DesignError:
+    except CardanError:
         raise
     except Exception as error:  # the kernel raises bare exceptions of its own
         msg = f"the CAD kernel cannot build this {name} bracket ({error}): try a smaller fillet"
