@@ -62,6 +62,8 @@ def assessment(
         yield f"Not asked, for want of data: {names}."
     yield from (f"Note: {note}." for note in of.notes)
     yield from _helps(tuple(helps), several=len(of.responses) > 1)
+    if of.application.bracket:
+        yield "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
     for response in of.responses:
         yield from _line(response)
 
