@@ -28,6 +28,14 @@ class NotInstalled(CardanError):  # noqa: N818  the name is the news
     """Something optional is needed and absent; the message says how to install it."""
 
 
+def positive(part: str, **values: float | None) -> None:
+    """Refuse values of a part that are not above zero; the comparison refuses nan too."""
+    for name, value in values.items():
+        if value is not None and not value > 0:
+            msg = f"{name} of {part} must be above 0, got {value:g}"
+            raise DesignError(msg)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
     """One thing wrong in a file: where it is, what it says, what is allowed.

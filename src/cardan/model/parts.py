@@ -2,20 +2,13 @@
 
 from dataclasses import dataclass
 from math import pi
+from typing import Literal
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, positive
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
 
 ASSUMED = Source("Assumed: not given in the application")
-
-
-def _positive(part: str, **values: float | None) -> None:
-    """Refuse values that are not above zero; the comparison refuses nan too."""
-    for name, value in values.items():
-        if value is not None and not value > 0:
-            msg = f"{name} of a {part} must be above 0, got {value:g}"
-            raise DesignError(msg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +25,7 @@ class Material:
     source: Source = ASSUMED
 
     def __post_init__(self) -> None:
-        _positive("material", youngs_modulus=self.youngs_modulus, density=self.density)
+        positive("a material", youngs_modulus=self.youngs_modulus, density=self.density)
 
     @property
     def shear_modulus(self) -> Pascal:
@@ -142,8 +135,9 @@ class CentreBearing:
             )
             raise DesignError(msg)
         if self.stiffness is not None:
-            _positive(
-                "centre bearing", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True))
+            positive(
+                "a centre bearing",
+                **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
 
 
@@ -163,7 +157,7 @@ class Spline:
     from_front_joint: Metre = 0.0
 
     def __post_init__(self) -> None:
-        _positive("spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius)
+        positive("a spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,7 +181,7 @@ class Shaft:
     """ISO 21940-11 grade G, mm/s as the standard prints it."""
 
     def __post_init__(self) -> None:
-        _positive("shaft", length=self.length, polar_inertia=self.polar_inertia_given)
+        positive("a shaft", length=self.length, polar_inertia=self.polar_inertia_given)
         bearing = self.centre_bearing
         if bearing and not bearing.from_rear_joint < self.length:
             msg = (
@@ -223,7 +217,7 @@ class Line:
     name: str = "main"
     shafts: tuple[Shaft, ...]
     joints: tuple[JointSize | None, ...] = ()
-    axial_freedom: str = "last_shaft"
+    axial_freedom: Literal["last_shaft", "gearbox_flange"] = "last_shaft"
     gearbox_bearing_spacing: Metre | None = None
     gearbox_bearing_overhang: Metre | None = None
     pinion_bearing_spacing: Metre | None = None

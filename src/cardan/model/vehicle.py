@@ -4,7 +4,7 @@ import itertools
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, positive
 from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
@@ -15,14 +15,6 @@ SuspensionState: TypeAlias = Literal[
     "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce",
     "windup", "windup brake",
 ]  # fmt: skip
-
-
-def _positive(part: str, **values: float | None) -> None:
-    """Refuse values that are not above zero; the comparison refuses nan too."""
-    for name, value in values.items():
-        if value is not None and not value > 0:
-            msg = f"{name} of {part} must be above 0, got {value:g}"
-            raise DesignError(msg)
 
 
 def _rising(part: str, **columns: tuple[float, ...]) -> None:
@@ -64,8 +56,8 @@ class Gearbox:
         if not self.ratios:
             msg = "a gearbox needs at least one ratio"
             raise DesignError(msg)
-        _positive("a gearbox", **{f"ratio {k}": r for k, r in enumerate(self.ratios, 1)})
-        _positive(
+        positive("a gearbox", **{f"ratio {k}": r for k, r in enumerate(self.ratios, 1)})
+        positive(
             "a gearbox",
             efficiency=self.efficiency,
             converter_ratio=self.converter_ratio,
@@ -89,7 +81,7 @@ class Axle:
     """Share of the vehicle's torque that this line carries."""
 
     def __post_init__(self) -> None:
-        _positive(
+        positive(
             "an axle",
             ratio=self.ratio, efficiency=self.efficiency, torque_share=self.torque_share,
         )  # fmt: skip
@@ -104,7 +96,7 @@ class Tyre:
     dynamic_radius: Metre | None = None
 
     def __post_init__(self) -> None:
-        _positive("a tyre", static_radius=self.static_radius, friction=self.friction)
+        positive("a tyre", static_radius=self.static_radius, friction=self.friction)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,7 +127,7 @@ class LoadState:
                 "front_load and rear_load without cg_behind_front"
             )
             raise DesignError(msg)
-        _positive(f"load state {self.name}", mass=self.mass, cg_height=self.cg_height)
+        positive(f"load state {self.name}", mass=self.mass, cg_height=self.cg_height)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,7 +164,7 @@ class Vehicle:
     auxiliary: tuple[AuxiliaryAxle, ...] = ()
 
     def __post_init__(self) -> None:
-        _positive("a vehicle", wheelbase=self.wheelbase)
+        positive("a vehicle", wheelbase=self.wheelbase)
         if self.driven_share is not None and not 0 <= self.driven_share <= 1:
             msg = f"driven_share of a vehicle must be within 0 and 1, got {self.driven_share:g}"
             raise DesignError(msg)
@@ -267,7 +259,7 @@ class Linkage:
     pitch: tuple[Radian, ...] = ()
 
     def __post_init__(self) -> None:
-        _positive("a linkage", radius=self.radius)
+        positive("a linkage", radius=self.radius)
         columns = [c for c in (self.dx, self.pitch) if c]
         if any(len(c) != len(self.travel) for c in columns) or (columns and len(self.travel) < 2):
             msg = "a linkage table needs as many dx and pitch as travel, and at least two"
@@ -297,7 +289,7 @@ class Suspension:
     jounce_deflection: Metre | None = None
 
     def __post_init__(self) -> None:
-        _positive(
+        positive(
             "a suspension",
             springs_per_axle=self.springs_per_axle, windup_stiffness=self.windup_stiffness,
         )  # fmt: skip
