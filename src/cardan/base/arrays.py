@@ -45,7 +45,7 @@ def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]
 def chunked(
     function: Callable[..., Any],
     *arrays: Any,
-    size: int = 16384,
+    size: int = 4096,
     executor: "Executor | None" = None,
 ) -> Any:
     """Return function(*arrays), computed for `size` cases at a time on every core.

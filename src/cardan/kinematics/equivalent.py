@@ -339,7 +339,7 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
     size = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
     starts = ceil(STARTS / (1 - size))
     z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))
-    largest = xp.zeros_like(weights[..., :1])
+    largest = 0 * xp.real(z)
     for _ in range(STEPS):
         x = E * z[..., None, :]
         p = x / (1 - x)

@@ -259,8 +259,9 @@ def slip_force(torque: ArrayLike, *, friction: ArrayLike, mean_radius: ArrayLike
     """Return the axial force (...) N that slides a spline under torque: T μ / r_m.
 
     `mean_radius` (...) m is that of the splines; μ is 0.08 coated, 0.11 greased steel.
-    Until it is passed the spline can hold any thrust between plus and minus this.
-    Source: Dana GWB, Cardan shafts for industrial applications, catalogue.
+    Until it is passed the spline can hold any thrust between plus and minus this. Source:
+    Dana GWB, Cardan shafts for industrial applications, load on bearings of the connected
+    units; its factor cos β leaves what reaches the thrust bearing of the unit, along its axis.
     """
     return np.abs(np.asarray(torque, float)) * np.asarray(friction) / np.asarray(mean_radius)
 

@@ -38,6 +38,7 @@ def assessment(of: Assessment) -> dict[str, Any]:
         "states": states,
         "checks": [check(c) for c in of.checks],
         "not_asked": list(of.unasked()),
+        "notes": list(of.notes),
     }
     return _plain(document)
 

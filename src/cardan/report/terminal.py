@@ -60,6 +60,7 @@ def assessment(
     if of.unasked():
         names = ", ".join(QUANTITIES[q].name.lower() for q in of.unasked())
         yield f"Not asked, for want of data: {names}."
+    yield from (f"Note: {note}." for note in of.notes)
     yield from _helps(tuple(helps))
     for response in of.responses:
         yield from _line(response)

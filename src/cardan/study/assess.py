@@ -1,15 +1,22 @@
 """Assess an application: every quantity, in every state, against every limit."""
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.units import mm
 from cardan.base.verdict import Check, Grade, Limit, worst
 from cardan.demand.states import demand
+from cardan.demand.suspension import rate_mismatch
 from cardan.model.application import Application
-from cardan.study.response import Held, Response, respond
+from cardan.model.vehicle import Spring, Suspension
+from cardan.study.held import HELD
+from cardan.study.response import Response, respond
+
+MISMATCH = 0.005
+"""Share by which a stated rate may differ from its table before it is worth a word."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +31,11 @@ class Assessment:
     def verdict(self) -> Grade:
         """The worst of all checks."""
         return worst([c.grade for c in self.checks])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the application should know: where it contradicts itself."""
+        return tuple(n for s in _suspensions(self.application) for n in _rate_notes(s.spring))
 
     def unasked(self) -> tuple[str, ...]:
         """Limits of the profile that no number answered: what they ask about is not given."""
@@ -48,32 +60,61 @@ def assess(application: Application) -> Assessment:
     return Assessment(application=application, responses=responses, checks=checks)
 
 
+def _suspensions(application: Application) -> tuple[Suspension, ...]:
+    """Return the suspensions of all lines, each once."""
+    every = (application.suspension, *(i.suspension for i in application.lines))
+    return tuple(dict.fromkeys(s for s in every if s))
+
+
+def _rate_notes(spring: Spring) -> Iterator[str]:
+    """Yield where a drawing's stated rate is not that of its own table."""
+    for stated, apart in zip(spring.stated_rates, rate_mismatch(spring), strict=True):
+        if abs(apart) > MISMATCH:
+            of_table = stated / (1 + apart)
+            yield (
+                f"a spring's stated rate of {stated * mm:.4g} N/mm is {apart:+.1%} from the "
+                f"{of_table * mm:.4g} N/mm of its own table, which counts"
+            )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """One limit asking about one quantity: values (..., parts), nan where it does not ask."""
+    """One limit asking about one quantity of a line.
 
-    held: Held
+    Values are (..., states, parts), nan where the limit does not ask.
+    """
+
     limit: Limit
+    parts: tuple[str, ...]
     values: FloatArray
 
 
-def asked(response: Response) -> Iterator[Asked]:
-    """Yield every limit of the application, and of the parts, that a line has values for."""
+def asked(response: Response, *, quantities: Container[str] = HELD) -> Iterator[Asked]:
+    """Yield every limit of the application, and of the parts, that asks about a line."""
     limits = response.application.limits
-    largest = response.angles.max(axis=-1, keepdims=True)
-    for held in response.held():
-        for limit in limits:
-            if limit.quantity == held.quantity:
-                values = held.values
-                if held.own_first:
-                    values = np.where([own is not None for own in held.own], np.nan, values)
-                if limit.above_angle is not None:
-                    values = np.where(largest > limit.above_angle, values, np.nan)
-                yield Asked(held=held, limit=limit, values=values)
-        for k, own in enumerate(held.own):
-            if own is not None:
-                alone = np.arange(len(held.parts)) == k
-                yield Asked(held=held, limit=own, values=np.where(alone, held.values, np.nan))
+    for quantity, held in HELD.items():
+        if quantity not in quantities:
+            continue
+        asking = [limit for limit in limits if limit.quantity == quantity]
+        own = held.own(response, quantity) if held.rating else ()
+        if not asking and not any(own):
+            continue
+        parts, values = held.parts(response), held.of(response)
+        rated = np.array([limit is not None for limit in own]) if own else False
+        for limit in asking:
+            asks = _asks(limit, response) & ~(held.own_first & np.asarray(rated))
+            yield Asked(limit=limit, parts=parts, values=np.where(asks, values, np.nan))
+        for k, limit in enumerate(own):
+            if limit is not None:
+                alone = np.arange(len(parts)) == k
+                yield Asked(limit=limit, parts=parts, values=np.where(alone, values, np.nan))
+
+
+def _asks(limit: Limit, response: Response) -> BoolArray:
+    """Return where a limit that only asks above some joint angle does so, (..., states, 1)."""
+    if limit.above_angle is None:
+        return np.array([[True]])
+    return response.angles.max(axis=-1, keepdims=True) > limit.above_angle
 
 
 def check(response: Response, question: Asked, state: int, part: int) -> Check | None:
@@ -82,10 +123,10 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
     if np.isnan(value):
         return None
     return Check(
-        quantity=question.held.quantity,
+        quantity=question.limit.quantity,
         line=response.line.name,
         state=response.demand.states[state],
-        part=question.held.parts[part],
+        part=question.parts[part],
         value=float(value),
         limit=question.limit,
     )

@@ -4,15 +4,13 @@ One code path serves one design and a million: the states of an application stan
 last leading axis, variants of a study on axes before it.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.base.units import g
-from cardan.base.verdict import Limit
+from cardan.base.units import Metre, g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
 from cardan.kinematics import equivalent
@@ -26,21 +24,6 @@ from cardan.shaft import beams, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Held:
-    """Values of one quantity that limits ask about: (..., parts), each part with a name.
-
-    `own` are limits the parts bring along from their catalogues. They stand beside a
-    profile's, or with `own_first` in place of it.
-    """
-
-    quantity: str
-    parts: tuple[str, ...]
-    values: FloatArray
-    own: tuple[Limit | None, ...] = ()
-    own_first: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,16 +150,13 @@ class Response:
         ]
         return np.stack(of, axis=-1)
 
-    @cached_property
+    @property
     def line_modes(self) -> whirl.Modes | None:
         """How the line whirls as beams on its bearings; None without tubes.
 
         As installed: a spline's travel changes it by less than its own uncertainty.
         """
-        if any(s.tube is None for s in self.line.shafts):
-            return None
-        lengths = self.demand.installed.layout.lengths
-        return whirl.critical_modes(beams.line_beams(self.line, lengths=lengths))
+        return _line_modes(self.line, tuple(self.demand.installed.layout.lengths.tolist()))
 
     @cached_property
     def line_critical_speed(self) -> float:
@@ -203,6 +183,31 @@ class Response:
             self.application.shock_factor * np.abs(asked)[..., None] * (1 + uneven) / (1 - uneven)
         )
 
+    @property
+    def joint_torque_utilisation(self) -> FloatArray:
+        """Largest torque at each joint over its elastic limit, (..., n); nan where not known."""
+        return self.sizing_torque / self._rating("peak_torque")
+
+    @cached_property
+    def joint_fatigue_utilisation(self) -> FloatArray:
+        """Share of each joint's fatigue rating, from coast to drive torque, (..., n).
+
+        Every state's torques taken as a swing that comes back for ever; nan where the
+        catalogue has no reversing torque.
+        """
+        reversing, pulsating = self._rating("reversing_torque"), self._rating("pulsating_torque")
+        return strength.joint_fatigue_utilisation(
+            self.demand.torque[..., None],
+            lowest=-np.nan_to_num(self.demand.coast_torque)[..., None],
+            reversing=reversing,
+            pulsating=np.where(np.isnan(pulsating), reversing, pulsating),
+        )
+
+    def _rating(self, name: str) -> FloatArray:
+        """Return a rating of every joint, (n,); nan where the catalogue has none."""
+        values = [getattr(s, name) if s else None for s in self.sizes]
+        return np.array([np.nan if v is None else v for v in values])
+
     @cached_property
     def clearances(self) -> FloatArray:
         """Free distance of shafts and this line's obstacles, (..., n-1, obstacles) m."""
@@ -217,93 +222,6 @@ class Response:
     def spline_travel(self) -> FloatArray:
         """Length of the last shaft less that of the reference layout, (...) m."""
         return self.layout.lengths[..., -1] - self.demand.installed.layout.lengths[-1]
-
-    def held(self) -> Iterator[Held]:
-        """Yield every quantity that limits may ask about."""
-        line, e, demand = self.line, self.excitation, self.demand
-        n = line.joint_count
-        joints = tuple(f"joint {k}" for k in range(1, n + 1))
-        shafts = tuple(f"shaft {k}" for k in range(1, n))
-        bearings = tuple(f"centre bearing {k}" for k in range(1, n - 1))
-        whole = ("line",)
-        sizes = self.sizes
-        speed = demand.speed[..., None]
-
-        yield Held(
-            quantity="joint_angle",
-            parts=joints,
-            values=self.angles,
-            own=_own("joint_angle", sizes, "angle_max"),
-        )
-        yield Held(quantity="joint_angle_min", parts=joints, values=self.angles)
-        yield Held(
-            quantity="compound_angle",
-            parts=joints,
-            values=equivalent.pythagorean_angle(self.side_angles, self.top_angles),
-        )
-        ends = np.abs(self.angles[..., :1] - self.angles[..., -1:])
-        yield Held(quantity="end_angle_difference", parts=whole, values=ends)
-        yield Held(quantity="angle_for_speed", parts=joints, values=(speed * self.angles) ** 2)
-        for quantity, value in (
-            ("equivalent_angle", e.torsional.angle),
-            ("torsional_acceleration", e.torsional.acceleration),
-            ("inertia_drive_acceleration", e.drive.acceleration),
-            ("inertia_coast_acceleration", e.coast.acceleration),
-            ("inertia_drive_torque", e.drive_torque),
-            ("inertia_coast_torque", e.coast_torque),
-            ("irregularity", e.irregularity),
-            ("suspension_frequency", demand.suspension_frequency),
-        ):
-            if value is not None:
-                values = np.broadcast_to(value, self.angles.shape[:-1])[..., None]
-                yield Held(quantity=quantity, parts=whole, values=values)
-        if bearings:
-            cycle = self.loads.bearing_forces
-            static = np.linalg.norm(cycle.static, axis=-1)
-            yield Held(quantity="centre_bearing_static", parts=bearings, values=static)
-            yield Held(quantity="centre_bearing_dynamic", parts=bearings, values=cycle.dynamic)
-            yield Held(quantity="centre_bearing_peak", parts=bearings, values=self.bearing_peaks)
-        ratios = speed / self.critical_speeds
-        whole_ratio = np.broadcast_to(speed / self.line_critical_speed, ratios[..., :1].shape)
-        ratios = np.concatenate([ratios, whole_ratio], axis=-1)
-        for quantity in ("critical_speed_ratio", "half_critical_band"):
-            yield Held(quantity=quantity, parts=(*shafts, "line"), values=ratios)
-        yield Held(
-            quantity="joint_torque_utilisation",
-            parts=joints,
-            values=self.sizing_torque / _rating(sizes, "peak_torque"),
-        )
-        yield Held(
-            quantity="tube_shear_utilisation", parts=shafts, values=self.tube_shear_utilisation
-        )
-        yield Held(quantity="joint_life", parts=joints, values=self.life)
-        yield Held(
-            quantity="n_beta",
-            parts=joints,
-            values=speed * self.angles,
-            own=_own("n_beta", sizes, "speed_angle_max"),
-            own_first=True,
-        )
-        yield Held(
-            quantity="joint_speed",
-            parts=joints,
-            values=speed + 0 * self.angles,
-            own=_own("joint_speed", sizes, "speed_max"),
-            own_first=True,
-        )
-        yield Held(
-            quantity="spline_travel_margin",
-            parts=shafts[-1:],
-            values=self.spline_travel_margin[..., None],
-        )
-        if self.obstacles:
-            pairs = [f"{s} to {o.name}" for s in shafts for o in self.obstacles]
-            free = self.clearances
-            yield Held(
-                quantity="clearance",
-                parts=tuple(pairs),
-                values=free.reshape(*free.shape[:-2], -1),
-            )
 
     @cached_property
     def tube_shear_utilisation(self) -> FloatArray:
@@ -368,20 +286,12 @@ class Response:
         return np.where(np.isinf(left), np.nan, left)
 
 
-def _rating(sizes: tuple[JointSize | None, ...], name: str) -> FloatArray:
-    """Return a rating of every joint, nan where the catalogue has none."""
-    values = [getattr(s, name) if s else None for s in sizes]
-    return np.array([np.nan if v is None else v for v in values])
-
-
-def _own(quantity: str, sizes: tuple[JointSize | None, ...], name: str) -> tuple[Limit | None, ...]:
-    """Return the limit each joint brings along from its catalogue."""
-    return tuple(
-        Limit(quantity=quantity, maximum=value, source=size.source)
-        if size and (value := getattr(size, name)) is not None
-        else None
-        for size in sizes
-    )
+@lru_cache(maxsize=32)
+def _line_modes(line: Line, lengths: tuple[Metre, ...]) -> whirl.Modes | None:
+    """Return a line's critical modes, once for all variants that keep its shafts."""
+    if any(s.tube is None for s in line.shafts):
+        return None
+    return whirl.critical_modes(beams.line_beams(line, lengths=np.array(lengths)))
 
 
 def respond(

@@ -8,7 +8,7 @@ import numpy as np
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
-from cardan.study.assess import Assessment, asked, check
+from cardan.study.assess import Assessment, asked, check, checks_of
 from cardan.study.fix import adjustables, tried
 from cardan.study.response import Response
 
@@ -57,22 +57,28 @@ def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:
 
 def _of_line(response: Response) -> Iterator[Sensitivity]:
     """Yield the sensitivities of one line, from one batch of things moved back and forth."""
+    states = response.demand.states
+    bad = {c.quantity for c in checks_of(response) if c.grade != "pass"}
+    if not bad:
+        return
     movable = adjustables(response)
     steps = np.array([STEP[a.what] for a in movable])
     moved = tried(response, movable, np.concatenate([np.diag(-steps), np.diag(steps)]))
-    states = response.demand.states
-    for now, then in zip(asked(response), asked(moved), strict=True):
-        values = np.broadcast_to(then.held.values, (2 * len(movable), *now.values.shape))
+    pairs = zip(asked(response, quantities=bad), asked(moved, quantities=bad), strict=True)
+    for now, then in pairs:
+        values = np.broadcast_to(then.values, (2 * len(movable), *now.values.shape))
         back, forth = values[: len(movable)], values[len(movable) :]
-        for p in range(len(now.held.parts)):
+        for p in range(len(now.parts)):
             checks = {s: c for s in range(len(states)) if (c := check(response, now, s, p))}
-            bad = {s: c for s, c in checks.items() if c.grade != "pass"}
-            if not bad:
+            missed = {s: c for s, c in checks.items() if c.grade != "pass"}
+            if not missed:
                 continue
-            worst = min(bad, key=lambda s, bad=bad: (bad[s].grade != "fail", bad[s].margin))
+            worst = min(
+                missed, key=lambda s, missed=missed: (missed[s].grade != "fail", missed[s].margin)
+            )
             one = Sensitivity(
-                check=bad[worst],
-                states=tuple(states[s] for s in bad),
+                check=missed[worst],
+                states=tuple(states[s] for s in missed),
                 effects=tuple(
                     Effect(
                         adjustable=a,

@@ -1,0 +1,127 @@
+"""Laws of a whole application: mirrors, power, order of states, ways to give geometry."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.base.source import Source
+from cardan.base.units import deg, rpm
+from cardan.base.verdict import Limit
+from cardan.demand.states import demand
+from cardan.model.application import Application, Installed, State
+from cardan.model.layout import Layout, from_joint_angles, from_points, from_slopes
+from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+from cardan.study.assess import assess
+from cardan.study.response import Response, respond
+
+TUBE = Tube(outer=0.1, wall=0.003)
+LIMITS = (
+    Limit(quantity="torsional_acceleration", normal=300.0, maximum=500.0, source=Source("house")),
+    Limit(quantity="centre_bearing_peak", maximum=2000.0, source=Source("house")),
+)
+slopes = st.lists(st.floats(-6, 6), min_size=4, max_size=4).map(lambda s: np.array(s) * deg)
+phases = st.lists(st.floats(-90, 90), min_size=2, max_size=2).map(lambda p: np.array(p) * deg)
+
+
+def application(layout: Layout, turned: np.ndarray) -> Application:
+    first, second = layout.lengths
+    line = Line(
+        shafts=(
+            Shaft(
+                length=first,
+                tube=TUBE,
+                phase=turned[0],
+                centre_bearing=CentreBearing(from_rear_joint=0.15),
+            ),
+            Shaft(length=second, tube=TUBE, phase=turned[1]),
+        )
+    )
+    return Application(
+        title="any",
+        lines=(Installed(line=line, layout=layout),),
+        states=(State(name="as given"),),
+        limits=LIMITS,
+        profile="house",
+        torque=1000.0,
+        speed=2500 * rpm,
+    )
+
+
+def response(layout: Layout, turned: np.ndarray) -> Response:
+    one = application(layout, turned)
+    return respond(one, demand(one, one.lines[0]))
+
+
+@given(side=slopes, top=slopes, turned=phases)
+@settings(max_examples=30, deadline=None)
+def test_a_mirrored_vehicle_has_mirrored_loads(side, top, turned):
+    """Left for right turns yoke phases and torque about; forces keep size and change side."""
+    layout = from_slopes(side=side, top=top, lengths=[1.2, 1.5])
+    mirror = np.array([1.0, -1.0, 1.0])
+    mirrored = Layout(points=layout.points * mirror, directions=layout.directions * mirror)
+    one, other = response(layout, turned), response(mirrored, -turned)
+    assert other.angles == pytest.approx(one.angles, abs=1e-12)
+    assert other.excitation.torsional.acceleration == pytest.approx(
+        one.excitation.torsional.acceleration, rel=1e-9, abs=1e-9
+    )
+    static = one.loads.bearing_forces.static
+    # The same torque turns the other way round in a mirror, so the force does not change
+    # side with the vehicle but against it.
+    assert other.loads.bearing_forces.static == pytest.approx(-static * mirror, abs=1e-9)
+    assert other.loads.bearing_forces.dynamic == pytest.approx(
+        one.loads.bearing_forces.dynamic, abs=1e-9
+    )
+
+
+@given(side=slopes, top=slopes, turned=phases)
+@settings(max_examples=30, deadline=None)
+def test_three_ways_to_give_a_geometry_give_one_answer(side, top, turned):
+    """Slopes, joint angles behind a level gearbox, and points."""
+    side, top = side - side[0], top - top[0]
+    layouts = [
+        from_slopes(side=side, top=top, lengths=[1.2, 1.5]),
+        from_joint_angles(side=np.diff(side), top=np.diff(top), lengths=[1.2, 1.5]),
+    ]
+    first = layouts[0]
+    layouts.append(
+        from_points(first.points, gearbox=first.directions[0], pinion=first.directions[-1])
+    )
+    peaks = [response(layout, turned).bearing_peaks for layout in layouts]
+    assert peaks[1] == pytest.approx(peaks[0], rel=1e-9, abs=1e-9)
+    assert peaks[2] == pytest.approx(peaks[0], rel=1e-9, abs=1e-9)
+
+
+@given(side=slopes, top=slopes, turned=phases)
+@settings(max_examples=30, deadline=None)
+def test_power_in_is_power_out_round_the_turn(side, top, turned):
+    """Torque times speed is the same behind every joint at every angle: nothing is lost."""
+    found = response(from_slopes(side=side, top=top, lengths=[1.2, 1.5]), turned)
+    torques = found.loads.torques.values(16)[0, 1:, :, 0]
+    assert torques * found.turn.speed[0] == pytest.approx(np.full((3, 16), 1000.0), rel=1e-12)
+
+
+@given(torque=st.floats(-2e4, 2e4), side=slopes, top=slopes)
+@settings(max_examples=20, deadline=None)
+def test_loads_are_proportional_to_torque(torque, side, top):
+    layout = from_slopes(side=side, top=top, lengths=[1.2, 1.5])
+    one = application(layout, np.zeros(2))
+    many = replace(one, torque=torque)
+    unit = respond(one, demand(one, one.lines[0])).loads.bearing_forces.static / 1000
+    found = respond(many, demand(many, many.lines[0])).loads.bearing_forces.static
+    assert found == pytest.approx(torque * unit, rel=1e-9, abs=1e-9)
+
+
+@given(factor=st.floats(1.01, 3))
+@settings(max_examples=10, deadline=None)
+def test_a_faster_line_shakes_more(factor):
+    layout = from_slopes(side=np.array([3, 1, 4.5, 2]) * deg, top=np.zeros(4), lengths=[1.2, 1.5])
+    slow = application(layout, np.zeros(2))
+    fast = replace(slow, speed=factor * 2500 * rpm)
+    values = [
+        next(c.value for c in assess(a).checks if c.quantity == "torsional_acceleration")
+        for a in (slow, fast)
+    ]
+    assert values[1] == pytest.approx(factor**2 * values[0], rel=1e-9)

@@ -1,0 +1,176 @@
+"""Assessing and correcting an application: what a check promises, a correction keeps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.source import Source
+from cardan.base.units import deg, mm
+from cardan.base.verdict import Limit
+from cardan.demand.states import demand
+from cardan.model.application import Adjustable, Application
+from cardan.study.assess import assess
+from cardan.study.fix import adjustables, fix, margins, tried
+from cardan.study.response import respond
+from cardan.study.sensitivity import STEP, sensitivities
+
+HOUSE = Source("House rules")
+
+
+@pytest.fixture(scope="module")
+def truck() -> Application:
+    return files.loads(files.starter("truck"))
+
+
+def only(application: Application, *limits: Limit) -> Application:
+    return replace(application, limits=limits)
+
+
+TORSIONAL = Limit(quantity="torsional_acceleration", normal=200.0, maximum=500.0, source=HOUSE)
+SMALLEST = Limit(quantity="joint_angle_min", normal=0.5 * deg, sense=">=", source=HOUSE)
+SPLINE = Limit(quantity="spline_travel_margin", maximum=20 * mm, sense=">=", source=HOUSE)
+
+
+def test_a_check_for_each_limit_state_and_part(truck):
+    found = assess(only(truck, TORSIONAL, SMALLEST))
+    states = len(truck.states)
+    joints = truck.lines[0].line.joint_count
+    own = [c for c in found.checks if c.limit not in (TORSIONAL, SMALLEST)]
+    assert len(found.checks) - len(own) == states + states * joints
+    assert {c.limit.source.title for c in own} == {
+        size.source.title for size in truck.lines[0].line.joints if size
+    } or not own
+
+
+def test_the_verdict_is_the_worst_check(truck):
+    easy = replace(TORSIONAL, normal=1e6, maximum=1e7)
+    hard = replace(TORSIONAL, normal=1e-6, maximum=1e-5)
+    warn = replace(TORSIONAL, normal=1e-6, maximum=1e7)
+    for limit, verdict in ((easy, "pass"), (warn, "warn"), (hard, "fail")):
+        bare = replace(truck, limits=(limit,), lines=_without_sizes(truck))
+        assert assess(bare).verdict == verdict
+
+
+def _without_sizes(application):
+    return tuple(replace(i, line=replace(i.line, joints=())) for i in application.lines)
+
+
+def test_a_limit_nobody_can_answer_is_said(truck):
+    life = Limit(quantity="joint_life", maximum=1.0, sense=">=", source=HOUSE)
+    bare = replace(only(truck, life, TORSIONAL), lines=_without_sizes(truck))
+    assert assess(bare).unasked() == ("joint_life",)
+
+
+def test_a_limit_above_an_angle_asks_only_there(truck):
+    band = Limit(quantity="half_critical_band", band=(0.01, 0.99), source=HOUSE)
+    shallow = replace(band, above_angle=0.0)
+    steep = replace(band, above_angle=89 * deg)
+    assert any(c.quantity == band.quantity for c in assess(only(truck, shallow)).checks)
+    assert not any(c.quantity == band.quantity for c in assess(only(truck, steep)).checks)
+
+
+def test_variants_are_the_cases_one_by_one(truck):
+    """A batch of corrections gives what each gives alone: one code path for any number."""
+    response = respond(truck, demand(truck, truck.lines[0]))
+    movable = adjustables(response)
+    amounts = np.random.default_rng(0).uniform(-0.01, 0.01, (5, len(movable)))
+    batch = margins(tried(response, movable, amounts), to="normal")
+    single = [margins(tried(response, movable, a[None]), to="normal")[0] for a in amounts]
+    assert batch == pytest.approx(np.array(single), rel=1e-9, abs=1e-9)
+
+
+def test_nothing_moved_changes_nothing(truck):
+    response = respond(truck, demand(truck, truck.lines[0]))
+    movable = adjustables(response)
+    still = tried(response, movable, np.zeros((1, len(movable))))
+    assert margins(still, to="normal")[0] == pytest.approx(
+        margins(response, to="normal"), rel=1e-9, abs=1e-9
+    )
+
+
+def test_a_correction_repairs_what_fails(truck):
+    """Full rebound shakes too much as installed; a bearing or a shim mends it."""
+    tight = replace(TORSIONAL, normal=180.0, maximum=250.0)
+    failing = replace(only(truck, tight, SPLINE), lines=_without_sizes(truck))
+    assert assess(failing).verdict == "fail"
+    best = fix(failing)[0]
+    assert best.verdict == "pass"
+    assert best.margin > 0 > best.before
+    for move in best.moves:
+        assert move.adjustable.low <= move.amount <= move.adjustable.high
+
+
+def test_proposals_pay_for_what_they_cost(truck):
+    """Among equal verdicts a dearer proposal leaves more margin."""
+    found = fix(replace(only(truck, SMALLEST, TORSIONAL), lines=_without_sizes(truck)))
+    assert found
+    for verdict in {p.verdict for p in found}:
+        alike = [p for p in found if p.verdict == verdict]
+        assert [p.cost for p in alike] == sorted(p.cost for p in alike)
+        assert [p.margin for p in alike] == sorted(p.margin for p in alike)
+
+
+def test_what_is_held_stays(truck):
+    response = respond(truck, demand(truck, truck.lines[0]))
+    whats = {a.what for a in adjustables(response)}
+    assert "shim" in whats
+    for proposal in fix(only(truck, SMALLEST), hold=("shim",)):
+        assert all(m.adjustable.what != "shim" for m in proposal.moves)
+
+
+def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):
+    """Move the bearing in the application itself: the same checks, to rounding."""
+    up = Adjustable(what="bearing_height", part=1, low=0.0, high=20 * mm)
+    application = replace(only(truck, TORSIONAL, SMALLEST, SPLINE), adjustables=(up,))
+    proposal = next(p for p in fix(application) if p.moves)
+    rise = proposal.moves[0].amount
+    found = demand(application, application.lines[0])
+    shift = np.zeros((1, found.layout.points.shape[-2] - 2, 3))
+    shift[..., 2] = rise
+    by_hand = respond(application, found, layout=found.corrected(bearing_shift=shift))
+    expected = margins(by_hand, to="normal").min()
+    assert min(c.limit.margin(c.value, to="normal") for c in proposal.checks) == pytest.approx(
+        expected, rel=1e-9
+    )
+
+
+def test_sensitivities_are_those_of_a_slope(truck):
+    """Half a step gives half the change, to the curvature of one step."""
+    found = [s for s in sensitivities(assess(only(truck, TORSIONAL))) if s.effects]
+    worst = found[0]
+    response = respond(truck, demand(truck, truck.lines[0]))
+    state = response.demand.states.index(worst.check.state)
+    for effect in worst.effects:
+        if effect.adjustable.what == "phase":
+            continue
+        half = np.array([[-effect.step / 2], [effect.step / 2]])
+        moved = tried(response, (effect.adjustable,), half)
+        low, high = moved.excitation.torsional.acceleration[:, state]
+        assert high - low == pytest.approx((effect.forth - effect.back) / 2, rel=0.15)
+
+
+def test_every_step_has_a_name_that_can_move():
+    assert set(STEP) == {"bearing_height", "bearing_side", "shim", "phase"}
+
+
+def test_reordering_states_changes_nothing(truck):
+    backwards = replace(truck, states=truck.states[::-1])
+    assert {(c.quantity, c.state, c.part, c.value) for c in assess(truck).checks} == {
+        (c.quantity, c.state, c.part, c.value) for c in assess(backwards).checks
+    }
+
+
+def test_a_spring_that_contradicts_its_table_is_noted(truck):
+    """The dissertation's spring: 120.6 and 192.2 N/mm stated, 120.4 and 194.5 in its table."""
+    spring = replace(
+        truck.suspension.spring,
+        load=(0.0, 11562.0, 12749.0, 26233.0, 43345.0),
+        deflection=tuple(x * mm for x in (0, 96, 105, 185, 273)),
+        stated_rates=(120.6 / mm, 192.2 / mm),
+    )
+    suspension = replace(truck.suspension, spring=spring)
+    (note,) = assess(replace(truck, suspension=suspension)).notes
+    assert "192.2" in note
+    assert "194.5" in note
