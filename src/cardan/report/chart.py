@@ -60,7 +60,9 @@ def ticks(low: float, high: float, count: int = 6) -> FloatArray:
     return step * np.arange(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
 
 
-def bounds(*values: FloatArray | float, zero: bool = False, room: float = 0.06) -> tuple[float, float]:
+def bounds(
+    *values: FloatArray | float, zero: bool = False, room: float = 0.06
+) -> tuple[float, float]:
     """Return the range of values with some room around it, from zero where asked."""
     every = np.concatenate([np.ravel(v).astype(float) for v in values])
     every = every[np.isfinite(every)]
@@ -142,7 +144,9 @@ class Chart:
         self.put(svg.rect(x1, y1, x2 - x1, y2 - y1, fill=colour, fill_opacity=0.13))
         edge = {"stroke": colour, "stroke_width": 1, "stroke_dasharray": "4 3"}
         self.put(
-            svg.line(x1, y1, x1, y2, **edge) if band.along == "x" else svg.line(x1, y1, x2, y1, **edge)
+            svg.line(x1, y1, x1, y2, **edge)
+            if band.along == "x"
+            else svg.line(x1, y1, x2, y1, **edge)
         )
 
     def level(self, level: Level) -> None:
@@ -175,8 +179,12 @@ class Chart:
                 late = a > self.width * 0.7
                 self.put(
                     svg.text(
-                        float(a) + (-6 if late else 6), float(b) - 6, said,
-                        anchor="end" if late else "start", font_size=10.5, fill=colour,
+                        float(a) + (-6 if late else 6),
+                        float(b) - 6,
+                        said,
+                        anchor="end" if late else "start",
+                        font_size=10.5,
+                        fill=colour,
                     )  # fmt: skip
                 )
         if of.name:
@@ -214,7 +222,9 @@ class Chart:
             for wide in row:
                 name, key = next(keys)
                 place = f"translate({x:.1f} {self.height + 14 + 17 * k:.1f})"
-                legend.append(svg.group([key, svg.text(28, 0, name, font_size=11)], transform=place))
+                legend.append(
+                    svg.group([key, svg.text(28, 0, name, font_size=11)], transform=place)
+                )
                 x += wide
         height = self.height + (8 + 17 * len(rows) if rows else 0)
         drawn = svg.drawing(self.width, height, *self._axes(), *self._drawn, *legend, alt=alt)
@@ -252,9 +262,7 @@ class Chart:
         middle = (left + right) / 2
         out.append(svg.text(middle, self.height - 8, self.x_label, anchor="middle"))
         turn = f"rotate(-90 14 {(TOP + bottom) / 2:.1f})"
-        out.append(
-            svg.text(14, (TOP + bottom) / 2, self.y_label, anchor="middle", transform=turn)
-        )
+        out.append(svg.text(14, (TOP + bottom) / 2, self.y_label, anchor="middle", transform=turn))
         return out
 
 

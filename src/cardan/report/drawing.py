@@ -117,7 +117,9 @@ def _page(
     reference: Layout, layout: Layout, obstacles: tuple[Obstacle, ...], c: int, *, thick: float
 ) -> _Page:
     """Return the scales of a view in which everything has room."""
-    points = np.concatenate([reference.points[None], layout.points.reshape(-1, *reference.points.shape)])
+    points = np.concatenate(
+        [reference.points[None], layout.points.reshape(-1, *reference.points.shape)]
+    )
     along, up = points[..., 0], points[..., c]
     length = float(np.ptp(along))
     near = [
@@ -180,9 +182,12 @@ def _members(
         (x1, y1), (x2, y2) = points[k, [0, c]], points[k + 1, [0, c]]
         drawn.append(
             svg.element(
-                "path", d=f"M{x1:.5f} {y1:.5f}L{x2:.5f} {y2:.5f}",
-                stroke="#9db4c8" if shaft else "#c9ced6", stroke_width=f"{wide:.5f}",
-                stroke_opacity=0.55, fill="none",
+                "path",
+                d=f"M{x1:.5f} {y1:.5f}L{x2:.5f} {y2:.5f}",
+                stroke="#9db4c8" if shaft else "#c9ced6",
+                stroke_width=f"{wide:.5f}",
+                stroke_opacity=0.55,
+                fill="none",
             )  # fmt: skip
         )
     yield svg.group(drawn, transform=page.matrix)
@@ -200,7 +205,9 @@ def _members(
         yield svg.line(x, y, x, page.height - 37, stroke=GRID, stroke_width=0.8)
 
 
-def _bearings(response: Response, layout: Layout, page: _Page, c: int, say: Language) -> Iterator[str]:
+def _bearings(
+    response: Response, layout: Layout, page: _Page, c: int, say: Language
+) -> Iterator[str]:
     """Yield the centre bearings, hung on the frame."""
     for k, shaft in enumerate(response.line.shafts[:-1]):
         if not shaft.centre_bearing:
@@ -214,7 +221,9 @@ def _bearings(response: Response, layout: Layout, page: _Page, c: int, say: Lang
         yield svg.text(x, y - 35, said, anchor="middle", font_size=11, fill=GRADED["pass"])
 
 
-def _joints(layout: Layout, page: _Page, c: int, angles: FloatArray, say: Language) -> Iterator[str]:
+def _joints(
+    layout: Layout, page: _Page, c: int, angles: FloatArray, say: Language
+) -> Iterator[str]:
     """Yield the joints with their numbers and angles."""
     for k, (p, angle) in enumerate(zip(layout.points, angles, strict=True), 1):
         x, y = page.x(p[0]), page.y(p[c])
@@ -325,7 +334,9 @@ def _forks(x: float, y: float, wide: float, phase: float) -> Iterator[str]:
                 [end, tip, tip, end], [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
                 close=True, fill="#9db4c8", stroke=INK, stroke_width=1.2,
             )  # fmt: skip
-            yield svg.circle(tip - way * 10, y, 6 * out, fill="#ffffff", stroke=PALETTE[1], stroke_width=1.4)
+            yield svg.circle(
+                tip - way * 10, y, 6 * out, fill="#ffffff", stroke=PALETTE[1], stroke_width=1.4
+            )
 
 
 def _dial(x: float, y: float, phase: float, say: Language) -> Iterator[str]:
@@ -337,7 +348,9 @@ def _dial(x: float, y: float, phase: float, say: Language) -> Iterator[str]:
     yield svg.line(
         x - sx, y - sy, x + sx, y + sy, stroke=PALETTE[1], stroke_width=3, stroke_dasharray="6 4"
     )
-    yield svg.text(x - r - 14, y + 4, say("front yoke"), anchor="end", font_size=11, fill=PALETTE[0])
+    yield svg.text(
+        x - r - 14, y + 4, say("front yoke"), anchor="end", font_size=11, fill=PALETTE[0]
+    )
     yield svg.text(x + r + 14, y + 4, say("rear yoke"), font_size=11, fill=PALETTE[1])
 
 
@@ -352,7 +365,11 @@ def joint_planes(response: Response, say: Language) -> Figure:
         y_label=say("bend upward, − side view angle [deg]"),
     )  # fmt: skip
     for k, (bv, bh) in enumerate(zip(side, top, strict=True)):
-        chart.put(svg.arrow(*chart.spot(0, 0), *chart.spot(bh, -bv), stroke=PALETTE[k % 7], stroke_width=2.2))
+        chart.put(
+            svg.arrow(
+                *chart.spot(0, 0), *chart.spot(bh, -bv), stroke=PALETTE[k % 7], stroke_width=2.2
+            )
+        )
         chart.series(
             Series(name=_joint_said(response, s, k, say), x=np.array([bh]), y=np.array([-bv]),
                    joined=False, points=True, labels=(str(k + 1),)),
@@ -392,7 +409,9 @@ def phasors(response: Response, say: Language) -> Figure:
                 for grade, bound in (("warn", limit.normal), ("fail", limit.maximum))
                 if bound is not None
             ]
-    reach = 1.1 * max([float(np.abs(ends).max()), 0.05, *(r for _, r in radii if r < 6 * np.abs(ends).max())])
+    reach = 1.1 * max(
+        [float(np.abs(ends).max()), 0.05, *(r for _, r in radii if r < 6 * np.abs(ends).max())]
+    )
     chart = Chart(
         say=say, x=(-reach, reach), y=(-reach, reach), equal=True, width=460, height=380,
         x_label=say("along position 0 [deg²]"), y_label=say("along position 45 deg [deg²]"),
@@ -401,7 +420,9 @@ def phasors(response: Response, say: Language) -> Figure:
     for grade, radius in radii:
         if radius < 1.5 * reach:
             x, y = chart.at(radius * np.cos(turn), radius * np.sin(turn))
-            inside = (np.abs(radius * np.cos(turn)) <= chart.x[1]) & (np.abs(radius * np.sin(turn)) <= chart.y[1])
+            inside = (np.abs(radius * np.cos(turn)) <= chart.x[1]) & (
+                np.abs(radius * np.sin(turn)) <= chart.y[1]
+            )
             x = np.where(inside, x, np.nan)
             chart.put(svg.path(x, y, stroke=GRADED[grade], stroke_dasharray="5 3"))
     # Joints in one plane add up along one line: drawn beside each other they can be told apart.
@@ -410,10 +431,20 @@ def phasors(response: Response, say: Language) -> Figure:
         (x1, y1), (x2, y2) = chart.spot(a.real, a.imag), chart.spot(b.real, b.imag)
         y1, y2 = y1 - apart * (k + 1), y2 - apart * (k + 1)
         chart.put(svg.arrow(x1, y1, x2, y2, stroke=PALETTE[k % 7], stroke_width=2.2))
-        chart.put(svg.text((x1 + x2) / 2, (y1 + y2) / 2 - 4, str(k + 1), font_size=11, fill=PALETTE[k % 7]))
+        chart.put(
+            svg.text(
+                (x1 + x2) / 2, (y1 + y2) / 2 - 4, str(k + 1), font_size=11, fill=PALETTE[k % 7]
+            )
+        )
         chart.key(say.part(f"joint {k + 1}"), k)
     chart.put(
-        svg.arrow(*chart.spot(0, 0), *chart.spot(total.real, total.imag), stroke=INK, stroke_width=3, size=12)
+        svg.arrow(
+            *chart.spot(0, 0),
+            *chart.spot(total.real, total.imag),
+            stroke=INK,
+            stroke_width=3,
+            size=12,
+        )
     )
     state = say.given(response.demand.states[s])
     title = say("How the joints add up in {state}", state=state)

@@ -69,13 +69,19 @@ def round_the_turn(r: Response, say: Language) -> Iterator[Figure]:
 
     for title, values, unit in (
         (say("Speed round the turn, {state}", state=state), one.speed * (w / rpm), "rpm"),
-        (say("Acceleration round the turn, {state}", state=state), one.acceleration * w**2, "rad/s²"),
+        (
+            say("Acceleration round the turn, {state}", state=state),
+            one.acceleration * w**2,
+            "rad/s²",
+        ),
     ):
         what = say("speed") if unit == "rpm" else say("acceleration")
         rows = [
             Series(name=name, x=theta, y=closed(v)) for name, v in zip(names, values, strict=True)
         ]
-        most = say.list(*(f"{n} {say.number(float(np.ptp(v)))}" for n, v in zip(names, values, strict=True)))
+        most = say.list(
+            *(f"{n} {say.number(float(np.ptp(v)))}" for n, v in zip(names, values, strict=True))
+        )
         yield plot(
             say,
             title=title,
@@ -168,8 +174,12 @@ def bearing_orders(r: Response, say: Language, *, bearing: int) -> Figure:
             orders.append((say("order {order}", order=k), force))
     names = tuple(say.given(s) for s in r.demand.states)
     title = say("Force on {part} by order", part=say.part(f"bearing {bearing + 1}"))
-    alt = title + ". " + "; ".join(
-        f"{name}: {say.list(*(say.number(v) for v in values))} N" for name, values in orders
+    alt = (
+        title
+        + ". "
+        + "; ".join(
+            f"{name}: {say.list(*(say.number(v) for v in values))} N" for name, values in orders
+        )
     )
     return bars(
         say, title=title, alt=alt, categories=names, groups=orders, y_label=say("force [N]"),
@@ -182,9 +192,7 @@ def torque_by_gear(r: Response, say: Language) -> Figure:
     gears = r.demand.gears
     assert gears is not None  # the caller asks
     series = [
-        Series(
-            name=say("gear {gear}", gear=name), x=speed / rpm, y=torque, points=len(speed) == 1
-        )
+        Series(name=say("gear {gear}", gear=name), x=speed / rpm, y=torque, points=len(speed) == 1)
         for name, speed, torque in zip(gears.names, gears.speed, gears.torque, strict=True)
     ]
     slip = r.demand.slip_torque
@@ -193,7 +201,9 @@ def torque_by_gear(r: Response, say: Language) -> Figure:
         for value, states in _alike(slip, [say.given(s) for s in r.demand.states])
     ]
     title = say("Torque by gear, engine against slip")
-    peaks = say.list(*(f"{n} {say.number(p)}" for n, p in zip(gears.names, gears.peak, strict=True)))
+    peaks = say.list(
+        *(f"{n} {say.number(p)}" for n, p in zip(gears.names, gears.peak, strict=True))
+    )
     return plot(
         say,
         title=title,
@@ -228,7 +238,9 @@ def critical_speeds(r: Response, say: Language) -> Figure:
     x2, y2 = frame.spot(top, chart.y[1])
     drawn = [svg.rect(x1, y2, x2 - x1, y1 - y2, fill=PALETTE[0], fill_opacity=0.12)]
     drawn.append(svg.line(x2, y1, x2, y2, stroke=PALETTE[0], stroke_width=2))
-    drawn.append(svg.text(x2 - 4, y2 + 11, say("speed range"), anchor="end", font_size=11, fill=PALETTE[0]))
+    drawn.append(
+        svg.text(x2 - 4, y2 + 11, say("speed range"), anchor="end", font_size=11, fill=PALETTE[0])
+    )
     bounce = say("line on its rubber")
     for k, (name, n) in enumerate(rows):
         y = len(rows) - 1 - k
@@ -241,7 +253,9 @@ def critical_speeds(r: Response, say: Language) -> Figure:
                 d, _ = frame.spot(min(high * n, x[1]), y)
                 drawn.append(svg.rect(c, py - 9, d - c, 18, fill=GRADED[grade], fill_opacity=0.28))
         drawn.append(svg.line(b, py - 12, b, py + 12, stroke=INK, stroke_width=3))
-        drawn.append(svg.text(frame.spot(0, y)[0] + 5, py - 12, f"{name}: {say.number(n)} rpm", font_size=11))
+        drawn.append(
+            svg.text(frame.spot(0, y)[0] + 5, py - 12, f"{name}: {say.number(n)} rpm", font_size=11)
+        )
     title = say("Critical speeds and the speed range")
     said = say.list(*(f"{name} {say.number(n)} rpm" for name, n in rows))
     body = chart.figure(title=title, alt="").svg
@@ -279,8 +293,13 @@ def spring_curve(r: Response, say: Language) -> Figure:
     y = spring_load(spring, x * mm) / kN
     del travel
     title = say("Spring curve")
-    alt = title + ". " + "; ".join(
-        f"{say.short(a, 4)} mm {say.short(b, 4)} kN" for a, b in zip(deflection, load, strict=True)
+    alt = (
+        title
+        + ". "
+        + "; ".join(
+            f"{say.short(a, 4)} mm {say.short(b, 4)} kN"
+            for a, b in zip(deflection, load, strict=True)
+        )
     )
     return plot(
         say,
@@ -367,8 +386,12 @@ def _without_numbers(say: Language, *, x: tuple[float, float], height: float) ->
     for value in ticks(*x):
         px, _ = chart.spot(float(value), 0)
         out.append(svg.line(px, TOP, px, bottom, stroke=svg.GRID))
-        out.append(svg.text(px, bottom + 16, say.short(float(value)), anchor="middle", font_size=11))
-    out.append(svg.text((LEFT + WIDTH - RIGHT) / 2, height - 8, say("shaft speed [rpm]"), anchor="middle"))
+        out.append(
+            svg.text(px, bottom + 16, say.short(float(value)), anchor="middle", font_size=11)
+        )
+    out.append(
+        svg.text((LEFT + WIDTH - RIGHT) / 2, height - 8, say("shaft speed [rpm]"), anchor="middle")
+    )
     return out
 
 

@@ -97,7 +97,9 @@ def rect(x: float, y: float, width: float, height: float, **attributes: Value) -
     return element("rect", x=x, y=y, width=width, height=height, **attributes)
 
 
-def arrow(x1: float, y1: float, x2: float, y2: float, *, size: float = 8, **attributes: Value) -> str:
+def arrow(
+    x1: float, y1: float, x2: float, y2: float, *, size: float = 8, **attributes: Value
+) -> str:
     """Return an arrow from the first point to the second; a line where it has no room."""
     length = float(np.hypot(x2 - x1, y2 - y1))
     colour = attributes.get("stroke", INK)
