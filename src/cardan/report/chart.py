@@ -103,8 +103,13 @@ class Chart:
     width: float = WIDTH
     height: float = HEIGHT
     categories: tuple[str, ...] = ()
+    values: bool = True
+    """Whether the y axis has numbers; names may stand in the chart instead."""
     _drawn: list[str] = field(default_factory=list[str])
     _legend: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+    _named: list[tuple[float, float, float]] = field(
+        default_factory=list[tuple[float, float, float]]
+    )
 
     def __post_init__(self) -> None:
         if self.equal:  # grow the axis that has room, so that circles stay round
@@ -167,6 +172,7 @@ class Chart:
         if of.joined:
             self.put(svg.path(x, y, stroke=colour, stroke_width=1.8, stroke_dasharray=dash))
         if of.points:
+            self._named += [(float(a) - 4, float(b) + 5, 8.0) for a, b in zip(x, y, strict=True)]
             self.put(
                 *(
                     self.mark(float(a), float(b), index)
@@ -176,17 +182,7 @@ class Chart:
             )
         for said, a, b in zip(of.labels, x, y, strict=False):
             if np.isfinite(a) and np.isfinite(b):
-                late = a > self.width * 0.7
-                self.put(
-                    svg.text(
-                        float(a) + (-6 if late else 6),
-                        float(b) - 6,
-                        said,
-                        anchor="end" if late else "start",
-                        font_size=10.5,
-                        fill=colour,
-                    )  # fmt: skip
-                )
+                self._label(said, float(a), float(b), colour)
         if of.name:
             key = (
                 svg.line(0, -4, 22, -4, stroke=colour, stroke_width=2, stroke_dasharray=dash)
@@ -194,6 +190,29 @@ class Chart:
                 else ""
             )
             self._legend.append((of.name, key + (self.mark(11, -4, index) if of.points else "")))
+
+    def _label(self, said: str, x: float, y: float, colour: str) -> None:
+        """Name a point beside it, where no name stands yet."""
+        wide, high = 5.6 * len(said), 12.0
+        spots = [
+            (x + way - (wide if way < 0 else 0), y + drop)
+            for drop in (-6, 14, -19, 27, -32, -45, -58)
+            for way in (6, -6)
+        ]
+        free = [
+            (a, b)
+            for a, b in spots
+            if LEFT <= a and a + wide <= self.width - RIGHT and TOP + 8 <= b <= self.height - BOTTOM - 3
+            and all(
+                a + wide < c or c + w < a or b + 1 < d - high or d + 1 < b - high
+                for c, d, w in self._named
+            )
+        ]  # fmt: skip
+        a, b = (free or spots)[0]
+        self._named.append((a, b, wide))
+        if abs(b - y) > 15:
+            self.put(svg.line(x, y, a + (0 if a > x else wide), b - 3, stroke=colour, stroke_width=0.6))
+        self.put(svg.text(a, b, said, font_size=10.5, fill=colour))
 
     def key(self, name: str, index: int) -> None:
         """Name a colour in the legend."""
@@ -234,7 +253,7 @@ class Chart:
         """Return grid, ticks and labels."""
         left, right, bottom = LEFT, self.width - RIGHT, self.height - BOTTOM
         out: list[str] = []
-        for value in ticks(*self.y):
+        for value in ticks(*self.y) if self.values else ():
             _, y = self.spot(self.x[0], float(value))
             out.append(svg.line(left, y, right, y, stroke=GRID))
             said = self.say.short(float(value))
@@ -253,7 +272,7 @@ class Chart:
                 said = self.say.short(float(value))
                 out.append(svg.text(x, bottom + 16, said, anchor="middle", font_size=11))
         out.append(svg.path([left, left, right], [TOP, bottom, bottom], stroke=FAINT))
-        if self.y[0] < 0 < self.y[1]:
+        if self.values and self.y[0] < 0 < self.y[1]:
             _, y = self.spot(self.x[0], 0.0)
             out.append(svg.line(left, y, right, y, stroke=FAINT))
         if not self.categories and self.x[0] < 0 < self.x[1]:
@@ -297,7 +316,7 @@ def bars(
             x1, y1 = chart.spot(k - 0.4 + g * wide, 0.0)
             x2, y2 = chart.spot(k - 0.4 + (g + 0.92) * wide, float(value))
             chart.put(svg.rect(x1, y1, x2 - x1, y2 - y1, fill=colour))
-        chart._legend.append((name, svg.rect(4, -10, 14, 10, fill=colour)))  # noqa: SLF001
+        chart.key(name, g)
     for level in levels:
         chart.level(level)
     return chart.figure(title=title, alt=alt, note=note)

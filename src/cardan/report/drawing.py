@@ -22,7 +22,7 @@ from cardan.study.response import Response
 
 WIDTH = 1040.0
 LEFT, RIGHT, TOP, BOTTOM = 24.0, 170.0, 30.0, 46.0
-TALLEST = 250.0
+TALLEST = 330.0
 """Height a view may take, pixels; what is left of it is used to exaggerate."""
 
 EXAGGERATIONS = (10, 5, 2, 1)

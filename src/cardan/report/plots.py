@@ -15,10 +15,10 @@ from cardan.base.quantities import QUANTITIES
 from cardan.base.units import kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand
-from cardan.demand.suspension import spring_deflection
+from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
-from cardan.report.chart import Band, Chart, Level, Series, bars, bounds, limit_bands, plot
+from cardan.report.chart import Chart, Level, Series, bars, bounds, limit_bands, plot
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, INK, PALETTE, Figure
@@ -229,13 +229,12 @@ def critical_speeds(r: Response, say: Language) -> Figure:
     top = float(np.nanmax(r.demand.speed)) / rpm
     ratio, band = _limits(r, "critical_speed_ratio"), _limits(r, "half_critical_band")
     x = (0.0, 1.08 * max(top, *(n for _, n in rows)))
-    chart = Chart(
+    frame = Chart(
         say=say, x=x, y=(-0.6, len(rows) - 0.4), x_label=say("shaft speed [rpm]"), y_label="",
-        height=110 + 44.0 * len(rows),
+        height=110 + 44.0 * len(rows), values=False,
     )  # fmt: skip
-    frame = Chart(say=say, x=x, y=chart.y, x_label="", y_label="", height=chart.height)
-    x1, y1 = frame.spot(0, chart.y[0])
-    x2, y2 = frame.spot(top, chart.y[1])
+    x1, y1 = frame.spot(0, frame.y[0])
+    x2, y2 = frame.spot(top, frame.y[1])
     drawn = [svg.rect(x1, y2, x2 - x1, y1 - y2, fill=PALETTE[0], fill_opacity=0.12)]
     drawn.append(svg.line(x2, y1, x2, y2, stroke=PALETTE[0], stroke_width=2))
     drawn.append(
@@ -258,15 +257,10 @@ def critical_speeds(r: Response, say: Language) -> Figure:
         )
     title = say("Critical speeds and the speed range")
     said = say.list(*(f"{name} {say.number(n)} rpm" for name, n in rows))
-    body = chart.figure(title=title, alt="").svg
-    # The y axis holds names, not numbers: only the ground line and x ticks are wanted.
-    ground = _without_numbers(say, x=x, height=chart.height)
-    del body
-    alt = f"{title}: {said}"
-    return Figure(
+    frame.put(*drawn)
+    return frame.figure(
         title=title,
-        svg=svg.drawing(chart.width, chart.height, *ground, *drawn, alt=alt),
-        alt=alt,
+        alt=f"{title}: {said}",
         note=say(
             "Upright bars: critical speeds, the lowest over the states. Shaded: near half critical, "
             "where the joints excite twice a turn, and too near critical, by the profile's limits."
@@ -280,10 +274,7 @@ def spring_curve(r: Response, say: Language) -> Figure:
     assert suspension is not None  # the caller asks
     spring = suspension.spring
     deflection, load = np.array(spring.deflection) / mm, np.array(spring.load) / kN
-    travel = r.demand.travel / mm
-    # The reference state rests on the spring: where its travel is zero.
-    from cardan.demand.suspension import carried, spring_load
-
+    # States that rest on the spring say where the others are: travel is counted from one of them.
     rests = np.isfinite(r.demand.suspension_frequency)
     names = [say.given(s) for s in r.demand.states]
     loads = np.where(rests, carried(suspension, r.demand.axle_load), np.nan)
@@ -291,7 +282,6 @@ def spring_curve(r: Response, say: Language) -> Figure:
     offset = np.nanmedian(x - r.demand.travel) if rests.any() else np.nan
     x = np.where(rests, x, r.demand.travel + offset) / mm
     y = spring_load(spring, x * mm) / kN
-    del travel
     title = say("Spring curve")
     alt = (
         title
@@ -375,24 +365,3 @@ def _forbidden(ratio: list[Limit], band: list[Limit]) -> Iterator[tuple[str, flo
         if limit.maximum is not None:
             yield "fail", limit.maximum, 1.0
 
-
-def _without_numbers(say: Language, *, x: tuple[float, float], height: float) -> list[str]:
-    """Return an x axis alone."""
-    from cardan.report.chart import BOTTOM, LEFT, RIGHT, TOP, WIDTH, ticks
-
-    chart = Chart(say=say, x=x, y=(0, 1), x_label="", y_label="", height=height)
-    bottom = height - BOTTOM
-    out = [svg.line(LEFT, bottom, WIDTH - RIGHT, bottom, stroke=FAINT)]
-    for value in ticks(*x):
-        px, _ = chart.spot(float(value), 0)
-        out.append(svg.line(px, TOP, px, bottom, stroke=svg.GRID))
-        out.append(
-            svg.text(px, bottom + 16, say.short(float(value)), anchor="middle", font_size=11)
-        )
-    out.append(
-        svg.text((LEFT + WIDTH - RIGHT) / 2, height - 8, say("shaft speed [rpm]"), anchor="middle")
-    )
-    return out
-
-
-__all__ = ["Band", "plots"]

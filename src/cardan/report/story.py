@@ -8,10 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-import numpy as np
-
 from cardan import __version__
 from cardan.base.quantities import QUANTITIES
+from cardan.base.source import Source
 from cardan.base.verdict import Check
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
@@ -25,11 +24,11 @@ from cardan.report.wording import (
     counts,
     move,
     moves_that_help,
+    notes,
     place,
     problem,
     sense,
     sentence,
-    unasked,
     worst_of_each,
 )
 from cardan.study.assess import Assessment
@@ -161,8 +160,6 @@ def assessment(
 def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
     """Return the story of variants side by side."""
     names = tuple(f"{k}. {v.name}" for k, v in enumerate(of, 1))
-    best = min(of, key=lambda v: sorted(badness(c) for c in v.assessment.checks)[:1])
-    del best
     verdicts = Table(
         caption=say("Verdicts"),
         head=(say("variant"), say("verdict"), say("checks"), say("limits")),
@@ -253,9 +250,8 @@ def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
         caption=say("Where the limits come from"),
         points=tuple((f"[{k}] {source}", ()) for k, source in enumerate(sources, 1)),
     )
-    notes = [unasked(of, say), *(say("Note: {note}.", note=n) for n in of.notes)]
-    if any(notes):
-        yield Text(paragraphs=tuple(n for n in notes if n))
+    if found := notes(of, say):
+        yield Text(paragraphs=tuple(found))
 
 
 def _changes(
@@ -330,7 +326,7 @@ def _states(r: Response, say: Language) -> Iterator[Table]:
             caption=say(section.title),
             head=(say("quantity"), say("unit"), *states),
             rows=tuple(
-                (row.label(say).strip(), row.unit, *(say.number(v) for v in row.values))
+                (row.label(say).replace("  ", "\u2003"), row.unit, *(say.number(v) for v in row.values))
                 for row in section.rows
             ),
             words=2,
@@ -356,7 +352,11 @@ def _row_grades(
     if row.method:
         return ("",) * len(row.values)
     part = row.part.replace("bearing", "centre bearing") or "line"
-    return tuple(graded.get((row.quantity, part, s), "") for s in r.demand.states)
+    asked = ("joint_angle", "joint_angle_min") if row.quantity == "joint_angle" else (row.quantity,)
+    return tuple(
+        max((graded.get((q, part, s), "") for q in asked), key=("", "warn", "fail").index)
+        for s in r.demand.states
+    )
 
 
 def _equations(of: Assessment, say: Language) -> Iterator[Block]:
@@ -371,12 +371,18 @@ def _equations(of: Assessment, say: Language) -> Iterator[Block]:
             (
                 q.named(say.code), f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
                 "; ".join([say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]),
-                say.given(q.use) if q.use else "", say.given(str(q.source)),
+                say.given(q.use) if q.use else "", _cited(q.source, say),
             )
             for q in used
         ),
         words=5,
     )  # fmt: skip
+
+
+def _cited(source: Source, say: Language) -> str:
+    """Return a source, in the language where it is no publication."""
+    title = say.given(source.title)
+    return f"{title}, {source.place}" if source.place else title
 
 
 def _approval(say: Language, issue: Issue) -> Iterator[Block]:
@@ -423,5 +429,3 @@ def figures(of: Story) -> Iterator[Figure]:
 
 __all__ = ["Block", "Chapter", "Figures", "Issue", "Points", "Story", "Table", "Text", "Verbatim",
            "assessment", "comparison", "figures"]  # fmt: skip
-
-_ = np

@@ -15,11 +15,11 @@ from cardan.report.wording import (
     badness,
     counts,
     moves_that_help,
+    notes,
     move,
     place,
     problem,
     sentence,
-    unasked,
     worst_of_each,
 )
 from cardan.study.assess import Assessment
@@ -54,9 +54,7 @@ def assessment(
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
     yield from _checks(of, say, every=every)
-    if of.unasked():
-        yield unasked(of, say)
-    yield from (say("Note: {note}.", note=note) for note in of.notes)
+    yield from notes(of, say)
     yield from _helps(tuple(helps), say)
     for response in of.responses:
         yield from _line(response, say)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from cardan.base.quantities import QUANTITIES
 from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Check
+from cardan.base.verdict import GRADES, Check, Limit
 from cardan.model.application import Adjustable
 from cardan.report.language import Language
 from cardan.study.assess import Assessment
@@ -20,9 +20,9 @@ def counts(checks: Iterable[Check], say: Language) -> str:
 
 def worst_of_each(checks: Iterable[Check]) -> list[Check]:
     """Return the worst check of each limit, those that do not pass first."""
-    worst: dict[tuple[str, str, int], Check] = {}
+    worst: dict[tuple[str, str, Limit], Check] = {}
     for c in sorted(checks, key=badness):
-        worst.setdefault((c.quantity, c.line, id(c.limit)), c)
+        worst.setdefault((c.quantity, c.line, c.limit), c)
     return sorted(worst.values(), key=badness)
 
 
@@ -116,3 +116,18 @@ def unasked(of: Assessment, say: Language) -> str:
         return ""
     names = ", ".join(say.name(q).lower() for q in of.unasked())
     return say("Not asked, for want of data: {names}.", names=names)
+
+
+def notes(of: Assessment, say: Language) -> list[str]:
+    """Return what a reader should know: what could not be asked, what contradicts itself."""
+    found = [unasked(of, say)] if of.unasked() else []
+    for m in of.mismatches:
+        note = say(
+            "a spring's stated rate of {stated} N/mm is {apart} from the {table} N/mm of its own "
+            "table, which counts",
+            stated=say.short(m.stated * mm, 4),
+            apart=say.percent(m.apart),
+            table=say.short(m.of_table * mm, 4),
+        )
+        found.append(say("Note: {note}.", note=note))
+    return found
