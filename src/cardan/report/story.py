@@ -117,6 +117,7 @@ class Story:
     verdict: str
     facts: tuple[tuple[str, str], ...]
     chapters: tuple[Chapter, ...]
+    date: str = ""
     version: str = field(default=__version__)
 
 
@@ -154,6 +155,7 @@ def assessment(
             *_signs(issue, say),
         ),
         chapters=tuple(chapters),
+        date=issue.date,
     )
 
 
@@ -210,6 +212,7 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
         verdict="; ".join(f"{n} {say(g).upper()}" for n, g in zip(names, grades, strict=True)),
         facts=tuple(_signs(issue, say)),
         chapters=tuple(chapters),
+        date=issue.date,
     )
 
 
