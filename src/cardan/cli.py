@@ -1,6 +1,7 @@
 """The command line: read, ask, print."""
 
 import json
+import os
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import wraps
@@ -11,6 +12,9 @@ import click
 
 from cardan import __version__
 from cardan.base.errors import CardanError
+
+# Matrices here are small and many: BLAS's own threads cost more than they bring. Before NumPy.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))

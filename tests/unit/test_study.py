@@ -1,6 +1,7 @@
 """Assessing and correcting an application: what a check promises, a correction keeps."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ HOUSE = Source("House rules")
 
 @pytest.fixture(scope="module")
 def truck() -> Application:
-    return files.loads(files.starter("truck"))
+    return files.read(Path(__file__).parents[1] / "truck.yaml")
 
 
 def only(application: Application, *limits: Limit) -> Application:

@@ -1,16 +1,17 @@
 """A verdict: one demand held against one limit, with the reason for the limit."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from math import isfinite, isnan
+from typing import Literal, TypeAlias, TypeVar
 
-import numpy as np
-
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.source import Source
 
 Grade: TypeAlias = Literal["pass", "warn", "fail"]
 Sense: TypeAlias = Literal["<=", ">="]
+
+Value = TypeVar("Value", float, FloatArray)
 
 GRADES: tuple[Grade, ...] = ("pass", "warn", "fail")
 """From best to worst; arrays of grades hold places in this tuple."""
@@ -40,42 +41,43 @@ class Limit:
 
     def __post_init__(self) -> None:
         bounds = [b for b in (self.normal, self.maximum, *(self.band or ())) if b is not None]
-        if not bounds or not np.all(np.isfinite(bounds)):
+        if not bounds or not all(map(isfinite, bounds)):
             msg = f"a limit of {self.quantity} needs a finite normal, maximum or band"
             raise DesignError(msg)
         if self.band and not 0 < self.band[0] < self.band[1]:
             msg = f"the band of {self.quantity} must rise from above 0, got {self.band}"
             raise DesignError(msg)
         first, last = self.normal, self.maximum
-        if first is not None and last is not None and self._margin(np.asarray(first), last) < 0:
+        if first is not None and last is not None and self._margin(first, last) < 0:
             msg = (
                 f"normal of {self.quantity} must lie on the safe side of its maximum "
                 f"{last:g}, got {first:g}"
             )
             raise DesignError(msg)
 
-    def _margin(self, value: FloatArray, bound: float) -> FloatArray:
+    def _margin(self, value: Value, bound: float) -> Value:
         """Return the share of a bound still free; of 1 SI unit where the bound is 0."""
         free = bound - value if self.sense == "<=" else value - bound
         return free / (abs(bound) or 1.0)
 
-    def margin(self, value: ArrayLike, *, to: Literal["normal", "maximum"]) -> FloatArray:
+    def margin(self, value: Value, *, to: Literal["normal", "maximum"]) -> Value:
         """Return the share of the limit still free, negative where it is passed.
 
-        Where the limit has no bound of that name the other one serves. Inside a band the
-        margin is the way to its nearer edge, as a share of that edge.
+        Of a number or of an array of them. Where the limit has no bound of that name the
+        other one serves. Inside a band the margin is the way to its nearer edge, as a share
+        of that edge.
         """
-        value = np.asarray(value, dtype=float)
         if self.band:
             low, high = self.band
-            return np.maximum((low - value) / low, (value - high) / high)
+            below, above = (low - value) / low, (value - high) / high
+            return below + (above - below) * (above > below)
         bounds = (self.normal, self.maximum) if to == "normal" else (self.maximum, self.normal)
         bound = next(b for b in bounds if b is not None)
         return self._margin(value, bound)
 
     def grade(self, value: float) -> Grade:
         """Return pass, warn or fail. A demand that is not a number never passes."""
-        if np.isnan(value):
+        if isnan(value):
             return "fail"
         if self.maximum is not None and self.margin(value, to="maximum") < 0:
             return "fail"
@@ -119,4 +121,4 @@ class Check:
     def margin(self) -> float:
         """Share of the deciding bound still free; negative where it is passed."""
         to = "maximum" if self.grade == "fail" else "normal"
-        return float(self.limit.margin(self.value, to=to))
+        return self.limit.margin(self.value, to=to)

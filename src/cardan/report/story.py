@@ -133,7 +133,7 @@ def assessment(
     several = len(of.responses) > 1
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_verdict(of, say))),
-        Chapter(title=say("What to change"), blocks=tuple(_changes(helps, fixes, say))),
+        Chapter(title=say("What to change"), blocks=tuple(_changes(helps, fixes, say, several=several))),
         Chapter(title=say("Inputs"), blocks=tuple(_inputs(of, say))),
     ]
     for response in of.responses:
@@ -258,7 +258,7 @@ def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
 
 
 def _changes(
-    helps: Sequence[Sensitivity], fixes: Sequence[Proposal], say: Language
+    helps: Sequence[Sensitivity], fixes: Sequence[Proposal], say: Language, *, several: bool
 ) -> Iterator[Block]:
     """Yield corrections, and what each thing that can be moved would do."""
     if not helps:
@@ -272,7 +272,7 @@ def _changes(
     yield Points(
         caption=say("What would help, each move alone"),
         points=tuple(
-            (problem(one, say), tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),))
+            (problem(one, say, several=several), tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),))
             for one in helps
         ),
     )

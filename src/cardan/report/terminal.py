@@ -55,7 +55,7 @@ def assessment(
     yield say("limits: {profile}", profile=of.application.profile)
     yield from _checks(of, say, every=every)
     yield from notes(of, say)
-    yield from _helps(tuple(helps), say)
+    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response, say)
 
@@ -141,7 +141,7 @@ def _checks(of: Assessment, say: Language, *, every: bool) -> Iterator[str]:
     wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
     yield _bold(
-        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 36)}"
+        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 40)}"
         f"{say('value'):>9} {'':8}{_fit(say('limit'), 9)}"
         f"{_fit(say('unit'), 9)}{say('margin'):>7}  {say('source')}"
     )
@@ -149,7 +149,7 @@ def _checks(of: Assessment, say: Language, *, every: bool) -> Iterator[str]:
         q = QUANTITIES[c.quantity]
         yield (
             f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(q.named(say.code), 36)}"
-            f"{_fit(place(c, say, several=several), 36)}"
+            f"{_fit(place(c, say, several=several), 40)}"
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
             f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
@@ -163,14 +163,14 @@ def _sense(c: Check, say: Language) -> str:
     return say("outside") if c.limit.band else c.limit.sense
 
 
-def _helps(of: tuple[Sensitivity, ...], say: Language) -> Iterator[str]:
+def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
     yield ""
     yield _bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
     for one in of:
-        yield f"  {problem(one, say)}"
+        yield f"  {problem(one, say, several=several)}"
         yield f"      {'; '.join(moves_that_help(one, say)) or say('nothing that can be moved')}"
 
 
@@ -178,7 +178,7 @@ def _line(r: Response, say: Language) -> Iterator[str]:
     """Yield the numbers of one line, rows over states."""
     yield ""
     yield _bold(line_title(r, say))
-    head = "".join(f"{_fit(say.given(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
+    head = "".join(f"{_cut(say.given(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
     for section in sections(r):
         yield ""
         yield _bold(f"{_fit(say(section.title), LABEL)}{'':8}{head}")
@@ -192,8 +192,13 @@ def _row(row: Row, say: Language) -> str:
 
 
 def _fit(text: str, width: int) -> str:
-    """Return a text in a column of a width, cut where it is longer."""
-    return f"{text if len(text) < width else text[: width - 2] + '…':<{width}}"
+    """Return a text in a column of a width, with a space behind it, cut where it is longer."""
+    return f"{_cut(text, width - 1):<{width}}"
+
+
+def _cut(text: str, width: int) -> str:
+    """Return a text, cut where it is longer than a width."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def _bold(text: str) -> str:

@@ -86,9 +86,10 @@ def movable(a: Adjustable, say: Language) -> str:
     return say("{low} to {high}", low=low, high=move(Move(adjustable=a, amount=a.high), say))
 
 
-def problem(one: Sensitivity, say: Language) -> str:
-    """Return what does not pass, and in how many states."""
+def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
+    """Return what does not pass, of which line where there are several, in how many states."""
     said = sentence(one.check, say)
+    said = f"{one.check.line}: {said}" if several else said
     if len(one.states) < 2:
         return said
     return said + " (" + say("{count} states", count=len(one.states)) + ")"
