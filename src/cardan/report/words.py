@@ -454,6 +454,80 @@ _PLOTS: dict[str, tuple[str, str]] = {
     "load of one spring [kN]": ("carga de uma mola [kN]", "carico di una molla [kN]"),
 }  # fmt: skip
 
+_WORKBOOK: dict[str, tuple[str, str]] = {
+    "Driveline workbook: change what is coloured, and every result follows.": (
+        "Planilha da linha: mude o que está colorido e todos os resultados acompanham.",
+        "Foglio della trasmissione: si cambia ciò che è colorato e ogni risultato segue.",
+    ),
+    "Limits: {profile}. Positive slopes run down and to the right going rearward.": (
+        "Limites: {profile}. Inclinações positivas descem e vão à direita, indo para trás.",
+        "Limiti: {profile}. Le inclinazioni positive scendono e vanno a destra, verso il retro.",
+    ),
+    "torque at the gearbox output, where given": (
+        "torque na saída do câmbio, se dado", "coppia all'uscita del cambio, se data",
+    ),
+    "speed of the gearbox output, where given": (
+        "rotação na saída do câmbio, se dada", "velocità all'uscita del cambio, se data",
+    ),
+    "line speed over gearbox speed": (
+        "rotação da linha sobre a do câmbio", "velocità della linea su quella del cambio",
+    ),
+    "bearing rating Td": ("capacidade dos rolamentos Td", "capacità dei cuscinetti Td"),
+    "Shafts": ("Eixos", "Alberi"),
+    "tube, outside diameter": ("tubo, diâmetro externo", "tubo, diametro esterno"),
+    "tube, wall": ("tubo, parede", "tubo, spessore"),
+    "Young's modulus": ("módulo de elasticidade", "modulo di elasticità"),
+    "density": ("densidade", "densità"),
+    "polar inertia": ("inércia polar", "inerzia polare"),
+    "Duty cycle": ("Ciclo de uso", "Ciclo d'impiego"),
+    "share of the life": ("parcela da vida", "quota della durata"),
+    "joint angle, where given": ("ângulo da junta, se dado", "angolo del giunto, se dato"),
+    "wear without angle": ("desgaste sem o ângulo", "usura senza l'angolo"),
+    "gearbox": ("câmbio", "cambio"),
+    "load on the driven wheels at slip": (
+        "carga nas rodas trativas no escorregamento", "carico sulle ruote motrici allo slittamento",
+    ),
+    "States of line {line}": ("Estados da linha {line}", "Stati della linea {line}"),
+    "Geometry as the suspension places it: values that may be changed by hand.": (
+        "Geometria como a suspensão a posiciona: valores que podem ser mudados à mão.",
+        "Geometria come la posiziona la sospensione: valori modificabili a mano.",
+    ),
+    "Weight on the centre bearings (values of cardan)": (
+        "Peso nos mancais centrais (valores do cardan)",
+        "Peso sui supporti centrali (valori di cardan)",
+    ),
+    "Calculation": ("Cálculo", "Calcolo"),
+    "Calculation of line {line}": ("Cálculo da linha {line}", "Calcolo della linea {line}"),
+    "AE-7's method and closed forms, state by state. Complex numbers stand in two rows: along "
+    "position 0 (re) and 90 deg (im).": (
+        "Método AE-7 e formas fechadas, estado por estado. Números complexos em duas linhas: na "
+        "posição 0 (re) e 90 deg (im).",
+        "Metodo AE-7 e forme chiuse, stato per stato. I numeri complessi su due righe: in "
+        "posizione 0 (re) e 90 deg (im).",
+    ),
+    "largest joint angle": ("maior ângulo das juntas", "massimo angolo dei giunti"),
+    "as if all joints lay in one plane": (
+        "como se todas as juntas estivessem num plano", "come se tutti i giunti fossero in un piano",
+    ),
+    "Torsional acceleration, all joints in one plane": (
+        "Aceleração torcional, todas as juntas num plano",
+        "Accelerazione torsionale, tutti i giunti in un piano",
+    ),
+    "couple": ("conjugado", "coppia trasversale"),
+    "order 2": ("ordem 2", "ordine 2"),
+    "Results": ("Resultados", "Risultati"),
+    "Results of line {line}": ("Resultados da linha {line}", "Risultati della linea {line}"),
+    "Live: they follow inputs and states. Limits may be changed.": (
+        "Vivos: acompanham dados e estados. Os limites podem ser mudados.",
+        "Vivi: seguono dati e stati. I limiti si possono cambiare.",
+    ),
+    "Other results": ("Outros resultados", "Altri risultati"),
+    "Exact results of cardan: values, they do not follow the inputs": (
+        "Resultados exatos do cardan: valores, não acompanham os dados",
+        "Risultati esatti di cardan: valori, non seguono i dati",
+    ),
+}  # fmt: skip
+
 _EQUATIONS: dict[str, tuple[str, str]] = {
     "Derived from first principles": (
         "Deduzido dos princípios básicos", "Dedotto dai principi primi",
@@ -805,6 +879,7 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
 }  # fmt: skip
 
 WORDS: dict[str, tuple[str, str]] = {
-    **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_EQUATIONS,
+    **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_WORKBOOK,
+    **_EQUATIONS,
 }  # fmt: skip
 """English text to Portuguese and Italian."""

@@ -119,7 +119,12 @@ class _Book:
     def sheet(self, name: str) -> "_Sheet":
         """Return a new sheet."""
         name = re.sub(r"[\[\]:*?/\\]", " ", name)[:31]
-        return _Sheet(self, self.file.add_worksheet(name), name)
+        sheet = self.file.add_worksheet(name)
+        sheet.set_landscape()
+        sheet.set_paper(9)  # A4
+        sheet.fit_to_pages(1, 0)
+        sheet.hide_gridlines(2)
+        return _Sheet(self, sheet, name)
 
 
 class _Sheet:
