@@ -262,7 +262,7 @@ def _report(
 
     contents = [p.read_bytes() for p in paths]
     issue = story.Issue(
-        date=date.today().isoformat(),  # noqa: DTZ011  the day where it is signed
+        date=date.today().isoformat(),
         files=tuple(p.name for p in paths),
         prints=tuple(sha256(c).hexdigest()[:16] for c in contents),
         texts=tuple(c.decode("utf-8-sig") for c in contents),

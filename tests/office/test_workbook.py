@@ -100,9 +100,7 @@ def changed(r: Response, rng: np.random.Generator) -> tuple[dict[str, list], Res
     for s, phase, outer, wall in zip(r.line.shafts, phases, outers, walls, strict=True):
         tube = s.tube and replace(s.tube, outer=outer * mm, wall=wall * mm)
         inertia = s.polar_inertia
-        shafts.append(
-            replace(s, phase=phase * deg, tube=tube, polar_inertia_given=inertia or None)
-        )
+        shafts.append(replace(s, phase=phase * deg, tube=tube, polar_inertia_given=inertia or None))
     line = replace(r.line, shafts=tuple(shafts))
     typed = {f"side_{k}": side[:, k].tolist() for k in range(n + 1)}
     typed |= {f"top_{k}": top[:, k].tolist() for k in range(n + 1)}
@@ -141,7 +139,9 @@ def books(tmp_path_factory):
                 sheet.change(tag_of(found, r) + cell, values)
             for k in range(r.line.joint_count - 2) if r.gravity else ():
                 for axis in "xyz":
-                    sheet.change(f"{tag_of(found, r)}weight_{k + 1}_{axis}", [0.0] * len(r.demand.states))
+                    sheet.change(
+                        f"{tag_of(found, r)}weight_{k + 1}_{axis}", [0.0] * len(r.demand.states)
+                    )
             others.append(other)
         moved = folder / f"{name}-changed.xlsx"
         sheet.book.save(moved)
@@ -186,7 +186,10 @@ def test_slip_torque_follows_tyre_and_axle(books, name):
     found, _, sheet, _ = books[name]
     for r in found.responses:
         tag = tag_of(found, r)
-        for row, values in (("engine_torque", r.demand.engine_torque), ("slip_torque", r.demand.slip_torque)):
+        for row, values in (
+            ("engine_torque", r.demand.engine_torque),
+            ("slip_torque", r.demand.slip_torque),
+        ):
             if np.isfinite(values).all():
                 assert sheet.numbers(tag + row) == pytest.approx(values.tolist(), rel=1e-12)
 

@@ -202,7 +202,7 @@ class Chart:
         free = [
             (a, b)
             for a, b in spots
-            if LEFT <= a and a + wide <= self.width - RIGHT and TOP + 8 <= b <= self.height - BOTTOM - 3
+            if a >= LEFT and a + wide <= self.width - RIGHT and TOP + 8 <= b <= self.height - BOTTOM - 3
             and all(
                 a + wide < c or c + w < a or b + 1 < d - high or d + 1 < b - high
                 for c, d, w in self._named
@@ -211,7 +211,9 @@ class Chart:
         a, b = (free or spots)[0]
         self._named.append((a, b, wide))
         if abs(b - y) > 15:
-            self.put(svg.line(x, y, a + (0 if a > x else wide), b - 3, stroke=colour, stroke_width=0.6))
+            self.put(
+                svg.line(x, y, a + (0 if a > x else wide), b - 3, stroke=colour, stroke_width=0.6)
+            )
         self.put(svg.text(a, b, said, font_size=10.5, fill=colour))
 
     def key(self, name: str, index: int) -> None:

@@ -31,9 +31,7 @@ def document(of: Story) -> bytes:
     template = files("cardan.report").joinpath("templates/report.typ").read_bytes()
     told, drawings = _told(of)
     sources = {"main.typ": template, "story.json": json.dumps(told).encode(), **drawings}
-    return typst.compile(
-        sources, format="pdf", ignore_system_fonts=True, pdf_standards=[STANDARD]
-    )
+    return typst.compile(sources, format="pdf", ignore_system_fonts=True, pdf_standards=[STANDARD])
 
 
 def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:

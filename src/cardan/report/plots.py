@@ -18,11 +18,11 @@ from cardan.demand.states import demand
 from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
+from cardan.report import svg
 from cardan.report.chart import Chart, Level, Series, bars, bounds, limit_bands, plot
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, INK, PALETTE, Figure
-from cardan.report import svg
 from cardan.study.response import Response, respond
 
 ROUND = 181
@@ -364,4 +364,3 @@ def _forbidden(ratio: list[Limit], band: list[Limit]) -> Iterator[tuple[str, flo
             yield "warn", limit.normal, limit.maximum or 1.0
         if limit.maximum is not None:
             yield "fail", limit.maximum, 1.0
-

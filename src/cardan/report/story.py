@@ -10,7 +10,6 @@ from typing import TypeAlias
 
 from cardan import __version__
 from cardan.base.quantities import QUANTITIES
-from cardan.base.source import Source
 from cardan.base.verdict import Check
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
@@ -21,6 +20,7 @@ from cardan.report.sheet import Row, line_title, sections
 from cardan.report.svg import Figure
 from cardan.report.wording import (
     badness,
+    cited,
     counts,
     move,
     moves_that_help,
@@ -133,7 +133,9 @@ def assessment(
     several = len(of.responses) > 1
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_verdict(of, say))),
-        Chapter(title=say("What to change"), blocks=tuple(_changes(helps, fixes, say, several=several))),
+        Chapter(
+            title=say("What to change"), blocks=tuple(_changes(helps, fixes, say, several=several))
+        ),
         Chapter(title=say("Inputs"), blocks=tuple(_inputs(of, say))),
     ]
     for response in of.responses:
@@ -272,7 +274,10 @@ def _changes(
     yield Points(
         caption=say("What would help, each move alone"),
         points=tuple(
-            (problem(one, say, several=several), tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),))
+            (
+                problem(one, say, several=several),
+                tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),),
+            )
             for one in helps
         ),
     )
@@ -315,7 +320,10 @@ def _line(r: Response, say: Language, *, several: bool) -> Iterator[Chapter]:
     )
     yield Chapter(
         title=say("Drawings") + end,
-        blocks=(Figures(figures=(first, second, others[0]), wide=True), Figures(figures=tuple(others[1:]))),
+        blocks=(
+            Figures(figures=(first, second, others[0]), wide=True),
+            Figures(figures=tuple(others[1:])),
+        ),
     )
     yield Chapter(title=say("Plots") + end, blocks=(Figures(figures=plots(r, say)),))
 
@@ -329,7 +337,11 @@ def _states(r: Response, say: Language) -> Iterator[Table]:
             caption=say(section.title),
             head=(say("quantity"), say("unit"), *states),
             rows=tuple(
-                (row.label(say).replace("  ", "\u2003"), row.unit, *(say.number(v) for v in row.values))
+                (
+                    row.label(say).replace("  ", "\u2003"),
+                    row.unit,
+                    *(say.number(v) for v in row.values),
+                )
                 for row in section.rows
             ),
             words=2,
@@ -348,9 +360,7 @@ def _grades(r: Response) -> dict[tuple[str, str, str], str]:
     return found
 
 
-def _row_grades(
-    row: Row, graded: dict[tuple[str, str, str], str], r: Response
-) -> tuple[str, ...]:
+def _row_grades(row: Row, graded: dict[tuple[str, str, str], str], r: Response) -> tuple[str, ...]:
     """Return the grade of each value of a row; approximations are not what is checked."""
     if row.method:
         return ("",) * len(row.values)
@@ -374,18 +384,12 @@ def _equations(of: Assessment, say: Language) -> Iterator[Block]:
             (
                 q.named(say.code), f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
                 "; ".join([say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]),
-                say.given(q.use) if q.use else "", _cited(q.source, say),
+                say.given(q.use) if q.use else "", cited(q.source, say),
             )
             for q in used
         ),
         words=5,
     )  # fmt: skip
-
-
-def _cited(source: Source, say: Language) -> str:
-    """Return a source, in the language where it is no publication."""
-    title = say.given(source.title)
-    return f"{title}, {source.place}" if source.place else title
 
 
 def _approval(say: Language, issue: Issue) -> Iterator[Block]:

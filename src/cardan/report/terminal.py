@@ -14,9 +14,9 @@ from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
     badness,
     counts,
+    move,
     moves_that_help,
     notes,
-    move,
     place,
     problem,
     sentence,

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from cardan.base.quantities import QUANTITIES
+from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Check, Limit
 from cardan.model.application import Adjustable
@@ -132,3 +133,9 @@ def notes(of: Assessment, say: Language) -> list[str]:
         )
         found.append(say("Note: {note}.", note=note))
     return found
+
+
+def cited(source: Source, say: Language) -> str:
+    """Return a source, in the language where it is no publication."""
+    title = say.given(source.title)
+    return f"{title}, {source.place}" if source.place else title

@@ -131,7 +131,10 @@ _STORY: dict[str, tuple[str, str]] = {
     "Date": ("Data", "Data"),
     "File": ("Arquivo", "File"),
     "Made with": ("Feito com", "Prodotto con"),
-    "Made with cardan {version}.": ("Feito com cardan {version}.", "Prodotto con cardan {version}."),
+    "Made with cardan {version}.": (
+        "Feito com cardan {version}.",
+        "Prodotto con cardan {version}.",
+    ),
     "change": ("alteração", "modifica"),
     "made by": ("feito por", "redatto da"),
     "checked by": ("verificado por", "verificato da"),

@@ -7,7 +7,7 @@ its own column.
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any, TypeAlias
@@ -19,11 +19,13 @@ from cardan.base.arrays import FloatArray
 from cardan.base.quantities import QUANTITIES
 from cardan.base.units import GPa, MPa, deg, mm, rpm
 from cardan.base.verdict import Limit
+from cardan.kinematics.equivalent import Excitation
 from cardan.loads import loads
 from cardan.model.application import Application
 from cardan.report.extra import needed
 from cardan.report.language import Language
 from cardan.report.sheet import sections
+from cardan.report.wording import cited
 from cardan.shaft.life import life_rating
 from cardan.study.assess import Assessment, asked
 from cardan.study.response import Response
@@ -66,7 +68,7 @@ def workbook(of: Assessment, *, say: Language) -> bytes:
         line = _Line(book, r, tag=_tag(r, several=several), end=end)
         line.write()
     book.file.close()
-    return _unknown_writer(raw.getvalue())
+    return _computed_anew(raw.getvalue())
 
 
 def _tag(r: Response, *, several: bool) -> str:
@@ -74,18 +76,17 @@ def _tag(r: Response, *, several: bool) -> str:
     return re.sub(r"\W", "_", r.line.name) + "_" if several else ""
 
 
-def _unknown_writer(data: bytes) -> bytes:
-    """Return a workbook that does not claim to be computed by a spreadsheet.
+def _computed_anew(data: bytes) -> bytes:
+    """Return a workbook without the zeros that stand for results nobody has computed yet.
 
-    LibreOffice believes the results in a file that names Excel as its writer and computes
-    all others anew.
+    A spreadsheet may believe the results in a file; one that is missing it computes.
     """
     out = BytesIO()
     with ZipFile(BytesIO(data)) as old, ZipFile(out, "w", ZIP_DEFLATED) as new:
         for item in old.infolist():
             content = old.read(item)
-            if item.filename == "docProps/app.xml":
-                content = content.replace(b"Microsoft Excel", b"cardan")
+            if item.filename.startswith("xl/worksheets/sheet"):
+                content = content.replace(b"</f><v>0</v>", b"</f>")
             new.writestr(item, content)
     return out.getvalue()
 
@@ -105,7 +106,14 @@ class _Book:
         self.title = style(bold=True, font_size=14)
         self.head = style(bold=True, bottom=1, text_wrap=True)
         self.section = style(bold=True, bg_color="#E3EAF1")
-        self.input = style(bg_color="#FFF8DC", font_color="#0000AA", border=1, border_color="#D5C98F")
+        self.heads = style(bold=True, bg_color="#E3EAF1", align="right", text_wrap=True)
+        self.input = style(
+            bg_color="#FFF8DC",
+            font_color="#0000AA",
+            border=1,
+            border_color="#D5C98F",
+            num_format="0.######",
+        )
         self.formula = style(num_format="0.0000")
         self.result = style(num_format="0.000", bold=True)
         self.exact = style(num_format="0.000", italic=True, font_color="#55606D")
@@ -147,7 +155,8 @@ class _Sheet:
         width = max(FIRST + 1, len(heads))
         for k in range(width):
             said = text if k == 0 else heads[k] if k < len(heads) else ""
-            self.sheet.write_string(self.row, k, said, self.book.section)
+            style = self.book.heads if k >= FIRST else self.book.section
+            self.sheet.write_string(self.row, k, said, style)
         self.row += 1
 
     def put(
@@ -222,28 +231,65 @@ def _general(sheet: _Sheet, a: Application) -> None:
         ),
     )  # fmt: skip
 
-    def put(label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE) -> None:
+    def put(
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+    ) -> None:
         sheet.put(label, unit, cells, style=book.input, name=name, allow=allow)
 
     engine, gearbox, tyre = a.engine, a.gearbox, a.tyre
     sheet.section(say("Engine and gearbox"))
-    put(say("engine speed"), "rpm", [v / rpm for v in engine.speed] if engine else [None], "engine_speeds")
+    put(
+        say("engine speed"),
+        "rpm",
+        [v / rpm for v in engine.speed] if engine else [None],
+        "engine_speeds",
+    )
     put(say("engine torque"), "N·m", list(engine.torque) if engine else [None], "engine_torques")
     put(say("gear ratios"), "", list(gearbox.ratios) if gearbox else [1.0], "gear_ratios")
-    put(say("gearbox efficiency"), "", [gearbox.efficiency if gearbox else 1.0], "gearbox_efficiency", SHARE)
-    put(say("converter torque ratio"), "", [gearbox.converter_ratio if gearbox else 1.0], "converter_ratio")
-    put(say("transfer case, low range"), "", [gearbox.transfer_ratio if gearbox else 1.0], "transfer_ratio")
+    put(
+        say("gearbox efficiency"),
+        "",
+        [gearbox.efficiency if gearbox else 1.0],
+        "gearbox_efficiency",
+        SHARE,
+    )
+    put(
+        say("converter torque ratio"),
+        "",
+        [gearbox.converter_ratio if gearbox else 1.0],
+        "converter_ratio",
+    )
+    put(
+        say("transfer case, low range"),
+        "",
+        [gearbox.transfer_ratio if gearbox else 1.0],
+        "transfer_ratio",
+    )
     sheet.section(say("Application"))
-    put(say("torque at the gearbox output, where given"), "N·m", [a.torque], "torque_given", NOT_NEGATIVE)
+    put(
+        say("torque at the gearbox output, where given"),
+        "N·m",
+        [a.torque],
+        "torque_given",
+        NOT_NEGATIVE,
+    )
     put(say("speed of the gearbox output, where given"), "rpm",
         [None if a.speed is None else a.speed / rpm], "speed_given")  # fmt: skip
     put(say("shock factor"), "", [a.shock_factor], "shock_factor")
     put(say("prime mover factor"), "", [a.prime_mover_factor], "prime_mover_factor")
     put(say("tyre, friction"), "", [tyre.friction if tyre else None], "tyre_friction", FRICTION)
-    put(say("tyre, static radius"), "mm", [tyre.static_radius / mm if tyre else None], "tyre_radius")
+    put(
+        say("tyre, static radius"), "mm", [tyre.static_radius / mm if tyre else None], "tyre_radius"
+    )
     if a.duty:
         sheet.section(say("Duty cycle"))
-        put(say("share of the life"), "%", [100 * p.share for p in a.duty], "duty_shares", NOT_NEGATIVE)
+        put(
+            say("share of the life"),
+            "%",
+            [100 * p.share for p in a.duty],
+            "duty_shares",
+            NOT_NEGATIVE,
+        )
         put(say("shaft torque"), "N·m", [p.torque for p in a.duty], "duty_torques", NOT_NEGATIVE)
         put(say("shaft speed"), "rpm", [p.speed / rpm for p in a.duty], "duty_speeds", NOT_NEGATIVE)
         put(say("joint angle, where given"), "deg",
@@ -263,7 +309,9 @@ def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
     axle = installed.axle
     share = installed.torque_ratio * (axle.torque_share if axle else 1.0)
 
-    def put(label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE) -> None:
+    def put(
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+    ) -> None:
         sheet.put(label, unit, cells, style=book.input, name=tag + name, allow=allow)
 
     sheet.section(say("Line {line}", line=line.name))
@@ -278,15 +326,32 @@ def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
     shafts = [say.part(f"shaft {k}") for k in range(1, line.joint_count)]
     sheet.section(say("Shafts"), ["", "", "", "", *shafts])
     tubes = [s.tube for s in line.shafts]
-    put(say("tube, outside diameter"), "mm", [t.outer / mm if t else None for t in tubes], "tube_outer")
+    put(
+        say("tube, outside diameter"),
+        "mm",
+        [t.outer / mm if t else None for t in tubes],
+        "tube_outer",
+    )
     put(say("tube, wall"), "mm", [t.wall / mm if t else None for t in tubes], "tube_wall")
-    put(say("Young's modulus"), "GPa", [t.material.youngs_modulus / GPa if t else None for t in tubes], "tube_modulus")
+    put(
+        say("Young's modulus"),
+        "GPa",
+        [t.material.youngs_modulus / GPa if t else None for t in tubes],
+        "tube_modulus",
+    )
     put(say("density"), "kg/m³", [t.material.density if t else None for t in tubes], "tube_density")
     strengths = [t.material.yield_strength if t else None for t in tubes]
-    put(say("yield strength"), "MPa", [None if s is None else s / MPa for s in strengths], "tube_yield")
+    put(
+        say("yield strength"),
+        "MPa",
+        [None if s is None else s / MPa for s in strengths],
+        "tube_yield",
+    )
     put(say("yoke phase"), "deg", [s.phase / deg for s in line.shafts], "yoke_phases", PHASE)
     put(say("polar inertia"), "kg·m²", [s.polar_inertia for s in line.shafts], "polar_inertias")
-    ahead = [s.centre_bearing.from_rear_joint / mm if s.centre_bearing else None for s in line.shafts]
+    ahead = [
+        s.centre_bearing.from_rear_joint / mm if s.centre_bearing else None for s in line.shafts
+    ]
     put(say("centre bearing ahead of the rear joint"), "mm", ahead, "bearing_offsets", NOT_NEGATIVE)
 
 
@@ -297,6 +362,23 @@ class _Result:
     quantity: str
     part: str
     row: int
+    values: FloatArray | None
+
+
+_Complex: TypeAlias = tuple[str, str]
+"""A complex number of formulas: its real and its imaginary part."""
+
+
+def _turned(of: _Complex, angle: str, *, after: Sequence[_Complex] = ()) -> _Complex:
+    """Return a complex number turned by an angle, added to one before it if there is one."""
+    re_, im_ = (f"{p}+" for p in after[0]) if after else ("", "")
+    (a, b), cos, sin = of, f"COS({angle})", f"SIN({angle})"
+    return f"{re_}{a}*{cos}-{b}*{sin}", f"{im_}{a}*{sin}+{b}*{cos}"
+
+
+def _modulus(of: _Complex) -> str:
+    """Return the size of a complex number."""
+    return f"SQRT({of[0]}^2+{of[1]}^2)"
 
 
 class _Line:
@@ -348,11 +430,13 @@ class _Line:
         ]  # fmt: skip
         side, top = r.layout.side / deg, r.layout.top / deg
         self.side = [
-            self._given(m, "deg", side[:, k].tolist(), f"side_{k}", SLOPE) for k, m in enumerate(members)
+            self._given(m, "deg", side[:, k].tolist(), f"side_{k}", SLOPE)
+            for k, m in enumerate(members)
         ]
         sheet.section(say("top slopes of the members"), heads)
         self.top = [
-            self._given(m, "deg", top[:, k].tolist(), f"top_{k}", SLOPE) for k, m in enumerate(members)
+            self._given(m, "deg", top[:, k].tolist(), f"top_{k}", SLOPE)
+            for k, m in enumerate(members)
         ]
         sheet.section(say("length"), heads)
         lengths = r.layout.lengths / mm
@@ -363,13 +447,19 @@ class _Line:
         sheet.section(say("Demand"), heads)
         own = r.application.states
         torques: list[Cell] = [
-            '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque for s in own
+            '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque
+            for s in own
         ]
         speeds: list[Cell] = [
-            '=IF(ISNUMBER(speed_given),speed_given,"")' if s.speed is None else s.speed / rpm for s in own
+            '=IF(ISNUMBER(speed_given),speed_given,"")' if s.speed is None else s.speed / rpm
+            for s in own
         ]
         self.torque_given = self._given(
-            say("torque at the gearbox output, where given"), "N·m", torques, "state_torques", NOT_NEGATIVE
+            say("torque at the gearbox output, where given"),
+            "N·m",
+            torques,
+            "state_torques",
+            NOT_NEGATIVE,
         )
         self.speed_given = self._given(
             say("speed of the gearbox output, where given"), "rpm", speeds, "state_speeds", POSITIVE
@@ -394,51 +484,64 @@ class _Line:
                 )  # fmt: skip
         sheet.sheet.freeze_panes(0, FIRST)
 
-    # Calculation
+    # Calculation. A formula is written once: § stands for the letter of a state's column.
 
     def _row(
         self,
         label: str,
         unit: str,
-        formula: Callable[[str], str],
+        formula: str,
         *,
-        quantity: str = "",
-        part: str = "",
         note: str = "",
+        source: str = "",
         values: FloatArray | None = None,
-    ) -> int:
-        """Write a row of formulas, one for each state's column; return its number.
-
-        A row of a `quantity` is a result: it says where its equation comes from.
-        """
-        q = QUANTITIES.get(quantity)
+        style: Any = None,
+    ) -> str:
+        """Write a row of formulas, one for each state; return the reference to it."""
         row = self.sheet.put(
-            label or (self.say.list(self.say.name(quantity), self.say.part(part)) if q else ""),
-            unit or (q.unit_name if q else ""),
-            ["=" + formula(c) for c in self.columns],
-            style=self.book.result if q else self.book.formula,
-            texts=(note or (self.say.given(q.equation) if q else ""), str(q.source) if q else ""),
-            values=None if values is None or q is None else np.asarray(values, dtype=float) / q.factor,
+            label,
+            unit,
+            ["=" + formula.replace("§", c) for c in self.columns],
+            style=style or self.book.formula,
+            texts=(note, source),
+            values=values,
         )
-        if q:
-            self.found.append(_Result(quantity, part, row))
-        return row
+        return f"§{row}"
 
-    def _of_state(self, row: int) -> Callable[[str], str]:
+    def _result(
+        self, quantity: str, formula: str, values: FloatArray, *, part: str = "", note: str = ""
+    ) -> str:
+        """Write a row that results and limits ask about; `values` are cardan's own, SI."""
+        q, say = QUANTITIES[quantity], self.say
+        shown = np.asarray(values, dtype=float) / q.factor
+        reference = self._row(
+            say.list(say.name(quantity), say.part(part)),
+            q.unit_name,
+            formula,
+            note=note or say.given(q.equation),
+            source=cited(q.source, say),
+            values=shown,
+            style=self.book.result,
+        )
+        self.found.append(_Result(quantity, part, int(reference[1:]), shown))
+        return reference
+
+    def _of_state(self, row: int) -> str:
         """Return the reference to a row of the sheet of states."""
-        return lambda c: f"'{self.states.name}'!{c}{row}"
+        return f"'{self.states.name}'!§{row}"
 
     def _of_part(self, name: str, k: int) -> str:
         """Return the reference to the k-th of the cells of a name, from 1."""
         return f"INDEX({self.tag}{name},1,{k})"
 
     def _calculation(self) -> None:
+        """Write the method from top to bottom."""
         say, sheet = self.say, self.sheet
-        sheet.title(
-            say("Calculation of line {line}", line=self.r.line.name),
-            (say("AE-7's method and closed forms, state by state. Complex numbers stand in two "
-                 "rows: along position 0 (re) and 90 deg (im)."),),
-        )  # fmt: skip
+        about = say(
+            "AE-7's method and closed forms, state by state. Complex numbers stand in two rows: "
+            "along position 0 (re) and 90 deg (im)."
+        )
+        sheet.title(say("Calculation of line {line}", line=self.r.line.name), (about,))
         self._demand()
         self._angles()
         self._excitation()
@@ -449,167 +552,157 @@ class _Line:
 
     def _section(self, text: str) -> None:
         say = self.say
-        self.sheet.section(text, ["", say("unit"), say("equation"), say("source"), *self._heads()])
+        heads = ["", say("unit"), say("equation"), say("source"), *self._heads()]
+        self.sheet.section(text, heads)
 
     def _demand(self) -> None:
         """Torque: engine against slip; speed."""
-        say, tag, d = self.say, self.tag, self.r.demand
-        self._section(say("Demand"))
-        engine = self._row(
-            "", "", lambda _: (
-                'IF(COUNT(engine_torques)=0,"",MAX(engine_torques)*MAX(gear_ratios)*MAX(1,transfer_ratio)'
-                f"*gearbox_efficiency*converter_ratio*{tag}torque_share)"),
-            quantity="engine_torque", values=d.engine_torque,
-        )  # fmt: skip
+        tag, d = self.tag, self.r.demand
+        self._section(self.say("Demand"))
+        engine = self._result(
+            "engine_torque",
+            'IF(COUNT(engine_torques)=0,"",MAX(engine_torques)*MAX(gear_ratios)'
+            f"*MAX(1,transfer_ratio)*gearbox_efficiency*converter_ratio*{tag}torque_share)",
+            d.engine_torque,
+        )
         load = self._of_state(self.driven)
-        slip = self._row(
-            "", "", lambda c: (
-                f"IF(AND(ISNUMBER({load(c)}),ISNUMBER({tag}axle_ratio),ISNUMBER(tyre_friction)),"
-                f'tyre_friction*{load(c)}*tyre_radius/1000/({tag}axle_ratio*{tag}axle_efficiency),"")'),
-            quantity="slip_torque", values=d.slip_torque,
-        )  # fmt: skip
+        known = f"AND(ISNUMBER({load}),ISNUMBER({tag}axle_ratio),ISNUMBER(tyre_friction))"
+        grip = f"tyre_friction*{load}*tyre_radius/1000"
+        slip = self._result(
+            "slip_torque",
+            f'IF({known},{grip}/({tag}axle_ratio*{tag}axle_efficiency),"")',
+            d.slip_torque,
+        )
         given = self._of_state(self.torque_given)
-        self.torque = self._row(
-            "", "", lambda c: (
-                f"IF(ISNUMBER({given(c)}),{given(c)}*{tag}torque_share,MIN({c}{engine},{c}{slip}))"),
-            quantity="torque", values=d.torque,
-        )  # fmt: skip
-        asked_speed = self._of_state(self.speed_given)
-        self.speed = self._row(
-            "", "", lambda c: (
-                f"IF(ISNUMBER({asked_speed(c)}),{asked_speed(c)},"
-                f"MAX(engine_speeds)/(MIN(gear_ratios)*MIN(1,transfer_ratio)))*{tag}speed_ratio"),
-            quantity="speed", values=d.speed,
-        )  # fmt: skip
-        self.omega = self._row("ω", "rad/s", lambda c: f"{c}{self.speed}*PI()/30")
+        self.torque = self._result(
+            "torque",
+            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,MIN({engine},{slip}))",
+            d.torque,
+        )
+        given = self._of_state(self.speed_given)
+        top = "MAX(engine_speeds)/(MIN(gear_ratios)*MIN(1,transfer_ratio))"
+        self.speed = self._result(
+            "speed", f"IF(ISNUMBER({given}),{given},{top})*{tag}speed_ratio", d.speed
+        )
+        self.omega = self._row("ω", "rad/s", f"{self.speed}*PI()/30")
 
     def _angles(self) -> None:
-        """View angles, true angles and positions of the joints; signs from the yoke phases."""
-        say, r = self.say, self.r
-        self._section(say("Joints"))
-        self.bv: list[int] = []
-        self.bh: list[int] = []
-        self.beta: list[int] = []
-        for k in range(1, self.n + 1):
-            part = f"joint {k}"
+        """View angles, true angles and positions of the joints."""
+        r, each = self.r, range(self.n)
+        self._section(self.say("Joints"))
+        self.bv: list[str] = []
+        self.bh: list[str] = []
+        self.beta: list[str] = []
+        for k in each:
+            part = f"joint {k + 1}"
             s1, s2, t1, t2 = (
-                self._of_state(rows[j]) for rows in (self.side, self.top) for j in (k - 1, k)
+                self._of_state(rows[j]) for rows in (self.side, self.top) for j in (k, k + 1)
             )
-            self.bv.append(self._row("", "", lambda c, a=s1, b=s2: f"{b(c)}-{a(c)}", quantity="side_angle",
-                                     part=part, values=r.side_angles[:, k - 1]))  # fmt: skip
-            self.bh.append(self._row("", "", lambda c, a=t1, b=t2: f"{b(c)}-{a(c)}", quantity="top_angle",
-                                     part=part, values=r.top_angles[:, k - 1]))  # fmt: skip
-            a, b, e, f = (
-                lambda c, x=x, m=m: f"({m}TAN(RADIANS({x(c)})))"
-                for x, m in ((t1, ""), (s1, "-"), (t2, ""), (s2, "-"))
-            )
-            self.beta.append(
-                self._row(
-                    "", "",
-                    lambda c, a=a, b=b, e=e, f=f: (
-                        f"DEGREES(ATAN2(1+{a(c)}*{e(c)}+{b(c)}*{f(c)},"
-                        f"SQRT(({a(c)}*{f(c)}-{b(c)}*{e(c)})^2+({b(c)}-{f(c)})^2+({e(c)}-{a(c)})^2)))"),
-                    quantity="joint_angle", part=part, values=r.angles[:, k - 1],
-                )
-            )  # fmt: skip
-            v, h = self.bv[-1], self.bh[-1]
-            self._row(
-                "", "", lambda c, v=v, h=h: (
-                    f"IF(AND({c}{v}=0,{c}{h}=0),0,MOD(DEGREES(ATAN2({c}{h},{c}{v})),360))"),
-                quantity="joint_position", part=part, values=r.positions[:, k - 1],
-            )  # fmt: skip
-        first, last = self.beta[0], self.beta[-1]
-        self._row("", "", lambda c: f"ABS({c}{first}-{c}{last})", quantity="end_angle_difference",
-                  values=np.abs(r.angles[:, 0] - r.angles[:, -1]))  # fmt: skip
-        cells = lambda c: ",".join(f"{c}{row}" for row in self.beta)  # noqa: E731
-        self.largest = self._row(say("largest joint angle"), "deg", lambda c: f"MAX({cells(c)})")
+            v = self._result("side_angle", f"{s2}-{s1}", r.side_angles[:, k], part=part)
+            h = self._result("top_angle", f"{t2}-{t1}", r.top_angles[:, k], part=part)
+            # The members run along (1, a, b) and (1, e, f).
+            a, e = (f"TAN(RADIANS({t}))" for t in (t1, t2))
+            b, f = (f"(-TAN(RADIANS({s})))" for s in (s1, s2))
+            sine = f"SQRT(({a}*{f}-{b}*{e})^2+({b}-{f})^2+({e}-{a})^2)"
+            beta = f"DEGREES(ATAN2(1+{a}*{e}+{b}*{f},{sine}))"
+            self.beta.append(self._result("joint_angle", beta, r.angles[:, k], part=part))
+            position = f"IF(AND({v}=0,{h}=0),0,MOD(DEGREES(ATAN2({h},{v})),360))"
+            self._result("joint_position", position, r.positions[:, k], part=part)
+            self.bv.append(v)
+            self.bh.append(h)
+        ends = np.abs(r.angles[:, 0] - r.angles[:, -1])
+        self._result("end_angle_difference", f"ABS({self.beta[0]}-{self.beta[-1]})", ends)
+        self.largest = self._row(
+            self.say("largest joint angle"), "deg", f"MAX({','.join(self.beta)})"
+        )
         # The same angles, as other limits ask about them.
-        for k, (row, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True), 1):
-            part = f"joint {k}"
-            self._row("", "", lambda c, x=row: f"{c}{x}", quantity="joint_angle_min", part=part,
-                      values=r.angles[:, k - 1])  # fmt: skip
-            self._row("", "", lambda c, v=v, h=h: f"SQRT({c}{v}^2+{c}{h}^2)", quantity="compound_angle", part=part)
-            self._row("", "", lambda c, x=row: f"({c}{self.omega}*RADIANS({c}{x}))^2",
-                      quantity="angle_for_speed", part=part)  # fmt: skip
-            self._row("", "", lambda c, x=row: f"{c}{self.speed}*{c}{x}", quantity="n_beta", part=part)
+        compound = np.hypot(r.side_angles, r.top_angles)
+        turned = r.demand.speed[:, None] * r.angles
+        for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
+            part = f"joint {k + 1}"
+            self._result("joint_angle_min", beta, r.angles[:, k], part=part)
+            self._result("compound_angle", f"SQRT({v}^2+{h}^2)", compound[:, k], part=part)
+            alone = f"({self.omega}*RADIANS({beta}))^2"
+            self._result("angle_for_speed", alone, turned[:, k] ** 2, part=part)
+            self._result("n_beta", f"{self.speed}*{beta}", turned[:, k], part=part)
 
     def _excitation(self) -> None:
-        """AE-7's phasors: s_k D_k², their sums, and what follows from them."""
+        """AE-7's phasors: sₖ Dₖ², their sums, and what follows from them."""
         say, r = self.say, self.r
         ae7, plane = r.approximations["ae7"], r.approximations["in_plane"]
         self._section(say("Excitation") + " (AE-7)")
-        self.sigma: list[int] = []
-        re_p: list[int] = []
-        im_p: list[int] = []
-        re_q: list[int] = []
-        im_q: list[int] = []
-        for k in range(1, self.n + 1):
-            part = say.part(f"joint {k}")
-            before = self.sigma[-1] if self.sigma else 0
-            phase = self._of_part("yoke_phases", k - 1)
-            self.sigma.append(
-                self._row(f"arg s, {part}", "rad",
-                          lambda c, b=before, p=phase: f"{c}{b}+PI()+2*RADIANS({p})" if b else "0",
-                          note="s₁ = 1; sₖ₊₁ = −sₖ e^(2iφ)")
+        self.sigma: list[str] = []
+        phasors: list[_Complex] = []
+        flat: list[_Complex] = []
+        for k in range(self.n):
+            turn = "0"
+            if k:
+                phase = self._of_part("yoke_phases", k)
+                turn = f"{self.sigma[-1]}+PI()+2*RADIANS({phase})"
+            part = say.part(f"joint {k + 1}")
+            g = self._row(f"arg s, {part}", "rad", turn, note="s₁ = 1; sₖ₊₁ = −sₖ e^(2iφ)")
+            self.sigma.append(g)
+            v, h = f"RADIANS({self.bv[k]})", f"RADIANS({self.bh[k]})"
+            square = f"({h}^2-{v}^2)", f"(2*{h}*{v})"
+            phasors.append(
+                self._complex(
+                    f"P{k + 1}", "rad²", _turned(square, g, after=phasors[-1:]),
+                    note="Pₖ = Pₖ₋₁ + sₖ Dₖ²,  D = βh + i βv",
+                )
             )  # fmt: skip
-            g, v, h = self.sigma[-1], self.bv[k - 1], self.bh[k - 1]
-            dr = lambda c, v=v, h=h: f"(RADIANS({c}{h})^2-RADIANS({c}{v})^2)"  # noqa: E731
-            di = lambda c, v=v, h=h: f"(2*RADIANS({c}{h})*RADIANS({c}{v}))"  # noqa: E731
-            plus = lambda rows, c: f"{c}{rows[-1]}+" if rows else ""  # noqa: E731
-            re_p.append(self._row(
-                f"P{k} re", "rad²",
-                lambda c, a=dr, b=di, g=g, p=tuple(re_p): f"{plus(p, c)}{a(c)}*COS({c}{g})-{b(c)}*SIN({c}{g})",
-                note="Pₖ = Pₖ₋₁ + sₖ Dₖ²,  D = βh + i βv"))  # fmt: skip
-            im_p.append(self._row(
-                f"P{k} im", "rad²",
-                lambda c, a=dr, b=di, g=g, p=tuple(im_p): f"{plus(p, c)}{a(c)}*SIN({c}{g})+{b(c)}*COS({c}{g})"))  # fmt: skip
-            size = lambda c, v=v, h=h: f"(RADIANS({c}{h})^2+RADIANS({c}{v})^2)"  # noqa: E731
-            re_q.append(self._row(
-                f"Q{k} re", "rad²",
-                lambda c, a=size, g=g, p=tuple(re_q): f"{plus(p, c)}-{a(c)}*COS({c}{g})",
-                note=say("as if all joints lay in one plane")))  # fmt: skip
-            im_q.append(self._row(
-                f"Q{k} im", "rad²",
-                lambda c, a=size, g=g, p=tuple(im_q): f"{plus(p, c)}-{a(c)}*SIN({c}{g})"))  # fmt: skip
-        last = self.n - 1
+            level = f"(-({h}^2+{v}^2))", "0"
+            flat.append(
+                self._complex(
+                    f"Q{k + 1}", "rad²", _turned(level, g, after=flat[-1:]),
+                    note=say("as if all joints lay in one plane"),
+                )
+            )  # fmt: skip
+        self._moduli(phasors[-1], flat[-1], ae7, plane)
+        # Over the shafts: P in drive, P less the pinion's in coast.
+        shafts, pinion = phasors[:-1], phasors[-1]
+        released = [(f"({a}-{pinion[0]})", f"({b}-{pinion[1]})") for a, b in shafts]
+        inertia = [self._of_part("polar_inertias", k) for k in range(1, self.n)]
+        ones = ["1"] * len(shafts)
+        for quantity, weights, of, values, note in (
+            ("inertia_drive_acceleration", ones, shafts, ae7.drive.acceleration, "ω² |Σ Pⱼ|"),
+            ("inertia_coast_acceleration", ones, released, ae7.coast.acceleration, "ω² |Σ (Pⱼ − Pₙ)|"),
+            ("inertia_drive_torque", inertia, shafts, ae7.drive_torque, "ω² |Σ Jⱼ Pⱼ|"),
+            ("inertia_coast_torque", inertia, released, ae7.coast_torque, "ω² |Σ Jⱼ (Pⱼ − Pₙ)|"),
+        ):  # fmt: skip
+            if values is None:
+                continue
+            re_, im_ = (
+                "+".join(f"{w}*{p[c]}" for w, p in zip(weights, of, strict=True)) for c in (0, 1)
+            )
+            self._result(quantity, f"{self.omega}^2*SQRT(({re_})^2+({im_})^2)", values, note=note)
 
-        def sums(rows: list[int], weights: Sequence[str] = (), *, less: bool = False) -> Callable[[str], str]:
-            """Return the sum over the shafts of P, less the pinion's where asked."""
-            def formula(c: str) -> str:
-                end = f"-{c}{rows[last]}" if less else ""
-                each = [f"({c}{rows[j]}{end})" for j in range(last)]
-                return "+".join(f"{w}*{e}" for w, e in zip(weights, each, strict=True)) if weights else "+".join(each)
+    def _moduli(
+        self, phasor: "_Complex", flat: "_Complex", ae7: Excitation, plane: Excitation
+    ) -> None:
+        """Write what the pinion's phasor says."""
+        size = self._row("|P|", "rad²", _modulus(phasor))
+        level = self._row("|Q|", "rad²", _modulus(flat))
+        self._result("equivalent_angle", f"DEGREES(SQRT({size}))", ae7.torsional.angle, note="√|P|")
+        self._result(
+            "torsional_acceleration",
+            f"{self.omega}^2*{size}",
+            ae7.torsional.acceleration,
+            note="ω² |P|",
+        )
+        self._row(
+            self.say("Torsional acceleration, all joints in one plane"),
+            "rad/s²",
+            f"{self.omega}^2*{level}",
+            note="ω² |Q|",
+            values=plane.torsional.acceleration,
+        )
 
-            return formula
-
-        size = self._row("|P|", "rad²", lambda c: f"SQRT({c}{re_p[last]}^2+{c}{im_p[last]}^2)")
-        flat = self._row("|Q|", "rad²", lambda c: f"SQRT({c}{re_q[last]}^2+{c}{im_q[last]}^2)")
-        self._row("", "", lambda c: f"DEGREES(SQRT({c}{size}))", quantity="equivalent_angle",
-                  note="√|P|", values=ae7.torsional.angle)  # fmt: skip
-        self._row("", "", lambda c: f"{c}{self.omega}^2*{c}{size}", quantity="torsional_acceleration",
-                  note="ω² |P|", values=ae7.torsional.acceleration)  # fmt: skip
-        self._row(say("Torsional acceleration, all joints in one plane"), "rad/s²",
-                  lambda c: f"{c}{self.omega}^2*{c}{flat}", note="ω² |Q|",
-                  values=plane.torsional.acceleration)  # fmt: skip
-        for quantity, less, values in (
-            ("inertia_drive_acceleration", False, ae7.drive.acceleration),
-            ("inertia_coast_acceleration", True, ae7.coast.acceleration),
-        ):
-            re_, im_ = sums(re_p, less=less), sums(im_p, less=less)
-            self._row("", "", lambda c, a=re_, b=im_: f"{c}{self.omega}^2*SQRT(({a(c)})^2+({b(c)})^2)",
-                      quantity=quantity, values=values,
-                      note="ω² |Σ (Pⱼ − Pₙ)|" if less else "ω² |Σ Pⱼ|")  # fmt: skip
-        if ae7.drive_torque is None or ae7.coast_torque is None:
-            return
-        weights = [self._of_part("polar_inertias", j) for j in range(1, self.n)]
-        for quantity, less, values in (
-            ("inertia_drive_torque", False, ae7.drive_torque),
-            ("inertia_coast_torque", True, ae7.coast_torque),
-        ):
-            re_, im_ = sums(re_p, weights, less=less), sums(im_p, weights, less=less)
-            self._row("", "", lambda c, a=re_, b=im_: f"{c}{self.omega}^2*SQRT(({a(c)})^2+({b(c)})^2)",
-                      quantity=quantity, values=values,
-                      note="ω² |Σ Jⱼ (Pⱼ − Pₙ)|" if less else "ω² |Σ Jⱼ Pⱼ|")  # fmt: skip
+    def _complex(self, label: str, unit: str, of: "_Complex", *, note: str = "") -> "_Complex":
+        """Write a complex number as two rows; return the references to them."""
+        return (
+            self._row(f"{label} re", unit, of[0], note=note),
+            self._row(f"{label} im", unit, of[1]),
+        )
 
     def _bearings(self) -> None:
         """Centre-bearing forces at small angles, from the last shaft forward."""
@@ -617,62 +710,56 @@ class _Line:
             return
         say, r = self.say, self.r
         self._section(say("Centre bearings") + f" ({say('small angle')})")
-        # Couple of each shaft, i T/(2 L) times mean and swing: four rows, re and im of each.
-        couples: list[list[int]] = []
-        for k in range(1, self.n):
-            v, h, g = self.bv, self.bh, self.sigma
-            length = self._of_state(self.lengths[k - 1])
-            front = lambda c, x=length: f"{c}{self.torque}/(2*{x(c)}/1000)"  # noqa: E731
-            mr = lambda c, k=k: f"(RADIANS({c}{h[k - 1]})+RADIANS({c}{h[k]}))"  # noqa: E731
-            mi = lambda c, k=k: f"(-RADIANS({c}{v[k - 1]})-RADIANS({c}{v[k]}))"  # noqa: E731
-
-            def turned(c: str, j: int, *, re_: bool) -> str:
-                """Return re or im of s conj(Δ) of joint j."""
-                a, b, s = f"RADIANS({c}{h[j]})", f"RADIANS({c}{v[j]})", f"{c}{g[j]}"
-                return f"({a}*COS({s})-{b}*SIN({s}))" if re_ else f"({a}*SIN({s})+{b}*COS({s}))"
-
-            wr = lambda c, k=k: f"({turned(c, k - 1, re_=True)}-{turned(c, k, re_=True)})"  # noqa: E731
-            wi = lambda c, k=k: f"({turned(c, k - 1, re_=False)}-{turned(c, k, re_=False)})"  # noqa: E731
-            name = say.part(f"shaft {k}")
-            couples.append([
-                self._row(f"{say('couple')} {name}, {what}", "N", lambda c, f=front, m=m, s=s: f"{s}{f(c)}*{m(c)}",
-                          note=note)
-                for what, m, s, note in (
-                    (say("mean") + " re", mi, "-", "i T (Δₖ + Δₖ₊₁) / (2 Lₖ),  Δ = βh − i βv"),
-                    (say("mean") + " im", mr, "", ""),
-                    (say("order 2") + " re", wi, "-", "i T (sₖ Δₖ* − sₖ₊₁ Δₖ₊₁*) / (2 Lₖ)"),
-                    (say("order 2") + " im", wr, "", ""),
-                )
-            ])  # fmt: skip
+        couples = [self._couples(k) for k in range(1, self.n)]
         joint = couples[-1]
         static, dynamic = r.small_angle_bearings
         for k in range(self.n - 2, 0, -1):
             length = self._of_state(self.lengths[k - 1])
-            offset = self._of_part("bearing_offsets", k)
+            gain = f"{length}/({length}-{self._of_part('bearing_offsets', k)})"
+            pairs = list(zip((say("mean"), say("order 2")), couples[k - 1], joint, strict=True))
             force = [
-                self._row(f"B{k} {what}", "N",
-                          lambda c, a=a, b=b, x=length, o=offset: f"{x(c)}/({x(c)}-{o})*({c}{a}-{c}{b})",
-                          note="B = L/(L − e) (couple − force behind)")
-                for what, a, b in zip(
-                    (say("mean") + " re", say("mean") + " im", say("order 2") + " re", say("order 2") + " im"),
-                    couples[k - 1], joint, strict=True)
+                self._complex(
+                    f"B{k} {name}", "N", (f"{gain}*({a}-{c})", f"{gain}*({b}-{d})"),
+                    note="B = L/(L − e) · (i T q/2 − F)",
+                )
+                for name, (a, b), (c, d) in pairs
             ]  # fmt: skip
             joint = [
-                self._row(f"F{k} {what}", "N", lambda c, a=a, b=b: f"{c}{a}+{c}{b}")
-                for what, a, b in zip(("mean re", "mean im", "order 2 re", "order 2 im"), joint, force, strict=True)
+                self._complex(f"F{k} {name}", "N", (f"{a}+{c}", f"{b}+{d}"))
+                for (name, _, (a, b)), (c, d) in zip(pairs, force, strict=True)
             ]
+            (y, z), swing = force
+            size = _modulus((y, z))
+            if self.weight:
+                wx, wy, wz = (self._of_state(w) for w in self.weight[k - 1])
+                size = f"SQRT({wx}^2+({y}+{wy})^2+({z}+{wz})^2)"
             part = f"bearing {k}"
-            weight = [self._of_state(w) for w in self.weight[k - 1]] if self.weight else None
+            still = np.linalg.norm(static[:, k - 1], axis=-1)
+            self._result("centre_bearing_static", size, still, part=part)
+            moving = dynamic[:, k - 1]
+            self._result("centre_bearing_dynamic", _modulus(swing), moving, part=part)
 
-            def size(c: str, f: list[int] = force, w: Any = weight) -> str:
-                if w is None:
-                    return f"SQRT({c}{f[0]}^2+{c}{f[1]}^2)"
-                return f"SQRT({w[0](c)}^2+({c}{f[0]}+{w[1](c)})^2+({c}{f[1]}+{w[2](c)})^2)"
-
-            self._row("", "", size, quantity="centre_bearing_static", part=part,
-                      values=np.linalg.norm(static[:, k - 1], axis=-1))  # fmt: skip
-            self._row("", "", lambda c, f=force: f"SQRT({c}{f[2]}^2+{c}{f[3]}^2)",
-                      quantity="centre_bearing_dynamic", part=part, values=dynamic[:, k - 1])  # fmt: skip
+    def _couples(self, k: int) -> "list[_Complex]":
+        """Write the mean and the turning couple of shaft k as a force at its ends."""
+        say = self.say
+        length = self._of_state(self.lengths[k - 1])
+        scale = f"{self.torque}/(2*{length}/1000)"
+        (h1, h2), (v1, v2) = (
+            [f"RADIANS({rows[j]})" for j in (k - 1, k)] for rows in (self.bh, self.bv)
+        )
+        front, rear = (_turned((h, v), self.sigma[j]) for h, v, j in ((h1, v1, k - 1), (h2, v2, k)))
+        # Times i: re is less the imaginary part, im the real one.
+        mean = f"{scale}*({v1}+{v2})", f"{scale}*({h1}+{h2})"
+        swing = f"-{scale}*({front[1]}-({rear[1]}))", f"{scale}*({front[0]}-({rear[0]}))"
+        name = f"{say('couple')} {say.part(f'shaft {k}')}"
+        return [
+            self._complex(
+                f"{name}, {say('mean')}", "N", mean, note="i T (Δₖ + Δₖ₊₁) / (2 Lₖ),  Δ = βh − i βv"
+            ),
+            self._complex(
+                f"{name}, {say('order 2')}", "N", swing, note="i T (sₖ Δₖ* − sₖ₊₁ Δₖ₊₁*) / (2 Lₖ)"
+            ),
+        ]
 
     def _speed(self) -> None:
         """Critical speed and shear of each tube."""
@@ -681,27 +768,28 @@ class _Line:
         for k, shaft in enumerate(r.line.shafts, 1):
             if not shaft.tube:
                 continue
-            part = f"shaft {k}"
-            length = self._of_state(self.lengths[k - 1])
+            part, length = f"shaft {k}", self._of_state(self.lengths[k - 1])
             outer, wall, modulus, density, strength = (
-                self._of_part(f"tube_{w}", k) for w in ("outer", "wall", "modulus", "density", "yield")
+                self._of_part(f"tube_{w}", k)
+                for w in ("outer", "wall", "modulus", "density", "yield")
             )
-            inner = f"({outer}-2*{wall})"
-            critical = self._row(
-                "", "", lambda c, x=length, o=outer, i=inner, e=modulus, d=density: (
-                    f"30*PI()/({x(c)}/1000)^2*SQRT({e}*10^9*(({o}/1000)^2+({i}/1000)^2)/(16*{d}))"),
-                quantity="critical_speed", part=part, values=r.critical_speeds[:, k - 1],
-            )  # fmt: skip
+            D, d = f"({outer}/1000)", f"(({outer}-2*{wall})/1000)"
+            stiff = f"{modulus}*10^9*({D}^2+{d}^2)/(16*{density})"
+            alone = r.critical_speeds[:, k - 1]
+            critical = self._result(
+                "critical_speed", f"30*PI()/({length}/1000)^2*SQRT({stiff})", alone, part=part
+            )
             for quantity in ("critical_speed_ratio", "half_critical_band"):
-                self._row("", "", lambda c, x=critical: f"{c}{self.speed}/{c}{x}", quantity=quantity, part=part,
-                          values=r.demand.speed / r.critical_speeds[:, k - 1])  # fmt: skip
+                share = f"{self.speed}/{critical}"
+                self._result(quantity, share, r.demand.speed / alone, part=part)
             if shaft.tube.material.yield_strength:
-                self._row(
-                    "", "", lambda c, o=outer, i=inner, y=strength: (
-                        f"16*ABS({c}{self.torque})*shock_factor*({o}/1000)"
-                        f"/(PI()*(({o}/1000)^4-({i}/1000)^4))/({y}*10^6/SQRT(3))"),
-                    quantity="tube_shear_utilisation", part=part, values=r.tube_shear_utilisation[:, k - 1],
-                )  # fmt: skip
+                shear = f"16*ABS({self.torque})*shock_factor*{D}/(PI()*({D}^4-{d}^4))"
+                self._result(
+                    "tube_shear_utilisation",
+                    f"{shear}/({strength}*10^6/SQRT(3))",
+                    r.tube_shear_utilisation[:, k - 1],
+                    part=part,
+                )
 
     def _life(self) -> None:
         """Life of the needle bearings, over the duty cycle where there is one."""
@@ -709,20 +797,24 @@ class _Line:
         if np.isnan(r.life).all():
             return
         self._section(self.say.name("joint_life"))
-        for k in range(1, self.n + 1):
-            if np.isnan(r.life[:, k - 1]).all():
+        for k in range(self.n):
+            if np.isnan(r.life[:, k]).all():
                 continue
-            rating, beta = self._of_part("joint_ratings", k), self.beta[k - 1]
-            floor = lambda c, b=beta: f"MAX(3,{c}{b})"  # noqa: E731
+            rocking = f"MAX(3,{self.beta[k]})"
+            wear = f"{self.speed}*ABS({self.torque})^(10/3)*{rocking}"
             if r.application.duty:
-                wear = lambda c, f=floor: (  # noqa: E731
-                    "(SUMPRODUCT(duty_work,--(ISNUMBER(duty_angles)),(duty_angles>3)*(duty_angles-3)+3)"
-                    f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{f(c)})"
+                own = "--ISNUMBER(duty_angles),(duty_angles>3)*(duty_angles-3)+3"
+                wear = (
+                    f"SUMPRODUCT(duty_work,{own})"
+                    f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
                 )
-            else:
-                wear = lambda c, f=floor: f"({c}{self.speed}*ABS({c}{self.torque})^(10/3)*{f(c)})"  # noqa: E731
-            self._row("", "", lambda c, t=rating, w=wear: f"1.5*10^6*{t}^(10/3)/(prime_mover_factor*{w(c)})",
-                      quantity="joint_life", part=f"joint {k}", values=r.life[:, k - 1])  # fmt: skip
+            rating = self._of_part("joint_ratings", k + 1)
+            self._result(
+                "joint_life",
+                f"1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear}))",
+                r.life[:, k],
+                part=f"joint {k + 1}",
+            )
 
     # Results
 
@@ -753,7 +845,9 @@ class _Line:
         self._colour(top, 1, top, 1)
         if rows:
             self._colour(rows[0] - 1, end, rows[-1] - 1, end)
-        checked = {(one.quantity, one.part) for one in self.found if (one.quantity, one.part) in limits}
+        checked = {
+            (one.quantity, one.part) for one in self.found if (one.quantity, one.part) in limits
+        }
         sheet.section(say("Other results"), ["", say("unit"), "", "", *self._heads()])
         for one in self.found:
             if (one.quantity, one.part) not in checked and one.quantity not in _ONLY_FOR_LIMITS:
@@ -775,7 +869,15 @@ class _Line:
         label = self.say.list(q.named(self.say.code), self.say.part(one.part))
         name = f"{self.tag}{one.quantity}_{one.part}".replace(" ", "_").rstrip("_")
         cells = [f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns]
-        return self.results.put(label, q.unit_name, cells, style=self.book.result, texts=texts, name=name)
+        return self.results.put(
+            label,
+            q.unit_name,
+            cells,
+            style=self.book.result,
+            texts=texts,
+            name=name,
+            values=one.values,
+        )
 
     def _checked(self, one: _Result, limit: Limit) -> int:
         """Write a result with its limit as editable cells, its colours and its verdict."""
@@ -794,8 +896,9 @@ class _Line:
         values = f"${first}{row}:${last}{row}"
         if limit.band:
             above = (limit.above_angle or 0.0) / deg
-            angle = f"'{self.sheet.name}'!{first}${self.largest}"
-            angles = f"'{self.sheet.name}'!${first}{self.largest}:${last}{self.largest}"
+            at = self.largest[1:]
+            angle = f"'{self.sheet.name}'!{first}${at}"
+            angles = f"'{self.sheet.name}'!${first}{at}:${last}{at}"
             inside = f"AND({here}>{normal},{here}<{maximum},{angle}>{above:.12g})"
             colours = (("warn", inside), ("pass", f"NOT({inside})"))
             bad = f"SUMPRODUCT(({values}>{normal})*({values}<{maximum})*({angles}>{above:.12g}))>0"
@@ -804,7 +907,11 @@ class _Line:
             sign, worst = (">", "MAX") if limit.sense == "<=" else ("<", "MIN")
             past = f"AND(ISNUMBER({maximum}),{{0}}{sign}{maximum})"
             near = f"AND(ISNUMBER({normal}),{{0}}{sign}{normal})"
-            colours = (("fail", past.format(here)), ("warn", near.format(here)), ("pass", f"ISNUMBER({here})"))
+            colours = (
+                ("fail", past.format(here)),
+                ("warn", near.format(here)),
+                ("pass", f"ISNUMBER({here})"),
+            )
             at = f"{worst}({values})"
             verdict = (
                 f'=IF(COUNT({values})=0,"",IF({past.format(at)},"{say("fail")}",'
