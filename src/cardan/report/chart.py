@@ -57,7 +57,8 @@ def ticks(low: float, high: float, count: int = 6) -> FloatArray:
     raw = span / count
     size = 10.0 ** floor(log10(raw))
     step = next(m * size for m in (1, 2, 5, 10) if m * size >= raw * (1 - 1e-9))
-    return step * np.arange(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
+    first, last = ceil(low / step - 1e-9), floor(high / step + 1e-9)
+    return step * np.arange(first, last + 1, dtype=np.float64)
 
 
 def bounds(
@@ -202,12 +203,14 @@ class Chart:
         free = [
             (a, b)
             for a, b in spots
-            if a >= LEFT and a + wide <= self.width - RIGHT and TOP + 8 <= b <= self.height - BOTTOM - 3
+            if a >= LEFT
+            and a + wide <= self.width - RIGHT
+            and TOP + 8 <= b <= self.height - BOTTOM - 3
             and all(
                 a + wide < c or c + w < a or b + 1 < d - high or d + 1 < b - high
                 for c, d, w in self._named
             )
-        ]  # fmt: skip
+        ]
         a, b = (free or spots)[0]
         self._named.append((a, b, wide))
         if abs(b - y) > 15:
@@ -229,9 +232,12 @@ class Chart:
         if index % 3 == 1:
             return svg.rect(x - size, y - size, 2 * size, 2 * size, fill=colour)
         return svg.path(
-            [x, x - size * 1.2, x + size * 1.2], [y - size * 1.3, y + size, y + size],
-            close=True, fill=colour, stroke="none",
-        )  # fmt: skip
+            [x, x - size * 1.2, x + size * 1.2],
+            [y - size * 1.3, y + size, y + size],
+            close=True,
+            fill=colour,
+            stroke="none",
+        )
 
     def figure(self, *, title: str, alt: str, note: str = "") -> Figure:
         """Return the chart as a figure, axes behind and legend below."""
@@ -304,9 +310,13 @@ def bars(
     """Return a chart of bars: a group of them for each category."""
     y = bounds(*(v for _, v in groups), *(lv.value for lv in levels), top or 0.0, zero=True)
     chart = Chart(
-        say=say, x=(-0.5, len(categories) - 0.5), y=y, x_label=x_label, y_label=y_label,
+        say=say,
+        x=(-0.5, len(categories) - 0.5),
+        y=y,
+        x_label=x_label,
+        y_label=y_label,
         categories=tuple(categories),
-    )  # fmt: skip
+    )
     for band in bands:
         chart.band(band)
     wide = 0.8 / len(groups)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cardan.base.quantities import QUANTITIES
-from cardan.base.verdict import Check
+from cardan.base.verdict import Check, Grade
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.wording import badness
@@ -25,7 +25,7 @@ class Compared:
 
     name: str
     values: tuple[str, ...]
-    grades: tuple[str, ...]
+    grades: tuple[Grade | None, ...]
 
     @property
     def changed(self) -> bool:
@@ -35,17 +35,26 @@ class Compared:
 
 def differences(of: Sequence[Variant], say: Language) -> tuple[Compared, ...]:
     """Return what variants say differently, in the order they first say it."""
-    said = [{(i.group, i.name): i.value for i in inputs(v.assessment.application, say)} for v in of]
+    said = [_said(v, say) for v in of]
     keys = dict.fromkeys(key for one in said for key in one)
     rows = (
         Compared(
             name=f"{group}: {name}",
             values=tuple(one.get((group, name), "-") for one in said),
-            grades=("",) * len(of),
+            grades=(None,) * len(of),
         )
         for group, name in keys
     )
     return tuple(r for r in rows if len(set(r.values)) > 1)
+
+
+def _said(of: Variant, say: Language) -> dict[tuple[str, str], str]:
+    """Return what a variant says by group and name; what it says twice as one value."""
+    found: dict[tuple[str, str], str] = {}
+    for i in inputs(of.assessment.application, say):
+        key = (i.group, i.name)
+        found[key] = f"{found[key]}; {i.value}" if key in found else i.value
+    return found
 
 
 def effects(of: Sequence[Variant], say: Language) -> tuple[Compared, ...]:
@@ -78,5 +87,5 @@ def _compared(
             f"{say.number(c.value / q.factor)} ({say.percent(c.margin)})" if c else "-"
             for c in checks
         ),
-        grades=tuple(c.grade if c else "" for c in checks),
+        grades=tuple(c.grade if c else None for c in checks),
     )

@@ -6,10 +6,11 @@ above (rear to the right, the vehicle's right up), end views looking forward fro
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import ComplexArray, FloatArray
 from cardan.base.units import deg, mm
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Obstacle
@@ -158,7 +159,7 @@ def _states(response: Response, page: _Page, c: int, say: Language) -> Iterator[
     names = [say.given(s) for s in response.demand.states]
     ends: dict[tuple[float, float], list[str]] = {}
     for points, name in zip(lines, names, strict=True):
-        x, y = page.x(points[:, 0]), page.y(points[:, c])  # type: ignore[arg-type]
+        x, y = [page.x(p) for p in points[:, 0]], [page.y(p) for p in points[:, c]]
         yield svg.path(x, y, stroke=PALETTE[5], stroke_width=1.1, stroke_opacity=0.75)
         ends.setdefault((round(float(x[-1])), round(float(y[-1]))), []).append(name)
     place = -np.inf
@@ -188,7 +189,7 @@ def _members(
                 stroke_width=f"{wide:.5f}",
                 stroke_opacity=0.55,
                 fill="none",
-            )  # fmt: skip
+            )
         )
     yield svg.group(drawn, transform=page.matrix)
     yield svg.path(
@@ -237,14 +238,22 @@ def _obstacle(o: Obstacle, page: _Page, c: int, say: Language, response: Respons
     """Return an obstacle with the least room that any state leaves it."""
     (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
     bar = svg.element(
-        "path", d=f"M{x1:.5f} {y1:.5f}L{x2 + 1e-5:.5f} {y2:.5f}", stroke="#c08a5a", fill="none",
-        stroke_width=f"{max(2 * o.radius, 0.004):.5f}", stroke_linecap="round", stroke_opacity=0.55,
-    )  # fmt: skip
+        "path",
+        d=f"M{x1:.5f} {y1:.5f}L{x2 + 1e-5:.5f} {y2:.5f}",
+        stroke="#c08a5a",
+        fill="none",
+        stroke_width=f"{max(2 * o.radius, 0.004):.5f}",
+        stroke_linecap="round",
+        stroke_opacity=0.55,
+    )
     k = response.obstacles.index(o)
     free = response.clearances[..., k].min(-1)
     s = int(np.argmin(free))
-    least = say("{room} mm in {state}", room=say.short(free[s] / mm, 4),
-                state=say.given(response.demand.states[s]))  # fmt: skip
+    least = say(
+        "{room} mm in {state}",
+        room=say.short(free[s] / mm, 4),
+        state=say.given(response.demand.states[s]),
+    )
     # Beside it, and inside the page where it reaches beyond.
     x = page.x(max(x1, x2) + o.radius) + 6
     y = float(np.clip(page.y((y1 + y2) / 2), TOP, page.height - BOTTOM))
@@ -321,19 +330,37 @@ def _forks(x: float, y: float, wide: float, phase: float) -> Iterator[str]:
             for side in (-1, 1):
                 yield svg.path(
                     [end, end + way * 12, tip, tip, end + way * 16, end],
-                    [y, y + side * ear * up, y + side * ear * up, y + side * (ear * up - 6 * up),
-                     y + side * (ear * up - 6 * up), y],
-                    close=True, fill="#9db4c8", stroke=INK, stroke_width=1.2,
-                )  # fmt: skip
+                    [
+                        y,
+                        y + side * ear * up,
+                        y + side * ear * up,
+                        y + side * (ear * up - 6 * up),
+                        y + side * (ear * up - 6 * up),
+                        y,
+                    ],
+                    close=True,
+                    fill="#9db4c8",
+                    stroke=INK,
+                    stroke_width=1.2,
+                )
             yield svg.line(
-                tip - way * 8, y - ear * up - 5, tip - way * 8, y + ear * up + 5,
-                stroke=PALETTE[1], stroke_width=1.2, stroke_dasharray="5 2 1 2",
-            )  # fmt: skip
+                tip - way * 8,
+                y - ear * up - 5,
+                tip - way * 8,
+                y + ear * up + 5,
+                stroke=PALETTE[1],
+                stroke_width=1.2,
+                stroke_dasharray="5 2 1 2",
+            )
         if out > 0.05:
             yield svg.path(
-                [end, tip, tip, end], [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
-                close=True, fill="#9db4c8", stroke=INK, stroke_width=1.2,
-            )  # fmt: skip
+                [end, tip, tip, end],
+                [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
+                close=True,
+                fill="#9db4c8",
+                stroke=INK,
+                stroke_width=1.2,
+            )
             yield svg.circle(
                 tip - way * 10, y, 6 * out, fill="#ffffff", stroke=PALETTE[1], stroke_width=1.4
             )
@@ -360,10 +387,15 @@ def joint_planes(response: Response, say: Language) -> Figure:
     side, top = response.side_angles[s] / deg, response.top_angles[s] / deg
     reach = max(float(np.hypot(side, top).max()), 0.1) * 1.15
     chart = Chart(
-        say=say, x=(-reach, reach), y=(-reach, reach), equal=True, width=460, height=380,
+        say=say,
+        x=(-reach, reach),
+        y=(-reach, reach),
+        equal=True,
+        width=460,
+        height=380,
         x_label=say("bend to the right, top view angle [deg]"),
         y_label=say("bend upward, − side view angle [deg]"),
-    )  # fmt: skip
+    )
     for k, (bv, bh) in enumerate(zip(side, top, strict=True)):
         chart.put(
             svg.arrow(
@@ -371,10 +403,16 @@ def joint_planes(response: Response, say: Language) -> Figure:
             )
         )
         chart.series(
-            Series(name=_joint_said(response, s, k, say), x=np.array([bh]), y=np.array([-bv]),
-                   joined=False, points=True, labels=(str(k + 1),)),
+            Series(
+                name=_joint_said(response, s, k, say),
+                x=np.array([bh]),
+                y=np.array([-bv]),
+                joined=False,
+                points=True,
+                labels=(str(k + 1),),
+            ),
             k,
-        )  # fmt: skip
+        )
     title = say("Joint planes in {state}", state=say.given(response.demand.states[s]))
     alt = f"{title}. " + "; ".join(
         _joint_said(response, s, k, say) for k in range(response.line.joint_count)
@@ -398,7 +436,7 @@ def phasors(response: Response, say: Language) -> Figure:
     s = worst_state(response)
     terms = ae7_terms(response.side_angles[s], response.top_angles[s], phases=response.phases)
     terms = terms / deg**2
-    ends = np.concatenate([[0], np.cumsum(terms)])
+    ends: ComplexArray = np.cumsum(np.concatenate([np.zeros_like(terms[:1]), terms]))
     total = ends[-1]
     radii: list[tuple[str, float]] = []
     speed = response.demand.speed[s]
@@ -413,9 +451,15 @@ def phasors(response: Response, say: Language) -> Figure:
         [float(np.abs(ends).max()), 0.05, *(r for _, r in radii if r < 6 * np.abs(ends).max())]
     )
     chart = Chart(
-        say=say, x=(-reach, reach), y=(-reach, reach), equal=True, width=460, height=380,
-        x_label=say("along position 0 [deg²]"), y_label=say("along position 45 deg [deg²]"),
-    )  # fmt: skip
+        say=say,
+        x=(-reach, reach),
+        y=(-reach, reach),
+        equal=True,
+        width=460,
+        height=380,
+        x_label=say("along position 0 [deg²]"),
+        y_label=say("along position 45 deg [deg²]"),
+    )
     turn = np.linspace(0, 2 * np.pi, 97)
     for grade, radius in radii:
         if radius < 1.5 * reach:
@@ -427,7 +471,7 @@ def phasors(response: Response, say: Language) -> Figure:
             chart.put(svg.path(x, y, stroke=GRADED[grade], stroke_dasharray="5 3"))
     # Joints in one plane add up along one line: drawn beside each other they can be told apart.
     apart = 7.0 if float(np.ptp(ends.imag)) < 0.02 * float(np.ptp(ends.real)) else 0.0
-    for k, (a, b) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for k, (a, b) in enumerate(pairwise(ends)):
         (x1, y1), (x2, y2) = chart.spot(a.real, a.imag), chart.spot(b.real, b.imag)
         y1, y2 = y1 - apart * (k + 1), y2 - apart * (k + 1)
         chart.put(svg.arrow(x1, y1, x2, y2, stroke=PALETTE[k % 7], stroke_width=2.2))

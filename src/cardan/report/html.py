@@ -4,10 +4,15 @@ from importlib.resources import files
 
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.story import Story
+from cardan.report.story import Block, Story
 
 MARKS = {"pass": "✓", "warn": "△", "fail": "✗"}
 """Signs of the verdicts, for whoever does not see their colours."""
+
+
+def _kind(block: Block) -> str:
+    """Return what a block is, for the template to choose by."""
+    return type(block).__name__
 
 
 def page(of: Story) -> str:
@@ -26,7 +31,7 @@ def page(of: Story) -> str:
         story=of,
         lang={"pt": "pt-BR"}.get(of.language, of.language),
         mark=MARKS,
-        kind=lambda block: type(block).__name__,
+        kind=_kind,
         contents=say("Contents"),
         made=say("Made with cardan {version}.", version=of.version),
     )

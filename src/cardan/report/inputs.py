@@ -31,8 +31,7 @@ def inputs(of: Application, say: Language) -> tuple[Input, ...]:
         (say("Engine and gearbox"), _engine(of, say)),
         (say("Suspension"), _suspension(of.suspension, say)),
     ]
-    for one in of.lines:
-        groups.append((say("Line {line}", line=one.line.name), _line(one, say)))
+    groups += [(say("Line {line}", line=one.line.name), _line(one, say)) for one in of.lines]
     groups += [
         (say("States"), _states(of, say)),
         (say("Obstacles"), _obstacles(of, say)),
@@ -69,9 +68,11 @@ def _general(a: Application, say: Language) -> Iterator[tuple[str, str]]:
     yield say("loads include"), say.list(*(say(name) for name, on in both if on))
     for k, p in enumerate(a.duty, 1):
         said = say.list(
-            f"{say.short(100 * p.share)} %", _q(p.torque, 1, "N·m", say), _q(p.speed, rpm, "rpm", say),
+            f"{say.short(100 * p.share)} %",
+            _q(p.torque, 1, "N·m", say),
+            _q(p.speed, rpm, "rpm", say),
             _q(p.angle, deg, "deg", say),
-        )  # fmt: skip
+        )
         yield say("duty point {number}", number=k), said
 
 

@@ -41,7 +41,7 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
     for chapter in of.chapters:
         blocks: list[dict[str, Any]] = []
         for block in chapter.blocks:
-            told = {"kind": type(block).__name__, **asdict(block)}
+            told: dict[str, Any] = {"kind": type(block).__name__, **asdict(block)}
             if isinstance(block, Figures):
                 for figure in told["figures"]:
                     figure["file"] = f"figure-{len(drawings) + 1}.svg"

@@ -32,8 +32,10 @@ RIDE = 41
 """Places of the axle that a curve over its travel is drawn through."""
 
 ACCELERATIONS = (
-    "torsional_acceleration", "inertia_drive_acceleration", "inertia_coast_acceleration",
-)  # fmt: skip
+    "torsional_acceleration",
+    "inertia_drive_acceleration",
+    "inertia_coast_acceleration",
+)
 
 
 def plots(response: Response, say: Language) -> tuple[Figure, ...]:
@@ -90,9 +92,13 @@ def round_the_turn(r: Response, say: Language) -> Iterator[Figure]:
             x=(0.0, 360.0),
             x_label=say("gearbox angle θ [deg]"),
             y_label=f"{what} [{unit}]",
-            note=say("Gearbox turning uniformly at {speed} rpm. Peak to peak in {unit}: {values}.",
-                     speed=say.number(w / rpm), unit=unit, values=most),
-        )  # fmt: skip
+            note=say(
+                "Gearbox turning uniformly at {speed} rpm. Peak to peak in {unit}: {values}.",
+                speed=say.number(w / rpm),
+                unit=unit,
+                values=most,
+            ),
+        )
 
 
 def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
@@ -114,15 +120,30 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
     travel = r.demand.travel / mm
     if np.ptp(travel) < 1:
         return bars(
-            say, title=title, alt=alt, categories=names, groups=[(say.name(quantity), values)],
-            y_label=y_label, bands=bands, top=top / 1.06,
-        )  # fmt: skip
+            say,
+            title=title,
+            alt=alt,
+            categories=names,
+            groups=[(say.name(quantity), values)],
+            y_label=y_label,
+            bands=bands,
+            top=top / 1.06,
+        )
     ride = _ride(r)
     series = [
-        *([Series(name=say("over the travel, axle not wound up"), x=ride[0], y=_acceleration(ride[1], quantity))]
-          if ride else []),
+        *(
+            [
+                Series(
+                    name=say("over the travel, axle not wound up"),
+                    x=ride[0],
+                    y=_acceleration(ride[1], quantity),
+                )
+            ]
+            if ride
+            else []
+        ),
         Series(name=say("states"), x=travel, y=values, joined=False, points=True, labels=names),
-    ]  # fmt: skip
+    ]
     return plot(
         say,
         title=say("{quantity} over the travel", quantity=say.name(quantity)),
@@ -149,12 +170,23 @@ def bearing_ellipse(r: Response, say: Language, *, bearing: int) -> Figure:
     part = say.part(f"bearing {bearing + 1}")
     title = say("Force on {part} round the turn", part=part)
     peaks = r.bearing_peaks[:, bearing]
-    alt = title + ". " + say("Peak in N: {values}", values=say.list(
-        *(f"{n} {say.number(p)}" for n, p in zip(names, peaks, strict=True))))  # fmt: skip
+    alt = (
+        title
+        + ". "
+        + say(
+            "Peak in N: {values}",
+            values=say.list(*(f"{n} {say.number(p)}" for n, p in zip(names, peaks, strict=True))),
+        )
+    )
     chart = Chart(
-        say=say, equal=True, x=bounds(values[..., 1], 0.0), y=bounds(values[..., 2], 0.0), height=380,
-        x_label=say("lateral force, to the right [N]"), y_label=say("vertical force, up [N]"),
-    )  # fmt: skip
+        say=say,
+        equal=True,
+        x=bounds(values[..., 1], 0.0),
+        y=bounds(values[..., 2], 0.0),
+        height=380,
+        x_label=say("lateral force, to the right [N]"),
+        y_label=say("vertical force, up [N]"),
+    )
     for k, s in enumerate(series):
         chart.series(s, k)
         chart.put(chart.mark(*chart.spot(mean[k, 1], mean[k, 2]), k))
@@ -182,9 +214,16 @@ def bearing_orders(r: Response, say: Language, *, bearing: int) -> Figure:
         )
     )
     return bars(
-        say, title=title, alt=alt, categories=names, groups=orders, y_label=say("force [N]"),
-        note=say("0-to-peak along the major axis of each order's ellipse; orders of the shaft's speed."),
-    )  # fmt: skip
+        say,
+        title=title,
+        alt=alt,
+        categories=names,
+        groups=orders,
+        y_label=say("force [N]"),
+        note=say(
+            "0-to-peak along the major axis of each order's ellipse; orders of the shaft's speed."
+        ),
+    )
 
 
 def torque_by_gear(r: Response, say: Language) -> Figure:
@@ -230,9 +269,14 @@ def critical_speeds(r: Response, say: Language) -> Figure:
     ratio, band = _limits(r, "critical_speed_ratio"), _limits(r, "half_critical_band")
     x = (0.0, 1.08 * max(top, *(n for _, n in rows)))
     frame = Chart(
-        say=say, x=x, y=(-0.6, len(rows) - 0.4), x_label=say("shaft speed [rpm]"), y_label="",
-        height=110 + 44.0 * len(rows), values=False,
-    )  # fmt: skip
+        say=say,
+        x=x,
+        y=(-0.6, len(rows) - 0.4),
+        x_label=say("shaft speed [rpm]"),
+        y_label="",
+        height=110 + 44.0 * len(rows),
+        values=False,
+    )
     x1, y1 = frame.spot(0, frame.y[0])
     x2, y2 = frame.spot(top, frame.y[1])
     drawn = [svg.rect(x1, y2, x2 - x1, y1 - y2, fill=PALETTE[0], fill_opacity=0.12)]
@@ -262,8 +306,8 @@ def critical_speeds(r: Response, say: Language) -> Figure:
         title=title,
         alt=f"{title}: {said}",
         note=say(
-            "Upright bars: critical speeds, the lowest over the states. Shaded: near half critical, "
-            "where the joints excite twice a turn, and too near critical, by the profile's limits."
+            "Upright bars: critical speeds, the lowest over the states. Shaded: near half "
+            "critical, where the joints excite twice a turn, and too near critical, by the profile's limits."
         ),
     )
 

@@ -168,27 +168,31 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
         caption=say("Verdicts"),
         head=(say("variant"), say("verdict"), say("checks"), say("limits")),
         rows=tuple(
-            (n, say(v.assessment.verdict).upper(), counts(v.assessment.checks, say),
-             v.assessment.application.profile)
+            (
+                n,
+                say(v.assessment.verdict).upper(),
+                counts(v.assessment.checks, say),
+                v.assessment.application.profile,
+            )
             for n, v in zip(names, of, strict=True)
         ),
         words=4,
         grades=tuple(("", v.assessment.verdict, "", "") for v in of),
-    )  # fmt: skip
+    )
     what = differences(of, say)
     chapters = [
         Chapter(title=say("Verdict"), blocks=(verdicts,)),
         Chapter(
             title=say("What differs in the input"),
             blocks=(
-                (_compared(say("Inputs that differ"), names, what, say),)
+                (_compared(say("Inputs that differ"), names, what),)
                 if what
                 else (Text(paragraphs=(say("nothing"),)),)
             ),
         ),
         Chapter(
             title=say("What it does to each limit, where it is worst"),
-            blocks=(_compared(say("Value and margin"), names, effects(of, say), say),),
+            blocks=(_compared(say("Value and margin"), names, effects(of, say)),),
         ),
     ]
     for name, v in zip(names, of, strict=True):
@@ -236,21 +240,32 @@ def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
     def row(c: Check) -> tuple[str, ...]:
         q = QUANTITIES[c.quantity]
         return (
-            say(c.grade), q.named(say.code), place(c, say, several=several),
-            say.number(c.value / q.factor), f"{sense(c, say)} {say.number(c.bound / q.factor)}",
-            q.unit_name, say.percent(c.margin), f"[{sources.index(str(c.limit.source)) + 1}]",
-        )  # fmt: skip
+            say(c.grade),
+            q.named(say.code),
+            place(c, say, several=several),
+            say.number(c.value / q.factor),
+            f"{sense(c, say)} {say.number(c.bound / q.factor)}",
+            q.unit_name,
+            say.percent(c.margin),
+            f"[{sources.index(str(c.limit.source)) + 1}]",
+        )
 
     yield Table(
         caption=say("Every limit, where it is worst"),
         head=(
-            say("verdict"), say("limit"), say("where it is worst"), say("value"), say("bound"),
-            say("unit"), say("margin"), say("source"),
+            say("verdict"),
+            say("limit"),
+            say("where it is worst"),
+            say("value"),
+            say("bound"),
+            say("unit"),
+            say("margin"),
+            say("source"),
         ),
         rows=tuple(row(c) for c in rows),
         words=3,
         grades=tuple((c.grade, *[""] * 7) for c in rows),
-    )  # fmt: skip
+    )
     yield Points(
         caption=say("Where the limits come from"),
         points=tuple((f"[{k}] {source}", ()) for k, source in enumerate(sources, 1)),
@@ -382,14 +397,18 @@ def _equations(of: Assessment, say: Language) -> Iterator[Block]:
         head=(say("quantity"), say("symbol"), say("equation"), say("limits of use"), say("source")),
         rows=tuple(
             (
-                q.named(say.code), f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
-                "; ".join([say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]),
-                say.given(q.use) if q.use else "", cited(q.source, say),
+                q.named(say.code),
+                f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
+                "; ".join(
+                    [say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]
+                ),
+                say.given(q.use) if q.use else "",
+                cited(q.source, say),
             )
             for q in used
         ),
         words=5,
-    )  # fmt: skip
+    )
 
 
 def _approval(say: Language, issue: Issue) -> Iterator[Block]:
@@ -412,9 +431,7 @@ def _approval(say: Language, issue: Issue) -> Iterator[Block]:
         yield Verbatim(caption=say("Application file {file}", file=file), text=text)
 
 
-def _compared(
-    caption: str, names: tuple[str, ...], rows: Iterable[Compared], say: Language
-) -> Table:
+def _compared(caption: str, names: tuple[str, ...], rows: Iterable[Compared]) -> Table:
     """Return rows of variants as a table; a star marks where verdicts differ."""
     rows = tuple(rows)
     return Table(
@@ -422,7 +439,7 @@ def _compared(
         head=("", *names),
         rows=tuple((f"{r.name} *" if r.changed else r.name, *r.values) for r in rows),
         words=1 if any(g for r in rows for g in r.grades) else len(names) + 1,
-        grades=tuple(("", *r.grades) for r in rows),
+        grades=tuple(("", *(g or "" for g in r.grades)) for r in rows),
     )
 
 
@@ -434,5 +451,17 @@ def figures(of: Story) -> Iterator[Figure]:
                 yield from block.figures
 
 
-__all__ = ["Block", "Chapter", "Figures", "Issue", "Points", "Story", "Table", "Text", "Verbatim",
-           "assessment", "comparison", "figures"]  # fmt: skip
+__all__ = [
+    "Block",
+    "Chapter",
+    "Figures",
+    "Issue",
+    "Points",
+    "Story",
+    "Table",
+    "Text",
+    "Verbatim",
+    "assessment",
+    "comparison",
+    "figures",
+]

@@ -510,7 +510,8 @@ _WORKBOOK: dict[str, tuple[str, str]] = {
     ),
     "largest joint angle": ("maior ângulo das juntas", "massimo angolo dei giunti"),
     "as if all joints lay in one plane": (
-        "como se todas as juntas estivessem num plano", "come se tutti i giunti fossero in un piano",
+        "como se todas as juntas estivessem num plano",
+        "come se tutti i giunti fossero in un piano",
     ),
     "Torsional acceleration, all joints in one plane": (
         "Aceleração torcional, todas as juntas num plano",
@@ -720,7 +721,8 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
         "torque limite funcional da junta", "coppia limite funzionale del giunto",
     ),
     "Fs = |mean over a turn of the force on the bearing|": (
-        "Fs = |média numa volta da força no mancal|", "Fs = |media in un giro della forza sul supporto|",
+        "Fs = |média numa volta da força no mancal|",
+        "Fs = |media in un giro della forza sul supporto|",
     ),
     "Quasi-static, massless members; gravity and unbalance only where asked for.": (
         "Quase estático, membros sem massa; peso e desbalanceamento só se pedidos.",
@@ -785,7 +787,10 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
     ),
     "shaft mass": ("massa do eixo", "massa dell'albero"),
     "balance grade, mm/s": ("grau de balanceamento, mm/s", "grado di equilibratura, mm/s"),
-    "joint centre distance": ("distância entre centros das juntas", "distanza dei centri dei giunti"),
+    "joint centre distance": (
+        "distância entre centros das juntas",
+        "distanza dei centri dei giunti",
+    ),
     "tube diameters": ("diâmetros do tubo", "diametri del tubo"),
     "steel": ("aço", "acciaio"),
     "Uniform tube pinned at its ends; the line as beams on its bearings stands beside it.": (
@@ -827,12 +832,18 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
     "amplitude endured about zero": (
         "amplitude suportada em torno de zero", "ampiezza sopportata attorno a zero",
     ),
-    "ultimate shear strength": ("resistência última ao cisalhamento", "resistenza ultima al taglio"),
+    "ultimate shear strength": (
+        "resistência última ao cisalhamento",
+        "resistenza ultima al taglio",
+    ),
     "The weld decides: its endurance, not the tube's, belongs here.": (
         "A solda decide: cabe aqui a resistência dela, não a do tubo.",
         "Decide la saldatura: qui va la sua resistenza, non quella del tubo.",
     ),
-    "amplitude and mean of the torque": ("amplitude e média do torque", "ampiezza e media della coppia"),
+    "amplitude and mean of the torque": (
+        "amplitude e média do torque",
+        "ampiezza e media della coppia",
+    ),
     "reversing torque endured": ("torque alternado suportado", "coppia alterna sopportata"),
     "pulsating torque endured": ("torque pulsante suportado", "coppia pulsante sopportata"),
     "T/Tdw for reversing, T/Tds for pulsating torque; a straight line between.": (

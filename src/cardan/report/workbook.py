@@ -193,17 +193,31 @@ class _Sheet:
                 sheet.write_number(row, first + k, float(cell), style)
         last = first + max(len(cells), 1) - 1
         if allow:
-            sheet.data_validation(row, first, row, last, {
-                "ignore_blank": True, "error_title": "cardan", **allow,
-                "error_message": f"{label[:120]}: {allow['criteria']} "
-                f"{allow.get('value', '')}{allow.get('minimum', '')} {allow.get('maximum', '')}",
-            })  # fmt: skip
+            sheet.data_validation(
+                row,
+                first,
+                row,
+                last,
+                {
+                    "ignore_blank": True,
+                    "error_title": "cardan",
+                    **allow,
+                    "error_message": f"{label[:120]}: {_allowed(allow)}",
+                },
+            )
         if name:
             start, end = (f"${column(k)}${row + 1}" for k in (first, last))
             place = start if start == end else f"{start}:{end}"
             self.book.file.define_name(name, f"='{self.name}'!{place}")
         self.row += 1
         return row + 1
+
+
+def _allowed(check: Check) -> str:
+    """Return what a cell may hold, in signs."""
+    if "minimum" in check:
+        return f"{check['minimum']} … {check['maximum']}"
+    return f"{check['criteria']} {check['value']}"
 
 
 def column(number: int) -> str:
@@ -226,10 +240,12 @@ def _general(sheet: _Sheet, a: Application) -> None:
         a.title,
         (
             say("Driveline workbook: change what is coloured, and every result follows."),
-            say("Limits: {profile}. Positive slopes run down and to the right going rearward.",
-                profile=a.profile),
+            say(
+                "Limits: {profile}. Positive slopes run down and to the right going rearward.",
+                profile=a.profile,
+            ),
         ),
-    )  # fmt: skip
+    )
 
     def put(
         label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
@@ -273,8 +289,12 @@ def _general(sheet: _Sheet, a: Application) -> None:
         "torque_given",
         NOT_NEGATIVE,
     )
-    put(say("speed of the gearbox output, where given"), "rpm",
-        [None if a.speed is None else a.speed / rpm], "speed_given")  # fmt: skip
+    put(
+        say("speed of the gearbox output, where given"),
+        "rpm",
+        [None if a.speed is None else a.speed / rpm],
+        "speed_given",
+    )
     put(say("shock factor"), "", [a.shock_factor], "shock_factor")
     put(say("prime mover factor"), "", [a.prime_mover_factor], "prime_mover_factor")
     put(say("tyre, friction"), "", [tyre.friction if tyre else None], "tyre_friction", FRICTION)
@@ -292,15 +312,26 @@ def _general(sheet: _Sheet, a: Application) -> None:
         )
         put(say("shaft torque"), "N·m", [p.torque for p in a.duty], "duty_torques", NOT_NEGATIVE)
         put(say("shaft speed"), "rpm", [p.speed / rpm for p in a.duty], "duty_speeds", NOT_NEGATIVE)
-        put(say("joint angle, where given"), "deg",
-            [None if p.angle is None else p.angle / deg for p in a.duty], "duty_angles", NOT_NEGATIVE)  # fmt: skip
+        put(
+            say("joint angle, where given"),
+            "deg",
+            [None if p.angle is None else p.angle / deg for p in a.duty],
+            "duty_angles",
+            NOT_NEGATIVE,
+        )
         up = sheet.row
         work = [
             f"={column(k)}{up - 3}/100*{column(k)}{up - 1}*ABS({column(k)}{up - 2})^(10/3)"
             for k in range(FIRST, FIRST + len(a.duty))
         ]
-        sheet.put(say("wear without angle"), "", work, style=book.formula, name="duty_work",
-                  texts=("p n T^(10/3)", ""))  # fmt: skip
+        sheet.put(
+            say("wear without angle"),
+            "",
+            work,
+            style=book.formula,
+            name="duty_work",
+            texts=("p n T^(10/3)", ""),
+        )
 
 
 def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
@@ -426,8 +457,10 @@ class _Line:
         heads = ["", "", "", "", *self._heads()]
         sheet.section(say("side slopes of the members"), heads)
         members = [
-            say("gearbox"), *(say.part(f"shaft {k}") for k in range(1, self.n)), say("pinion"),
-        ]  # fmt: skip
+            say("gearbox"),
+            *(say.part(f"shaft {k}") for k in range(1, self.n)),
+            say("pinion"),
+        ]
         side, top = r.layout.side / deg, r.layout.top / deg
         self.side = [
             self._given(m, "deg", side[:, k].tolist(), f"side_{k}", SLOPE)
@@ -465,9 +498,12 @@ class _Line:
             say("speed of the gearbox output, where given"), "rpm", speeds, "state_speeds", POSITIVE
         )
         self.driven = self._given(
-            say("load on the driven wheels at slip"), "N", r.demand.driven_load.tolist(), "driven_loads",
+            say("load on the driven wheels at slip"),
+            "N",
+            r.demand.driven_load.tolist(),
+            "driven_loads",
             NOT_NEGATIVE,
-        )  # fmt: skip
+        )
         self.weight: list[list[int]] = []
         if r.gravity:
             sheet.section(say("Weight on the centre bearings (values of cardan)"), heads)
@@ -477,11 +513,16 @@ class _Line:
                 part = say.part(f"bearing {k + 1}")
                 self.weight.append(
                     [
-                        self._given(f"{part}, {axis}", "N", force[:, k, c].tolist(), f"weight_{k + 1}_{axis}",
-                                    {"validate": "decimal", "criteria": "<", "value": 1e9})
+                        self._given(
+                            f"{part}, {axis}",
+                            "N",
+                            force[:, k, c].tolist(),
+                            f"weight_{k + 1}_{axis}",
+                            {"validate": "decimal", "criteria": "<", "value": 1e9},
+                        )
                         for c, axis in enumerate("xyz")
                     ]
-                )  # fmt: skip
+                )
         sheet.sheet.freeze_panes(0, FIRST)
 
     # Calculation. A formula is written once: § stands for the letter of a state's column.
@@ -646,17 +687,21 @@ class _Line:
             square = f"({h}^2-{v}^2)", f"(2*{h}*{v})"
             phasors.append(
                 self._complex(
-                    f"P{k + 1}", "rad²", _turned(square, g, after=phasors[-1:]),
+                    f"P{k + 1}",
+                    "rad²",
+                    _turned(square, g, after=phasors[-1:]),
                     note="Pₖ = Pₖ₋₁ + sₖ Dₖ²,  D = βh + i βv",
                 )
-            )  # fmt: skip
+            )
             level = f"(-({h}^2+{v}^2))", "0"
             flat.append(
                 self._complex(
-                    f"Q{k + 1}", "rad²", _turned(level, g, after=flat[-1:]),
+                    f"Q{k + 1}",
+                    "rad²",
+                    _turned(level, g, after=flat[-1:]),
                     note=say("as if all joints lay in one plane"),
                 )
-            )  # fmt: skip
+            )
         self._moduli(phasors[-1], flat[-1], ae7, plane)
         # Over the shafts: P in drive, P less the pinion's in coast.
         shafts, pinion = phasors[:-1], phasors[-1]
@@ -665,10 +710,16 @@ class _Line:
         ones = ["1"] * len(shafts)
         for quantity, weights, of, values, note in (
             ("inertia_drive_acceleration", ones, shafts, ae7.drive.acceleration, "ω² |Σ Pⱼ|"),
-            ("inertia_coast_acceleration", ones, released, ae7.coast.acceleration, "ω² |Σ (Pⱼ − Pₙ)|"),
+            (
+                "inertia_coast_acceleration",
+                ones,
+                released,
+                ae7.coast.acceleration,
+                "ω² |Σ (Pⱼ − Pₙ)|",
+            ),
             ("inertia_drive_torque", inertia, shafts, ae7.drive_torque, "ω² |Σ Jⱼ Pⱼ|"),
             ("inertia_coast_torque", inertia, released, ae7.coast_torque, "ω² |Σ Jⱼ (Pⱼ − Pₙ)|"),
-        ):  # fmt: skip
+        ):
             if values is None:
                 continue
             re_, im_ = (
@@ -719,11 +770,13 @@ class _Line:
             pairs = list(zip((say("mean"), say("order 2")), couples[k - 1], joint, strict=True))
             force = [
                 self._complex(
-                    f"B{k} {name}", "N", (f"{gain}*({a}-{c})", f"{gain}*({b}-{d})"),
+                    f"B{k} {name}",
+                    "N",
+                    (f"{gain}*({a}-{c})", f"{gain}*({b}-{d})"),
                     note="B = L/(L − e) · (i T q/2 − F)",
                 )
                 for name, (a, b), (c, d) in pairs
-            ]  # fmt: skip
+            ]
             joint = [
                 self._complex(f"F{k} {name}", "N", (f"{a}+{c}", f"{b}+{d}"))
                 for (name, _, (a, b)), (c, d) in zip(pairs, force, strict=True)
@@ -831,8 +884,12 @@ class _Line:
         heads = ["", say("unit"), say("normal"), say("maximum"), *self._heads(), say("verdict")]
         sheet.section(say("Checks"), heads)
         limits = _limits(r)
-        rows = [row for one in self.found for limit in limits.get((one.quantity, one.part), ())
-                for row in (self._checked(one, limit),)]  # fmt: skip
+        rows = [
+            row
+            for one in self.found
+            for limit in limits.get((one.quantity, one.part), ())
+            for row in (self._checked(one, limit),)
+        ]
         place = f"${column(end)}${rows[0]}:${column(end)}${rows[-1]}" if rows else f"{column(end)}1"
         said = {g: say(g) for g in ("fail", "warn", "pass")}
         sheet.sheet.write_string(top, 0, say("Verdict"), self.book.title)
@@ -859,8 +916,13 @@ class _Line:
         for section in sections(r):
             for row in section.rows:
                 if not row.method:
-                    sheet.put(row.label(say), row.unit, row.values.tolist(), style=self.book.exact,
-                              texts=(say("value"), ""))  # fmt: skip
+                    sheet.put(
+                        row.label(say),
+                        row.unit,
+                        row.values.tolist(),
+                        style=self.book.exact,
+                        texts=(say("value"), ""),
+                    )
         sheet.sheet.freeze_panes(0, 1)
 
     def _shown(self, one: _Result, texts: tuple[str, str]) -> int:
@@ -919,24 +981,43 @@ class _Line:
             )
         for grade, rule in colours:
             sheet.sheet.conditional_format(
-                row - 1, FIRST, row - 1, FIRST + self.count - 1,
-                {"type": "formula", "criteria": f"={rule}", "format": book.graded[grade],
-                 "stop_if_true": True},
-            )  # fmt: skip
+                row - 1,
+                FIRST,
+                row - 1,
+                FIRST + self.count - 1,
+                {
+                    "type": "formula",
+                    "criteria": f"={rule}",
+                    "format": book.graded[grade],
+                    "stop_if_true": True,
+                },
+            )
         sheet.sheet.write_formula(row - 1, FIRST + self.count, verdict, book.verdict, "")
         return row
 
     def _colour(self, top: int, left: int, bottom: int, right: int) -> None:
         """Colour cells that hold verdicts."""
         for grade, style in self.book.graded.items():
-            self.results.sheet.conditional_format(top, left, bottom, right, {
-                "type": "cell", "criteria": "==", "value": f'"{self.say(grade)}"', "format": style,
-            })  # fmt: skip
+            self.results.sheet.conditional_format(
+                top,
+                left,
+                bottom,
+                right,
+                {
+                    "type": "cell",
+                    "criteria": "==",
+                    "value": f'"{self.say(grade)}"',
+                    "format": style,
+                },
+            )
 
 
 _ONLY_FOR_LIMITS = (
-    "joint_angle_min", "compound_angle", "angle_for_speed", "half_critical_band",
-)  # fmt: skip
+    "joint_angle_min",
+    "compound_angle",
+    "angle_for_speed",
+    "half_critical_band",
+)
 """Quantities that say the same as another; shown where a limit asks about them."""
 
 
