@@ -51,7 +51,7 @@ def kindly(command: Command) -> Command:
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, "-V", "--version")
+@click.version_option(__version__, "-V", "--version", prog_name="cardan")
 def cli() -> None:
     """Cardan drivelines, from hardpoints to verdict."""
 
@@ -133,7 +133,9 @@ def check(
 @LANG
 @click.option("--line", help="Which line; by default the one with the worst check.")
 @click.option("--hold", multiple=True, metavar="WHAT", help="Leave in place, as in the file.")
-@click.option("--count", default=5, show_default=True, help="Proposals at most.")
+@click.option(
+    "--count", type=click.IntRange(1), default=5, show_default=True, help="Proposals at most."
+)
 @kindly
 def fix(
     file: Path,
@@ -170,21 +172,28 @@ def fix(
 @LANG
 @kindly
 def explain(quantity: str | None, *, lang: str) -> None:
-    """Say what QUANTITY is: equation, symbols, source, limits of use."""
+    """Say what QUANTITY is: equation, symbols, source, limits of use.
+
+    By its key or its name; without one, list them all.
+    """
     from cardan.base.quantities import QUANTITIES
     from cardan.report import terminal
     from cardan.report.language import Language
 
     if quantity is None:
         _print(f"{key:<28} {q.named(lang)}" for key, q in QUANTITIES.items())
-    elif quantity in QUANTITIES:
-        _print(terminal.explanation(QUANTITIES[quantity], Language(lang)))
-    else:
+        return
+    word = quantity.casefold()
+    meant = [q for q in QUANTITIES.values() if word in _names(q)]
+    if not meant:
         from difflib import get_close_matches
 
-        near = get_close_matches(quantity, QUANTITIES, n=3, cutoff=0.4)
+        near = [q.key for q in QUANTITIES.values() if any(word in n for n in _names(q))]
+        near = near[:3] or get_close_matches(word, QUANTITIES)
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         _refuse(f"there is no quantity {quantity}{hint} (`cardan explain` lists them all)")
+    for q in meant:
+        _print(terminal.explanation(q, Language(lang)))
 
 
 @cli.command()
@@ -229,11 +238,20 @@ def schema(*, out: Path | None, force: bool) -> None:
 @click.option("--force", is_flag=True, help="Replace the file.")
 @kindly
 def new(file: Path, *, kind: str, force: bool) -> None:
-    """Write a commented starter to FILE: small, as from a protractor, or a whole truck."""
+    """Write a commented FILE to start from.
+
+    A small one holds what a protractor measures under the truck; the other kind a whole truck.
+    """
     from cardan import files
 
     files.write(file, files.starter(kind), replace=force)
     click.echo(f"{file} is written; `cardan check {file}` assesses it.")
+
+
+def _names(quantity: Any) -> tuple[str, ...]:
+    """Return what a quantity may be called, in small letters: its key, its name in any language."""
+    named = quantity.name, quantity.pt, quantity.it
+    return quantity.key, *(name.casefold() for name in named)
 
 
 def _read(file: Path, limits: str | None) -> Any:
@@ -308,6 +326,7 @@ def _print(lines: Iterable[str]) -> None:
 
 
 def _refuse(message: str) -> NoReturn:
-    """Print why nothing was done, and leave with exit code 2."""
-    click.echo(f"error: {message}", err=True)
+    """Print why nothing was done, a line for each reason, and leave with exit code 2."""
+    for line in message.splitlines():
+        click.echo(f"error: {line}", err=True)
     raise SystemExit(2)

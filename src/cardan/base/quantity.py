@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from cardan.base.source import Source
 from cardan.base.units import UNITS
 
-
 WRITTEN = {
     "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
     "N_mm": "N/mm", "percent": "%",

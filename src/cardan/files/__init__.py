@@ -1,7 +1,7 @@
 """Files: applications, limit profiles and catalogues, read into parts; and written safely."""
 
 from cardan.files.application import loads, read
-from cardan.files.profile import limits
+from cardan.files.limit import limits
 from cardan.files.schema import schema
 from cardan.files.starter import starter, write
 

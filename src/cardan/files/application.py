@@ -1,34 +1,53 @@
 """The application file: `read` it into parts, with everything wrong in it said at once."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias, get_args
 
 from cardan.base.errors import BadFile
-from cardan.base.verdict import Limit
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.document import Mapping, Node, Scalar, Sequence, parse, text_of
 from cardan.files.geometry import StateGeometryTable
+from cardan.files.limit import DEFAULT, ALimit, LimitTable, Profile, limits
 from cardan.files.line import AdjustTable, LineTable
 from cardan.files.measure import Angle, Length, Percent, Point, Size, Speed, Torque, Turn
-from cardan.files.profile import DEFAULT, ALimit, LimitTable, names, profile, read_profile
 from cardan.files.table import (
-    Choice, ListOf, Number, OneOf, Reading, Spoilt, Table, TableRule, Text, key, nearest,
+    Choice,
+    Enough,
+    Here,
+    ListOf,
+    Number,
+    OneOf,
+    Reading,
+    Spoilt,
+    Table,
+    TableRule,
+    Text,
+    key,
+    nearest,
 )  # fmt: skip
 from cardan.files.vehicle import (
-    AnAxle, ASuspension, EngineTable, GearboxTable, TyreTable, VehicleTable,
+    AnAxle,
+    ASuspension,
+    EngineTable,
+    GearboxTable,
+    TyreTable,
+    VehicleTable,
 )  # fmt: skip
 from cardan.model.application import (
-    Adjustable, Application, DutyPoint, Installed, Obstacle, State,
+    Adjustable,
+    Application,
+    DutyPoint,
+    Installed,
+    Obstacle,
+    State,
 )  # fmt: skip
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
 
 PRIME_MOVERS = {"diesel": 1.25, "petrol": 1.2, "electric": 1.0}
 """Prime mover factors of a joint's life. Source: Dana GWB catalogue, K1."""
-
-Profile: TypeAlias = tuple[str, tuple[Limit, ...]]
-"""Name and limits."""
 
 
 def read(path: str | Path) -> Application:
@@ -52,31 +71,31 @@ def loads(text: str, *, name: str = "application", folder: Path | None = None) -
     """
     root, problems = parse(text, name)
     reading = Reading(problems=problems, folder=folder)
-    reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
     try:
-        application: Application = ApplicationTable.read(root, "", reading)
-    except Spoilt:
-        raise BadFile(name, tuple(problems)) from None
-    if problems:
-        raise BadFile(name, tuple(problems))
+        reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
+        application: Application | None = ApplicationTable.read(Here(root, "", reading))
+    except (Spoilt, Enough):
+        application = None
+    if application is None or problems:
+        # What only looks wrong may be why the rest is: say it too.
+        raise BadFile(name, (*problems, *reading.warnings))
     return application
 
 
 # --------------------------------------------------------------------------- files beside
 
 
-def _beside(name: str, node: Node, at: str, reading: Reading) -> Path:
+def _beside(name: str, here: Here) -> Path:
     """Return the path of a file named in this one."""
-    if reading.folder is None:
-        raise reading.refuse(node, at, "a text by itself has no files beside it", got=name)
-    return reading.folder / name
+    if here.reading.folder is None:
+        here.refuse("a text by itself has no files beside it", got=name)
+    return here.reading.folder / name
 
 
-def _noted(error: BadFile, node: Node, at: str, reading: Reading) -> Spoilt:
+def _note(error: BadFile, here: Here) -> None:
     """Note the problems of another file where this one names it."""
     for problem in error.problems:
-        reading.refuse(node, at, problem.located(error.file))
-    return Spoilt()
+        here.note(problem.located(error.file))
 
 
 def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
@@ -85,22 +104,23 @@ def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
         return
     node = root.entries["catalogues"][1]
     items = node.items if isinstance(node, Sequence) else [node]
-    sheets: list[tuple[Sheet, Node]] = []
-    for item in items:
-        if isinstance(item, Scalar) and isinstance(item.value, str):
+    places = [Here(item, "catalogues", reading) for item in items]
+    sheets: list[tuple[Sheet, Here]] = []
+    for here in places:
+        if isinstance(here.node, Scalar) and isinstance(here.node.value, str):
             try:
-                path = _beside(item.text, item, "catalogues", reading)
-                sheets.append((Sheet(text_of(path), str(path)), item))
+                path = _beside(here.node.text, here)
+                sheets.append((Sheet(text_of(path), str(path)), here))
             except BadFile as error:
-                _noted(error, item, "catalogues", reading)
+                _note(error, here)
             except Spoilt:
                 continue
     catalogue = Catalogue(tuple(sheet for sheet, _ in sheets))
-    for sheet, item in sheets:
+    for sheet, here in sheets:
         own = Reading(catalogue)
-        sheet.check(own)
-        if own.problems:
-            _noted(BadFile(sheet.file, tuple(own.problems)), item, "catalogues", reading)
+        with suppress(Enough):
+            sheet.check(own)
+        _note(BadFile(sheet.file, tuple(own.problems)), here)
     yield from catalogue.own
 
 
@@ -109,18 +129,15 @@ class ProfileName(Text):
 
     one, many = "a limit profile", "limit profiles"
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Profile:
+    def read(self, here: Here) -> Profile:
         """Return its name and limits."""
-        name = super().read(node, at, reading, unit)
-        if not name.endswith((".yaml", ".yml")):
-            if name in names():
-                return name, profile(name)
-            hint = f"{nearest(name, names())} A file of your own ends in .yaml"
-            raise reading.refuse(node, at, "there is no limit profile of this name", hint, got=name)
+        name = self.text(here)
+        beside = name.endswith((".yaml", ".yml"))
         try:
-            return read_profile(_beside(name, node, at, reading))
+            return limits(str(_beside(name, here)) if beside else name)
         except BadFile as error:
-            raise _noted(error, node, at, reading) from None
+            _note(error, here)
+            raise Spoilt from None
 
 
 class InlineLimits(ListOf):
@@ -129,9 +146,9 @@ class InlineLimits(ListOf):
     def __init__(self) -> None:
         super().__init__(TableRule(LimitTable))
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Profile:
+    def read(self, here: Here) -> Profile:
         """Return them, named as they are."""
-        return "limits of the application", super().read(node, at, reading, unit)
+        return "limits of the application", super().read(here)
 
 
 AProfile: TypeAlias = Annotated[Profile, ProfileName()]
@@ -145,9 +162,9 @@ class OverridesTable(Table):
 
     def build(self) -> Profile:
         """Return the profile's name and its limits as replaced."""
-        name, limits = self.profile
+        name, start = self.profile
         replaced = {limit.quantity for limit in self.overrides}
-        kept = tuple(limit for limit in limits if limit.quantity not in replaced)
+        kept = tuple(limit for limit in start if limit.quantity not in replaced)
         return f"{name}, with overrides", kept + self.overrides
 
 
@@ -160,10 +177,10 @@ class KindName(Choice):
     def __init__(self) -> None:
         super().__init__(*get_args(SuspensionState))
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> State:
+    def read(self, here: Here) -> State:
         """Return the state."""
-        name = super().read(node, at, reading, unit)
-        return State(name=name, kind=name)  # type: ignore[arg-type]  # one of its names
+        name = super().read(here)
+        return State(name=name, kind=name)
 
 
 class StateTable(StateGeometryTable):
@@ -188,7 +205,7 @@ class StateTable(StateGeometryTable):
         loads = [load.name for load in vehicle.loads] if vehicle else []
         if self.load is not None and self.load not in loads:
             hint = nearest(self.load, loads)
-            raise self.refuse("load", "the vehicle has no such load state", hint, got=self.load)
+            self.at("load").refuse("the vehicle has no such load state", hint, got=self.load)
         load = self.load
         if load is None and kind is None and self.name in loads:
             load = self.name
@@ -209,14 +226,14 @@ class StateTable(StateGeometryTable):
         if any(self.has(name) for name in own):
             if len(lines) > 1 or given:
                 first = next(name for name in own if self.has(name))
-                raise self.refuse(first, "give the geometry of each line in drivelines")
+                self.at(first).refuse("give the geometry of each line in drivelines")
             given = {next(iter(lines)): self}
         for name, table in given.items():
             if name not in lines:
                 hint = nearest(name, list(lines))
-                raise self.refuse("drivelines", "no driveline of this name", hint, got=name)
+                self.at("drivelines").refuse("no driveline of this name", hint, got=name)
             if not table.gives_geometry:
-                raise table.refuse("", "needs slopes, joint_angles or points_mm")
+                table.at().refuse("needs slopes, joint_angles or points_mm")
             line = lines[name]
             yield name, table.state_layout(line.line.lengths, line.layout)
 
@@ -241,7 +258,7 @@ class ObstacleTable(Table):
         known = [installed.line.name for installed in lines]
         line = self.line or known[0]
         if line not in known:
-            raise self.refuse("line", "no driveline of this name", nearest(line, known), got=line)
+            self.at("line").refuse("no driveline of this name", nearest(line, known), got=line)
         radius = self.radius or (self.diameter or 0.0) / 2
         return Obstacle(
             name=self.name,
@@ -309,16 +326,16 @@ class ApplicationTable(Table):
         """Return the application in SI."""
         tables = self.drivelines or ({"main": self.driveline} if self.driveline else {})
         if not tables:
-            raise self.refuse("drivelines", "needs at least one line")
+            self.at("drivelines").refuse("needs at least one line")
         lines = tuple(table.installed(name, axle=self.axle) for name, table in tables.items())
         states = self._states(lines)
         self._say_what_is_missing(states)
-        name, limits = self.limits or (DEFAULT, profile(DEFAULT))
+        name, held = self.limits or limits(DEFAULT)
         return Application(
             title=self.title,
             lines=lines,
             states=states,
-            limits=limits,
+            limits=held,
             profile=name,
             torque=self.torque,
             coast_torque=self.coast_torque,
@@ -335,15 +352,15 @@ class ApplicationTable(Table):
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,
             include_unbalance="unbalance" in self.include,
-            warnings=tuple(sorted(self._here.reading.warnings, key=lambda p: (p.line, p.column))),
+            warnings=tuple(sorted(self.at().reading.warnings, key=lambda p: (p.line, p.column))),
         )
 
     def _states(self, lines: tuple[Installed, ...]) -> tuple[State, ...]:
         states: list[State] = []
-        for k, entry in enumerate(self.states):
+        for k, entry in enumerate(self.states, 1):
             state = entry if isinstance(entry, State) else entry.state(lines, self.vehicle)
             if state.name in [s.name for s in states]:
-                self.refuse_item("states", k, "a state of this name is above", got=state.name)
+                self.at("states", k).note("a state of this name is above", got=state.name)
             self._placed(k, state, lines)
             states.append(state)
         return tuple(states) or (State(name="as given"),)
@@ -365,31 +382,31 @@ class ApplicationTable(Table):
                     hint = (
                         "give its suspension a windup_stiffness_kNm_deg, or the state a pitch_deg"
                     )
-                    self.refuse_item("states", k, message, hint)
+                    self.at("states", k).note(message, hint)
             elif suspension is None and state.travel is None and moves:
                 message = f"state {state.name} moves the {where}: how far?"
                 hint = "give a suspension, or the state its own slopes or travel_mm"
-                self.refuse_item("states", k, message, hint)
+                self.at("states", k).note(message, hint)
 
     def _say_what_is_missing(self, states: tuple[State, ...]) -> None:
         if self.engine is None and self.torque is None and any(s.torque is None for s in states):
             message = "no torque is given: loads, strength and life cannot be checked"
-            self.warn("", message, "give torque_Nm, or an engine and a gearbox")
+            self.at().warn(message, "give torque_Nm, or an engine and a gearbox")
         if self.engine is None and self.speed is None and any(s.speed is None for s in states):
             message = "no speed is given: accelerations and critical speeds cannot be checked"
-            self.warn("", message, "give speed_rpm, or an engine and a gearbox")
+            self.at().warn(message, "give speed_rpm, or an engine and a gearbox")
 
     def _duty(self) -> tuple[DutyPoint, ...]:
         total = sum(point.share for point in self.duty)
         if self.duty and not abs(total - 1) <= 1e-3:
-            raise self.refuse("duty", "the shares must make 100 %", got=f"{100 * total:g} %")
+            self.at("duty").refuse("the shares must make 100 %", got=f"{100 * total:g} %")
         return self.duty
 
     def _adjustables(
         self, lines: tuple[Installed, ...], tables: list[LineTable]
     ) -> Iterator[Adjustable]:
         if self.adjust is not None and (len(tables) > 1 or tables[0].adjust):
-            raise self.refuse("adjust", "give this inside each of the drivelines")
+            self.at("adjust").refuse("give this inside each of the drivelines")
         for installed, table in zip(lines, tables, strict=True):
             if adjust := table.adjust or self.adjust:
                 yield from adjust.adjustables(installed.line)

@@ -17,10 +17,31 @@ from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
 from cardan.files.document import Mapping, Node, Scalar
 from cardan.files.measure import (
-    Angle, Density, Diameter, Factor, Mass, PositiveSpeed, Rating, Size, SpeedAngle, Stiff,
-    Strength, Wall,
+    Angle,
+    Density,
+    Diameter,
+    Factor,
+    Mass,
+    PositiveSpeed,
+    Rating,
+    Size,
+    SpeedAngle,
+    Stiff,
+    Strength,
+    Wall,
 )  # fmt: skip
-from cardan.files.table import Number, OneOf, Reading, Spoilt, Table, TableRule, Text, key, nearest
+from cardan.files.table import (
+    Here,
+    Number,
+    OneOf,
+    Reading,
+    Spoilt,
+    Table,
+    TableRule,
+    Text,
+    key,
+    nearest,
+)
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
 
 Kind: TypeAlias = Literal["joint", "tube", "material"]
@@ -33,14 +54,14 @@ class Named(Text):
         self.kind: Kind = kind
         self.one, self.many = f"a {kind} of a catalogue", f"{kind}s of a catalogue"
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Any:
+    def read(self, here: Here) -> Any:
         """Return the part itself."""
-        name = super().read(node, at, reading, unit)
+        name = self.text(here)
         try:
-            return reading.catalogue.find(name, self.kind)
+            return here.reading.catalogue.find(name, self.kind)
         except DesignError as error:
             message, _, hint = str(error).partition("; ")
-            raise reading.refuse(node, at, message, hint) from None
+            here.refuse(message, hint)
 
 
 def _source(said: str | None) -> Source:
@@ -100,10 +121,12 @@ class JointTable(Table):
     peak: Rating | None = key("functional (elastic) limit torque", default=None)
     reversing: Rating | None = key("fatigue limit under alternating torque", default=None)
     pulsating: Rating | None = key("fatigue limit under pulsating torque", default=None)
-    bearing_Td: Rating | None = key(
+    bearing_Td: Rating | None = key(  # noqa: N815  the symbols catalogues print
         "torque the needles carry for 5000 h at 100 rpm and 3 deg", default=None
     )
-    bearing_Lc: Factor | None = key("GWB's bearing capacity factor, kN m based", default=None)
+    bearing_Lc: Factor | None = key(  # noqa: N815
+        "GWB's bearing capacity factor, kN m based", default=None
+    )
     angle_max: Angle | None = key("largest joint angle", default=None)
     n_beta_max: SpeedAngle | None = key("largest speed times joint angle, rpm deg", default=None)
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
@@ -181,37 +204,43 @@ class Sheet:
     def _table(self, line: int, cells: list[str]) -> Mapping:
         """Return a row as a table of the cells that are filled; columns count from 1."""
         entries: dict[str, tuple[Scalar, Node]] = {}
-        for k, cell in enumerate(cells, 1):
-            if cell.strip():
-                name = self._header[k - 1] if k <= len(self._header) else f"column {k}"
+        for k, (name, cell) in enumerate(zip(self._header, cells, strict=False), 1):
+            if cell.strip() and name in TABLES[self.kind].keys():  # noqa: SIM118
                 entries[name] = Scalar(name, line, k), Scalar(cell.strip(), line, k)
         return Mapping(line, 1, entries)
 
     def part(self, name: str, reading: Reading) -> Any:
         """Return the part of a name in this sheet."""
-        return TABLES[self.kind].read(self._table(*self.rows[name]), name, reading)
+        return TABLES[self.kind].read(Here(self._table(*self.rows[name]), name, reading))
 
     def check(self, reading: Reading) -> None:
         """Note whatever is wrong in the sheet."""
-        top = Mapping(1, 1)
         if "name" not in self._header:
-            reading.refuse(top, "", "the first line must name the columns, and one is name")
+            message = "the first line must name the columns, and one of them is name"
+            Here(Mapping(1, 1), "", reading).note(message)
             return
         for k, column in enumerate(self._header):
-            if column in self._header[:k]:
-                reading.refuse(Mapping(1, k + 1), column, "this column stands here twice")
+            here = Here(Mapping(1, k + 1), column, reading)
+            if column not in TABLES[self.kind].keys():  # noqa: SIM118
+                here.note("unknown column", nearest(column, TABLES[self.kind].keys()))
+            elif column in self._header[:k]:
+                here.note("this column stands here twice")
         lines: dict[str, int] = {}
         for line, cells in self._rows:
             row = self._table(line, cells)
+            if any(c.strip() for c in cells[len(self._header) :]):
+                message = f"this row has {len(cells)} cells, the header {len(self._header)}"
+                hint = "write a decimal point, and put text with a comma in quotes"
+                Here(row, "", reading).note(message, hint)
             if "name" not in row.entries:
-                reading.refuse(row, "", "this row has no name")
+                Here(row, "", reading).note("this row has no name")
                 continue
             name = cells[self._header.index("name")].strip()
             if name in lines:
-                reading.refuse(row, name, f"this name stands in line {lines[name]} already")
+                Here(row, name, reading).note(f"this name is in line {lines[name]} already")
             lines.setdefault(name, line)
             try:
-                TABLES[self.kind].read(row, name, reading)
+                TABLES[self.kind].read(Here(row, name, reading))
             except Spoilt:
                 continue
 
@@ -249,8 +278,10 @@ class Catalogue:
                 if _loose(known) == _loose(name):
                     return sheet.part(known, reading)
         names = self.names(kind)
-        inside = [n for n in names if _loose(n) in _loose(name) or _loose(name) in _loose(n)]
-        advice = f"did you mean {max(inside, key=len)}?" if inside else nearest(name, names)
+        bare = _loose(name)
+        inside = [n for n in names if _loose(n) in bare or bare in _loose(n)]
+        inside.sort(key=lambda n: abs(len(_loose(n)) - len(bare)))
+        advice = f"did you mean {' or '.join(inside[:3])}?" if inside else nearest(name, names)
         msg = f"no catalogue has a {kind} {name}; {advice}"
         raise DesignError(msg)
 

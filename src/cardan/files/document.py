@@ -17,6 +17,8 @@ LONGEST = 2_000_000
 """Characters in a file: a truck needs some thousands, a linkage table from CAD many more."""
 DEEPEST = 32
 """Tables within tables within lists."""
+WIDEST = 60
+"""Characters of a number; what is longer is a text, and not searched for mistakes."""
 LARGEST = 200_000
 """Entries of a file once its references (*name) are written out."""
 
@@ -31,21 +33,22 @@ class Scalar:
     quoted: bool = False
 
     @property
-    def value(self) -> None | bool | int | float | str:
+    def value(self) -> bool | int | float | str | None:
         """What the text means."""
         if self.quoted:
             return self.text
         if self.text in _WORDS:
             return _WORDS[self.text]
-        if _NUMBER.fullmatch(self.text) and not _ZERO_AHEAD.match(self.text):
-            whole = self.text.lstrip("+-").isdigit() and len(self.text) < 16
-            return int(self.text) if whole else float(self.text)
-        return self.text
+        if len(self.text) > WIDEST or _ZERO_AHEAD.match(self.text):
+            return self.text
+        if not _NUMBER.fullmatch(self.text):
+            return self.text
+        return int(self.text) if self.text.lstrip("+-").isdigit() else float(self.text)
 
     @property
     def brief(self) -> str:
         """The value as an error shows it."""
-        shown = repr(self.text) if self.quoted else (self.text or "nothing")
+        shown = one_line(repr(self.text) if self.quoted else (self.text or "nothing"))
         return shown if len(shown) <= 40 else f"{shown[:37]}..."
 
 
@@ -91,7 +94,7 @@ class Mapping:
 
 Node: TypeAlias = Scalar | Sequence | Mapping
 
-_WORDS: dict[str, None | bool] = {
+_WORDS: dict[str, bool | None] = {
     "": None, "~": None, "null": None, "Null": None, "NULL": None,
     "true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False,
 }  # fmt: skip
@@ -99,8 +102,8 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _ZERO_AHEAD = re.compile(r"[-+]?0\d", re.ASCII)
 
 _TRAPS = (
-    (r"[-+]?0+(\d+(?:\.\d*)?)",
-     r"some readers take a leading 0 as octal: write \1"),
+    (r"([-+]?)0+(\d+(?:\.\d*)?)",
+     r"some readers take a leading 0 as octal: write \1\2"),
     (r"[-+]?\d{1,3}(,\d{3})+",
      "thousands or decimals? write a point before decimals and nothing between thousands"),
     (r"([-+]?\d+),(\d+)",
@@ -122,12 +125,19 @@ _TRAPS = (
 )  # fmt: skip
 
 
+def one_line(text: str) -> str:
+    """Return a text as a line of an error can hold it: nothing that moves a cursor."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)
+
+
 def number(scalar: Scalar) -> tuple[float | None, str]:
     """Return the number a scalar is, or None with a hint on how to write one."""
     value = scalar.value
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value), ""
     text = scalar.text.strip()
+    if len(text) > WIDEST:
+        return None, ""
     if scalar.quoted and _NUMBER.fullmatch(text):
         return None, f"a text in quotes is no number: write {text}"
     for trap, hint in _TRAPS:
@@ -145,7 +155,7 @@ def parse(text: str, file: str) -> tuple[Node, list[Problem]]:
         If the text is no YAML, or not what this program reads of it.
     """
     from yaml import YAMLError
-    from yaml.cyaml import CParser
+    from yaml.cyaml import CParser  # type: ignore[attr-defined]  # its stubs forget it
 
     if len(text) > LONGEST:
         raise BadFile(file, (_too_long(str(len(text))),))
@@ -182,10 +192,11 @@ class _Open:
     key: Scalar | None = None
     size: int = 1
     last: Any = None
-    """Where the item before ended, if it was a bare whole number."""
+    whole: bool = False
+    """Where the item before ended, and whether it was a bare whole number."""
     tight: Any = None
     loose: bool = False
-    """Two whole numbers with just a comma between them; and with more."""
+    """Whether two whole numbers had just a comma between them, and other items more."""
 
 
 class _Tree:
@@ -288,7 +299,7 @@ class _Tree:
                 self.problems.append(
                     Problem(
                         message=f"given twice, first in line {before[0].line}",
-                        hint="keep one", key=key.text, line=key.line, column=key.column,
+                        hint="keep one", key=one_line(key.text), line=key.line, column=key.column,
                     )
                 )  # fmt: skip
             else:
@@ -312,16 +323,18 @@ class _Tree:
     @staticmethod
     def _watch_commas(here: _Open, scalar: Scalar, event: Any) -> None:
         """Notice `[2,7, 3,5]`, which YAML reads as four numbers."""
-        start, whole = event.start_mark, not scalar.quoted and scalar.text.lstrip("+-").isdigit()
-        if whole and here.last and here.last.line == start.line:
-            if start.column - here.last.column > 1:
+        start, before = event.start_mark, here.last
+        if before and before.line == start.line:
+            if start.column - before.column > 1:
                 here.loose = True
-            elif scalar.text.isdigit():
-                here.tight = here.tight or here.last
-        here.last = event.end_mark if whole else None
+            elif here.whole and not scalar.quoted and scalar.text.isdigit():
+                here.tight = here.tight or before
+        here.last = event.end_mark
+        here.whole = not scalar.quoted and scalar.text.lstrip("+-").isdigit()
 
 
-_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+# The last ones break lines for libyaml and for no editor.
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff]")
 
 
 def _control_character(text: str, place: int) -> Problem:
@@ -371,11 +384,8 @@ def _explained(error: Any, text: str) -> Problem:
     shown = lines[mark.line].strip() if mark.line < len(lines) else ""
     if "cannot start any token" in said and lines[mark.line][mark.column : mark.column + 1] == "\t":
         said = "tab character"
-    for part, message, hint in _EXPLAINED:
-        if part in said:
-            break
-    else:
-        message, hint = f"this is no YAML: {said}", ""
+    known = ((message, hint) for part, message, hint in _EXPLAINED if part in said)
+    message, hint = next(known, (f"this is no YAML: {said}", ""))
     if opened is not None and "not closed" in message:
         message += f", opened in line {opened.line + 1}"
     return Problem(

@@ -17,6 +17,10 @@ from cardan.model.layout import Layout, direction, from_points, from_slopes
 
 CLOSE = 2 * mm
 """How far a length may be from what the points give: they are measured to the millimetre."""
+SHARPEST = 75 * deg
+"""Joint angles stay below this: no yoke lets its joint bend further, and at 90 deg it locks."""
+
+_COSINE = np.cos(SHARPEST)
 
 
 class SlopeTable(Table):
@@ -39,11 +43,11 @@ class ViewsTable(Table):
     def angles(self, *members: str) -> tuple[FloatArray, FloatArray]:
         """Return both views, (members,) rad, one value for each member named."""
         if self.side is None and self.top is None:
-            raise self.refuse("", "needs side_deg or top_deg")
+            self.at().refuse("needs side_deg or top_deg")
         for name, view in (("side", self.side), ("top", self.top)):
             if view is not None and len(view) != len(members):
                 message = f"must hold {len(members)} values, for {', '.join(members)}"
-                raise self.refuse(name, message, got=f"{len(view)} values")
+                self.at(name).refuse(message, got=f"{len(view)} values")
         views = [
             np.zeros(len(members)) if v is None else np.array(v) for v in (self.side, self.top)
         ]
@@ -77,26 +81,38 @@ class GeometryTable(Table):
     def layout(self, lengths: Sequence[float | None], *, reference: Layout | None = None) -> Layout:
         """Return the layout; what a state leaves out is as in the reference layout.
 
+        Only points can do without a length.
+
         Raises
         ------
         Spoilt
             With the problem noted, if the line cannot run like this.
         """
         if self.points is not None:
-            return self._through_points(self.points, lengths, reference)
+            layout = self._through_points(self.points, lengths, reference)
+        else:
+            layout = self._along_slopes(np.array(lengths, dtype=float), reference)
+        cosines = (layout.directions[:-1] * layout.directions[1:]).sum(-1)
+        for k, cosine in enumerate(cosines, 1):
+            if not cosine > _COSINE:
+                name = next(n for n in ("slopes", "joint_angles", "points") if self.has(n))
+                message = f"joint {k} would bend by {np.arccos(cosine) / deg:.0f} deg"
+                self.at(name).refuse(
+                    message, f"a joint bends by less than {SHARPEST / deg:.0f} deg"
+                )
+        return layout
+
+    def _along_slopes(self, lengths: FloatArray, reference: Layout | None) -> Layout:
         for name in ("pinion_slope", *(() if self.joint_angles else ("gearbox_slope",))):
             if self.has(name):
                 hint = "the slopes hold it already" if self.slopes else "the joint angles give it"
-                raise self.refuse(name, "stands beside points alone", hint)
-        if None in lengths:
-            k = list(lengths).index(None) + 1
-            raise self.refuse("", f"the length of shaft {k} is missing", "give length_mm or points")
+                self.at(name).refuse("stands beside points alone", hint)
         shafts = [f"shaft {k}" for k in range(1, len(lengths) + 1)]
         if self.slopes is not None:
             side, top = self.slopes.angles("gearbox", *shafts, "pinion")
         else:
             side, top = self._summed(len(lengths) + 1, reference)
-        layout = from_slopes(side=side, top=top, lengths=np.array(lengths, dtype=float))
+        layout = from_slopes(side=side, top=top, lengths=lengths)
         if reference is None:
             return layout
         return Layout(points=layout.points + reference.points[0], directions=layout.directions)
@@ -112,7 +128,7 @@ class GeometryTable(Table):
         steepest = max(np.abs(side).max(), np.abs(top).max())
         if not steepest < STEEP:
             message = f"the angles add up to a member sloping {steepest / deg:.1f} deg"
-            raise self.refuse("joint_angles", message, f"slopes stay below {STEEP / deg:.0f} deg")
+            self.at("joint_angles").refuse(message, f"slopes stay below {STEEP / deg:.0f} deg")
         return side, top
 
     def _through_points(
@@ -123,12 +139,12 @@ class GeometryTable(Table):
     ) -> Layout:
         if len(points) != len(lengths) + 1:
             message = f"must hold {len(lengths) + 1} joint centres, one more than shafts"
-            raise self.refuse("points", message, got=f"{len(points)} points")
+            self.at("points").refuse(message, got=f"{len(points)} points")
         steps = np.diff(np.array(points), axis=0)
         for k, step in enumerate(steps, 1):
-            if not step[0] > np.hypot(step[1], step[2]) / np.tan(STEEP):
+            if not step[0] > max(CLOSE, np.hypot(step[1], step[2]) / np.tan(STEEP)):
                 message = f"x must rise from joint {k} to joint {k + 1}: it runs along the line"
-                raise self.refuse("points", message, got=f"{step[0] / mm:g} mm")
+                self.at("points", k + 1).refuse(message, got=f"a rise of {step[0] / mm:g} mm")
         ends: list[FloatArray] = []
         for name, end in (("gearbox_slope", 0), ("pinion_slope", -1)):
             slope: tuple[float, float] | None = getattr(self, name)
@@ -138,7 +154,7 @@ class GeometryTable(Table):
                 ends.append(reference.directions[end])
             else:
                 hint = f"{name}: {{side_deg: 3.0, top_deg: 0.0}}"
-                raise self.refuse("points", f"points need a {name} beside them", hint)
+                self.at("points").refuse(f"points need a {name} beside them", hint)
         layout = from_points(points, gearbox=ends[0], pinion=ends[1])
         self._compare(lengths, layout, reference)
         return layout
@@ -150,12 +166,11 @@ class GeometryTable(Table):
         slides = len(lengths) if reference is not None else 0
         for k, (given, between) in enumerate(zip(lengths, layout.lengths, strict=True), 1):
             if given is not None and k != slides and not abs(given - between) <= CLOSE:
-                raise self.refuse(
-                    "points",
+                message = (
                     f"put joints {k} and {k + 1} {between / mm:.1f} mm apart, but shaft {k} is "
-                    f"{given / mm:g} mm long",
-                    "correct the points or the length",
+                    f"{given / mm:g} mm long"
                 )
+                self.at("points").refuse(message, "correct the points or the length")
 
 
 class StateGeometryTable(GeometryTable):
@@ -169,6 +184,6 @@ class StateGeometryTable(GeometryTable):
         """Return the layout of a line in this state."""
         if self.last_length is not None:
             if self.points is not None:
-                raise self.refuse("last_length", "the points give this already")
+                self.at("last_length").refuse("the points give this already")
             lengths = [*lengths[:-1], self.last_length]
         return self.layout(lengths, reference=reference)

@@ -1,21 +1,45 @@
 """A line of a file: shafts, joints, axle, and what a correction may move."""
 
 from collections.abc import Iterator
+from math import isclose, pi
 from typing import Annotated, Any, Literal, TypeAlias
 
 from cardan.base.units import deg, mm
 from cardan.files import measure
 from cardan.files.catalogue import AJoint, ATube
-from cardan.files.document import Node, Scalar
+from cardan.files.document import Scalar, number
 from cardan.files.geometry import GeometryTable
 from cardan.files.measure import (
-    Distance, Factor, Friction, Inertia, Mass, Share, ShaftLength, Size, Stiffness, Turn,
+    Distance,
+    Factor,
+    Friction,
+    Inertia,
+    Mass,
+    ShaftLength,
+    Share,
+    Size,
+    Stiffness,
+    Turn,
 )  # fmt: skip
 from cardan.files.table import (
-    ListOf, MapOf, Number, OneOf, Reading, Rule, Schema, Spoilt, Table, TableRule, Whole, key, nearest,
+    Here,
+    ListOf,
+    MapOf,
+    Number,
+    OneOf,
+    Rule,
+    Schema,
+    Spoilt,
+    Table,
+    TableRule,
+    Whole,
+    each,
+    key,
+    nearest,
 )  # fmt: skip
 from cardan.files.vehicle import AnAxle, APlace, ASuspension
 from cardan.model.application import Adjustable, Installed
+from cardan.model.layout import Layout
 from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Spline
 from cardan.model.vehicle import Axle, Drives
 
@@ -37,7 +61,7 @@ class CentreBearingTable(Table):
         vertical, lateral = self.vertical_stiffness, self.lateral_stiffness
         if (vertical is None) != (lateral is None):
             missing = "lateral" if lateral is None else "vertical"
-            raise self.refuse("", f"{missing}_stiffness_N_mm is missing beside the other one")
+            self.at().refuse(f"{missing}_stiffness_N_mm is missing beside the other one")
         pair = (vertical, lateral) if vertical and lateral else None
         if self.stiffness is not None:
             pair = (self.stiffness, self.stiffness)
@@ -71,18 +95,21 @@ class BalanceGrade(Rule):
 
     one, many = "a balance grade like G40", "balance grades"
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> float:
-        """Return the grade as the standard prints it, mm/s."""
-        if isinstance(node, Scalar):
-            bare = Scalar(node.text.removeprefix("G"), node.line, node.column).value
-            if isinstance(bare, (int, float)) and 0 < bare <= 4000:
-                return float(bare)
-        raise self.refused(node, at, reading)
+    json: Schema = {  # noqa: RUF012  read only
+        "anyOf": [
+            {"type": "number", "exclusiveMinimum": 0, "maximum": 4000},
+            {"type": "string", "pattern": "^G[0-9]+([.][0-9]*)?$"},
+        ]
+    }
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        """Return the schema of a number or a text."""
-        number = {"type": "number", "exclusiveMinimum": 0, "maximum": 4000}
-        return {"anyOf": [number, {"type": "string", "pattern": "^G?[0-9.]+$"}]}
+    def read(self, here: Here) -> float:
+        """Return the grade as the standard prints it, mm/s."""
+        node = here.node
+        text = node.text.removeprefix("G") if isinstance(node, Scalar) else ""
+        bare = number(Scalar(text, node.line, node.column))[0]
+        if bare is None or not 0 < bare <= 4000:
+            self.refuse(here)
+        return bare
 
 
 _ENDS = ListOf(Number(*measure.MASSES, least=0), "front", "rear")
@@ -98,10 +125,9 @@ class ShaftTable(Table):
         "what the shaft hangs on; every shaft but the last needs one", default=None
     )
     spline: Annotated[Spline, SplineTable] | None = key("the sliding spline", default=None)
-    yoke_mass: (
-        Mass
-        | Annotated[tuple[float, ...], ListOf(Number(*measure.MASSES, least=0), "front", "rear")]
-    ) = key("beyond the tube, at each end or [front, rear]", default=0.0)
+    yoke_mass: Mass | Annotated[tuple[float, float], _ENDS] = key(
+        "beyond the tube, at each end or [front, rear]", default=0.0
+    )
     yoke_inertia: Inertia = key("of both yokes together, about the axis", default=0.0)
     polar_inertia: Inertia | None = key(
         "of the whole shaft, in place of tube and yokes", default=None
@@ -112,6 +138,10 @@ class ShaftTable(Table):
 
     def build(self) -> "ShaftTable":
         """Return this table, its parts tried: the line knows the lengths points give."""
+        written = self.phase / deg
+        if any(isclose(abs(written), k * pi / 4, rel_tol=1e-3) for k in (1, 2, 3, 4)):
+            odd = f"{written:g} deg looks like {written / deg:.0f} deg in radians"
+            self.at("phase").warn(odd, "did you mean phase_rad?")
         if self.length is not None:
             self.shaft(self.length)
         return self
@@ -161,14 +191,10 @@ class AdjustTable(Table):
         """Return what may move of a line."""
         found = tuple(self._found(line))
         held = {f"{a.what} {a.part}" for a in found} | {a.what for a in found}
-        for name in self.hold:
+        for k, name in enumerate(self.hold, 1):
             if name not in held:
-                self.refuse(
-                    "hold",
-                    "nothing of this name has a range",
-                    nearest(name, sorted(held)),
-                    got=name,
-                )
+                hint = nearest(name, sorted(held))
+                self.at("hold", k).note("nothing of this name has a range", hint, got=name)
         return found
 
     def _found(self, line: Line) -> Iterator[Adjustable]:
@@ -189,11 +215,10 @@ class AdjustTable(Table):
         low, high = moves
         if part > count:
             of = "shaft" if what == "phase" else "centre bearing"
-            self.refuse(what, f"line {line} has {count} {of}s", got=f"{of} {part}")
+            self.at(what).note(f"line {line} has no {of} {part}", f"its last is {of} {count}")
         elif not low <= 0 <= high or low == high:
             worth = deg if what in ("shim", "phase") else mm
-            self.refuse(
-                what,
+            self.at(what).note(
                 "must reach from 0 or less to 0 or more: ranges count from where the part is",
                 got=f"[{low / worth:g}, {high / worth:g}]",
             )
@@ -242,8 +267,8 @@ class LineTable(GeometryTable):
 
     def installed(self, name: str, *, axle: Axle | None) -> Installed:
         """Return the line as installed, in SI; `axle` is the vehicle's, if it has none."""
-        self._hang()
-        layout = self.layout([s.length for s in self.shafts])
+        checked: list[Any] = each((self._complete, self._laid_out, self._sizes))
+        layout: Layout = checked[1]
         shafts = [
             table.shaft(float(length) if table.length is None else table.length)
             for table, length in zip(self.shafts, layout.lengths, strict=True)
@@ -252,7 +277,7 @@ class LineTable(GeometryTable):
             lambda: Line(
                 name=name,
                 shafts=tuple(shafts),
-                joints=self._sizes(len(shafts) + 1),
+                joints=checked[2],
                 axial_freedom=self.axial_freedom,
                 gearbox_bearing_spacing=self.gearbox_bearing_spacing,
                 gearbox_bearing_overhang=self.gearbox_bearing_overhang,
@@ -274,29 +299,37 @@ class LineTable(GeometryTable):
             )
         )
 
-    def _hang(self) -> None:
-        """Refuse a shaft that hangs on nothing, and a last one that hangs on something."""
+    def _laid_out(self) -> Layout:
+        lengths = [s.length for s in self.shafts]
+        if self.points is None and None in lengths:
+            raise Spoilt  # noted elsewhere
+        return self.layout(lengths)
+
+    def _complete(self) -> None:
+        """Refuse shafts without a length, hanging on nothing, or a last one that hangs."""
         *hung, last = self.shafts
-        problems = list[Spoilt]()
+        for shaft in self.shafts:
+            if shaft.length is None and self.points is None:
+                shaft.at().note("length_mm is missing: joint centre to joint centre")
         for k, shaft in enumerate(hung, 1):
             if shaft.centre_bearing is None:
                 hint = "give centre_bearing: {from_rear_joint_mm: ...}"
                 message = f"shaft {k} of {len(self.shafts)} needs a centre bearing"
-                problems.append(shaft.refuse("", message, hint))
+                shaft.at().note(message, hint)
         if last.centre_bearing is not None:
             hint = "it runs between two joints; add the shaft behind it, or remove this"
-            message = "the last shaft hangs on no bearing"
-            problems.append(last.refuse("centre_bearing", message, hint))
-        if problems:
-            raise problems[0]
+            last.at("centre_bearing").note("the last shaft hangs on no bearing", hint)
+        if last.centre_bearing or not all(s.centre_bearing for s in hung):
+            raise Spoilt
 
-    def _sizes(self, count: int) -> tuple[JointSize | None, ...]:
+    def _sizes(self) -> tuple[JointSize | None, ...]:
         """Return the size of every joint."""
+        count = len(self.shafts) + 1
         if self.joints is None:
             return ()
         if isinstance(self.joints, JointSize):
             return (self.joints,) * count
         if len(self.joints) != count:
             message = f"must hold {count} joints, one more than shafts"
-            raise self.refuse("joints", message, got=f"{len(self.joints)} joints")
+            self.at("joints").refuse(message, got=f"{len(self.joints)} joints")
         return self.joints

@@ -64,7 +64,7 @@ Stiffness: TypeAlias = Annotated[float, Number("N_mm", "kN_m", "N_m", "lbf_in", 
 WindupStiffness: TypeAlias = Annotated[float, Number("kNm_deg", "Nm_deg", "Nm_rad", above=0)]
 PitchRate: TypeAlias = Annotated[float, Number(worth={"deg_mm": deg / mm, "rad_m": 1.0})]
 Inertia: TypeAlias = Annotated[float, Number("kgm2", least=0)]
-SpeedAngle: TypeAlias = Annotated[float, Number(worth={"deg_min": rpm * deg}, above=0)]
+SpeedAngle: TypeAlias = Annotated[float, Number("deg_min", above=0)]
 """Speed times joint angle; catalogues' deg/min are rpm times degrees. SI: rad²/s."""
 
 Stiff: TypeAlias = Annotated[float, Number("GPa", "MPa", "psi", above=0, usual=(1e9, 1e12))]

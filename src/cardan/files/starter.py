@@ -45,7 +45,7 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
         if replace:
             part.replace(path)
         else:
-            os.link(part, path)  # unlike a rename it fails where there is a file already
+            _appear(part, path)
     except FileExistsError:
         problem = Problem(message="is there already", hint="choose another name, or replace it")
         raise BadFile(str(path), (problem,)) from None
@@ -55,3 +55,15 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
     finally:
         part.unlink(missing_ok=True)
     return path
+
+
+def _appear(part: Path, path: Path) -> None:
+    """Let a finished file appear under its name, unless there is one already."""
+    try:
+        os.link(part, path)  # unlike a rename it fails where there is a file
+    except FileExistsError:
+        raise
+    except OSError:  # a disk without links, like a memory stick's
+        if path.exists():
+            raise FileExistsError(path) from None
+        part.replace(path)

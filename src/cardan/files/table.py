@@ -3,8 +3,6 @@
 A table is a class whose annotations say how its entries are read:
 
     class TubeTable(Table):
-        \"""A round tube.\"""
-
         outer: Size = key("outside diameter")
         wall: Size = key("wall thickness")
 
@@ -15,15 +13,15 @@ A table is a class whose annotations say how its entries are read:
 `outer_in`, one of them; inside it is SI. From the same declaration come the reader, its
 errors with line, column and advice, and the JSON Schema that editors use. An annotation
 `Annotated[Tube, TubeTable]` is a nested table that has become a tube by the time the outer
-table is built, so every part is tried on its own and a file's errors are found all at once.
+table is built, so every part is tried by itself and a file's errors are found all at once.
 
-Annotations understood: float, int, str, bool, Literal, tuple, dict, Table classes, unions
-told apart by how YAML writes them, None for a key that may be left out, and Annotated with
-a `Rule` or table.
+Annotations understood: float, int, str, bool, Literal, tuple, dict, tables, unions told
+apart by how YAML writes them, None for a key that may be left out, and Annotated with a
+`Rule` or a table.
 """
 
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -32,6 +30,8 @@ from typing import (
     Any,
     ClassVar,
     Literal,
+    NoReturn,
+    TypeAlias,
     TypeVar,
     Union,
     cast,
@@ -42,13 +42,21 @@ from typing import (
 
 from cardan.base.errors import DesignError, Problem
 from cardan.base.units import UNITS
-from cardan.files.document import Mapping, Node, Scalar, Sequence, number
+from cardan.files.document import Mapping, Node, Scalar, Sequence, number, one_line
 
 T = TypeVar("T")
-Schema = dict[str, Any]
+Schema: TypeAlias = dict[str, Any]
 
 LARGE = 1e12
 """No number of a driveline is larger, in any unit; sums and products stay finite."""
+
+
+MANY = 100
+"""Problems in a file before reading it further helps nobody."""
+
+
+class Enough(Exception):  # noqa: N818  not an error of its own
+    """So much is wrong that the rest need not be read."""
 
 
 class Spoilt(Exception):  # noqa: N818  not an error of its own
@@ -57,68 +65,111 @@ class Spoilt(Exception):  # noqa: N818  not an error of its own
 
 @dataclass
 class Reading:
-    """What has come up while a file was read, and where its parts' names are looked up."""
+    """What comes up while a file is read, and where the names in it are looked up."""
 
     catalogue: Any = None
     folder: Path | None = None
     problems: list[Problem] = field(default_factory=list[Problem])
     warnings: list[Problem] = field(default_factory=list[Problem])
 
-    def refuse(self, node: Node, at: str, message: str, hint: str = "", *, got: str = "") -> Spoilt:
-        """Note a problem; raise what this returns where nothing sensible can follow."""
-        self.problems.append(_problem(node, at, message, hint, got))
-        return Spoilt()
 
-    def warn(self, node: Node, at: str, message: str, hint: str = "", *, got: str = "") -> None:
-        """Note what looks wrong but can be read."""
-        self.warnings.append(_problem(node, at, message, hint, got))
+@dataclass
+class Here:
+    """A place in the file: a node, the key that leads to it and the unit that key names."""
+
+    node: Node
+    at: str
+    reading: Reading
+    unit: str = ""
+
+    def inside(self, node: Node, name: str, unit: str | None = None) -> "Here":
+        """Return the place of an entry of this table."""
+        at = f"{self.at}.{name}" if self.at else name
+        return Here(node, at, self.reading, self.unit if unit is None else unit)
+
+    def item(self, node: Node, place: int) -> "Here":
+        """Return the place of an item of this list; places count from 1."""
+        return Here(node, f"{self.at}[{place}]", self.reading, self.unit)
+
+    def note(self, message: str, hint: str = "", *, got: str = "") -> None:
+        """Note what is wrong here, and go on."""
+        self.reading.problems.append(self._problem(message, hint, got))
+        if len(self.reading.problems) >= MANY:
+            raise Enough
+
+    def refuse(self, message: str, hint: str = "", *, got: str = "") -> NoReturn:
+        """Note what is wrong here, and give up what was to be read."""
+        self.note(message, hint, got=got)
+        raise Spoilt
+
+    def warn(self, message: str, hint: str = "") -> None:
+        """Note what looks wrong here but can be read."""
+        self.reading.warnings.append(self._problem(message, hint, ""))
+
+    def _problem(self, message: str, hint: str, got: str) -> Problem:
+        message, key, value, hint = map(one_line, (message, self.at, got, hint))
+        line, column = self.node.line, self.node.column
+        return Problem(message=message, key=key, value=value, hint=hint, line=line, column=column)
 
 
-def _problem(node: Node, at: str, message: str, hint: str, got: str) -> Problem:
-    return Problem(
-        message=message, hint=hint, key=at, value=got, line=node.line, column=node.column
-    )
-
-
-def nearest(name: str, names: "list[str] | tuple[str, ...]") -> str:
+def nearest(name: str, names: Iterable[str]) -> str:
     """Return advice on a name nobody knows: the nearest known one, or all there are."""
+    return _meant(name, names)[1]
+
+
+def _meant(name: str, names: Iterable[str]) -> tuple[str, str]:
     from difflib import get_close_matches  # needed in bad files alone
 
-    folded = {n.casefold(): n for n in reversed(names)}
+    folded = {n.casefold(): n for n in names}
     if close := get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.6):
-        return f"did you mean {folded[close[0]]}?"
-    if not names:
-        return "there are none"
-    shown = ", ".join(names[:20])
-    return f"there are: {shown}" + (f" and {len(names) - 20} more" if len(names) > 20 else "")
+        found = folded[close[0]]
+        return found, f"did you mean {found}?"
+    known = list(folded.values())
+    more = f" and {len(known) - 20} more" if len(known) > 20 else ""
+    return "", f"there are: {', '.join(known[:20])}{more}" if known else "there are none"
 
 
-# --------------------------------------------------------------------------- rules
+def each(tries: Iterable[Callable[[], T]]) -> list[T]:
+    """Return the results of all tries; if one is spoilt, only after the last was made."""
+    results: list[T] = []
+    spoilt = False
+    for attempt in tries:
+        try:
+            results.append(attempt())
+        except Spoilt:
+            spoilt = True
+    if spoilt:
+        raise Spoilt
+    return results
+
+
+# --- rules: how one entry is read ---------------------------------------------------------
 
 
 class Rule:
-    """How one kind of entry is read, and how a schema and an error name it."""
+    """How one kind of entry is read, and how errors and the schema describe it."""
 
     one: str = "a value"
     many: str = "values"
-    takes: type[Node] | tuple[type[Node], ...] = Scalar
+    takes: tuple[type[Node], ...] = (Scalar,)
     units: dict[str, float] = {}  # noqa: RUF012  SI values of the units a key may end in
     usual: tuple[float, float] | None = None
     """Magnitudes (SI) nobody wonders at; outside them a unit may be wrong."""
+    json: Schema = {}  # noqa: RUF012  read only
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Any:
+    def read(self, here: Here) -> Any:
         """Return what a node means, or note what is wrong and raise `Spoilt`."""
         raise NotImplementedError
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        """Return the JSON Schema of what is read; `defs` collects the tables in it."""
-        raise NotImplementedError
+    def schema(self, defs: Schema, unit: str) -> Schema:  # noqa: ARG002  for rules with parts
+        """Return the JSON Schema of a node; `defs` collects the tables in it."""
+        return self.json
 
-    def refused(self, node: Node, at: str, reading: Reading, hint: str = "") -> Spoilt:
-        """Note that a node is not what this rule reads."""
-        if isinstance(node, Scalar) and node.value is None:
-            return reading.refuse(node, at, f"has no value; it must be {self.one}", hint)
-        return reading.refuse(node, at, f"must be {self.one}", hint, got=node.brief)
+    def refuse(self, here: Here, hint: str = "") -> NoReturn:
+        """Note that a node is not what this rule reads, and give it up."""
+        if isinstance(here.node, Scalar) and here.node.value is None:
+            here.refuse(f"has no value; it must be {self.one}")
+        here.refuse(f"must be {self.one}", hint, got=here.node.brief)
 
 
 class Number(Rule):
@@ -135,94 +186,101 @@ class Number(Rule):
         usual: tuple[float, float] | None = None,
     ) -> None:
         self.units = worth or {u: UNITS[u] for u in units}
-        self.above, self.least, self.below, self.most = above, least, below, most
         self.usual = usual
-        self.one, self.many = f"a number{self._range('')}", f"numbers{self._range('')}"
+        self._above, self._least, self._below, self._most = above, least, below, most
+        self.one, self.many = f"a number{self._zero}", f"numbers{self._zero}"
 
-    def _range(self, unit: str) -> str:
-        """Say the bounds, in a unit."""
-        worth = self.units.get(unit, 1.0)
-        low = self.least if self.above is None else self.above
-        high = self.most if self.below is None else self.below
-        if not self.units.get(unit) and self.units and {low, high} - {None, 0.0}:
-            return ""  # bounds other than 0 cannot be said without the unit
-        words = [
-            ""
-            if low is None
-            else f"{'above' if self.above is not None else 'from'} {low / worth:g}",
-            ""
-            if high is None
-            else f"{'below' if self.below is not None else 'up to'} {high / worth:g}",
-        ]
-        if low is not None and high is None and self.least is not None:
-            words = [f"of {low / worth:g} or more"]
-        return "".join(f" {w}" for w in [" and ".join(w for w in words if w)] if w)
+    @property
+    def _zero(self) -> str:
+        """What can be said of the bounds without a unit."""
+        return " above 0" if self._above == 0 else " of 0 or more" if self._least == 0 else ""
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> float:
-        if not isinstance(node, Scalar):
-            raise self.refused(node, at, reading)
-        value, hint = number(node)
+    def read(self, here: Here) -> float:
+        """Return the number in SI."""
+        if not isinstance(here.node, Scalar):
+            self.refuse(here)
+        value, hint = number(here.node)
         if value is None:
-            raise self.refused(node, at, reading, hint)
+            self.refuse(here, hint)
         if not abs(value) < LARGE:
-            raise reading.refuse(node, at, f"must be within ±{LARGE:g}", got=node.brief)
-        si = value * self.units.get(unit, 1.0)
-        fits = (
-            (self.above is None or si > self.above)
-            and (self.least is None or si >= self.least)
-            and (self.below is None or si < self.below)
-            and (self.most is None or si <= self.most)
-        )
-        if not fits:
-            name = f" {unit}" if unit else ""
-            message = f"must be a number{self._range(unit)}{name}"
-            raise reading.refuse(node, at, message, got=node.brief)
-        return si
+            here.refuse(f"must be within ±{LARGE:g}", got=here.node.brief)
+        worth = self.units.get(here.unit, 1.0)
+        if not self._within(value * worth):
+            message = f"must be a number{self._range(worth)} {here.unit}".rstrip()
+            here.refuse(message, got=here.node.brief)
+        return value * worth
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
+    def _within(self, si: float) -> bool:
+        return (
+            (self._above is None or si > self._above)
+            and (self._least is None or si >= self._least)
+            and (self._below is None or si < self._below)
+            and (self._most is None or si <= self._most)
+        )
+
+    def _range(self, worth: float) -> str:
+        """Return the bounds in words, in a unit worth so much."""
+        words = [
+            f"{word} {bound / worth:g}"
+            for word, bound in (
+                ("above", self._above),
+                ("at least", self._least),
+                ("below", self._below),
+                ("at most", self._most),
+            )
+            if bound is not None
+        ]
+        of = " of" if self._above is None and self._least is not None else ""
+        return f"{of} {' and '.join(words)}" if words else ""
+
+    def schema(self, defs: Schema, unit: str) -> Schema:  # noqa: ARG002  it has no parts
+        """Return the schema with the bounds in the key's unit."""
         worth = self.units.get(unit, 1.0)
         bounds = {
-            "exclusiveMinimum": self.above, "minimum": self.least,
-            "exclusiveMaximum": self.below, "maximum": self.most,
-        }  # fmt: skip
+            "exclusiveMinimum": self._above,
+            "minimum": self._least,
+            "exclusiveMaximum": self._below,
+            "maximum": self._most,
+        }
         return {"type": "number"} | {
-            k: float(f"{b / worth:.12g}") for k, b in bounds.items() if b is not None
+            name: float(f"{bound / worth:.12g}")
+            for name, bound in bounds.items()
+            if bound is not None
         }
 
 
 class Whole(Rule):
-    """A whole number from `least` on."""
+    """A whole number from 1 on."""
 
-    def __init__(self, least: int = 1) -> None:
-        self.least = least
-        self.one, self.many = f"a whole number from {least}", f"whole numbers from {least}"
+    one, many = "a whole number from 1 on", "whole numbers from 1 on"
+    json: Schema = {"type": "integer", "minimum": 1}  # noqa: RUF012  read only
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> int:
-        value = node.value if isinstance(node, Scalar) else None
-        if not isinstance(value, int) or isinstance(value, bool) or not value >= self.least:
-            hint = number(node)[1] if isinstance(node, Scalar) else ""
-            raise self.refused(node, at, reading, hint)
+    def read(self, here: Here) -> int:
+        """Return the number."""
+        value = here.node.value
+        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+            self.refuse(here, number(here.node)[1] if isinstance(here.node, Scalar) else "")
         return value
-
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        return {"type": "integer", "minimum": self.least}
 
 
 class Text(Rule):
     """A text; a number will do, as it was written: joints are called 1810."""
 
     one, many = "a text", "texts"
+    json: Schema = {"type": ["string", "number"]}  # noqa: RUF012  read only
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> str:
-        value = node.value if isinstance(node, Scalar) else None
-        if not isinstance(node, Scalar) or value is None or not node.text.strip():
-            raise self.refused(node, at, reading)
+    def read(self, here: Here) -> Any:
+        """Return the text."""
+        return self.text(here)
+
+    def text(self, here: Here) -> str:
+        """Return the text as it was written."""
+        value = here.node.value
+        if not isinstance(here.node, Scalar) or value is None or not here.node.text.strip():
+            self.refuse(here)
         if isinstance(value, bool):
-            raise self.refused(node, at, reading, "put it in quotes if it is a name")
-        return node.text
-
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        return {"type": ["string", "number"]}
+            self.refuse(here, "put it in quotes if it is a name")
+        return here.node.text
 
 
 class Choice(Rule):
@@ -231,97 +289,92 @@ class Choice(Rule):
     def __init__(self, *names: str) -> None:
         self.names = names
         self.one = self.many = f"one of {', '.join(names)}"
+        self.json = {"enum": list(names)}
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> str:
-        if not isinstance(node, Scalar):
-            raise self.refused(node, at, reading)
-        if node.text not in self.names:
-            near = nearest(node.text, self.names)
-            raise self.refused(node, at, reading, near if near.startswith("did") else "")
-        return node.text
-
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        return {"enum": list(self.names)}
+    def read(self, here: Here) -> Any:
+        """Return the name."""
+        if not isinstance(here.node, Scalar):
+            self.refuse(here)
+        if here.node.text not in self.names:
+            found, hint = _meant(here.node.text, self.names)
+            self.refuse(here, hint if found else "")
+        return here.node.text
 
 
 class Flag(Rule):
     """True or false, in these words."""
 
     one, many = "true or false", "true or false"
+    json: Schema = {"type": "boolean"}  # noqa: RUF012  read only
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> bool:
-        value = node.value
+    def read(self, here: Here) -> bool:
+        """Return which of the two."""
+        value = here.node.value
         if not isinstance(value, bool):
-            said = node.text.casefold() if isinstance(node, Scalar) else ""
+            said = here.node.text.casefold() if isinstance(here.node, Scalar) else ""
             meant = {"yes": "true", "on": "true", "no": "false", "off": "false"}.get(said)
-            raise self.refused(node, at, reading, f"write {meant}" if meant else "")
+            self.refuse(here, f"write {meant}" if meant else "")
         return value
-
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        return {"type": "boolean"}
 
 
 class ListOf(Rule):
-    """A list; of a fixed length where `names` says what each item is."""
+    """A list; of a fixed length where `names` says what its items are."""
 
-    takes = Sequence
+    takes = (Sequence,)
 
-    def __init__(self, item: Rule, *names: str, least: int = 0) -> None:
-        self.item, self.names, self.least = item, names, least
-        self.units, self.usual = item.units, item.usual
-        count = f"{len(names)} {item.many}, [{', '.join(names)}]" if names else item.many
+    def __init__(self, of: Rule, *names: str, least: int = 0) -> None:
+        self.of, self.names, self._least = of, names, least
+        self.units, self.usual = of.units, of.usual
+        count = f"{len(names)} {of.many}, [{', '.join(names)}]" if names else of.many
         self.one, self.many = f"a list of {count}", f"lists of {count}"
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> tuple[Any, ...]:
-        if not isinstance(node, Sequence):
-            raise self.refused(node, at, reading)
-        if self.names and len(node.items) != len(self.names):
-            raise self.refused(node, at, reading)
-        if len(node.items) < self.least:
-            raise self.refused(node, at, reading, f"give at least {self.least}")
-        return tuple(
-            _all(
-                lambda n=item, k=k: self.item.read(n, f"{at}[{k}]", reading, unit)
-                for k, item in enumerate(node.items, 1)
-            )
-        )
+    def read(self, here: Here) -> Any:
+        """Return what its items mean."""
+        if not isinstance(here.node, Sequence):
+            self.refuse(here)
+        items = here.node.items
+        if self.names and len(items) != len(self.names):
+            self.refuse(here)
+        if len(items) < self._least:
+            self.refuse(here, f"give at least {self._least}")
+        places = [here.item(item, k) for k, item in enumerate(items, 1)]
+        return tuple(each(lambda p=p: self.of.read(p) for p in places))
 
     def schema(self, defs: Schema, unit: str) -> Schema:
-        size: Schema = {"minItems": self.least} if self.least else {}
+        """Return the schema of the list and its items."""
+        size: Schema = {"minItems": self._least} if self._least else {}
         if self.names:
             size = {"minItems": len(self.names), "maxItems": len(self.names)}
-        return {"type": "array", "items": self.item.schema(defs, unit), **size}
+        return {"type": "array", "items": self.of.schema(defs, unit), **size}
 
 
 class MapOf(Rule):
-    """A table whose keys are names the user chooses."""
+    """A table whose keys are names the user chooses, or numbers of parts."""
 
-    takes = Mapping
+    takes = (Mapping,)
 
-    def __init__(self, key: Rule, item: Rule) -> None:
-        self.key, self.item = key, item
-        self.units = item.units
-        self.one = f"a table from {key.one} to {item.one}"
-        self.many = f"tables from {key.one} to {item.one}"
+    def __init__(self, key: Rule, of: Rule) -> None:
+        self.key, self.of = key, of
+        self.units = of.units
+        self.one, self.many = f"a table from names to {of.many}", f"tables from names to {of.many}"
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> dict[Any, Any]:
-        if not isinstance(node, Mapping):
-            raise self.refused(node, at, reading)
+    def read(self, here: Here) -> Any:
+        """Return what its entries mean, by name."""
+        if not isinstance(here.node, Mapping):
+            self.refuse(here)
 
-        def entry(name: Scalar, value: Node) -> tuple[Any, Any]:
-            key, read = _all(
-                (
-                    lambda: self.key.read(name, f"{at}.{name.text}", reading, ""),
-                    lambda: self.item.read(value, f"{at}.{name.text}", reading, unit),
-                )
-            )
-            return key, read
+        def entry(name: Scalar, node: Node) -> tuple[Any, Any]:
+            places = here.inside(name, name.text), here.inside(node, name.text)
+            key, value = each((lambda: self.key.read(places[0]), lambda: self.of.read(places[1])))
+            return key, value
 
-        return dict(_all(lambda k=k, v=v: entry(k, v) for k, v in node.entries.values()))
+        return dict(each(lambda n=n, v=v: entry(n, v) for n, v in here.node.entries.values()))
 
     def schema(self, defs: Schema, unit: str) -> Schema:
-        return {"type": "object", "additionalProperties": self.item.schema(defs, unit)} | (
-            {"propertyNames": {"pattern": "^[0-9]+$"}} if isinstance(self.key, Whole) else {}
+        """Return the schema of the table and its entries."""
+        numbered = {"propertyNames": {"pattern": "^[1-9][0-9]*$"}}
+        return {"type": "object", "additionalProperties": self.of.schema(defs, unit)} | (
+            numbered if isinstance(self.key, Whole) else {}
         )
 
 
@@ -332,44 +385,29 @@ class OneOf(Rule):
         self.rules = rules
         self.units = next((r.units for r in rules if r.units), {})
         self.usual = next((r.usual for r in rules if r.usual), None)
-        self.takes = tuple(
-            t for r in rules for t in (r.takes if isinstance(r.takes, tuple) else (r.takes,))
-        )
-        self.one, self.many = (" or ".join(getattr(r, n) for r in rules) for n in ("one", "many"))
+        self.takes = tuple(node for r in rules for node in r.takes)
+        self.one = " or ".join(r.one for r in rules)
+        self.many = " or ".join(r.many for r in rules)
 
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Any:
-        for rule in self.rules:
-            if isinstance(node, rule.takes) and not (
-                isinstance(node, Scalar) and node.value is None
-            ):
-                return rule.read(node, at, reading, unit)
-        hint = number(node)[1] if isinstance(node, Scalar) else ""
-        raise self.refused(node, at, reading, hint)
+    def read(self, here: Here) -> Any:
+        """Return what the rule for this kind of node returns."""
+        fitting = (rule for rule in self.rules if isinstance(here.node, rule.takes))
+        rule = next(fitting, None)
+        if rule is None:
+            self.refuse(here, number(here.node)[1] if isinstance(here.node, Scalar) else "")
+        return rule.read(here)
 
     def schema(self, defs: Schema, unit: str) -> Schema:
+        """Return the schema of any of the rules."""
         return {"anyOf": [r.schema(defs, unit) for r in self.rules]}
 
 
-def _all(tries: "Iterator[Callable[[], T]] | tuple[Callable[[], T], ...]") -> list[T]:
-    """Return the results of all tries; if any is spoilt, only after the last was made."""
-    results: list[T] = []
-    spoilt = False
-    for attempt in tries:
-        try:
-            results.append(attempt())
-        except Spoilt:
-            spoilt = True
-    if spoilt:
-        raise Spoilt
-    return results
-
-
-# --------------------------------------------------------------------------- tables
+# --- tables: entries by name --------------------------------------------------------------
 
 _REQUIRED: Any = object()
 
 
-@dataclass(slots=True)
+@dataclass
 class _Key:
     says: str
     default: Any
@@ -380,9 +418,9 @@ def key(says: str, *, default: Any = _REQUIRED) -> Any:
     return _Key(says, default)
 
 
-@dataclass(slots=True)
+@dataclass
 class Entry:
-    """One entry of a table: its rule, and the keys it goes by with their units."""
+    """One entry of a table: how it is read, and the keys it goes by with their units."""
 
     name: str
     rule: Rule
@@ -398,85 +436,72 @@ class Entry:
     @property
     def told(self) -> str:
         """The keys, as advice: `length_mm, length_m or length_in`."""
-        return _or(list(self.keys))
+        *others, last = self.keys
+        return f"{', '.join(others)} or {last}" if others else last
+
+    def described(self, unit: str) -> str:
+        """Return what a schema says of it."""
+        said = f"{self.says}, {unit}" if unit else self.says
+        plain = isinstance(self.default, (str, float, int)) and not unit
+        return f"{said} (default {self.default})" if plain else said
 
 
-def _or(words: list[str]) -> str:
-    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
-
-
-@dataclass(slots=True)
-class _Here:
-    """Where a table stands in the file."""
-
-    node: Mapping
-    at: str
-    reading: Reading
-    used: dict[str, tuple[Scalar, Node]]
+Used: TypeAlias = dict[str, tuple[Scalar, Node]]
+"""The entries a table of the file gives: as which key, with which node."""
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(key,))
 class Table:
-    """A table of the file. Unknown keys are refused; its entries are never changed."""
+    """A table of the file. Unknown keys are refused; what was read is never changed."""
 
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """Entries of which a table needs exactly one."""
+    """Entries of which the table needs exactly one."""
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    _here: _Here
 
     def build(self) -> Any:
         """Return what the table describes; by default itself, for an outer table to use."""
         return self
 
-    # -- for `build`: what fits the declarations can still make no sense
+    # What fits the declarations can still make no sense. For `build`, and whoever uses it:
 
-    def refuse(self, name: str, message: str, hint: str = "", *, got: str = "") -> Spoilt:
-        """Note a problem at an entry, or at the whole table; raise the result to stop."""
-        return self._here.reading.refuse(*self._place(name), message, hint, got=got)
-
-    def refuse_item(
-        self, name: str, place: int, message: str, hint: str = "", *, got: str = ""
-    ) -> Spoilt:
-        """Note a problem at an item (counted from 0) of an entry that is a list."""
-        _, node = self._here.used[name]
-        item = node.items[place] if isinstance(node, Sequence) else node
-        at = f"{_joined(self._here.at, name)}[{place + 1}]"
-        return self._here.reading.refuse(item, at, message, hint, got=got)
-
-    def warn(self, name: str, message: str, hint: str = "", *, got: str = "") -> None:
-        """Note what looks wrong at an entry, or at the whole table."""
-        self._here.reading.warn(*self._place(name), message, hint, got=got)
+    def at(self, name: str = "", item: int | None = None) -> Here:
+        """Return the place of an entry, of one of its items from 1, or of the whole table."""
+        here, used = self._place
+        if name not in used:
+            return here
+        written, node = used[name]
+        if item is not None and isinstance(node, Sequence):
+            return here.inside(node, written.text).item(node.items[item - 1], item)
+        return here.inside(node if isinstance(node, Scalar) else written, written.text)
 
     def has(self, name: str) -> bool:
         """Whether the file gives an entry."""
-        return name in self._here.used
+        return name in self._place[1]
 
     def attempt(self, make: Callable[[], T]) -> T:
-        """Return what `make` returns; a `DesignError` in it becomes a problem of the table."""
+        """Return what `make` returns; a `DesignError` becomes a problem of this table.
+
+        It is put at the entry that the error's message starts with, if it does with one.
+        """
         try:
             return make()
         except DesignError as error:
-            message = str(error)
-            named = [n for n in self.entries() if message.startswith(f"{n} ") and self.has(n)]
-            raise self.refuse(named[0] if named else "", message) from None
+            named = (n for n in self.entries() if str(error).startswith(f"{n} "))
+            self.at(next(named, "")).refuse(str(error))
 
-    def _place(self, name: str) -> tuple[Node, str]:
-        here = self._here
-        if name not in here.used:
-            return here.node, here.at
-        written, node = here.used[name]
-        at = _joined(here.at, written.text)
-        return (node, at) if isinstance(node, Scalar) else (written, at)
+    @property
+    def _place(self) -> tuple[Here, Used]:
+        return self.__dict__["_read_at"]
 
-    # -- from the declarations
+    # From the declarations:
 
     @classmethod
     @cache
     def entries(cls) -> dict[str, Entry]:
         """Return the declared entries by name."""
         found: dict[str, Entry] = {}
-        for owner in reversed(cls.__mro__):
-            for name, annotation in _annotations(owner).items():
+        for owner in reversed(cls.__mro__[:-1]):
+            for name, annotation in owner.__annotations__.items():
                 declared = owner.__dict__.get(name)
                 if isinstance(declared, _Key):
                     rule = rule_of(annotation)
@@ -492,76 +517,72 @@ class Table:
         return {k: (e, u) for e in cls.entries().values() for k, u in e.keys.items()}
 
     @classmethod
-    def read(cls, node: Node, at: str, reading: Reading) -> Any:
+    def read(cls, here: Here) -> Any:
         """Return what a node of the file describes; note everything wrong with it."""
-        if not isinstance(node, Mapping):
-            raise TableRule(cls).refused(node, at, reading)
-        used: dict[str, tuple[Scalar, Node]] = {}
+        if not isinstance(here.node, Mapping):
+            TableRule(cls).refuse(here)
+        before, spoilt = len(here.reading.problems), False
+        used: Used = {}
         values: dict[str, Any] = {}
-        guessed: set[str] = set()
-        spoilt = False
-        for written, child in node.entries.values():
+        meant: set[str] = set()
+        for written, node in here.node.entries.values():
             entry, unit = cls.keys().get(written.text, (None, ""))
-            path = _joined(at, written.text)
             if entry is None:
-                spoilt = True
-                guessed |= _unknown(cls, written, child, path, reading)
+                guess, hint = _advice(cls, written.text, node)
+                meant.add(guess)
+                here.inside(written, written.text).note("unknown key", hint)
             elif entry.name in used:
-                spoilt = True
-                before = used[entry.name][0].text
-                reading.refuse(written, path, f"{before} gives this already", "keep one of them")
+                first = used[entry.name][0].text
+                message = f"{first} gives this already"
+                here.inside(written, written.text).note(message, "keep one of them")
             else:
-                used[entry.name] = written, child
+                used[entry.name] = written, node
+                place = here.inside(node, written.text, unit)
                 try:
-                    values[entry.name] = entry.rule.read(child, path, reading, unit)
+                    values[entry.name] = entry.rule.read(place)
+                    _doubt(entry, values[entry.name], place)
                 except Spoilt:
                     spoilt = True
-                else:
-                    _doubt(entry, unit, values[entry.name], child, path, reading)
-        spoilt |= cls._lacking(node, at, reading, set(used), guessed)
-        if spoilt:
+        cls._hold_together(here, used, meant)
+        if spoilt or len(here.reading.problems) > before:
             raise Spoilt
         table = cls.__new__(cls)
         for entry in cls.entries().values():
             table.__dict__[entry.name] = values.get(entry.name, entry.default)
-        table.__dict__["_here"] = _Here(node, at, reading, used)
-        before = len(reading.problems)
+        table.__dict__["_read_at"] = here, used
         made = table.attempt(table.build)
-        if len(reading.problems) > before:
+        if len(here.reading.problems) > before:
             raise Spoilt
         return made
 
     @classmethod
-    def _lacking(
-        cls, node: Node, at: str, reading: Reading, used: set[str], guessed: set[str]
-    ) -> bool:
+    def _hold_together(cls, here: Here, used: Used, meant: set[str]) -> None:
         """Note which keys are missing, and which exclude each other."""
-        count, entries = len(reading.problems), cls.entries()
+        entries = cls.entries()
         for entry in entries.values():
-            if entry.required and entry.name not in used | guessed:
-                reading.refuse(node, at, f"{entry.told} is missing", f"it is {entry.says}")
+            if entry.required and entry.name not in {*used, *meant}:
+                here.note(f"{entry.told} is missing: {entry.says}")
         for names in cls.one_of + cls.at_most_one_of:
-            given = [n for n in names if n in used]
-            told = _or([" or ".join(entries[n].keys) for n in names])
+            given = sorted((used[n][0] for n in names if n in used), key=_in_order)
             if len(given) > 1:
-                clash = " and ".join(_keys_in(node, entries[n]) for n in given)
-                reading.refuse(node, at, f"{clash} exclude each other", "keep one of them")
-            elif not given and names in cls.one_of and not guessed & set(names):
-                reading.refuse(node, at, f"needs {told}")
-        return len(reading.problems) > count
+                message = f"{given[0].text} and {given[1].text} exclude each other"
+                here.inside(given[1], given[1].text).note(message, "keep one of them")
+            elif not given and names in cls.one_of and not meant & set(names):
+                *others, last = (next(iter(entries[n].keys)) for n in names)
+                here.note(f"needs {', '.join(others)} or {last}")
 
     @classmethod
     def schema(cls, defs: Schema) -> Schema:
-        """Return a reference to this table's JSON Schema, which goes to `defs`."""
+        """Return a reference to this table's JSON Schema, which goes into `defs`."""
         name = cls.__name__.removesuffix("Table")
         if name not in defs:
-            defs[name] = {}  # now, so that a table may hold itself
+            defs[name] = {}  # at once, so that a table may hold itself
             defs[name] = {
                 "type": "object",
-                "description": (cls.__doc__ or "").split("\n\n")[0].replace("\n    ", " "),
+                "description": " ".join((cls.__doc__ or "").split("\n\n")[0].split()),
                 "additionalProperties": False,
                 "properties": {
-                    k: {"description": _described(e, u), **e.rule.schema(defs, u)}
+                    k: {"description": e.described(u), **e.rule.schema(defs, u)}
                     for k, (e, u) in cls.keys().items()
                 },
                 **_demands(cls),
@@ -569,73 +590,44 @@ class Table:
         return {"$ref": f"#/$defs/{name}"}
 
 
-def _joined(at: str, name: str) -> str:
-    return f"{at}.{name}" if at else name
+class TableRule(Rule):
+    """A table, and what it becomes."""
+
+    takes = (Mapping,)
+
+    def __init__(self, table: type[Table]) -> None:
+        self.table = table
+        keys = [next(iter(e.keys)) for e in table.entries().values()]
+        self.one = f"a table with {', '.join(keys[:6])}{', ...' if len(keys) > 6 else ''}"
+        self.many = f"tables{self.one.removeprefix('a table')}"
+
+    def read(self, here: Here) -> Any:
+        """Return what the table becomes."""
+        return self.table.read(here)
+
+    def schema(self, defs: Schema, unit: str) -> Schema:  # noqa: ARG002  tables have no unit
+        """Return a reference to the table's schema."""
+        return self.table.schema(defs)
 
 
-def _keys_in(node: Node, entry: Entry) -> str:
-    """The key an entry was given by."""
-    given = node.entries if isinstance(node, Mapping) else {}
-    return next(k for k in entry.keys if k in given)
-
-
-def _described(entry: Entry, unit: str) -> str:
-    default = entry.default
-    said = "" if default is None or entry.required or unit else f" (default {_shown(default)})"
-    return f"{entry.says}{f', {unit}' if unit else ''}{said}"
-
-
-def _shown(default: Any) -> str:
-    return f"{default:g}" if isinstance(default, float) else str(default)
+def _in_order(node: Node) -> tuple[int, int]:
+    return node.line, node.column
 
 
 def _demands(cls: type[Table]) -> Schema:
-    """What a schema says of keys that are needed or exclude each other."""
+    """Return what a schema says of keys that are needed or exclude each other."""
     entries = cls.entries()
 
     def given(*names: str) -> list[Schema]:
         return [{"required": [k]} for n in names for k in entries[n].keys]
 
     needed = [k for e in entries.values() if e.required and len(e.keys) == 1 for k in e.keys]
-    groups: list[Schema] = [
-        {"oneOf": given(e.name)} for e in entries.values() if e.required and len(e.keys) > 1
-    ]
-    groups += [{"oneOf": given(*names)} for names in cls.one_of]
-    once = [(e.name,) for e in entries.values() if not e.required and len(e.keys) > 1]
-    grouped = {n for names in (*cls.one_of, *cls.at_most_one_of) for n in names}
-    for names in (*cls.at_most_one_of, *(o for o in once if o[0] not in grouped)):
-        groups.append({"oneOf": [*given(*names), {"not": {"anyOf": given(*names)}}]})
+    several = [e for e in entries.values() if len(e.keys) > 1]
+    exactly = [(e.name,) for e in several if e.required] + list(cls.one_of)
+    at_most = [(e.name,) for e in several if not e.required] + list(cls.at_most_one_of)
+    groups: list[Schema] = [{"oneOf": given(*names)} for names in exactly]
+    groups += [{"oneOf": [*given(*names), {"not": {"anyOf": given(*names)}}]} for names in at_most]
     return ({"required": needed} if needed else {}) | ({"allOf": groups} if groups else {})
-
-
-class TableRule(Rule):
-    """A table, and what it becomes."""
-
-    takes = Mapping
-
-    def __init__(self, table: type[Table]) -> None:
-        self.table = table
-
-    @property
-    def one(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
-        keys = [next(iter(e.keys)) for e in self.table.entries().values()]
-        return f"a table with {', '.join(keys[:6])}{', ...' if len(keys) > 6 else ''}"
-
-    @property
-    def many(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
-        return "tables" + self.one.removeprefix("a table")
-
-    def read(self, node: Node, at: str, reading: Reading, unit: str) -> Any:
-        return self.table.read(node, at, reading)
-
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        return self.table.schema(defs)
-
-
-def _annotations(owner: type) -> dict[str, Any]:
-    return (
-        cast("dict[str, Any]", getattr(owner, "__annotations__", {})) if owner is not object else {}
-    )
 
 
 @cache
@@ -643,12 +635,7 @@ def rule_of(annotation: Any) -> Rule:
     """Return the rule an annotation stands for."""
     origin, args = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        for said in args[1:]:
-            if isinstance(said, Rule):
-                return said
-            if isinstance(said, type) and issubclass(said, Table):
-                return TableRule(said)
-        return rule_of(args[0])
+        return next((r for r in map(_as_rule, args[1:]) if r), None) or rule_of(args[0])
     if origin in (Union, types.UnionType):
         rules = [rule_of(a) for a in args if a is not type(None)]
         return rules[0] if len(rules) == 1 else OneOf(*rules)
@@ -658,77 +645,72 @@ def rule_of(annotation: Any) -> Rule:
         return ListOf(rule_of(args[0]))
     if origin is dict:
         return MapOf(rule_of(args[0]), rule_of(args[1]))
-    if isinstance(annotation, type) and issubclass(annotation, Table):
-        return TableRule(annotation)
-    return {float: Number, int: Whole, str: Text, bool: Flag}[annotation]()
+    plain: dict[Any, type[Rule]] = {float: Number, int: Whole, str: Text, bool: Flag}
+    return _as_rule(annotation) or plain[annotation]()
 
 
-# --------------------------------------------------------------------------- advice
+def _as_rule(said: Any) -> Rule | None:
+    if isinstance(said, type) and issubclass(said, Table):
+        return TableRule(said)
+    return said if isinstance(said, Rule) else None
 
 
-def _unknown(
-    cls: type[Table], written: Scalar, child: Node, path: str, reading: Reading
-) -> set[str]:
-    """Note a key nobody knows, with what may be meant; return the entry it may stand for."""
-    name = written.text
-    hint, meant = _advice(cls, name, child)
-    reading.refuse(written, path, "unknown key", hint)
-    return {meant} if meant else set()
+# --- advice -------------------------------------------------------------------------------
 
 
-def _advice(cls: type[Table], name: str, child: Node) -> tuple[str, str]:
+def _advice(cls: type[Table], name: str, node: Node) -> tuple[str, str]:
+    """Return the entry that an unknown key may stand for, and what to try instead."""
     keys, entries = cls.keys(), cls.entries()
-    empty = isinstance(child, Scalar) and child.value is None
-    if ":" in name and (found := name.split(":", 1)[0]) in keys:
-        return "put a space after the colon", keys[found][0].name
+    empty = isinstance(node, Scalar) and node.value is None
+    ahead = name.partition(":")[0]
+    if ahead != name and ahead in keys:
+        return keys[ahead][0].name, "put a space after the colon"
     if empty and name.isdigit():
-        return "is this a decimal comma? write a point", ""
+        return "", "numbers take a point before decimals and nothing between thousands"
     if name in entries:
-        return f"the key names its unit: write {entries[name].told}", name
+        return name, f"the key names its unit: write {entries[name].told}"
     if same := [k for k in keys if k.casefold() == name.casefold()]:
-        return f"write {same[0]}", keys[same[0]][0].name
-    stems = [e for e in entries.values() if len(e.keys) > 1 and name.startswith(f"{e.name}_")]
-    if stems:
-        return f"its unit must be one of these: write {stems[0].told}", stems[0].name
+        return keys[same[0]][0].name, f"write {same[0]}"
     for entry in entries.values():
-        for inner in _tables_in(entry.rule):
-            if name in inner.keys():  # noqa: SIM118  a method, not a dict
-                return f"it belongs in {next(iter(entry.keys))}", ""
-    near = nearest(name, list(keys))
-    if near.startswith("did"):
-        return near, keys[near[len("did you mean ") : -1]][0].name
-    return near, ""
+        if len(entry.keys) > 1 and name.startswith(f"{entry.name}_"):
+            return entry.name, f"not in this unit: write {entry.told}"
+    for entry in entries.values():
+        if any(name in table.keys() for table in _tables_in(entry.rule)):  # noqa: SIM118
+            return "", f"it belongs in {next(iter(entry.keys))}"
+    found, hint = _meant(name, keys)
+    return (keys[found][0].name if found else ""), hint
 
 
 def _tables_in(rule: Rule) -> list[type[Table]]:
-    """The tables that an entry may hold directly."""
+    """Return the tables that an entry may hold directly."""
     if isinstance(rule, TableRule):
         return [rule.table]
     if isinstance(rule, OneOf):
-        return [t for r in rule.rules for t in _tables_in(r)]
-    return _tables_in(rule.item) if isinstance(rule, (ListOf, MapOf)) else []
+        return [table for r in rule.rules for table in _tables_in(r)]
+    return _tables_in(rule.of) if isinstance(rule, (ListOf, MapOf)) else []
 
 
 def _numbers_in(value: Any) -> list[float]:
     if isinstance(value, float):
         return [value]
-    return [x for v in value for x in _numbers_in(v)] if isinstance(value, tuple) else []
+    items = cast("tuple[Any, ...]", value) if isinstance(value, tuple) else ()
+    return [x for item in items for x in _numbers_in(item)]
 
 
-def _doubt(entry: Entry, unit: str, value: Any, node: Node, path: str, reading: Reading) -> None:
+def _doubt(entry: Entry, value: Any, here: Here) -> None:
     """Warn where a number would be an everyday one in another unit.
 
     Of a list the largest number counts: small ones beside it are what they are.
     """
-    if not entry.rule.usual or not (numbers := _numbers_in(value)):
+    if entry.rule.usual is None:
         return
-    size = max(map(abs, numbers))
+    size = max(map(abs, _numbers_in(value)), default=0.0)
     low, high = entry.rule.usual
     if size == 0 or low <= size <= high:
         return
     worth = entry.rule.units
-    written = size / worth[unit]
-    fitting = [u for u in worth if low <= written * worth[u] <= high]
-    odd = f"{written:g} {unit} is unusually {'small' if size < low else 'large'}"
-    hint = f"did you mean {entry.name}_{fitting[0]}?" if fitting else "check the unit"
-    reading.warn(node, path, odd, hint)
+    written = size / worth[here.unit]
+    odd = f"{written:g} {here.unit} is unusually {'small' if size < low else 'large'}"
+    fits = [unit for unit in worth if low <= written * worth[unit] <= high]
+    stem = entry.name.rstrip("_")
+    here.warn(odd, f"did you mean {stem}_{fits[0]}?" if fits else "check the unit")

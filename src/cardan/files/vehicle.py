@@ -1,20 +1,43 @@
 """The vehicle of a file: engine, gearbox, axle, tyre, load states, suspension."""
 
-from collections.abc import Sequence
+from itertools import pairwise
 from math import atan
 from typing import Annotated, TypeAlias
 
 from cardan.base.units import deg
 from cardan.files import measure
 from cardan.files.measure import (
-    AxleLoad, Deflections, Efficiency, Forces, Friction, Length, Mass, Part,
-    PitchRate, Ratio, Size, Torque, TyreRadius, VehicleMass, Wheelbase,
+    AxleLoad,
+    Deflections,
+    Efficiency,
+    Forces,
+    Friction,
+    Length,
+    Mass,
+    Part,
+    PitchRate,
+    Ratio,
+    Size,
+    Torque,
+    TyreRadius,
+    VehicleMass,
+    Wheelbase,
     WindupStiffness,
 )  # fmt: skip
 from cardan.files.table import ListOf, Number, Table, Whole, key
 from cardan.model.vehicle import (
-    AuxiliaryAxle, Axle, Drive, Engine, Gearbox, Linkage, LoadState, Spring, Suspension,
-    SuspensionState, Tyre, Vehicle,
+    AuxiliaryAxle,
+    Axle,
+    Drive,
+    Engine,
+    Gearbox,
+    Linkage,
+    LoadState,
+    Spring,
+    Suspension,
+    SuspensionState,
+    Tyre,
+    Vehicle,
 )  # fmt: skip
 
 _CURVE = ListOf(Number(*measure.TORQUES, least=0, usual=(20, 200e3)), least=1)
@@ -22,11 +45,19 @@ _RATES = ListOf(Number("N_mm", "kN_m", "N_m", "lbf_in", above=0), least=1)
 _SPEEDS = ListOf(Number(*measure.SPEEDS, least=0, usual=(1, 2000)), least=1)
 
 
+def _rise(table: Table, **columns: tuple[float, ...]) -> None:
+    """Refuse a column of a table that does not rise."""
+    for name, values in columns.items():
+        for k, (a, b) in enumerate(pairwise(values), 2):
+            if not b > a:
+                table.at(name, k).refuse("must be above the value before it: these rise")
+
+
 class EngineTable(Table):
     """The engine at full load: one point, or a curve joined by straight lines."""
 
-    speed: measure.Speed | Annotated[tuple[float, ...], _SPEEDS] = key("rising")
-    torque: Torque | Annotated[tuple[float, ...], _CURVE] = key("at those speeds")
+    speed: measure.Speed | Annotated[tuple[float, ...], _SPEEDS] = key("speed, or speeds that rise")
+    torque: Torque | Annotated[tuple[float, ...], _CURVE] = key("torque at each speed")
     brake_torque: Torque = key("of engine brake or retarder, at the crankshaft", default=0.0)
 
     def build(self) -> Engine:
@@ -34,7 +65,8 @@ class EngineTable(Table):
         speed, torque = (v if isinstance(v, tuple) else (v,) for v in (self.speed, self.torque))
         if len(speed) != len(torque):
             message = f"must hold {len(speed)} values, one for each speed"
-            raise self.refuse("torque", message, got=f"{len(torque)} values")
+            self.at("torque").refuse(message, got=f"{len(torque)} values")
+        _rise(self, speed=speed)
         return Engine(speed=speed, torque=torque, brake_torque=self.brake_torque)
 
 
@@ -54,7 +86,7 @@ class GearboxTable(Table):
         """Return the gearbox."""
         ratios = self.ratios if isinstance(self.ratios, tuple) else (self.ratios,)
         if list(ratios) != sorted(ratios, reverse=True):
-            raise self.refuse("ratios", "must fall from the lowest gear to the highest")
+            self.at("ratios").refuse("must fall from the lowest gear to the highest")
         return Gearbox(
             ratios=ratios,
             efficiency=self.efficiency,
@@ -143,10 +175,9 @@ class LoadTable(Table):
         known = [self.has(n) for n in ("mass", "front_axle", "rear_axle")]
         by_mass, by_loads = known == [True, False, False], sum(known) == 2
         if self.has("cg_behind_front") != by_mass or not (by_mass or by_loads):
-            raise self.refuse(
-                "",
+            self.at().refuse(
                 "give mass_kg with cg_behind_front_mm, or two of mass_kg, front_axle_kg and "
-                "rear_axle_kg without it",
+                "rear_axle_kg without it"
             )
         self.named("")
         return self
@@ -178,7 +209,7 @@ class VehicleTable(Table):
         "slope of the road, rise over run, up positive", default=None
     )
     loads: dict[str, LoadTable] = key("by name: curb, empty, gvw, ...", default={})
-    front_axles: Annotated[int, Whole(1)] | None = key("two on an 8x, else one", default=None)
+    front_axles: Annotated[int, Whole()] | None = key("two on an 8x, else one", default=None)
     front_driven: bool | None = key("only where every axle is, if not said", default=None)
     auxiliary: tuple[Annotated[AuxiliaryAxle, AuxiliaryTable], ...] = key(
         "axles on air", default=()
@@ -216,28 +247,29 @@ class SpringTable(Table):
         """Return the spring in SI."""
         if self.load is not None:
             return self._from_table(self.load)
-        rates: Sequence[float] = self.rates or ()
+        rates = list(self.rates or ())
         if self.has("deflection"):
-            raise self.refuse("deflection", "stands beside load_N, not beside rates")
-        if len(rates) not in (1, 2):
-            raise self.refuse("rates", "must hold one rate or two", got=f"{len(rates)} rates")
+            self.at("deflection").refuse("stands beside load_N, not beside rates")
+        if not 1 <= len(rates) <= 2:
+            self.at("rates").refuse("must hold one rate or two", got=f"{len(rates)} rates")
         if (self.contact is None) != (len(rates) == 1):
             message = (
                 "contact_mm says where the second rate starts: two rates need it, one does not"
             )
-            raise self.refuse("contact" if self.contact else "rates", message)
+            self.at("contact" if self.contact else "rates").refuse(message)
         first = self.contact or 0.1
         second = first * rates[0] + first * rates[-1]
         return Spring(load=(0.0, first * rates[0], second), deflection=(0.0, first, 2 * first))
 
     def _from_table(self, load: tuple[float, ...]) -> Spring:
         if self.has("contact"):
-            raise self.refuse("contact", "stands beside rates, not beside a table")
+            self.at("contact").refuse("stands beside rates, not beside a table")
         if self.deflection is None:
-            raise self.refuse("", "deflection_mm is missing beside load_N")
+            self.at().refuse("deflection_mm is missing beside load_N")
         if len(self.deflection) != len(load):
             message = f"must hold {len(load)} values, one for each load"
-            raise self.refuse("deflection", message, got=f"{len(self.deflection)} values")
+            self.at("deflection").refuse(message, got=f"{len(self.deflection)} values")
+        _rise(self, load=load, deflection=self.deflection)
         return Spring(load=load, deflection=self.deflection, stated_rates=self.stated_rates)
 
 
@@ -269,12 +301,13 @@ class LinkageTable(Table):
         if self.travel:
             for name in ("angle", "pitch_rate"):
                 if self.has(name):
-                    raise self.refuse(name, "belongs to a link; the table says it all")
+                    self.at(name).refuse("belongs to a link; the table says it all")
         for name in ("dx", "pitch"):
             column: tuple[float, ...] = getattr(self, name)
             if self.has(name) and len(column) != len(self.travel):
                 message = f"must hold {len(self.travel)} values, one for each travel"
-                raise self.refuse(name, message, got=f"{len(column)} values")
+                self.at(name).refuse(message, got=f"{len(column)} values")
+        _rise(self, travel=self.travel)
         radius = self.radius
         if self.front_half_length is not None:
             radius = 0.75 * self.front_half_length
@@ -292,7 +325,7 @@ class SuspensionTable(Table):
     """What moves the axle: springs, linkage, wind-up."""
 
     spring: Annotated[Spring, SpringTable] = key("one spring")
-    springs_per_axle: Annotated[int, Whole(1)] = key("springs on one axle", default=2)
+    springs_per_axle: Annotated[int, Whole()] = key("springs on one axle", default=2)
     unsprung_mass: Mass = key("of one axle with its wheels", default=0.0)
     linkage: Annotated[Linkage, LinkageTable] = key("how the axle is guided", default=Linkage())
     windup_stiffness: WindupStiffness | None = key("of the axle in pitch", default=None)

@@ -25,7 +25,7 @@ SPICER = 3.3403e-6
 """rad/s² per rpm² deg², as Spicer's calculator prints it; exactly rpm² deg² = 3.3405e-6."""
 
 STARTS, STEPS = 8, 5
-"""Angles of half a turn to seek peaks from, at small phasors, and steps that reach them."""
+"""Angles of half a turn to seek peaks from, at small phasors; steps that reach them."""
 
 
 def tangent_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:
@@ -146,7 +146,7 @@ def excitation(turn: Turn, *, speed: ArrayLike, inertias: ArrayLike | None = Non
 
     def inertia(phasors: ComplexArray) -> tuple[EquivalentJoint, FloatArray | None]:
         angle = 2 * xp.sqrt(xp.abs(xp.sum(phasors, axis=-1)))
-        acceleration = speed**2 * _largest_sum(phasors, xp.ones(1))
+        acceleration = speed**2 * _largest_sum(phasors, xp.ones(phasors.shape[-1]))
         joint = EquivalentJoint(angle=angle, acceleration=acceleration)
         if inertias is None:
             return joint, None
@@ -334,21 +334,20 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
     whole way to it where the sum is a pure sine.
     """
     xp = namespace(phasors)
-    E, J = phasors[..., None], weights[..., None]
+    E, J = phasors[..., None], weights[..., None, :]
     # The larger a phasor, the narrower its peak; a single joint has no shafts at all.
-    size = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
-    starts = ceil(STARTS / (1 - size))
-    z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))
+    most = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
+    starts = ceil(STARTS / (1 - most))
+    z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))[None, :]
     largest = 0 * xp.real(z)
     for _ in range(STEPS):
-        x = E * z[..., None, :]
+        x = E * z
         p = x / (1 - x)
         g = p * (1 + p)
-        swing = xp.sum(J * xp.imag(g), axis=-2)
-        slope = xp.sum(J * xp.real(g * (1 + 2 * p)), axis=-2)
-        bend = xp.sum(J * xp.imag(g * (1 + 6 * g)), axis=-2)
-        step = xp.abs(bend) + 1j * slope * xp.sign(bend)
-        flat = xp.abs(step)
-        z = z * step / xp.where(flat == 0, 1.0, flat)
+        swing = J @ xp.imag(g)
+        slope = J @ xp.real(g * (1 + 2 * p))
+        bend = J @ xp.imag(g * (1 + 6 * g))
         largest = xp.maximum(largest, xp.abs(swing))
-    return 4 * xp.max(largest, axis=-1)
+        size = xp.sqrt(slope**2 + bend**2) + 1e-300  # a straight line has neither
+        z = z * (xp.abs(bend) / size + 1j * (slope / size * xp.sign(bend)))
+    return 4 * xp.max(largest, axis=(-2, -1))

@@ -53,7 +53,7 @@ def check(of: Check) -> dict[str, Any]:
         "part": of.part,
         "value": of.value / quantity.factor,
         "limit": of.bound / quantity.factor,
-        "sense": of.limit.sense,
+        "sense": "outside" if of.limit.band else of.limit.sense,
         "unit": quantity.unit_name,
         "margin": of.margin,
         "verdict": of.grade,
@@ -194,6 +194,4 @@ def _plain(value: Any) -> Any:
         return [_plain(v) for v in value]
     if isinstance(value, float | np.floating):
         return float(value) if isfinite(value) else None
-    if isinstance(value, np.integer):
-        return int(value)
-    return value
+    return value.item() if isinstance(value, np.generic) else value

@@ -307,7 +307,8 @@ def critical_speeds(r: Response, say: Language) -> Figure:
         alt=f"{title}: {said}",
         note=say(
             "Upright bars: critical speeds, the lowest over the states. Shaded: near half "
-            "critical, where the joints excite twice a turn, and too near critical, by the profile's limits."
+            "critical, where the joints excite twice a turn, and too near critical, by the "
+            "profile's limits."
         ),
     )
 

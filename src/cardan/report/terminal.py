@@ -127,8 +127,7 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
     for c in cases:
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
         yield (
-            f"{word}{_fit(c.title, 66)}{EN.number(c.expected):>13}{EN.number(c.computed):>13}"
-            f"{c.difference:>+11.2%}"
+            f"{word}{_fit(c.title, 66)}{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
         )
         yield f"{'':6}{'':2}{c.source}"
 

@@ -12,7 +12,7 @@ from cardan.base.units import UNITS, deg
 from cardan.base.verdict import Limit
 from cardan.files import measure
 from cardan.files.document import parse, text_of
-from cardan.files.table import Reading, Spoilt, Table, key, nearest
+from cardan.files.table import Enough, Here, ListOf, Number, Reading, Spoilt, Table, key, nearest
 
 DEFAULT = "heavy-truck"
 """The profile of an application that names none."""
@@ -38,7 +38,9 @@ class LimitTable(Table):
         "whether the limit is an upper or a lower one; by default what the quantity asks for",
         default=None,
     )
-    band: tuple[float, ...] | None = key("range to keep out of, [from, to]", default=None)
+    band: Annotated[tuple[float, float], ListOf(Number(), "from", "to")] | None = key(
+        "range to keep out of", default=None
+    )
     above_angle: float | None = key("asked only above this joint angle, deg", default=None)
     source: str = key("who says so")
 
@@ -47,17 +49,15 @@ class LimitTable(Table):
         quantity = QUANTITIES.get(self.quantity)
         if quantity is None:
             hint = nearest(self.quantity, list(QUANTITIES))
-            raise self.refuse("quantity", "unknown quantity", hint, got=self.quantity)
+            self.at("quantity").refuse("unknown quantity", hint, got=self.quantity)
         alike = next((a for a in _ALIKE if quantity.unit in a), (quantity.unit,))
         unit = quantity.unit if self.unit is None else _unit(self.unit)
         if unit not in alike:
             message = f"{self.quantity} is limited in {' or '.join(alike)}"
-            raise self.refuse("unit", message, got=self.unit or "")
+            self.at("unit").refuse(message, got=self.unit or "")
         sense = self.sense or (">=" if self.quantity in AT_LEAST else "<=")
         self._order(sense)
         worth, band = UNITS[unit], self.band
-        if band is not None and len(band) != 2:
-            raise self.refuse("band", "must be a list of two numbers, [from, to]")
         return Limit(
             quantity=self.quantity,
             source=Source(self.source),
@@ -71,14 +71,17 @@ class LimitTable(Table):
     def _order(self, sense: str) -> None:
         """Refuse a warning that would come after the failure."""
         first, last = self.normal, self.maximum
-        if first is not None and last is not None and first != last:
-            if (first < last) != (sense == "<="):
-                message = f"must lie on the safe side of maximum {last:g}, {self.quantity} being {sense} it"
-                hint = 'sense: "<=" is an upper limit, ">=" a lower one'
-                raise self.refuse("normal", message, hint, got=f"{first:g}")
+        if first is None or last is None or first == last:
+            return
+        if (first < last) != (sense == "<="):
+            message = f"must lie on the safe side of the maximum, {self.quantity} {sense} {last:g}"
+            hint = 'sense: "<=" is an upper limit, ">=" a lower one'
+            self.at("normal").refuse(message, hint, got=f"{first:g}")
 
 
 ALimit: TypeAlias = Annotated[Limit, LimitTable]
+Profile: TypeAlias = tuple[str, tuple[Limit, ...]]
+"""Name and limits."""
 
 
 def _unit(written: str) -> str:
@@ -103,23 +106,8 @@ def names() -> tuple[str, ...]:
 _FOLDER = Path(__file__).with_name("profiles")
 
 
-@cache
-def profile(name: str) -> tuple[Limit, ...]:
-    """Return the limits of a profile that comes with this package.
-
-    Raises
-    ------
-    ValueError
-        If there is none of that name.
-    """
-    if name not in names():
-        msg = f"there is no profile {name}; {nearest(name, names())}"
-        raise ValueError(msg)
-    return read_profile(_FOLDER / f"{name}.yaml")[1]
-
-
-def limits(name: str) -> tuple[str, tuple[Limit, ...]]:
-    """Return name and limits of a shipped profile, or of a profile's own .yaml file.
+def limits(name: str) -> Profile:
+    """Return name and limits of a shipped profile, or of a .yaml file of your own.
 
     Raises
     ------
@@ -127,30 +115,26 @@ def limits(name: str) -> tuple[str, tuple[Limit, ...]]:
         If there is none of that name, or with everything wrong in the file.
     """
     if name.endswith((".yaml", ".yml")):
-        return read_profile(Path(name))
+        return _read(Path(name))
     if name not in names():
-        problem = Problem(
-            message="there is no limit profile of this name",
-            hint=f"{nearest(name, names())} A file of your own ends in .yaml",
-        )
-        raise BadFile(name, (problem,))
-    return name, profile(name)
+        hint = f"{nearest(name, names())} A file of your own ends in .yaml"
+        message = "there is no limit profile of this name"
+        raise BadFile(name, (Problem(message=message, hint=hint),))
+    return _shipped(name)
 
 
-def read_profile(path: Path) -> tuple[str, tuple[Limit, ...]]:
-    """Return name and limits of a profile's file.
+@cache
+def _shipped(name: str) -> Profile:
+    return _read(_FOLDER / f"{name}.yaml")
 
-    Raises
-    ------
-    BadFile
-        With everything wrong in it.
-    """
+
+def _read(path: Path) -> Profile:
+    """Return name and limits of a profile's file."""
     root, problems = parse(text_of(path), str(path))
-    reading = Reading(problems=problems)
     try:
-        table = ProfileTable.read(root, "", reading)
-    except Spoilt:
-        raise BadFile(str(path), tuple(reading.problems)) from None
+        table: ProfileTable = ProfileTable.read(Here(root, "", Reading(problems=problems)))
+    except (Spoilt, Enough):
+        raise BadFile(str(path), tuple(problems)) from None
     if problems:
         raise BadFile(str(path), tuple(problems))
     return table.profile, table.limits

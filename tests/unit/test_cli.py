@@ -1,0 +1,388 @@
+"""Every command as somebody runs it who has just installed the program."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+from click.testing import CliRunner, Result
+
+from cardan import __version__
+from cardan.base.quantities import QUANTITIES
+from cardan.cli import cli
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SMALL = """\
+title: One shaft
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes: {side_deg: [4.0, 2.0, 4.0]}
+  shafts: [{length_mm: 1200, tube: 100x3}]
+"""
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(a) for a in arguments], catch_exceptions=False)
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    return written(tmp_path, SMALL)
+
+
+def written(folder: Path, text: str, name: str = "application.yaml") -> Path:
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+# --------------------------------------------------------------------------- check
+
+
+def test_check_says_the_verdict_first_and_every_number_after(small):
+    result = run("check", small)
+    first, *_ = result.stdout.splitlines()
+    assert re.fullmatch(r"One shaft: PASS \(0 fail, 0 warn, [1-9]\d+ pass\)", first)
+    assert "limits: heavy-truck" in result.stdout
+    assert "Torsional equivalent angle" in result.stdout
+    assert "(AE-7)" in result.stdout
+    assert result.stderr == ""
+    assert result.exit_code == 0
+
+
+def test_check_names_what_was_not_asked_for_want_of_data(small):
+    (line,) = [x for x in run("check", small).stdout.splitlines() if x.startswith("Not asked")]
+    assert "needle bearing life" in line
+    assert "clearance" in line
+
+
+def test_colours_are_for_terminals_alone(small):
+    assert "\x1b" not in run("check", small).stdout
+    coloured = CliRunner().invoke(cli, ["check", str(small)], color=True)
+    assert "\x1b[32mPASS\x1b[0m" in coloured.stdout
+
+
+@pytest.mark.parametrize(
+    ("speed", "word", "code"), [(2500, "PASS", 0), (6000, "WARN", 0), (9000, "FAIL", 1)]
+)
+def test_the_exit_code_is_the_verdict(tmp_path, speed, word, code):
+    file = written(tmp_path, SMALL.replace("2500", str(speed)).replace("4.0", "3.5"))
+    result = run("check", "--quiet", file)
+    assert result.stdout.startswith(f"One shaft: {word} (")
+    assert result.exit_code == code
+
+
+def test_quiet_says_the_verdict_alone(small):
+    assert len(run("check", "-q", small).stdout.splitlines()) == 1
+
+
+def test_all_has_a_row_for_each_check_and_without_it_each_limit_has_one():
+    file = EXAMPLES / "refuse-collector-6x2.yaml"
+    checks = json.loads(run("check", "--json", "-", file).stdout)["checks"]
+
+    def rows(*options: str) -> list[str]:
+        lines = run("check", *options, file).stdout.splitlines()
+        return [x for x in lines if x.startswith(("pass  ", "warn  ", "fail  "))]
+
+    assert len(rows("--all")) == len(checks)
+    limits = {(c["quantity"], c["source"], c["sense"]) for c in checks}
+    assert len(rows()) == len(limits)
+    grades = [row[:4] for row in rows("--all")]
+    assert grades == sorted(grades, key=["fail", "warn", "pass"].index)
+
+
+def test_json_goes_to_standard_output_and_nothing_else_with_it(small):
+    result = run("check", small, "--json")
+    document = json.loads(result.stdout)
+    assert document["application"] == "One shaft"
+    assert document["verdict"] == "pass"
+    assert document["cardan"] == ".".join(__version__.split(".")[:2])
+    assert result.exit_code == 0
+
+
+def test_json_goes_into_a_file_beside_the_table(small, tmp_path):
+    out = tmp_path / "out.json"
+    result = run("check", "--json", out, small)
+    assert result.stdout.startswith("One shaft: PASS")
+    assert json.loads(out.read_text(encoding="utf-8")) == json.loads(
+        run("check", "--json", "-", small).stdout
+    )
+    assert run("check", "--json", out, "-q", small).exit_code == 0  # and again, over the old one
+
+
+def test_limits_takes_another_profile_for_once(small):
+    document = json.loads(run("check", "--limits", "elbe", "--json", "-", small).stdout)
+    assert document["profile"] == "elbe"
+    assert {c["quantity"] for c in document["checks"]} >= {"irregularity"}
+
+
+def test_limits_takes_a_profile_of_ones_own(small, tmp_path):
+    own = written(
+        tmp_path,
+        "profile: ours\nlimits: [{quantity: joint_angle, unit: deg, maximum: 1.5, source: us}]\n",
+        "ours.yaml",
+    )
+    result = run("check", "--limits", own, "--json", "-", small)
+    document = json.loads(result.stdout)
+    assert document["profile"] == "ours"
+    assert [(c["part"], c["verdict"], c["source"]) for c in document["checks"]] == [
+        ("joint 1", "fail", "us"),
+        ("joint 2", "fail", "us"),
+    ]
+    assert result.exit_code == 1
+
+
+def test_check_asks_neither_scipy_nor_matplotlib_to_come():
+    """They take longer to start than the whole check takes to run."""
+    code = (
+        "import sys; from cardan.cli import cli\n"
+        "try: cli(['check', '--quiet', sys.argv[1]])\n"
+        "except SystemExit as end: assert end.code == 1, end.code\n"
+        "print(sorted({'scipy', 'matplotlib', 'jsonschema'} & set(sys.modules)))"
+    )
+    command = [sys.executable, "-c", code, str(EXAMPLES / "refuse-collector-6x2.yaml")]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert result.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_program_runs_as_it_is_installed(small):
+    script = Path(sys.executable).with_name("cardan")
+    result = subprocess.run([script, "check", "-q", small], capture_output=True, check=True)
+    assert result.stdout.startswith(b"One shaft: PASS (")
+
+
+# --------------------------------------------------------------------------- wrong files
+
+WRONG = {
+    "a misspelt key": (
+        SMALL.replace("torque_Nm", "torqe_Nm"),
+        ":3:1: torqe_Nm: unknown key; did you mean torque_Nm?",
+    ),
+    "a key without its unit": (
+        SMALL.replace("torque_Nm", "torque"),
+        ":3:1: torque: unknown key; the key names its unit: write torque_Nm",
+    ),
+    "a decimal comma": (
+        SMALL.replace("2500", "2500,5"),
+        ":2:12: speed_rpm: must be a number of 0 or more (got 2500,5); write a decimal point: 25",
+    ),
+    "one unit twice": (
+        SMALL.replace("speed_rpm", "torque_lbft: 2200\nspeed_rpm"),
+        ":4:1: torque_Nm: torque_lbft gives this already; keep one of them",
+    ),
+    "a number that is none": (SMALL.replace("3000", ".nan"), ":3:12: torque_Nm: "),
+    "a slope too few": (
+        SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0]"),
+        "must hold 3 values, for gearbox, shaft 1, pinion (got 2 values)",
+    ),
+    "a tube nobody makes": (
+        SMALL.replace("100x3", "100x33"),
+        ":6:36: driveline.shafts[1].tube: no catalogue has a tube 100x33; did you mean 100x3?",
+    ),
+    "a tab": (SMALL.replace("  slopes", "\tslopes"), ":5:1: a tab indents this line"),
+    "nothing": ("", ":1:1: the file is empty; `cardan new` writes one to start from"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_wrong_file_is_refused_with_its_place_and_what_to_do(tmp_path, kind):
+    text, message = WRONG[kind]
+    file = written(tmp_path, text)
+    result = run("check", file)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert f"error: {file}:" in result.stderr
+    assert message in result.stderr
+
+
+def test_everything_wrong_in_a_file_is_said_at_once(tmp_path):
+    text = SMALL.replace("speed_rpm", "sped_rpm").replace("3000", "no").replace("100x3", "x")
+    lines = run("check", written(tmp_path, text)).stderr.splitlines()
+    assert len(lines) == 3
+    assert all(line.startswith("error: ") for line in lines)
+
+
+def test_what_only_looks_wrong_is_a_warning_and_the_check_goes_on(tmp_path):
+    file = written(tmp_path, SMALL.replace("[4.0, 2.0, 4.0]", "[0.07, 0.035, 0.07]"))
+    result = run("check", "--json", "-", file)
+    assert result.stderr.startswith(f"warning: {file}:5:")
+    assert "slopes.side_rad" in result.stderr or "side_rad" in result.stderr
+    assert json.loads(result.stdout)["application"] == "One shaft"
+
+
+@pytest.mark.parametrize("command", ["check", "fix"])
+def test_a_file_that_is_not_there_is_refused_with_those_that_are(command, small):
+    result = run(command, small.with_name("aplication.yaml"))
+    assert result.exit_code == 2
+    assert "cannot be read" in result.stderr
+    assert f"did you mean {small}?" in result.stderr
+
+
+def test_a_profile_nobody_knows_is_refused_with_the_nearest(small):
+    result = run("check", "--limits", "heavytruck", small)
+    assert result.exit_code == 2
+    assert "did you mean heavy-truck?" in result.stderr
+
+
+def test_a_design_that_cannot_be_is_refused_with_the_reason(tmp_path):
+    """It takes the state's own arithmetic to see that the link is too short for the travel."""
+    text = SMALL + (
+        "suspension: {spring: {rates_N_mm: [200]}, linkage: {radius_mm: 400}}\n"
+        "states: [{name: on the lift, travel_mm: -900}]\n"
+    )
+    result = run("check", written(tmp_path, text))
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "error: a link of radius 400 mm cannot follow an axle travel of -900 mm\n"
+    )
+
+
+# --------------------------------------------------------------------------- fix
+
+
+def test_fix_proposes_what_a_check_of_the_file_so_changed_confirms(tmp_path):
+    """The axle's nose is 3 deg off: the proposal is a shim, and the changed file passes."""
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    text += "adjust: {shim_deg: [-4, 4]}\n"
+    assert run("check", "-q", written(tmp_path, text)).exit_code == 1
+    result = run("fix", "--json", "-", written(tmp_path, text))
+    assert result.exit_code == 0
+    best, *_ = json.loads(result.stdout)
+    (move,) = best["moves"]
+    assert (best["verdict"], move["what"], move["part"]) == ("pass", "shim", 1)
+    changed = text.replace("7.5", f"{7.5 + move['amount_deg']}")
+    assert run("check", "-q", written(tmp_path, changed)).stdout.startswith("One shaft: PASS")
+
+
+def test_fix_says_what_to_move_in_a_workshops_words(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    result = run("fix", written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n"))
+    assert "pinion nose down" in result.stdout
+    assert "1. pass" in result.stdout
+
+
+def test_fix_leaves_in_place_what_is_held(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n")
+    result = run("fix", "--hold", "shim", file)
+    assert result.stdout.startswith("Nothing that may be moved changes any limit")
+    assert result.exit_code == 1
+
+
+def test_fix_gives_as_many_proposals_as_are_wanted():
+    file = EXAMPLES / "three-joint-chain.yaml"
+    assert len(json.loads(run("fix", "--count", 2, "--json", "-", file).stdout)) == 2
+
+
+def test_fix_refuses_a_line_that_is_not_there(small):
+    result = run("fix", "--line", "front", small)
+    assert result.exit_code == 2
+    assert result.stderr == "error: there is no line front; the application has main\n"
+
+
+# --------------------------------------------------------------------------- the others
+
+
+def test_explain_lists_every_quantity():
+    lines = run("explain").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(QUANTITIES)
+
+
+@pytest.mark.parametrize("key", QUANTITIES)
+def test_explain_says_of_a_quantity_what_it_is_and_who_says_so(key):
+    q = QUANTITIES[key]
+    result = run("explain", key)
+    assert result.exit_code == 0
+    for said in (q.name, q.symbol, q.equation, str(q.source), *q.where, *q.where.values()):
+        assert said in result.stdout
+
+
+@pytest.mark.parametrize("word", ["Torsional acceleration", "aceleração torcional"])
+def test_explain_knows_a_quantity_by_its_name_in_any_language(word):
+    assert run("explain", word).stdout == run("explain", "torsional_acceleration").stdout
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("clearence", "did you mean clearance?"),
+        ("torsional", "did you mean equivalent_angle or torsional_acceleration?"),
+        ("zzz", "there is no quantity zzz ("),
+    ],
+)
+def test_explain_refuses_a_misspelt_quantity_with_the_nearest(word, meant):
+    result = run("explain", word)
+    assert result.exit_code == 2
+    assert meant in result.stderr
+    assert result.stdout == ""
+
+
+def test_verify_recomputes_published_cases_and_they_agree():
+    result = run("verify")
+    assert result.exit_code == 0
+    assert "WRONG" not in result.stdout
+    cases = json.loads(run("verify", "--json").stdout)
+    assert result.stdout.count("\nok    ") == len(cases) >= 30
+    for case in cases:
+        assert abs(case["computed"] - case["published"]) <= case["within"]
+        assert case["source"] in result.stdout
+
+
+def test_schema_is_a_json_schema_that_the_examples_and_starters_fit(tmp_path):
+    document = json.loads(run("schema").stdout)
+    jsonschema.Draft202012Validator.check_schema(document)
+    validator = jsonschema.Draft202012Validator(document)
+    starters = [tmp_path / f"{kind}.yaml" for kind in ("small", "truck")]
+    for file in starters:
+        run("new", "--kind", file.stem, file)
+    for file in [*EXAMPLES.glob("*.yaml"), *starters]:
+        application = yaml.safe_load(file.read_text(encoding="utf-8"))
+        validator.validate(application)
+    with pytest.raises(jsonschema.ValidationError):
+        validator.validate({**application, "sped_rpm": 1})
+
+
+def test_schema_goes_into_a_file_and_never_over_one_unasked(tmp_path):
+    out = tmp_path / "cardan.schema.json"
+    assert run("schema", "--out", out).exit_code == 0
+    assert out.read_text(encoding="utf-8") == run("schema").stdout
+    assert run("schema", "--out", out).exit_code == 2
+    assert run("schema", "--out", out, "--force").exit_code == 0
+
+
+@pytest.mark.parametrize("kind", ["small", "truck"])
+def test_new_writes_a_file_that_checks_without_complaint(tmp_path, kind):
+    file = tmp_path / "mine.yaml"
+    result = run("new", "--kind", kind, file)
+    assert result.exit_code == 0
+    assert "cardan check" in result.stdout
+    checked = run("check", "--quiet", file)
+    assert checked.exit_code == 0
+    assert checked.stderr == ""
+
+
+def test_new_never_replaces_a_file_unasked(tmp_path):
+    file = written(tmp_path, "my work\n")
+    result = run("new", file)
+    assert result.exit_code == 2
+    assert f"error: {file}: is there already" in result.stderr
+    assert file.read_text(encoding="utf-8") == "my work\n"
+    assert run("new", "--force", file).exit_code == 0
+    assert "title:" in file.read_text(encoding="utf-8")
+
+
+def test_version_is_that_of_the_package():
+    assert run("--version").stdout == f"cardan, version {__version__}\n"
+
+
+@pytest.mark.parametrize("command", [(), ("check",), ("fix",), ("explain",), ("verify",),
+                                     ("schema",), ("new",)])  # fmt: skip
+def test_help_is_there_for_every_command(command):
+    result = run(*command, "--help")
+    assert result.exit_code == 0
+    assert "Usage:" in result.stdout

@@ -1,0 +1,98 @@
+"""The JSON Schema says what `read` says, as far as a schema can."""
+
+import jsonschema
+import pytest
+
+from cardan.base.errors import BadFile
+from cardan.files import loads, schema, starter
+from cardan.files.document import parse
+
+SCHEMA = schema()
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+SMALL, TRUCK = starter("small"), starter("truck")
+
+
+def accepted(text):
+    root, _ = parse(text, "f.yaml")
+    return VALIDATOR.is_valid(root.value)
+
+
+def test_the_schema_is_one():
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+
+@pytest.mark.parametrize("text", [SMALL, TRUCK])
+def test_the_starters_are_valid(text):
+    root, _ = parse(text, "f.yaml")
+    VALIDATOR.validate(root.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("length_mm: 1200", "length_mm: '1200'"),
+        ("length_mm: 1200", "length_mm: -1200"),
+        ("length_mm: 1200", "length_mm: 0"),
+        ("length_mm: 1200", "length_mm: true"),
+        ("length_mm: 1200", "length_mm: [1200]"),
+        ("length_mm: 1200", "length: 1200"),
+        ("length_mm: 1200", "lenght_mm: 1200"),
+        ("length_mm: 1200", "length_mm: 1200\n      length_in: 47"),
+        ("title: Two-piece", "tilte: Two-piece"),
+        ("tube: {outer_mm: 101.6, wall_mm: 3.2}", "tube: {outer_mm: 101.6}"),
+        ("tube: {outer_mm: 101.6, wall_mm: 3.2}", "tube: {wall_mm: 3.2, outer_mm: 1, outer_in: 1}"),
+        ("[3.0, 1.0, 4.5, 2.0]", "[3.0, 1.0, 90, 2.0]"),
+        ("[3.0, 1.0, 4.5, 2.0]", "3.0"),
+        ("  shafts:", "  joint_angles: {side_deg: [1, 2, 3]}\n  shafts:"),
+        ("driveline:", "driveline: {}\ndrivelines:"),
+        ("limits: heavy-truck", "limits: {profile: heavy-truck}"),
+        ("limits: heavy-truck", "states: [gwv]"),
+        ("limits: heavy-truck", "prime_mover: gas"),
+        ("limits: heavy-truck", "adjust: {bearing_height_mm: {one: [-1, 1]}}"),
+        ("limits: heavy-truck", "adjust: {shim_deg: [1]}"),
+        ("limits: heavy-truck", "suspension: {spring: {}}"),
+        ("limits: heavy-truck", "duty: [{share_percent: 100, torque_Nm: 900}]"),
+        ("limits: heavy-truck", "duty: [{share_percent: 0, torque_Nm: 900, speed_rpm: 900}]"),
+    ],
+)
+def test_what_the_schema_refuses_the_reader_refuses(old, new):
+    assert old in SMALL
+    text = SMALL.replace(old, new, 1)
+    assert not accepted(text)
+    with pytest.raises(BadFile):
+        loads(text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("length_mm: 1200", "length_in: 47"),
+        ("speed_rpm: 2500", "speed_rad_s: 260"),
+        ("torque_Nm: 8000", "torque_lbft: 5900"),
+        ("title: Two-piece driveline", "title: 1810"),
+        ("limits: heavy-truck", "limits: [{quantity: clearance, maximum: 20, source: us}]"),
+        ("limits: heavy-truck", "states: [gvw, {name: a, slopes: {side_deg: [1, 2, 3, 4]}}]"),
+        ("limits: heavy-truck", "adjust: {bearing_height_mm: {1: [-1, 1]}, phase_deg: [0, 90]}"),
+        ("limits: heavy-truck", "engine: {speed_rpm: 2000, torque_Nm: [900]}"),
+        ("limits: heavy-truck", "suspension: {spring: {rates_N_mm: [9, 10], contact_mm: 80}}"),
+        ("  shafts:", "  joints: [1810, SPL140, {peak_Nm: 9000}]\n  shafts:"),
+        ("phase_deg: 0  ", "balance_grade: G40  "),
+    ],
+)
+def test_what_the_reader_accepts_the_schema_accepts(old, new):
+    assert old in SMALL
+    text = SMALL.replace(old, new, 1)
+    loads(text)
+    assert accepted(text)
+
+
+def test_every_key_says_what_it_is_and_in_which_unit():
+    for name, table in SCHEMA["$defs"].items():
+        assert table["description"], name
+        for key, entry in table["properties"].items():
+            assert entry["description"], f"{name}.{key}"
+    shaft = SCHEMA["$defs"]["Shaft"]["properties"]
+    assert shaft["length_in"]["description"] == "joint centre to joint centre, in"
+    assert shaft["phase_rad"]["maximum"] == pytest.approx(2 * 3.141592653589793)
+    efficiency = SCHEMA["$defs"]["Gearbox"]["properties"]["efficiency"]
+    assert efficiency["description"] == "of the gearbox (default 1.0)"
