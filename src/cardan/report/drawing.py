@@ -97,10 +97,6 @@ def view(response: Response, say: Language, *, name: str) -> Figure:
         *_joints(reference, page, c, angles, say),
         *_scale_bar(page, say),
     ]
-    clip = svg.element(
-        "clipPath", svg.rect(0, 0, WIDTH, page.height), id=f"view-{name}-{response.line.name}"
-    )
-    box = svg.group(drawn, clip_path=f"url(#view-{name}-{response.line.name})")
     note = say(
         "Bold: as installed. Light: the states, named at the pinion. At each joint its angle in "
         "this view, on each shaft its slope and length; angles are the real ones, not the "
@@ -108,7 +104,7 @@ def view(response: Response, say: Language, *, name: str) -> Figure:
     )
     return Figure(
         title=f"{title}, {scale}",
-        svg=svg.drawing(WIDTH, page.height, clip, box, alt=alt),
+        svg=svg.drawing(WIDTH, page.height, *drawn, alt=alt),
         alt=alt,
         note=note,
     )

@@ -66,11 +66,11 @@ class Language:
         if abs(value) < 5e-7:
             return "0"
         size = math.floor(math.log10(abs(value)))
-        return self._pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
+        return self.pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
 
     def short(self, value: float, digits: int = 6) -> str:
         """Return a number without the zeros that say nothing."""
-        return self._pointed(f"{value:.{digits}g}")
+        return self.pointed(f"{value:.{digits}g}")
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
@@ -80,7 +80,7 @@ class Language:
         """Return parts as a list in a line."""
         return ", ".join(p for p in parts if p)
 
-    def _pointed(self, number: str) -> str:
+    def pointed(self, number: str) -> str:
         """Return a number with the language's decimal sign."""
         return number if self.code == "en" else number.replace(".", ",")
 

@@ -96,6 +96,7 @@ class _Book:
 
     def __init__(self, file: Any, say: Language) -> None:
         self.file, self.say = file, say
+        self.names: set[str] = set()
         base = {"font_name": "Calibri", "font_size": 10, "valign": "top"}
 
         def style(**more: object) -> Any:
@@ -205,7 +206,8 @@ class _Sheet:
                     "error_message": f"{label[:120]}: {_allowed(allow)}",
                 },
             )
-        if name:
+        if name and name not in self.book.names:  # a second limit asks in a second row
+            self.book.names.add(name)
             start, end = (f"${column(k)}${row + 1}" for k in (first, last))
             place = start if start == end else f"{start}:{end}"
             self.book.file.define_name(name, f"='{self.name}'!{place}")
