@@ -6,7 +6,7 @@ BIN := $(if $(filter Windows_NT,$(OS)),$(VENV)/Scripts,$(VENV)/bin)
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 INSTALL = $(PIP) install --constraint constraints.txt --editable
 
-.PHONY: check test lint docs oracle bench clean
+.PHONY: check test lint docs oracle office browser bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -26,6 +26,12 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
 	$(BIN)/python -m pytest -q -m oracle
 
+office: $(VENV)/cardan-office $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
+	$(BIN)/python -m pytest -q -m office tests/office
+
+browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core  ## pages read in Chromium
+	$(BIN)/python -m pytest -q -m browser tests/browser
+
 bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles  ## performance, as ratios in one run
 	$(BIN)/python -m benchmarks
 
@@ -38,5 +44,8 @@ $(VENV)/cardan-%: $(VENV)/cardan
 	$(INSTALL) .[$*]
 	@touch $@
 
+node_modules/axe-core:
+	npm install --silent --no-save --no-package-lock axe-core@4.14.1
+
 clean:
-	rm -rf $(VENV) site build dist
+	rm -rf $(VENV) node_modules site build dist
