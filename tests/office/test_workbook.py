@@ -74,7 +74,7 @@ def held(sheet: Sheet, r: Response, tag: str, *, without: tuple[str, ...] = ()) 
     for name, values in expected(r).items():
         if name.startswith(without):
             continue
-        of_sheet = np.array(sheet.numbers(tag + name), dtype=float)
+        of_sheet = np.array([np.nan if v in (None, "") else v for v in sheet.numbers(tag + name)])
         scale = np.nanmax(np.abs(values))
         np.testing.assert_allclose(
             of_sheet, values, rtol=1e-9, atol=1e-9 * scale, err_msg=f"{sheet.path.stem}: {name}"

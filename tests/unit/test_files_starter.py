@@ -37,7 +37,7 @@ def test_a_file_is_written_and_not_overwritten(tmp_path):
     assert write(file, "a: 1\n") == file
     with pytest.raises(BadFile) as error:
         write(file, "a: 2\n")
-    assert str(error.value) == f"{file}: is there already; choose another name, or replace it"
+    assert str(error.value) == f"{file}: is there already; choose another name, or say --force"
     assert file.read_text(encoding="utf-8") == "a: 1\n"
     write(file, "é: 2\n", replace=True)
     assert file.read_bytes() == "é: 2\n".encode()

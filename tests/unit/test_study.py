@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand
-from cardan.model.application import Adjustable, Application
+from cardan.model.application import Adjustable, Application, DutyPoint
+from cardan.model.parts import JointSize
 from cardan.study.assess import assess
 from cardan.study.fix import adjustables, fix, margins, tried
 from cardan.study.response import respond
@@ -119,6 +121,25 @@ def test_what_is_held_stays(truck):
     assert "shim" in whats
     for proposal in fix(only(truck, SMALLEST), hold=("shim",)):
         assert all(m.adjustable.what != "shim" for m in proposal.moves)
+
+
+def test_holding_what_does_not_exist_is_refused(truck):
+    with pytest.raises(DesignError, match=r"nothing that may move is called nonsense.*shim"):
+        fix(truck, hold=("nonsense",))
+
+
+def test_passing_states_have_no_life(truck):
+    """Nobody drives for hours on the bump stop; gvw is where the joints wear."""
+    duty = (DutyPoint(share=1.0, torque=1000.0, speed=100.0),)
+    sized = JointSize(name="any", bearing_torque=3000.0)
+    (installed,) = truck.lines
+    joints = (sized,) * installed.line.joint_count
+    line = replace(installed.line, joints=joints)
+    worn = replace(truck, duty=duty, lines=(replace(installed, line=line),))
+    response = respond(worn, demand(worn, worn.lines[0]))
+    names = response.demand.states
+    lasting = {n for n, life in zip(names, response.life[:, 0], strict=True) if not np.isnan(life)}
+    assert lasting == {"empty", "gvw", "overload", "parked on a kerb"}
 
 
 def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):

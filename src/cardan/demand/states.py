@@ -222,10 +222,19 @@ def _first(*values: float | None) -> float:
 
 
 def _speed(application: Application, installed: Installed) -> FloatArray:
-    """Top speed of the line in each state, (S,) rad/s."""
+    """Top speed of the line in each state, (S,) rad/s.
+
+    The torque that winds an axle up is that of the lowest gear, and so is the speed.
+    """
     table = _gears(application, installed)
-    top = None if table is None else table.speed.max() / installed.speed_ratio
-    given = [_first(s.speed, application.speed, top) for s in application.states]
+    top = low = None
+    if table is not None:
+        top = table.speed.max() / installed.speed_ratio
+        low = table.speed[np.argmax(table.peak)].max() / installed.speed_ratio
+    given = [
+        _first(s.speed, application.speed, low if s.kind == "windup" else top)
+        for s in application.states
+    ]
     return installed.speed_ratio * np.array(given)
 
 

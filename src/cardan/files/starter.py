@@ -47,7 +47,7 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
         else:
             _appear(part, path)
     except FileExistsError:
-        problem = Problem(message="is there already", hint="choose another name, or replace it")
+        problem = Problem(message="is there already", hint="choose another name, or say --force")
         raise BadFile(str(path), (problem,)) from None
     except OSError as error:
         problem = Problem(message=f"cannot be written: {error.strerror}")

@@ -74,7 +74,7 @@ class Language:
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
-        return "< -999 %" if margin < -9.99 else f"{margin:+.0%}".replace("%", " %")
+        return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
 
     def list(self, *parts: str) -> str:
         """Return parts as a list in a line."""

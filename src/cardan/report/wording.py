@@ -128,7 +128,7 @@ def notes(of: Assessment, say: Language) -> list[str]:
             "a spring's stated rate of {stated} N/mm is {apart} from the {table} N/mm of its own "
             "table, which counts",
             stated=say.short(m.stated * mm, 4),
-            apart=say.pointed(f"{m.apart:+.1%}"),
+            apart=say.pointed(f"{100 * m.apart:+.1f} %"),
             table=say.short(m.of_table * mm, 4),
         )
         found.append(say("Note: {note}.", note=note))

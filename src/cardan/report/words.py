@@ -485,6 +485,7 @@ _WORKBOOK: dict[str, tuple[str, str]] = {
     "Duty cycle": ("Ciclo de uso", "Ciclo d'impiego"),
     "share of the life": ("parcela da vida", "quota della durata"),
     "joint angle, where given": ("ângulo da junta, se dado", "angolo del giunto, se dato"),
+    "counts for the life (1 or 0)": ("conta para a vida (1 ou 0)", "conta per la durata (1 o 0)"),
     "wear without angle": ("desgaste sem o ângulo", "usura senza l'angolo"),
     "gearbox": ("câmbio", "cambio"),
     "load on the driven wheels at slip": (

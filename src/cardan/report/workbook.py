@@ -28,7 +28,7 @@ from cardan.report.sheet import sections
 from cardan.report.wording import cited
 from cardan.shaft.life import life_rating
 from cardan.study.assess import Assessment, asked
-from cardan.study.response import Response
+from cardan.study.response import PASSING, Response
 
 FIRST = 4
 """Number of the first state's column: E."""
@@ -44,6 +44,7 @@ NOT_NEGATIVE: Check = {"validate": "decimal", "criteria": ">=", "value": 0}
 SHARE: Check = {"validate": "decimal", "criteria": "between", "minimum": 0.01, "maximum": 1}
 SLOPE: Check = {"validate": "decimal", "criteria": "between", "minimum": -60, "maximum": 60}
 PHASE: Check = {"validate": "decimal", "criteria": "between", "minimum": -180, "maximum": 180}
+SWITCH: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 1}
 FRICTION: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 2}
 
 
@@ -506,6 +507,10 @@ class _Line:
             "driven_loads",
             NOT_NEGATIVE,
         )
+        lasting = [s.kind not in PASSING for s in own]
+        self.lasting = self._given(
+            say("counts for the life (1 or 0)"), "", [float(x) for x in lasting], "lasting", SWITCH
+        )
         self.weight: list[list[int]] = []
         if r.gravity:
             sheet.section(say("Weight on the centre bearings (values of cardan)"), heads)
@@ -863,10 +868,10 @@ class _Line:
                     f"SUMPRODUCT(duty_work,{own})"
                     f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
                 )
-            rating = self._of_part("joint_ratings", k + 1)
+            rating, lasting = self._of_part("joint_ratings", k + 1), self._of_state(self.lasting)
             self._result(
                 "joint_life",
-                f"1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear}))",
+                f'IF({lasting}=1,1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear})),"")',
                 r.life[:, k],
                 part=f"joint {k + 1}",
             )

@@ -43,10 +43,11 @@ class Assessment:
         return tuple(str(m) for m in self.mismatches)
 
     def unasked(self) -> tuple[str, ...]:
-        """Limits of the profile that no number answered: what they ask about is not given."""
-        asked = {c.quantity for c in self.checks}
+        """Limits on what some line has, but that no number answered: something is not given."""
+        answered = {c.quantity for c in self.checks}
+        asking = dict.fromkeys(m.quantity for m in self.application.limits)
         return tuple(
-            dict.fromkeys(m.quantity for m in self.application.limits if m.quantity not in asked)
+            q for q in asking if q not in answered and any(HELD[q].parts(r) for r in self.responses)
         )
 
 
@@ -86,8 +87,8 @@ class RateMismatch:
     def __str__(self) -> str:
         """Return the mismatch as a sentence without its end."""
         return (
-            f"a spring's stated rate of {self.stated * mm:.4g} N/mm is {self.apart:+.1%} from the "
-            f"{self.of_table * mm:.4g} N/mm of its own table, which counts"
+            f"a spring's stated rate of {self.stated * mm:.4g} N/mm is {100 * self.apart:+.1f} % from "
+            f"the {self.of_table * mm:.4g} N/mm of its own table, which counts"
         )
 
 

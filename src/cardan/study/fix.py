@@ -5,7 +5,7 @@ search asks for hundreds of layouts at a time, and what it promises is what a ch
 corrected application gives.
 """
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import Any, Literal, TypeAlias
@@ -233,7 +233,7 @@ def fix(
     application: Application,
     *,
     line: str | None = None,
-    hold: Container[str] = (),
+    hold: Collection[str] = (),
     count: int = 6,
 ) -> tuple[Proposal, ...]:
     """Propose corrections of a line, for all its states at once.
@@ -259,22 +259,30 @@ def fix(
     Raises
     ------
     DesignError
-        If the application has no such line.
+        If the application has no such line, or nothing of a name to hold.
 
     Notes
     -----
     Spread trials find the region, sequential quadratic programming the place in it: the
-    largest smallest margin, and the least way that still passes (or, where nothing
-    passes, that no longer fails).
+    largest smallest margin, and the least ways to where nothing warns and nothing fails.
     """
     response = _line(application, line)
-    movable = tuple(
-        a for a in adjustables(response) if a.what not in hold and f"{a.what} {a.part}" not in hold
-    )
+    movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
     found = {p.moves: p for p in _proposals(before, movable)}
     ranked = sorted(found.values(), key=lambda p: (GRADES.index(p.verdict), p.cost, -p.margin))
     return tuple(_unbeaten(ranked))[:count]
+
+
+def _unheld(movable: tuple[Adjustable, ...], hold: Collection[str]) -> tuple[Adjustable, ...]:
+    """Return what may move after all; a name nothing goes by is refused."""
+    names = {a: (a.what, f"{a.what} {a.part}") for a in movable}
+    known = {name for both in names.values() for name in both}
+    for name in hold:
+        if name not in known:
+            msg = f"nothing that may move is called {name}; there are: {', '.join(sorted(known))}"
+            raise DesignError(msg)
+    return tuple(a for a, both in names.items() if not set(both) & set(hold))
 
 
 def _line(application: Application, name: str | None) -> Response:
@@ -313,13 +321,12 @@ def _proposals(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[
 
 
 def _positions(search: _Search) -> Iterator[FloatArray]:
-    """Yield where the largest smallest margin is, and the least way to a pass or no fail."""
+    """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
     for bound in ("normal", "maximum"):
         top, margin = search.best(to=bound)
         yield top
         if margin > RESERVE:
             yield search.least(top, to=bound)
-            return
 
 
 def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[FloatArray]:

@@ -55,6 +55,13 @@ def _line(_: Response) -> tuple[str, ...]:
     return ("line",)
 
 
+def _suspended(r: Response) -> tuple[str, ...]:
+    """Return the line, if its suspension is not that of a line before it."""
+    installed = r.demand.installed
+    first = installed.line.name == r.application.lines[0].line.name
+    return ("line",) if first or installed.suspension else ()
+
+
 def _whirling(r: Response) -> tuple[str, ...]:
     return (*_shafts(r), "line")
 
@@ -90,7 +97,8 @@ def _clearances(r: Response) -> FloatArray:
 
 
 def _suspension_frequency(r: Response) -> FloatArray:
-    return np.broadcast_to(r.demand.suspension_frequency, r.angles.shape[:-1])[..., None]
+    frequency = np.broadcast_to(r.demand.suspension_frequency, r.angles.shape[:-1])
+    return np.repeat(frequency[..., None], len(_suspended(r)), axis=-1)
 
 
 HELD: dict[str, Held] = {
@@ -132,6 +140,6 @@ HELD: dict[str, Held] = {
         parts=lambda r: _shafts(r)[-1:], of=lambda r: r.spline_travel_margin[..., None]
     ),
     "clearance": Held(parts=_pairs, of=_clearances),
-    "suspension_frequency": Held(parts=_line, of=_suspension_frequency),
+    "suspension_frequency": Held(parts=_suspended, of=_suspension_frequency),
 }  # fmt: skip
 """What limits can ask about, by quantity."""

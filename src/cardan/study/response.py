@@ -13,6 +13,7 @@ from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.units import Metre, g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
+from cardan.demand.suspension import AT_LIMIT
 from cardan.kinematics import equivalent
 from cardan.kinematics.chain import Turn, joint_angles, turn
 from cardan.kinematics.equivalent import Excitation
@@ -24,6 +25,10 @@ from cardan.shaft import beams, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
+
+
+PASSING = (*AT_LIMIT, "windup", "windup brake")
+"""Suspension states nobody drives in for long."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -249,7 +254,7 @@ class Response:
         Over the duty cycle where there is one, at the joint angles of each state unless
         the cycle gives its own; otherwise at a torque and speed that the application
         itself states. Worst-case torque and top speed of a vehicle never meet, so they
-        make no life.
+        make no life; neither does a moment on a stop or in wind-up.
         """
         application = self.application
         ratings = (life.life_rating(size) if size else None for size in self.sizes)
@@ -272,7 +277,8 @@ class Response:
             rated_torque=rated,
             prime_mover_factor=application.prime_mover_factor,
         )
-        return life.joint_life(wear, shares=shares)
+        lasts = [[s.kind not in PASSING] for s in application.states]
+        return np.where(lasts, life.joint_life(wear, shares=shares), np.nan)
 
     @cached_property
     def spline_travel_margin(self) -> FloatArray:
