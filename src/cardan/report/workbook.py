@@ -33,6 +33,9 @@ from cardan.study.response import PASSING, Response
 FIRST = 4
 """Number of the first state's column: E."""
 
+EMPTY = '""'
+"""No number, in a formula."""
+
 Cell: TypeAlias = float | str | None
 """A value, a formula (it begins with =), or nothing."""
 
@@ -486,8 +489,15 @@ class _Line:
             '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque
             for s in own
         ]
+        # The torque that winds an axle up is that of the lowest gear, and so is the speed.
+        low = (
+            'IF(COUNT(engine_speeds)=0,"",'
+            "MAX(engine_speeds)/(MAX(gear_ratios)*MAX(1,transfer_ratio)))"
+        )
         speeds: list[Cell] = [
-            '=IF(ISNUMBER(speed_given),speed_given,"")' if s.speed is None else s.speed / rpm
+            f"=IF(ISNUMBER(speed_given),speed_given,{low if s.kind == 'windup' else EMPTY})"
+            if s.speed is None
+            else s.speed / rpm
             for s in own
         ]
         self.torque_given = self._given(
