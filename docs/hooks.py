@@ -104,7 +104,20 @@ def published() -> str:
     return "\n".join(rows)
 
 
+def gallery() -> str:
+    """Return every example's report in every language, as pictures."""
+    pictures = sorted(Path("docs/gallery").glob("*.png"))
+    languages = {"en": "English", "pt": "português", "it": "italiano"}
+    parts: list[str] = []
+    for picture in pictures:
+        name, code, _ = picture.name.split(".")
+        parts.append(f"![Report of {name}, {languages[code]}](gallery/{picture.name})\n")
+        parts.append(f"*`examples/{name}.yaml`, {languages[code]}*\n")
+    return "\n".join(parts)
+
+
 WRITERS = {
+    "[[gallery]]": gallery,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
 }  # fmt: skip

@@ -27,11 +27,22 @@ def document(of: Story) -> bytes:
     MissingExtra
         If typst is not installed.
     """
+    return _set(of, format="pdf", pdf_standards=[STANDARD])
+
+
+def pages(of: Story, *, ppi: float) -> list[bytes]:
+    """Return the pages of the same document as PNG pictures, to be looked at."""
+    found = _set(of, format="png", ppi=ppi)
+    return found if isinstance(found, list) else [found]
+
+
+def _set(of: Story, **options: Any) -> Any:
+    """Return a story set by typst."""
     typst = needed("typst")
     template = files("cardan.report").joinpath("templates/report.typ").read_bytes()
     told, drawings = _told(of)
     sources = {"main.typ": template, "story.json": json.dumps(told).encode(), **drawings}
-    return typst.compile(sources, format="pdf", ignore_system_fonts=True, pdf_standards=[STANDARD])
+    return typst.compile(sources, ignore_system_fonts=True, **options)
 
 
 def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:

@@ -154,7 +154,10 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
         x=bounds(travel, room=0.08),
         x_label=say("axle travel, up is positive [mm]"),
         y_label=y_label,
-        note=say("0-to-peak at top speed. Bands: where the limit warns (light) and fails."),
+        note=say(
+            "0-to-peak; the curve at the line's top speed, states at their own. Bands: where the "
+            "limit warns and fails."
+        ),
     )
 
 
@@ -271,7 +274,7 @@ def critical_speeds(r: Response, say: Language) -> Figure:
     frame = Chart(
         say=say,
         x=x,
-        y=(-0.6, len(rows) - 0.4),
+        y=(-0.6, len(rows) - 0.1),
         x_label=say("shaft speed [rpm]"),
         y_label="",
         height=110 + 44.0 * len(rows),
@@ -281,9 +284,7 @@ def critical_speeds(r: Response, say: Language) -> Figure:
     x2, y2 = frame.spot(top, frame.y[1])
     drawn = [svg.rect(x1, y2, x2 - x1, y1 - y2, fill=PALETTE[0], fill_opacity=0.12)]
     drawn.append(svg.line(x2, y1, x2, y2, stroke=PALETTE[0], stroke_width=2))
-    drawn.append(
-        svg.text(x2 - 4, y2 + 11, say("speed range"), anchor="end", font_size=11, fill=PALETTE[0])
-    )
+    drawn.append(svg.text(x2 + 5, y2 + 10, say("speed range"), font_size=11, fill=PALETTE[0]))
     bounce = say("line on its rubber")
     for k, (name, n) in enumerate(rows):
         y = len(rows) - 1 - k
@@ -297,7 +298,7 @@ def critical_speeds(r: Response, say: Language) -> Figure:
                 drawn.append(svg.rect(c, py - 9, d - c, 18, fill=GRADED[grade], fill_opacity=0.28))
         drawn.append(svg.line(b, py - 12, b, py + 12, stroke=INK, stroke_width=3))
         drawn.append(
-            svg.text(frame.spot(0, y)[0] + 5, py - 12, f"{name}: {say.number(n)} rpm", font_size=11)
+            svg.text(frame.spot(0, y)[0] + 5, py - 13, f"{name}: {say.number(n)} rpm", font_size=11)
         )
     title = say("Critical speeds and the speed range")
     said = say.list(*(f"{name} {say.number(n)} rpm" for name, n in rows))

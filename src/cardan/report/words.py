@@ -397,9 +397,12 @@ _PLOTS: dict[str, tuple[str, str]] = {
     "axle travel, up is positive [mm]": (
         "curso do eixo, para cima positivo [mm]", "corsa dell'asse, in alto positiva [mm]",
     ),
-    "0-to-peak at top speed. Bands: where the limit warns (light) and fails.": (
-        "Zero a pico na rotação máxima. Faixas: onde o limite alerta (claro) e reprova.",
-        "Zero-picco alla velocità massima. Fasce: dove il limite avverte (chiaro) e respinge.",
+    "0-to-peak; the curve at the line's top speed, states at their own. Bands: where the "
+    "limit warns and fails.": (
+        "Zero a pico; a curva na rotação máxima da linha, os estados na sua. Faixas: onde o limite "
+        "alerta e reprova.",
+        "Zero-picco; la curva alla velocità massima della linea, gli stati alla propria. Fasce: "
+        "dove il limite avverte e respinge.",
     ),
     "Force on {part} round the turn": (
         "Força no {part} ao longo da volta", "Forza sul {part} lungo il giro",
