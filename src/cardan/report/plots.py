@@ -106,7 +106,10 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
     q = QUANTITIES[quantity]
     values = _acceleration(r, quantity)
     limits = _limits(r, quantity)
-    top = float(np.nanmax(values)) * 1.15
+    travel = r.demand.travel / mm
+    ride = _ride(r) if np.ptp(travel) >= 1 else None
+    drawn = [values, _acceleration(ride[1], quantity)] if ride else [values]
+    top = 1.15 * max(float(np.nanmax(v)) for v in drawn)
     for limit in limits:
         for bound in (limit.normal, limit.maximum):
             if bound is not None and bound < 2.5 * top:
@@ -117,7 +120,6 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
     said = say.list(*(f"{n} {say.number(v)}" for n, v in zip(names, values, strict=True)))
     alt = f"{title}, {q.unit_name}: {said}"
     y_label = f"{q.symbol} [{q.unit_name}]"
-    travel = r.demand.travel / mm
     if np.ptp(travel) < 1:
         return bars(
             say,
@@ -129,7 +131,6 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
             bands=bands,
             top=top / 1.06,
         )
-    ride = _ride(r)
     series = [
         *(
             [

@@ -87,8 +87,8 @@ class RateMismatch:
     def __str__(self) -> str:
         """Return the mismatch as a sentence without its end."""
         return (
-            f"a spring's stated rate of {self.stated * mm:.4g} N/mm is {100 * self.apart:+.1f} % from "
-            f"the {self.of_table * mm:.4g} N/mm of its own table, which counts"
+            f"a spring's stated rate of {self.stated * mm:.4g} N/mm is {100 * self.apart:+.1f} % "
+            f"from the {self.of_table * mm:.4g} N/mm of its own table, which counts"
         )
 
 
