@@ -6,6 +6,9 @@ BIN := $(if $(filter Windows_NT,$(OS)),$(VENV)/Scripts,$(VENV)/bin)
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 INSTALL = $(PIP) install --constraint constraints.txt --editable
 
+# Matrices are small: BLAS threads of its own only get in each other's way.
+export OPENBLAS_NUM_THREADS ?= 1
+
 .PHONY: check test lint docs oracle office browser bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job

@@ -45,6 +45,43 @@ def changelog() -> str:
     return Path("CHANGELOG.md").read_text(encoding="utf-8")
 
 
+def gallery() -> str:
+    """Return every page of the gallery: its story, the figure it draws, its code."""
+    import ast
+
+    pages: list[str] = []
+    for file in sorted((Path(__file__).parent / "gallery").glob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        tree = ast.parse(text)
+        headline, _, rest = (ast.get_docstring(tree) or "").partition("\n")
+        code = "\n".join(text.splitlines()[tree.body[0].end_lineno :]).strip()
+        pages += [f"## {headline}", rest.strip(), _figure(file), '??? example "The code"']
+        pages.append(_indented(f"```python\n{code}\n```"))
+    return "\n\n".join(pages)
+
+
+def _figure(file: Path) -> str:
+    """Return what a page draws, as an image inside the text."""
+    import base64
+    import io
+    import runpy
+
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    plt.show = lambda: None  # type: ignore[assignment]
+    runpy.run_path(str(file))
+    drawn = io.BytesIO()
+    plt.gcf().savefig(drawn, format="png", dpi=100, bbox_inches="tight")
+    plt.close("all")
+    picture = base64.b64encode(drawn.getvalue()).decode()
+    return f'<img alt="{file.stem.replace("_", " ")}" src="data:image/png;base64,{picture}">'
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"    {line}" if line else "" for line in text.splitlines())
+
+
 def keys() -> str:
     """Return every key of the application file, table by table."""
     from cardan import files
@@ -104,22 +141,23 @@ def published() -> str:
     return "\n".join(rows)
 
 
-def gallery() -> str:
+def reports() -> str:
     """Return every example's report in every language, as pictures."""
-    pictures = sorted(Path("docs/gallery").glob("*.png"))
+    pictures = sorted(Path("docs/reports").glob("*.png"))
     languages = {"en": "English", "pt": "português", "it": "italiano"}
     parts: list[str] = []
     for picture in pictures:
         name, code, _ = picture.name.split(".")
-        parts.append(f"![Report of {name}, {languages[code]}](gallery/{picture.name})\n")
+        parts.append(f"![Report of {name}, {languages[code]}](reports/{picture.name})\n")
         parts.append(f"*`examples/{name}.yaml`, {languages[code]}*\n")
     return "\n".join(parts)
 
 
 WRITERS = {
-    "[[gallery]]": gallery,
+    "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
+    "[[gallery]]": gallery,
 }  # fmt: skip
 
 

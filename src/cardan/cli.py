@@ -19,6 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 Command = TypeVar("Command", bound=Callable[..., Any])
 FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 LIMITS = click.option("--limits", metavar="PROFILE", help="Limit profile instead of the file's.")
+POSITIVE = click.FloatRange(min=0, min_open=True)
 JSON = click.option(
     "--json",
     "json_out",
@@ -165,6 +166,52 @@ def fix(
     if json_out != "-":
         _print(terminal.proposals(found, Language(lang)))
     raise SystemExit(0 if any(p.verdict != "fail" for p in found) else 1)
+
+
+@cli.command()
+@FILE
+@JSON
+@click.option("--chart", type=click.Path(dir_okay=False, path_type=Path), help="SVG, into a file.")
+@click.option("--line", help="Which line the chart shows; by default the first.")
+@click.option("--all", "every", is_flag=True, help="A row for each check, not for each part.")
+@click.option("--axle-inertia", type=POSITIVE, help="Behind the pinion, kg m²; assumed 2.")
+@click.option("--axle-stiffness", type=POSITIVE, help="Pinion to there, N m/rad; assumed rigid.")
+@click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox flange, kg m².")
+@click.option("--gearbox-stiffness", type=POSITIVE, help="Engine to there, N m/rad.")
+@click.option("--damping-ratio", type=POSITIVE, help="Of the first mode; assumed 0.02.")
+@kindly
+def stability(
+    file: Path,
+    *,
+    json_out: str | None,
+    chart: Path | None,
+    line: str | None,
+    every: bool,
+    **surroundings: float | None,
+) -> None:
+    """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
+
+    Without the gearbox's values its flange turns uniformly. Exit code 0 where everything
+    passes or warns, 1 where something grows, 2 for a bad file.
+    """
+    from cardan.report import stability as report
+    from cardan.study.stability import Surroundings
+    from cardan.study.stability import stability as ask
+
+    given = {name: value for name, value in surroundings.items() if value is not None}
+    found = ask(_read(file, None), surroundings=Surroundings(**given))
+    if chart:
+        from cardan import files
+
+        shown = {v.line.name: v for v in found.lines}
+        if line is not None and line not in shown:
+            _refuse(f"there is no line {line}; the file has {', '.join(shown)}")
+        files.write(chart, report.chart(shown[line] if line else found.lines[0]), replace=True)
+    if json_out:
+        _write_json(report.document(found), json_out)
+    if json_out != "-":
+        _print(report.text(found, every=every))
+    raise SystemExit(1 if found.verdict == "fail" else 0)
 
 
 @cli.command()

@@ -312,7 +312,7 @@ def test_explain_knows_a_quantity_by_its_name_in_any_language(word):
     ("word", "meant"),
     [
         ("clearence", "did you mean clearance?"),
-        ("torsional", "did you mean equivalent_angle or torsional_acceleration?"),
+        ("torsional", "equivalent_angle or torsional_acceleration or torsional_resonance?"),
         ("zzz", "there is no quantity zzz ("),
     ],
 )

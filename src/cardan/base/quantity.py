@@ -7,7 +7,7 @@ from cardan.base.units import UNITS
 
 WRITTEN = {
     "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
-    "N_mm": "N/mm", "percent": "%",
+    "N_mm": "N/mm", "percent": "%", "per_s": "1/s",
 }  # fmt: skip
 """How people write the units whose names in keys cannot hold a slash or a dot."""
 

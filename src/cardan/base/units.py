@@ -50,7 +50,7 @@ UNITS: dict[str, float] = {
     "Nm_deg": Nm / deg, "kNm_deg": kNm / deg, "Nm_rad": Nm,
     "Pa": 1.0, "MPa": MPa, "GPa": GPa, "psi": psi, "kg_m3": 1.0,
     "rad": 1.0, "deg": deg, "deg_mm": deg / mm, "gmm": 1e-6,
-    "rpm": rpm, "rad_s": 1.0, "rad_s2": 1.0, "deg_min": rpm * deg,
+    "rpm": rpm, "rad_s": 1.0, "rad_s2": 1.0, "per_s": 1.0, "deg_min": rpm * deg,
     "Hz": 1.0, "h": hour, "s": 1.0, "km_h": 1 / 3.6,
 }  # fmt: skip
 """SI value of one unit, by the name a key of a file ends in (`length_mm`, `torque_lbft`).

@@ -1,6 +1,6 @@
 """Make the gallery: every example's report in three languages, as small pictures.
 
-    python docs/gallery/make.py
+    python docs/reports/make.py
 
 Needs the extra `report` and Pillow. Verdict, drawings and plots of each report stand side
 by side; the whole gallery stays under 2 MB.

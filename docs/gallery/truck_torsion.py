@@ -1,0 +1,46 @@
+"""A truck's line between gearbox and axle: resonances, what the joints excite, and what grows.
+
+At the forced orbit, computed without linearising, orders 2 and 4 of the torque in the shafts
+rise where their multiples meet a natural frequency.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from cardan.base.units import rpm
+from cardan.dynamics.periodic import growth, over
+from cardan.dynamics.torsion import about_forced_orbit, natural_frequencies, of_line, orbit
+from cardan.model.layout import direction
+from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+
+tube = Tube(outer=0.127, wall=0.0034)
+truck = Line(
+    shafts=(
+        Shaft(length=1.24, tube=tube, yoke_inertia=0.05, centre_bearing=CentreBearing()),
+        Shaft(length=1.51, tube=tube, yoke_inertia=0.05),
+    )
+)
+slopes = direction(side=np.radians([4.0, 2.8, 4.0, 2.4]), top=np.zeros(4))
+line = of_line(
+    truck, slopes, gearbox_inertia=1.2, gearbox_stiffness=9e3, axle_inertia=3.0,
+    axle_stiffness=25e3, damping_ratio=0.03, torque=1500.0,
+)  # fmt: skip
+w = natural_frequencies(line)
+speeds = np.linspace(300, 2600, 160) * rpm
+motion = orbit(line, speeds)
+
+figure, (campbell, torque) = plt.subplots(2, 1, figsize=(7, 7), sharex=True)
+for order in (2, 4):
+    campbell.plot(speeds / rpm, order * speeds / (2 * np.pi), "k--", lw=0.8)
+    torque.semilogy(speeds / rpm, np.abs(motion.order(order)[:, 1]), label=f"order {order}")
+for frequency in w[:2]:
+    campbell.axhline(frequency / (2 * np.pi))
+campbell.set(ylabel="frequency, Hz", ylim=(0, 100))
+torque.set(xlabel="speed, rpm", ylabel="torque amplitude in shaft 1, N m")
+torque.legend()
+plt.show()
+
+top = speeds[np.abs(motion.order(2)[:, 1]).argmax()]
+assert abs(2 * top / w[:2] - 1).min() < 0.03  # order 2 peaks where it meets a frequency
+rates = over(lambda speed: growth(about_forced_orbit(line, speed)), speeds, chunk=8)
+assert np.all(rates < 0)  # and nothing grows by itself

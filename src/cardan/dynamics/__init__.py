@@ -1,0 +1,1 @@
+"""How a driveline vibrates, and when it is unstable: torsion, lateral, run-up, clearance."""

@@ -1,0 +1,257 @@
+"""Ask whether an application vibrates: each gear's speeds against resonances and zones."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.source import Source
+from cardan.base.units import NewtonMetre
+from cardan.base.verdict import Check, Grade, Limit, worst
+from cardan.demand.states import Demand, demand
+from cardan.dynamics.lateral import flexible_shaft
+from cardan.dynamics.periodic import growth
+from cardan.dynamics.torsion import (
+    TorsionLine,
+    about_forced_orbit,
+    natural_frequencies,
+    of_line,
+    orbit,
+)
+from cardan.model.application import Application
+from cardan.model.parts import Line, Shaft
+
+ORDERS = (2, 4)
+"""Orders of the turning that joints excite."""
+
+KEPT_FROM_RESONANCE = Limit(
+    quantity="torsional_resonance", band=(0.9, 1.1), source=Source("Assumed: a tenth to each side")
+)
+_BY_DEFINITION = Source("By definition: what grows does not stay small")
+STEADY = {
+    quantity: Limit(quantity=quantity, maximum=0.0, source=_BY_DEFINITION)
+    for quantity in ("torsional_growth", "lateral_growth")
+}
+"""Limits on growth, by quantity."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """What turns with a line at both ends, and damps it. Assumed where nobody knows better.
+
+    Attributes
+    ----------
+    axle_inertia, axle_stiffness : kg m², N m/rad
+        Of what turns behind the pinion, reflected to it, and of the spring in between;
+        rigid if None.
+    gearbox_inertia, gearbox_stiffness : kg m², N m/rad
+        Of what turns with the gearbox flange, and of the spring to the uniformly turning
+        engine; without them the flange itself turns uniformly.
+    damping_ratio : 1
+        Of the first torsional mode.
+    rubber_loss : 1
+        Loss factor of the centre bearings' rubber.
+    """
+
+    axle_inertia: float = 2.0
+    axle_stiffness: float | None = None
+    gearbox_inertia: float | None = None
+    gearbox_stiffness: float | None = None
+    damping_ratio: float = 0.02
+    rubber_loss: float = 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Zone:
+    """Where twice the speed meets a sum of two torsional frequencies, or one of them twice.
+
+    `modes` count from 1, `speed` is in rad/s, `growth` (states,) in 1/s at the nearest speed
+    that a gear reaches.
+    """
+
+    modes: tuple[int, int]
+    speed: float
+    growth: FloatArray
+
+    @property
+    def name(self) -> str:
+        """How tables call it."""
+        i, j = self.modes
+        return f"zone of mode {i}" if i == j else f"zone of modes {i} + {j}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vibration:
+    """How one line vibrates.
+
+    Attributes
+    ----------
+    line, states
+        Which line, and the S states it was asked in.
+    gears : names of the G ranges of speed
+    ranges : (G, 2) rad/s
+    frequencies : (n,) rad/s
+        Torsional natural frequencies, rising.
+    zones
+        Parametric zones of first order.
+    speeds : (k,) rad/s
+        For the amplitudes.
+    amplitudes : (S, orders, k) N m
+        Of the largest torque in the line at orders 2 and 4, in the forced motion.
+    lateral : (G, hung shafts) 1/s
+        Largest growth of each shaft on a rubber bearing; nan where the bearing is rigid.
+    """
+
+    line: Line
+    states: tuple[str, ...]
+    gears: tuple[str, ...]
+    ranges: FloatArray
+    frequencies: FloatArray
+    zones: tuple[Zone, ...]
+    speeds: FloatArray
+    amplitudes: FloatArray
+    lateral: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stability:
+    """The answer: every line's vibration, and the checks on it."""
+
+    application: Application
+    surroundings: Surroundings
+    lines: tuple[Vibration, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def verdict(self) -> Grade:
+        """The worst of all checks."""
+        return worst([c.grade for c in self.checks])
+
+
+def stability(application: Application, *, surroundings: Surroundings | None = None) -> Stability:
+    """Hold every gear's speeds against torsional resonances, parametric zones and flutter.
+
+    Raises
+    ------
+    DesignError
+        If a shaft has no tube, or only one of the gearbox's two values is given.
+    NotConverged
+        If a line has no steady forced motion (no damping, in resonance).
+    """
+    around = surroundings or Surroundings()
+    lines = tuple(
+        _vibration(demand(application, installed), around) for installed in application.lines
+    )
+    checks = tuple(c for line in lines for c in _checks(line))
+    return Stability(application=application, surroundings=around, lines=lines, checks=checks)
+
+
+def _ranges(of: Demand) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+    """Return names, speeds (G, 2) rad/s and torques (G,) N m of each gear, up to top speed."""
+    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(of.torque))
+    if of.gears is None:
+        return ("top speed",), np.array([[top, top]]), np.array([torque])
+    ranges = of.gears.speed_range
+    return (
+        tuple(f"gear {name}" for name in of.gears.names), ranges,
+        np.minimum(of.gears.peak, torque),
+    )  # fmt: skip
+
+
+def _vibration(of: Demand, around: Surroundings) -> Vibration:
+    """Return how a line vibrates in all its states."""
+    line = of.installed.line
+    gears, ranges, torques = _ranges(of)
+
+    def model(torque: NewtonMetre) -> TorsionLine:
+        return of_line(
+            line, of.layout.directions[:, None], axle_inertia=around.axle_inertia,
+            axle_stiffness=around.axle_stiffness, gearbox_inertia=around.gearbox_inertia,
+            gearbox_stiffness=around.gearbox_stiffness, damping_ratio=around.damping_ratio,
+            torque=torque,
+        )  # fmt: skip
+
+    w = natural_frequencies(model(0.0))[0, 0]
+    met = [(i, i) for i in range(w.size)] + list(combinations(range(w.size), 2))
+    centres = np.array([(w[i] + w[j]) / 2 for i, j in met])
+    # The speed nearest to each zone that a gear reaches, and that gear's torque.
+    reached = np.clip(centres[:, None], ranges[:, 0], ranges[:, 1])
+    gear = np.abs(reached / centres[:, None] - 1).argmin(-1)
+    nearest = reached[np.arange(centres.size), gear]
+    grown = np.stack(
+        [
+            growth(about_forced_orbit(model(float(torques[g])), np.array([speed]), samples=17))[
+                :, 0
+            ]
+            for speed, g in zip(nearest, gear, strict=True)
+        ],
+        axis=-1,
+    )
+    zones = tuple(
+        Zone(modes=(i + 1, j + 1), speed=float(centre), growth=grown[:, k])
+        for k, ((i, j), centre) in enumerate(zip(met, centres, strict=True))
+    )
+    speeds = np.linspace(max(0.3 * ranges.min(), 1.0), 1.05 * ranges.max(), 240)
+    forced = orbit(model(float(torques.max())), speeds, samples=17)
+    amplitudes = np.stack([np.abs(forced.order(o)).max(-1) for o in ORDERS], axis=1)
+    lateral = np.array(
+        [[_lateral(shaft, r, torque, around) for shaft in line.shafts[:-1]]
+         for r, torque in zip(ranges, torques, strict=True)]
+    ).reshape(len(gears), len(line.shafts) - 1)  # fmt: skip
+    return Vibration(
+        line=line, states=of.states, gears=gears, ranges=ranges, frequencies=w, zones=zones,
+        speeds=speeds, amplitudes=amplitudes, lateral=lateral,
+    )  # fmt: skip
+
+
+def _lateral(shaft: Shaft, between: FloatArray, torque: float, around: Surroundings) -> float:
+    """Return the largest growth of a hung shaft in a range of speeds; nan if held rigidly.
+
+    Of the shaft swinging on its rubber: nobody gives the damping its bending modes have.
+    """
+    bearing, tube = shaft.centre_bearing, shaft.tube
+    if bearing is None or bearing.stiffness is None or tube is None:
+        return float("nan")
+    vertical, lateral = bearing.stiffness
+    k = (vertical + lateral) / 2
+    length = shaft.length - bearing.from_rear_joint
+    # On its bearing the shaft swings about the joint like a rod: k L² = m L²/3 w².
+    swing = np.sqrt(k / (tube.mass_per_length * length / 3 + shaft.yoke_mass[1]))
+    whirl = flexible_shaft(
+        speed=np.linspace(between[0], between[1], 8), torque=torque, length=length,
+        bending_stiffness=tube.bending_stiffness, mass_per_length=tube.mass_per_length,
+        bearing=k, bearing_difference=(vertical - lateral) / 2,
+        bearing_damping=around.rubber_loss * k / swing,
+        rotary_inertia=tube.polar_inertia_per_length / 2, end_mass=shaft.yoke_mass[1],
+        follower=1.0, functions=1,
+    )  # fmt: skip
+    return float(growth(whirl.system, tolerance=1e-8).max())
+
+
+def _checks(of: Vibration) -> Iterator[Check]:
+    """Yield a check for each resonance and gear, each zone and state, each hung shaft and gear."""
+    name = of.line.name
+    for i, w in enumerate(of.frequencies, 1):
+        for order in ORDERS:
+            for gear, (low, high) in zip(of.gears, of.ranges, strict=True):
+                yield Check(
+                    quantity="torsional_resonance", line=name, state=gear,
+                    part=f"mode {i}, order {order}",
+                    value=float(np.clip(w / order, low, high) / (w / order)),
+                    limit=KEPT_FROM_RESONANCE,
+                )  # fmt: skip
+    for zone in of.zones:
+        for state, rate in zip(of.states, zone.growth, strict=True):
+            yield Check(
+                quantity="torsional_growth", line=name, state=state, part=zone.name,
+                value=float(rate), limit=STEADY["torsional_growth"],
+            )  # fmt: skip
+    for gear, rates in zip(of.gears, of.lateral, strict=True):
+        for k, rate in enumerate(rates, 1):
+            if not np.isnan(rate):
+                yield Check(
+                    quantity="lateral_growth", line=name, state=gear, part=f"shaft {k}",
+                    value=float(rate), limit=STEADY["lateral_growth"],
+                )  # fmt: skip

@@ -1,0 +1,170 @@
+"""Laws of vibration: what holds for every line, shaft and ply, whatever its numbers."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.dynamics.lateral import rigid_shaft
+from cardan.dynamics.pendulum import Pendulum
+from cardan.dynamics.periodic import (
+    Periodic,
+    growth,
+    hill_multipliers,
+    liouville,
+    monodromy,
+    multipliers,
+)
+from cardan.dynamics.runup import passage
+from cardan.dynamics.torsion import (
+    TorsionLine,
+    about_forced_orbit,
+    about_rigid_rotation,
+    about_rigid_shafts,
+    orbit,
+    transmitted,
+)
+from cardan.shaft.composite import CARBON_EPOXY, CompositeTube, strength_ratio
+
+few = settings(max_examples=25, deadline=None)
+angles = st.floats(0.0, 0.6)
+sizes = st.floats(0.2, 5.0)
+speeds = st.floats(0.2, 3.0)
+
+
+some_damping, no_damping = st.floats(0.0, 0.2), st.just(0.0)
+
+
+@st.composite
+def lines(draw, damping=some_damping):
+    """Lines of two joints and an inertia, any twist."""
+    three = lambda s: np.array([draw(s) for _ in range(3)])  # noqa: E731
+    return TorsionLine(
+        beta=np.array([draw(angles), draw(angles), 0.0]), stiffness=three(sizes),
+        driving=three(sizes), driven=np.array([draw(sizes), draw(sizes), 0.0]),
+        damping=draw(damping) * np.ones(3), twist=three(st.floats(-3, 3)),
+        front=np.array(draw(angles)),
+    )  # fmt: skip
+
+
+@few
+@given(line=lines(), speed=speeds)
+def test_liouville(line, speed):
+    """What damping takes out of a volume of states in half a turn is its trace."""
+    for about in (about_rigid_rotation, about_rigid_shafts):
+        system = about(line, speed)
+        assert np.linalg.det(monodromy(system)) == pytest.approx(float(liouville(system)), rel=1e-7)
+
+
+@few
+@given(line=lines(damping=no_damping), speed=speeds)
+def test_undamped_multipliers_pair_up(line, speed):
+    """About a motion the equations allow, with no damping, ρ comes with 1/ρ: energy's law."""
+    try:
+        rho = multipliers(about_forced_orbit(line, speed), tolerance=1e-12)
+    except Exception as error:  # noqa: BLE001  an undamped line in resonance has no orbit
+        pytest.skip(str(error))
+    product = rho[:, None] * rho
+    # Near a double multiplier rounding splits it by the square root of 1e-13.
+    assert np.abs(product - 1).min(-1).max() < 1e-5
+
+
+@few
+@given(line=lines(), speed=speeds)
+def test_straight_joints_excite_nothing(line, speed):
+    straight = TorsionLine(
+        beta=0 * line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
+        damping=line.damping + 0.01, twist=line.twist,
+    )  # fmt: skip
+    assert np.abs(orbit(straight, speed).order(2)).max() < 1e-9
+    assert growth(about_forced_orbit(straight, speed)) < 0
+
+
+@few
+@given(line=lines(), speed=speeds, turned=st.floats(-3, 3))
+def test_where_the_turn_begins_does_not_matter(line, speed, turned):
+    """Twisting what lies ahead of everything shifts time, and no growth rate."""
+    again = TorsionLine(
+        beta=line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
+        damping=line.damping, twist=line.twist, front=0.0, front_twist=turned,
+    )  # fmt: skip
+    plain = TorsionLine(
+        beta=line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
+        damping=line.damping, twist=line.twist,
+    )  # fmt: skip
+    rates = [growth(about_rigid_shafts(one, speed), tolerance=1e-12) for one in (again, plain)]
+    # Undamped, a double multiplier on the unit circle is known to the square root only.
+    assert rates[0] == pytest.approx(float(rates[1]), abs=2e-6)
+
+
+@few
+@given(theta=st.floats(-10, 10), beta=st.floats(0.0, 1.2))
+def test_derivatives_of_a_joint(theta, beta):
+    h = 1e-4
+    ahead, behind = (transmitted(theta + s, beta=beta) for s in (h, -h))
+    here = transmitted(theta, beta=beta)
+    scale = 1 / np.cos(beta) ** 4
+    for k in range(3):
+        assert (ahead[k] - behind[k]) / (2 * h) == pytest.approx(
+            float(here[k + 1]), abs=100 * h**2 * scale**2
+        )
+
+
+@few
+@given(a=st.floats(0.3, 4), q=st.floats(0, 1.5), c=st.floats(0.02, 0.3), period=st.floats(0.5, 5))
+def test_hill_and_time_agree(a, q, c, period):
+    system = Periodic(
+        period=np.array(period),
+        matrices=lambda t: (
+            np.eye(1), c * np.eye(1), (a + q * np.cos(2 * np.pi * t))[:, None, None]
+        ),
+    )  # fmt: skip
+    rho, hill = multipliers(system, tolerance=1e-12), hill_multipliers(system)
+    # Sum and product are well conditioned even where the two meet.
+    assert hill.sum() == pytest.approx(rho.sum(), abs=1e-8 * np.abs(rho).max())
+    assert hill.prod() == pytest.approx(rho.prod(), abs=1e-8 * np.abs(rho).max() ** 2)
+
+
+@few
+@given(speed=speeds, torque=st.floats(0, 0.8), sigma=st.floats(0, 1), ia=st.floats(0, 0.5))
+def test_a_shaft_seen_turning_is_constant(speed, torque, sigma, ia):
+    shaft = rigid_shaft(
+        speed=speed, torque=torque, transverse_inertia=1.0, polar_inertia=ia, stiffness=1.0,
+        damping=0.05, follower=sigma,
+    )  # fmt: skip
+    exact = shaft.rotating_exponents().real.max()
+    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(exact, abs=1e-6)
+
+
+@few
+@given(rate=st.floats(1e-3, 0.05), more=st.floats(1.1, 3), zeta=st.floats(0, 0.05))
+def test_faster_through_resonance_is_lower(rate, more, zeta):
+    slow, fast = passage(rate=np.array([rate, more * rate]), damping_ratio=zeta).peak
+    assert fast < slow
+
+
+@few
+@given(
+    A=sizes, B=sizes, share=st.floats(0.1, 0.95), mgl=st.floats(0.1, 30), speed=st.floats(0.1, 20)
+)
+def test_friction_decides_for_a_hung_body(A, B, share, mgl, speed):
+    body = Pendulum(
+        driving_inertia=A, driven_inertia=B, polar_inertia=share * (A + B), weight_moment=mgl,
+        friction=0.3,
+    )  # fmt: skip
+    if np.abs(body.stiffness(speed)).min() < 1e-3:
+        return  # on the edge itself rounding decides
+    assert (body.exponents(speed).real.max() < 0) == bool(body.stable_with_friction(speed))
+
+
+@few
+@given(fibres=st.lists(st.floats(0, np.pi / 2), min_size=1, max_size=5), torque=st.floats(10, 2000))
+def test_a_laminate_is_linear_and_balanced_ones_do_not_twist(fibres, torque):
+    tube = CompositeTube(
+        outer=0.1, ply=CARBON_EPOXY, angles=tuple(s * a for a in fibres for s in (1, -1))
+    )
+    assert np.abs(tube.membrane[:2, 2]).max() < 1e-6 * tube.membrane[2, 2]
+    once, twice = tube.ply_stresses(torque), tube.ply_stresses(2 * torque)
+    np.testing.assert_allclose(twice, 2 * once, rtol=1e-12, atol=1e-3)
+    ratios = strength_ratio(once, tube.ply), strength_ratio(twice, tube.ply)
+    np.testing.assert_allclose(ratios[0], 2 * ratios[1], rtol=1e-9)

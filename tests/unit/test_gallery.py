@@ -1,0 +1,24 @@
+"""Every page of the gallery runs, and its headline holds."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+PAGES = sorted((Path(__file__).parents[2] / "docs" / "gallery").glob("*.py"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_page(page, monkeypatch):
+    pyplot = pytest.importorskip("matplotlib.pyplot", reason="the gallery draws with matplotlib")
+    pyplot.switch_backend("agg")
+    monkeypatch.setattr(pyplot, "show", lambda: None)
+    try:
+        runpy.run_path(str(page))
+        assert pyplot.get_fignums()
+    finally:
+        pyplot.close("all")
+
+
+def test_there_are_pages():
+    assert len(PAGES) >= 11

@@ -1,0 +1,120 @@
+"""`cardan stability`: gears against resonances and zones, in the words of `check`."""
+
+import json
+from dataclasses import replace
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.base.units import rpm
+from cardan.cli import cli
+from cardan.study.stability import Surroundings, stability
+
+
+@pytest.fixture(scope="module")
+def truck(tmp_path_factory):
+    file = tmp_path_factory.mktemp("truck") / "truck.yaml"
+    file.write_text(files.starter("truck"), encoding="utf-8")
+    return file
+
+
+def test_frequencies_follow_from_the_parts(truck):
+    """Two shafts and the axle between a uniform gearbox and free: springs by hand."""
+    application = files.read(truck)
+    (line,) = stability(application, surroundings=Surroundings(axle_inertia=2.0)).lines
+    first, second = line.line.shafts
+    k1, k2 = (
+        s.tube.material.shear_modulus * 2 * s.tube.second_moment / s.length for s in (first, second)
+    )
+    J1 = (first.polar_inertia + second.polar_inertia) / 2
+    J2 = second.polar_inertia / 2 + 2.0
+    # Two by two: w^2 of J1 q1'' + (k1 + k2) q1 - k2 q2, J2 q2'' + k2 (q2 - q1).
+    trace, product = (k1 + k2) / J1 + k2 / J2, k1 * k2 / (J1 * J2)
+    low = (trace - np.sqrt(trace**2 - 4 * product)) / 2
+    assert line.frequencies[0] == pytest.approx(np.sqrt(low), rel=1e-9)
+    assert np.prod(line.frequencies**2) == pytest.approx(product, rel=1e-9)
+
+
+def test_a_gear_that_runs_through_a_resonance_warns(truck):
+    found = stability(files.read(truck))
+    (line,) = found.lines
+    order2 = line.frequencies[0] / 2
+    for check in found.checks:
+        if check.quantity != "torsional_resonance" or check.part != "mode 1, order 2":
+            continue
+        low, high = line.ranges[line.gears.index(check.state)]
+        near = low / 1.1 < order2 < high / 0.9
+        assert (check.grade == "warn") == near
+    assert found.verdict == "warn"
+
+
+def test_the_forced_torque_peaks_at_the_resonance(truck):
+    (line,) = stability(files.read(truck)).lines
+    for state in range(len(line.states)):
+        peak = line.speeds[line.amplitudes[state, 0].argmax()]
+        assert peak == pytest.approx(line.frequencies[0] / 2, rel=0.03)
+
+
+def test_order_4_is_far_below_order_2(truck):
+    """By about tan²(β/2), the ratio of a joint's own orders, times a resonance."""
+    (line,) = stability(files.read(truck)).lines
+    low, high = line.amplitudes[:, 1].max(-1), line.amplitudes[:, 0].max(-1)
+    assert np.all(low < 0.05 * high)
+
+
+def test_damping_is_what_keeps_zones_closed(truck):
+    """Without it a line that runs in its zone grows, and the verdict fails."""
+    application = files.read(truck)
+    damped = stability(application)
+    loose = stability(application, surroundings=Surroundings(damping_ratio=1e-5))
+    rates = [max(z.growth.max() for z in s.lines[0].zones) for s in (damped, loose)]
+    assert rates[0] < 0
+    assert rates[0] < rates[1]
+    slow = replace(
+        application, engine=None, gearbox=None, speed=float(damped.lines[0].frequencies[0])
+    )
+    shaken = stability(slow, surroundings=Surroundings(damping_ratio=1e-5))
+    assert shaken.verdict == "fail"
+    assert stability(slow).verdict != "fail"
+
+
+def test_command_writes_contract_and_chart(truck, tmp_path):
+    chart = tmp_path / "chart.svg"
+    run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])
+    assert run.exit_code == 0
+    document = json.loads(run.stdout)
+    assert document["verdict"] == "warn"
+    assert document["assumed"]["axle_inertia_kgm2"] == 2.0
+    line = document["lines"][0]
+    assert [g["name"] for g in line["gears"]][:2] == ["gear 1", "gear 2"]
+    assert line["gears"][-1]["speed_rpm"][1] == pytest.approx(2500)
+    assert {c["quantity"] for c in document["checks"]} == {
+        "torsional_resonance", "torsional_growth", "lateral_growth"
+    }  # fmt: skip
+    drawn = "".join(ET.parse(chart).getroot().itertext())
+    assert f"mode 1, {line['torsional_frequencies_Hz'][0]:.1f} Hz" in drawn
+    assert "order 4" in drawn
+
+
+def test_command_prints_what_it_assumes(truck):
+    run = CliRunner().invoke(cli, ["stability", str(truck), "--axle-inertia", "3"])
+    assert run.exit_code == 0
+    assert "axle 3.000 kg m²" in run.stdout
+    assert "Speed over torsional resonance" in run.stdout
+
+
+def test_half_a_gearbox_is_refused(truck):
+    run = CliRunner().invoke(cli, ["stability", str(truck), "--gearbox-inertia", "1"])
+    assert run.exit_code == 2
+    assert "both the gearbox inertia and its stiffness" in run.stderr
+
+
+def test_a_small_file_is_enough(tmp_path):
+    file = tmp_path / "small.yaml"
+    file.write_text(files.starter("small"), encoding="utf-8")
+    (line,) = stability(files.read(file)).lines
+    assert line.gears == ("top speed",)
+    assert line.ranges[0, 0] / rpm == pytest.approx(2500)

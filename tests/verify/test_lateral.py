@@ -1,0 +1,259 @@
+"""Lateral stability of Mazzei et al. (1999), internal damping of Vatta & Vigliani (2008).
+
+The growth rates were computed from the authors' equations by an independent program; eight
+digits are printed. Beam frequencies are held against the transcendental equation.
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from cardan.base.errors import DesignError
+from cardan.dynamics.damping import (
+    hysteretic_growth,
+    hysteretic_threshold,
+    viscous_exponents,
+    viscous_threshold,
+)
+from cardan.dynamics.lateral import (
+    flexible_shaft,
+    misaligned_shaft,
+    natural_frequencies,
+    rigid_shaft,
+)
+from cardan.dynamics.periodic import (
+    differentiation,
+    growth,
+    hill_multipliers,
+    monodromy,
+    multipliers,
+)
+
+MAZZEI = {
+    "transverse_inertia": 1.0,
+    "polar_inertia": 0.1,
+    "stiffness": 1.0,
+    "damping": 0.05,
+}
+PRINTED = [(1, 0.2, 0.5, 0.02404822), (0, 0.2, 2.0, 0.02716749)]
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_growth_of_the_rigid_shaft(follower, torque, speed, rate):
+    shaft = rigid_shaft(speed=speed, torque=torque, follower=follower, **MAZZEI)
+    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(rate, abs=5e-9)
+
+
+def test_rotating_frame_and_floquet_agree():
+    """What is periodic at rest is constant to one who turns with the shaft."""
+    speed, torque, follower = np.meshgrid([0.5, 1.1, 2.0], [0.1, 0.6], [0.0, 0.4, 1.0])
+    shaft = rigid_shaft(speed=speed, torque=torque, follower=follower, **MAZZEI)
+    np.testing.assert_allclose(
+        growth(shaft.system, tolerance=1e-12), shaft.rotating_exponents().real.max(-1), atol=1e-10
+    )
+    # Each multiplier of half a turn is exp(λ π/Ω) of a rotating exponent, turned back half
+    # a turn: a sign.
+    rho = multipliers(shaft.system, tolerance=1e-12)
+    turned = -np.exp(shaft.rotating_exponents() * np.pi / speed[..., None])
+    assert np.abs(rho[..., :, None] - turned[..., None, :]).min(-1).max() < 1e-9
+
+
+def test_unequal_bearings_need_floquet():
+    shaft = rigid_shaft(speed=1.3, torque=0.2, stiffness_difference=0.2, **MAZZEI)
+    with pytest.raises(DesignError, match="equal all round"):
+        shaft.rotating_exponents()
+    found, hill = multipliers(shaft.system, tolerance=1e-12), hill_multipliers(shaft.system)
+    assert np.abs(found[:, None] - hill).min(-1).max() < 1e-8
+
+
+def test_unequal_bearings_calm_a_follower_torque():
+    """Flutter needs the two directions in step: their split detunes it (Mazzei 1999).
+
+    At low speed; at high speed the gyroscopic moment keeps the motion round, split or not.
+    """
+    split = np.array([0.0, 0.1, 0.2])
+    rate = growth(rigid_shaft(speed=0.2, torque=0.3, stiffness_difference=split, **MAZZEI).system)
+    assert np.all(np.diff(rate) < 0)
+    assert rate[0] > 0 > rate[-1]
+
+
+def test_flutter_torque():
+    """About 4 ζ k, away from the zones, without gyroscopic moments."""
+    zeta = 0.01
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "stiffness": 1.0, "damping": 2 * zeta}
+    edge = brentq(
+        lambda T: float(growth(rigid_shaft(speed=7.3, torque=T, **shaft).system, tolerance=1e-12)),
+        2 * zeta, 6 * zeta,
+    )  # fmt: skip
+    # The joint's twice-a-turn term adds (T / 2k)² of first order; here 4e-4.
+    assert edge == pytest.approx(4 * zeta, rel=2e-3)
+
+
+def beam(**changes):
+    shaft = {
+        "speed": 0.5, "torque": 0.2, "length": 2.0, "bending_stiffness": 10.0,
+        "mass_per_length": 0.35, "bearing": 0.25, "bearing_damping": 0.0125,
+        "rotary_inertia": 0.025,
+    }  # fmt: skip
+    return flexible_shaft(**(shaft | changes))
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_a_stiff_flexible_shaft_is_the_rigid_one(follower, torque, speed, rate):
+    """ρA L³/3 + ρI L = 1 and 2 ρI L = 0.1 make it Mazzei's; flexibility is k L / 3EI ~ 1e-9."""
+    shaft = beam(
+        speed=speed, torque=torque, follower=follower, functions=1, mass_per_length=3 * 0.95 / 8
+    )
+    assert shaft.rotating_exponents().real.max() == pytest.approx(rate, abs=5e-9)
+
+
+def test_frequencies_of_the_beam_on_its_bearing():
+    """Pinned at the joint, spring s at the end: a (cot a - coth a) = -2 s L³ / EI, w = a² ..."""
+    L, EI, rhoA, k = 2.0, 10.0, 0.35, 4.0
+    shaft = beam(
+        bending_stiffness=EI, mass_per_length=rhoA, bearing=k, rotary_inertia=0.0, functions=12
+    )
+    # w = sin and sinh of a x / L; moment-free end, shear EI w''' = k w:
+    residue = lambda a: a**3 * (1 / np.tan(a) - 1 / np.tanh(a)) + 2 * k * L**3 / EI  # noqa: E731
+    roots = [brentq(residue, low + 1e-3, low + np.pi - 1e-3) for low in (0.0, np.pi, 2 * np.pi)]
+    exact = np.array(roots) ** 2 * np.sqrt(EI / rhoA) / L**2
+    np.testing.assert_allclose(natural_frequencies(shaft)[:3], exact, rtol=1e-7)
+
+
+@pytest.mark.parametrize("follower", [0.0, 1.0])
+def test_galerkin_solves_the_differential_equation(follower):
+    """Strong form of the bent, twisted shaft, seen turning: z = e^{iWt} (u e^{λt} + v* e^{λ*t}).
+
+    ρA (λ + iW)² u + EI u_xxxx + iT u_xxx = 0 from the balance of moments and forces, the same
+    for v with -i; at the joint iEI u_xx = T (u_x + v_x)/2, at the load EI u_xx = -iT (1 - σ) u_x,
+    shear EI u_xxx + iT u_xx = (k + c (λ + iW)) u. Eight exponentials: their determinant vanishes.
+    """
+    W, T, L, EI, rhoA, k, c = 0.5, 0.6, 2.0, 3.0, 0.35, 0.5, 0.03
+    shaft = flexible_shaft(
+        speed=W, torque=T, length=L, bending_stiffness=EI, mass_per_length=rhoA, bearing=k,
+        bearing_damping=c, follower=follower, functions=14,
+    )  # fmt: skip
+    found = shaft.rotating_exponents()
+    found = found[np.argsort(np.abs(found))][:8]
+
+    def residue(s):
+        rows = np.zeros((8, 8), dtype=complex)
+        for half, sign in ((0, 1j), (1, -1j)):
+            rate = s + sign * W
+            r = np.roots([EI, sign * T, 0, 0, rhoA * rate**2])
+            at = slice(4 * half, 4 * half + 4)
+            # Columns scaled so that none of the exponentials grows large.
+            start = np.exp(-np.maximum((r * L).real, 0))
+            grown = np.exp(r * L - np.maximum((r * L).real, 0))
+            rows[half, at] = start
+            rows[2 + half, at] = (sign * EI * r**2 - T / 2 * r) * start
+            rows[3 - half, at] = -T / 2 * r * start
+            rows[4 + half, at] = (EI * r**2 + sign * T * (1 - follower) * r) * grown
+            rows[6 + half, at] = (EI * r**3 + sign * T * r**2 - (k + c * rate)) * grown
+        rows /= np.abs(rows).max(axis=1, keepdims=True)
+        return np.linalg.svd(rows, compute_uv=False)[-1]
+
+    for s in found:
+        assert residue(s) < 1e-7
+        assert residue(s + 0.01) > 1e-5
+
+
+def test_galerkin_converges():
+    low = []
+    for functions in (3, 5, 7, 9):
+        exponents = beam(functions=functions).rotating_exponents()
+        low.append(exponents[np.abs(exponents.imag) < 3].real.max())
+    error = np.abs(np.array(low[:-1]) - low[-1])
+    assert error[0] < 2e-5
+    assert error[1] < 5e-9
+    assert error[2] < 1e-11
+
+
+def test_flexible_floquet_and_rotating_frame_agree():
+    shaft = beam(functions=3, internal_damping=1e-3)
+    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(
+        shaft.rotating_exponents().real.max(), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize(("follower", "torque", "speed", "rate"), PRINTED)
+def test_no_misalignment_is_mazzei(follower, torque, speed, rate):
+    shaft = {k: v for k, v in MAZZEI.items() if k != "stiffness"}
+    system, swing = misaligned_shaft(
+        speed=speed, torque=torque, follower=follower, beta=0.0, stiffness=(1.0, 1.0), **shaft
+    )
+    assert growth(system, tolerance=1e-12) == pytest.approx(rate, abs=5e-9)
+    assert np.abs(swing).max() < 1e-15
+
+
+@pytest.mark.parametrize("follower", [0.0, 1.0])
+def test_misaligned_motion_and_its_neighbours(follower):
+    """The full equations, integrated from the forced motion and beside it.
+
+    I_t q'' + c q' + k q = the joint's moment along d - a (a.d) that carries the load T, less
+    the load, turned by -i. The forced motion comes back, and pushes map as the matrix says.
+    """
+    beta, T, W, c = 0.3, 0.2, 0.8, 0.1
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": c}
+    system, swing = misaligned_shaft(
+        speed=W, torque=T, follower=follower, beta=beta, stiffness=(1.0, 1.2), **shaft
+    )
+    d0 = np.array([-np.sin(beta), 0, np.cos(beta)])
+    across = np.array([np.cos(beta), 0, np.sin(beta)])
+
+    def rate(t, z):
+        q, v = z[:2], z[2:]
+        a = np.cos(W * t) * across + np.sin(W * t) * np.array([0, 1.0, 0])
+        d = np.array([*q, np.sqrt(1 - q @ q)])
+        M = d - a * (a @ d)
+        M = T * (M / (d @ M) - (d if follower else d0 / np.cos(beta)))
+        return np.concatenate([v, [M[1], -M[0]] - c * v - np.array([1.0, 1.2]) * q])
+
+    start = np.concatenate([swing[0], (differentiation(33) @ swing)[0] * W / np.pi])
+    settings = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-13}
+    end = lambda z: solve_ivp(rate, (0, np.pi / W), z, **settings).y[:, -1]  # noqa: E731
+    np.testing.assert_allclose(end(start), start, atol=1e-9)
+    push = 1e-5
+    P = np.stack(
+        [(end(start + push * e) - end(start - push * e)) / (2 * push) for e in np.eye(4)], 1
+    )
+    np.testing.assert_allclose(monodromy(system), P, atol=1e-7)
+
+
+def test_misalignment_shakes_twice_a_turn():
+    """Mean moment T tan(beta)/2 and as much at order 2, to first order in the angle."""
+    beta, T = 0.02, 0.1
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.0, "damping": 0.02}
+    _, q = misaligned_shaft(speed=2.0, torque=T, beta=beta, stiffness=(1.0, 1.0), **shaft)
+    spectrum = np.abs(np.fft.fft(q[:, 0] + 1j * q[:, 1])) / 33
+    static, rolling = spectrum[0], spectrum[1]
+    assert static == pytest.approx(T * beta / 2, rel=0.05)  # over k = 1; T / k adds its share
+    assert rolling == pytest.approx(T * beta / 2 / (4.0**2 - 1), rel=0.05)
+
+
+def test_internal_damping_threshold():
+    """At w_n (1 + c_e/c_i) exactly, by closed form, Mazzei's model and Floquet."""
+    m, k, ce, ci = 2.0, 50.0, 0.3, 0.2
+    edge = viscous_threshold(frequency=5.0, external=ce, internal=ci)
+    assert edge == pytest.approx(12.5, rel=1e-15)
+    speeds = edge * np.array([0.999, 1.0, 1.001])
+    own = viscous_exponents(speed=speeds, mass=m, stiffness=k, external=ce, internal=ci)
+    forward = own[:, 0].real
+    assert forward[0] < 0 < forward[2]
+    assert abs(forward[1]) < 1e-14
+    shaft = rigid_shaft(
+        speed=speeds, torque=0.0, transverse_inertia=m, polar_inertia=0.0, stiffness=k,
+        damping=ce, internal_damping=ci,
+    )  # fmt: skip
+    np.testing.assert_allclose(growth(shaft.system, tolerance=1e-12), forward, atol=1e-10)
+
+
+def test_hysteretic_damping_turns_at_the_critical_speed():
+    shaft = {"mass": 2.0, "stiffness": 50.0, "external": 0.1}
+    rates = hysteretic_growth(speed=np.array([4.9, 5.1, 50.0]), loss_factor=0.05, **shaft)
+    # Small damping: -c_e/2m -+ η w/2.
+    np.testing.assert_allclose(rates[:, 0], [-0.15, 0.1, 0.1], rtol=2e-3)
+    assert np.all(rates[:, 1] < 0)
+    assert hysteretic_threshold(loss_factor=0.05, **shaft) == 5.0
+    assert hysteretic_threshold(loss_factor=0.009, **shaft) == np.inf

@@ -1,0 +1,171 @@
+"""Stability of periodic systems against NIST DLMF 28.6, Liouville's formula and SciPy.
+
+The Mathieu values are those of DLMF table 28.6.1 (and of SciPy's `mathieu_a`, `mathieu_b`).
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import mathieu_a, mathieu_b
+
+from cardan.dynamics.chart import boundary, curve, edges
+from cardan.dynamics.periodic import (
+    Periodic,
+    differentiation,
+    exponents,
+    growth,
+    hill_determinant,
+    hill_multipliers,
+    liouville,
+    modes,
+    monodromy,
+    multipliers,
+    over,
+    response,
+)
+
+RNG = np.random.default_rng(5)
+PARTS = 0.15 * RNG.normal(size=(5, 2, 2))
+
+
+def mathieu(a, q=1.0, damping=0.0):
+    """y'' + c y' + (a - 2 q cos 2t) y = 0."""
+    a, q = np.broadcast_arrays(np.asarray(a, float), np.asarray(q, float))
+    return Periodic(
+        period=np.full(a.shape, np.pi),
+        matrices=lambda t: (
+            np.eye(1),
+            damping * np.eye(1),
+            (a[..., None] - 2 * q[..., None] * np.cos(2 * np.pi * t))[..., None, None],
+        ),
+    )
+
+
+def shaken(periods=(2.0, 3.5)):
+    """Two coordinates with everything periodic: mass, damping, gyroscopic, stiffness."""
+    wave = lambda f, t: f(2 * np.pi * t)[:, None, None]  # noqa: E731
+    return Periodic(
+        period=np.asarray(periods),
+        matrices=lambda t: (
+            np.eye(2) + wave(np.cos, t) * PARTS[0],
+            0.1 * np.eye(2) + PARTS[1] + wave(np.sin, t) * PARTS[2],
+            2 * np.eye(2) + PARTS[3] + 3 * wave(np.cos, t) * PARTS[4],
+        ),
+    )
+
+
+def matched(a, b):
+    """Largest distance from each of a to its nearest of b."""
+    return np.abs(a[..., :, None] - b[..., None, :]).min(-1).max()
+
+
+@pytest.mark.parametrize(
+    ("printed", "exact"),
+    [
+        (-0.455139, mathieu_a(0, 1)),
+        (1.859108, mathieu_a(1, 1)),
+        (-0.110249, mathieu_b(1, 1)),
+        (3.917025, mathieu_b(2, 1)),
+    ],
+)
+def test_mathieu_values(printed, exact):
+    trace = lambda a: np.trace(monodromy(mathieu(a), tolerance=1e-12), axis1=-2, axis2=-1)  # noqa: E731
+    found = edges(lambda a: np.abs(trace(a)) - 2, between=(-1, 4.2))
+    nearest = found[np.abs(found - printed).argmin()]
+    assert nearest == pytest.approx(printed, abs=5e-7)  # its printed digits
+    assert nearest == pytest.approx(float(exact), abs=1e-9)
+
+
+def test_monodromy_agrees_with_a_general_integrator():
+    system = shaken()
+    P = monodromy(system, tolerance=1e-11)
+    for k, period in enumerate(system.period):
+
+        def rate(t, z, period=period):
+            M, C, K = (part[0] for part in system.matrices(np.array([t / period])))
+            q, v = z.reshape(2, 2, 4)
+            return np.concatenate([v, -np.linalg.solve(M, C @ v + K @ q)]).ravel()
+
+        done = solve_ivp(
+            rate, (0, period), np.eye(4).ravel(), method="DOP853", rtol=1e-12, atol=1e-13
+        )
+        # Both run at 1e-11 or better; the integrator gathers about ten times its step error.
+        np.testing.assert_allclose(P[k], done.y[:, -1].reshape(4, 4), atol=3e-10)
+
+
+def test_liouville():
+    system = shaken()
+    np.testing.assert_allclose(np.linalg.det(monodromy(system)), liouville(system), rtol=1e-9)
+
+
+def test_hill_agrees_with_the_monodromy_matrix():
+    for system in (shaken(), mathieu([0.3, 2.6], damping=0.1)):
+        found, exact = hill_multipliers(system), multipliers(system, tolerance=1e-12)
+        assert matched(found, exact) < 1e-8
+
+
+def test_hill_determinant_is_zero_at_an_exponent():
+    system = shaken()
+    for k in range(4):
+        assert np.abs(hill_determinant(system, exponents(system)[:, k])).max() < 1e-8
+    assert np.abs(hill_determinant(system, np.full(2, 0.3 + 0.2j))).min() > 0.1
+
+
+def test_modes_obey_the_equation():
+    """p of q = e^{λt} p is put back into the equation, differentiated spectrally."""
+    system = shaken()
+    rates, shapes = modes(system, samples=64)
+    k = np.fft.fftfreq(64, 1 / 64)
+    for case, period in enumerate(system.period):
+        M, C, K = system.matrices(np.arange(64) / 64)
+        for rate, p in zip(rates[case], shapes[case], strict=True):
+            spectrum = np.fft.fft(p, axis=0)
+            s = rate + 2j * np.pi * k[:, None] / period
+            q, v, a = (np.fft.ifft(s**n * spectrum, axis=0) for n in range(3))
+            left = np.einsum("sij,sj->si", np.broadcast_to(M, (64, 2, 2)), a)
+            left += np.einsum("sij,sj->si", C, v) + np.einsum("sij,sj->si", K, q)
+            assert np.abs(left).max() < 1e-6 * np.abs(a).max()
+
+
+def test_response_repeats():
+    """The state the response starts from comes back after a period of plain integration."""
+    system = shaken()
+    phase = np.arange(41) / 41
+    force = np.stack([np.cos(2 * np.pi * phase), 0.3 + np.sin(4 * np.pi * phase)], -1)
+    q = response(system, force)
+    v = np.einsum("ij,...ja->...ia", differentiation(41), q) / system.period[:, None, None]
+    for k, period in enumerate(system.period):
+
+        def rate(t, z, period=period):
+            M, C, K = (part[0] for part in system.matrices(np.array([t / period])))
+            wave = 2 * np.pi * t / period
+            f = np.array([np.cos(wave), 0.3 + np.sin(2 * wave)])
+            return np.concatenate([z[2:], np.linalg.solve(M, f - C @ z[2:] - K @ z[:2])])
+
+        start = np.concatenate([q[k, 0], v[k, 0]])
+        done = solve_ivp(rate, (0, period), start, method="DOP853", rtol=1e-11, atol=1e-12)
+        np.testing.assert_allclose(done.y[:, -1], start, atol=1e-8)
+
+
+def test_a_chart_is_its_boundary():
+    """Refined boundary, continued curve and damped Mathieu equation agree."""
+    margin = lambda a, q: over(  # noqa: E731
+        lambda a, q: growth(mathieu(a, q, 0.1)), a, q
+    )
+    line = boundary(margin, x=(-0.5, 2.0), y=(0.0, 0.8), start=(8, 8), levels=3)
+    assert np.abs(margin(*line.points.T)).max() < 1e-6
+    assert line.evaluations < 0.6 * 65 * 65 + 15 * len(line.pieces)
+    tongue = line.points[line.points[:, 0] > 0.6]  # left of it is divergence, a < -q²/2
+    tip = tongue[tongue[:, 1].argmin()]
+    followed = curve(margin, start=tip, x=(-0.5, 2.0), y=(0.0, 0.8))
+    # First-order theory: the tongue at a = 1 opens at q = c; second order is c²/8.
+    assert followed[:, 1].min() == pytest.approx(0.1, rel=0.01)
+
+
+def test_a_closed_curve_closes():
+    round_trip = curve(lambda x, y: x**2 + 4 * y**2 - 1, start=(1, 0.1), x=(-2, 2), y=(-2, 2))
+    np.testing.assert_array_equal(round_trip[0], round_trip[-1])
+    np.testing.assert_allclose((round_trip**2 @ [1, 4]), 1, atol=1e-9)
+    steps = np.diff(round_trip, axis=0)
+    # Perimeter of the ellipse 1 by 1/2 is 4.8442; chords of 0.08 fall short by about 0.1 %.
+    assert np.linalg.norm(steps, axis=1).sum() == pytest.approx(4.8442, rel=2e-3)

@@ -1,0 +1,206 @@
+"""Contact laws as in Machado et al. (2012), Storozhenko's conditions, shimmy as in Pacejka (2012).
+
+Routh's criterion and the energy integral of an impact are the independent methods.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.base.errors import DesignError
+from cardan.dynamics.clearance import (
+    LooseJoint,
+    flores,
+    herbert_mcwhannell,
+    hertz_stiffness,
+    hu_guo,
+    hunt_crossley,
+    lankarani_nikravesh,
+    lee_wang,
+    rattle,
+    returned,
+)
+from cardan.dynamics.pendulum import Pendulum
+from cardan.dynamics.shimmy import Steering, shimmy
+
+LAWS = (hunt_crossley, lankarani_nikravesh, herbert_mcwhannell, lee_wang, flores, hu_guo)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("e", [0.3, 0.8])
+def test_free_impact_loses_what_its_law_says(law, e):
+    """Three free impacts across the play, integrated, against the energy integral."""
+    joint = LooseJoint(
+        beta=0.0, play=1e-3, radius=0.04, stiffness=1e10, inertia=0.05, restitution=e, law=law
+    )
+    run = rattle(joint, speed=0.0, duration=0.06, gap=0.0, gap_rate=1.0)
+    assert run.impacts.size >= 3
+    np.testing.assert_allclose(run.impacts[1:] / run.impacts[:-1], returned(law, e), rtol=1e-6)
+    # Energy never grows: flight speed falls from impact to impact.
+    assert np.all(np.diff(run.impacts) <= 0)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_perfect_bounce_loses_nothing(law):
+    assert law(1.0) == 0.0
+    joint = LooseJoint(
+        beta=0.0, play=1e-3, radius=0.04, stiffness=1e10, inertia=0.05, restitution=1.0, law=law
+    )
+    run = rattle(joint, speed=0.0, duration=0.02, gap=0.0, gap_rate=1.0)
+    np.testing.assert_allclose(run.impacts, 1.0, rtol=1e-7)
+
+
+def test_laws_near_one_agree():
+    """All return e to first order in 1 - e, but Lee & Wang, who lose half."""
+    e = 0.98
+    for law in LAWS:
+        lost = 0.5 * (1 - e) if law is lee_wang else 1 - e
+        assert 1 - returned(law, e) == pytest.approx(lost, rel=0.08)
+
+
+@settings(max_examples=30, deadline=None)
+@given(e=st.floats(0.05, 0.99), law=st.sampled_from(LAWS))
+def test_energy_never_grows(e, law):
+    assert 0 < returned(law, e) < 1
+
+
+def test_no_play_is_the_rigid_joint():
+    """Play to nothing and contact ever stiffer: the driven side follows the exact joint."""
+    steady = {"beta": np.radians(15), "radius": 0.04, "inertia": 0.05, "load": 50.0}
+    apart = []
+    for stiffness in (1e11, 1e13):
+        joint = LooseJoint(play=0.0, stiffness=stiffness, **steady)
+        run = rattle(joint, speed=0.8 * joint.rattle_speed(), duration=0.1)
+        assert run.impacts.size == 0
+        apart.append(np.abs(run.gap).max())
+    assert apart[1] < 1e-5
+    # Hertz: indentation as stiffness to the power -2/3.
+    assert apart[0] / apart[1] == pytest.approx(100 ** (2 / 3), rel=0.25)
+
+
+def test_rattle_begins_where_inertia_beats_the_load():
+    joint = LooseJoint(
+        beta=np.radians(15), play=1e-3, radius=0.04, stiffness=1e12, inertia=0.05, load=50.0,
+        drag=0.01, restitution=0.6,
+    )  # fmt: skip
+    edge = joint.rattle_speed()
+    # The start is not quite in step, so a little clearance to the edge.
+    assert rattle(joint, speed=0.9 * edge, duration=0.15).impacts.size == 0
+    loud = rattle(joint, speed=1.2 * edge, duration=0.15)
+    assert loud.impacts.size > 5
+    assert loud.gap.min() < joint.play
+
+
+def test_hertz_stiffness_by_hand():
+    """E* = 206e9 / 1.82, 1/R = 1/0.01 - 1/0.0101: K = 4/3 E* √R."""
+    found = hertz_stiffness(pin_radius=0.01, bush_radius=0.0101, youngs_modulus=206e9, poisson=0.3)
+    assert found == pytest.approx(4 / 3 * 206e9 / 1.82 * np.sqrt(1.01), rel=1e-12)
+    with pytest.raises(DesignError, match="wider"):
+        hertz_stiffness(pin_radius=0.01, bush_radius=0.01, youngs_modulus=206e9, poisson=0.3)
+
+
+# ----- Storozhenko's body on a universal joint
+
+
+def test_pin_friction_decides():
+    """Stable with friction exactly where both stiffnesses are positive."""
+    speed = np.linspace(0.5, 12, 47)
+    slender = {"driving_inertia": 2.0, "driven_inertia": 1.6, "polar_inertia": 0.5}
+    body = Pendulum(weight_moment=30.0, friction=1e-3, **slender)
+    settled = body.exponents(speed).real.max(-1) < 0
+    np.testing.assert_array_equal(settled, body.stable_with_friction(speed))
+    assert body.speed_limit() == pytest.approx(np.sqrt(30 / 1.5))
+    assert np.all(settled == (speed < body.speed_limit()))
+
+
+def test_gyroscopic_moments_hold_what_friction_drops():
+    """Both stiffnesses negative: stable without friction where fast, unstable with any."""
+    body = {"driving_inertia": 2.0, "driven_inertia": 1.9, "polar_inertia": 1.5}
+    free = Pendulum(weight_moment=1.0, **body)
+    rubbed = Pendulum(weight_moment=1.0, friction=1e-4, **body)
+    assert not free.stable_with_friction(8.0)
+    assert abs(free.exponents(8.0).real).max() < 1e-9
+    assert rubbed.exponents(8.0).real.max() > 1e-6
+
+
+def test_equations_follow_from_the_energy():
+    """Kinetic and potential energy of the hung body, differenced, give the same exponents."""
+    A, B, C, mgl, W = 2.0, 1.3, 0.9, 7.0, 2.5
+
+    def lagrangian(x):
+        a, b, da, db = x
+        turning = np.array([
+            da * np.cos(b) - W * np.cos(a) * np.sin(b), W * np.sin(a) + db,
+            da * np.sin(b) + W * np.cos(a) * np.cos(b),
+        ])  # fmt: skip
+        return turning**2 @ [A, B, C] / 2 + mgl * np.cos(a) * np.cos(b)
+
+    h, one = 1e-3, np.eye(4)
+    H = np.array([[
+        (lagrangian(h * (i + j)) - lagrangian(h * (i - j)) - lagrangian(h * (j - i))
+         + lagrangian(-h * (i + j))) / (4 * h**2) for i in one] for j in one])  # fmt: skip
+    # d/dt of L_v - L_q = 0 with L = x' H x / 2.
+    M, G, K = H[2:, 2:], H[2:, :2] - H[:2, 2:], -H[:2, :2]
+    inverse = np.linalg.inv(M)
+    rate = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ K, -inverse @ G]])
+    body = Pendulum(driving_inertia=A, driven_inertia=B, polar_inertia=C, weight_moment=mgl)
+    np.testing.assert_allclose(
+        np.sort(body.exponents(W).imag), np.sort(np.linalg.eigvals(rate).imag), rtol=1e-4
+    )
+
+
+def test_a_flat_body_spins_as_fast_as_it_likes():
+    disc = Pendulum(driving_inertia=1.0, driven_inertia=1.0, polar_inertia=1.8, weight_moment=5.0)
+    assert disc.speed_limit() == np.inf
+    still = Pendulum(driving_inertia=2.0, driven_inertia=1.0, polar_inertia=0.5, weight_moment=8.0)
+    np.testing.assert_allclose(
+        np.sort(np.abs(still.exponents(0.0).imag)), np.sqrt([4, 4, 8, 8]), atol=1e-9
+    )
+
+
+# ----- shimmy
+
+
+def test_one_wheel_shimmies_where_routh_says():
+    """A wheel without column, roll or spin: (I s² + c s + k)(σ s/V + 1) + e C (1 + e s/V) = 0."""
+    steering = Steering(
+        spin_inertia=0.0, gear_inertia=1e12, hand_inertia=1e12, axle_stiffness=1e12,
+        axle_inertia=1e9, gear_damping=0.0, kingpin_damping=10.0,
+    )  # fmt: skip
+    I, c, k = steering.kingpin_inertia, steering.kingpin_damping, steering.tie_stiffness  # noqa: E741
+    e, C, sigma = steering.trail, steering.cornering, steering.relaxation
+    # Routh: V² I c + V (c² σ - I e C (σ - e)) + c σ (k σ + e² C) = 0.
+    ends = np.roots(
+        [I * c, c**2 * sigma - I * e * C * (sigma - e), c * sigma * (k * sigma + e**2 * C)]
+    )
+    assert np.all(ends > 0)
+    wheel = lambda V: max(  # noqa: E731
+        z.real for z in steering.exponents(V) if 10 < abs(z.imag) < 200
+    )
+    for end in ends:
+        assert wheel(0.999 * end) * wheel(1.001 * end) < 0
+
+
+def test_onset_and_motion_agree():
+    steering = Steering()
+    onset = steering.onset()
+    assert onset.size == 1
+    for speed, grows in ((0.9 * onset[0], False), (2.0 * onset[0], True)):
+        time, z = shimmy(steering, speed=speed, duration=6.0, kick=1e-3)
+        early, late = (np.abs(z[(time > a) & (time < a + 1), 0]).max() for a in (2.0, 5.0))
+        assert (late > early) == grows
+        if grows:  # seven periods a second: their peaks miss the envelope by up to 0.1 in 3 logs
+            assert np.log(late / early) / 3 == pytest.approx(steering.growth(speed), rel=0.04)
+
+
+def test_play_lets_small_motions_grow_where_the_tight_column_is_calm():
+    """The hand wheel's damping does not reach wheels that move within the play."""
+    tight = Steering(play=0.0)
+    speed = 0.95 * tight.onset()[0]
+    ends = []
+    for play in (0.0, 0.02):
+        time, z = shimmy(Steering(play=play), speed=speed, duration=8.0, kick=1e-3)
+        ends.append(np.abs(z[time > 7, 0]).max())
+    assert ends[0] < 2e-3
+    assert ends[1] > 2 * ends[0]

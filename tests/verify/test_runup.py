@@ -1,0 +1,64 @@
+"""Run-up through resonance after Lewis (1932) and Mazzei (2011): peaks to their printed digits."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from cardan.dynamics.runup import Driven, limited_power, passage, swept
+
+
+def test_printed_peaks():
+    found = passage(rate=np.array([0.001, 0.01]), damping_ratio=np.array([0.0, 0.01]))
+    assert found.peak[0] == pytest.approx(46.156, abs=5e-4)
+    assert found.frequency[0] == pytest.approx(1.068, abs=5e-4)
+    assert found.peak[1] == pytest.approx(12.142, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("start", "rate", "zeta"), [(0, 0.01, 0.01), (2, -0.01, 0.02), (0.3, 0.05, 0)]
+)
+def test_closed_form_is_the_differential_equation(start, rate, zeta):
+    t = np.linspace(0, 1.9 / abs(rate), 60)
+    steady = 1 / (1 - start**2 + 2j * zeta * start)
+    done = solve_ivp(
+        lambda t, y: [y[1], np.cos(start * t + rate * t**2 / 2) - 2 * zeta * y[1] - y[0]],
+        (0, t[-1]), [steady.real, (1j * start * steady).real],
+        t_eval=t, method="DOP853", rtol=1e-11, atol=1e-11,
+    )  # fmt: skip
+    exact = swept(t, rate=rate, damping_ratio=zeta, start=start).real
+    np.testing.assert_allclose(exact, done.y[0], atol=2e-9)
+
+
+def test_a_slow_sweep_is_the_steady_response():
+    """It falls short by rate / 2 zeta: the response lags its steady curve by that."""
+    zeta, rate = 0.05, 1e-5
+    exact = 1 / (2 * zeta * np.sqrt(1 - zeta**2))
+    short = 1 - passage(rate=rate, damping_ratio=zeta).peak / exact
+    assert short == pytest.approx(rate / (2 * zeta), rel=0.15)
+
+
+def test_faster_is_lower_later_and_shorter():
+    up = passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01)
+    assert np.all(np.diff(up.peak) < 0)
+    assert np.all(np.diff(up.frequency) > 0)
+    assert np.all(np.diff(up.dwell) < 0)
+    down = passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01, start=2.0)
+    assert np.all(down.frequency < 1)
+    assert np.all(np.diff(down.frequency) < 0)
+
+
+def line(power, beta=20):
+    return Driven(
+        power=power, stall_torque=100, motor=0.2, wheel=1, stiffness=2000, damping=0.05,
+        drag=0.01, beta=np.radians(beta),
+    )  # fmt: skip
+
+
+def test_a_weak_motor_is_captured_at_half_the_torsional_frequency():
+    """120 W would carry the drag to 110 rad/s; the joint holds it at 54.8, half of 109.5."""
+    weak = line(120)
+    stuck = limited_power(weak, duration=40)
+    assert weak.top_speed == pytest.approx(109.5, abs=0.1)
+    assert stuck.mean_speed == pytest.approx(weak.frequency / 2, rel=0.02)
+    assert limited_power(line(120, beta=2), duration=40).mean_speed > 1.2 * weak.frequency / 2
+    assert limited_power(line(400), duration=40).mean_speed > 1.5 * weak.frequency / 2

@@ -1,0 +1,219 @@
+"""Torsional zones of Porter (1961), Chang (2000), Asokanthan & Hwang (1996), Bulut & Parlar (2011).
+
+The numbers were computed from the authors' equations by an independent program and, at
+engine settings, confirmed by a 3-D multibody engine; the printed digits set the tolerance.
+"""
+
+import numpy as np
+import pytest
+
+from cardan.base.errors import DesignError
+from cardan.base.units import deg
+from cardan.dynamics.chart import edges
+from cardan.dynamics.periodic import growth, monodromy
+from cardan.dynamics.torsion import (
+    TorsionLine,
+    about_forced_orbit,
+    about_rigid_rotation,
+    about_rigid_shafts,
+    lyapunov_exponent,
+    mode_shapes,
+    motion,
+    natural_frequencies,
+    of_line,
+    orbit,
+    resonances,
+    transmitted,
+    zones,
+)
+from cardan.kinematics.chain import turn
+from cardan.model.layout import direction
+from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+
+
+def one(beta, zeta=0.0):
+    """Unit inertia behind one joint, unit spring ahead of it."""
+    beta = np.asarray(beta, dtype=float)[..., None]
+    return TorsionLine(
+        beta=beta, stiffness=np.ones(1), driving=np.zeros(1), driven=np.ones(1), damping=2 * zeta
+    )
+
+
+def two(beta=20 * deg, damping=0.0):
+    """Asokanthan's system, all ones: spring, inertia, joint, spring, inertia."""
+    return TorsionLine(
+        beta=np.array([beta, 0.0]), stiffness=np.ones(2), driving=np.ones(2), driven=np.zeros(2),
+        damping=damping,
+    )  # fmt: skip
+
+
+GENERAL = TorsionLine(
+    beta=np.radians([20, 10, 0]), stiffness=np.array([1.0, 3, 2]), driving=np.array([1.0, 0.5, 1]),
+    driven=np.array([0.2, 0.3, 0]), damping=np.array([1.0, 0.8, 0.6]),
+    twist=np.array([0.3, 0, 0]), front=np.array(8 * deg), torque=np.array(0.2),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("beta", "low", "high"), [(10, 0.99250689, 1.00781536), (20, 0.97157168, 1.03375048)]
+)
+def test_principal_zone_of_one_coordinate(beta, low, high):
+    (zone,) = zones(one(beta * deg))
+    assert zone.kind == "principal"
+    assert (zone.low, zone.high) == (pytest.approx(low, abs=1e-8), pytest.approx(high, abs=1e-8))
+
+
+def test_damping_closes_the_zone():
+    """At Omega = w0 below 16.1317 deg for zeta 0.02; first order says tan²(beta/2) = zeta."""
+    at_centre = lambda b: growth(about_rigid_rotation(one(b, 0.02), 1.0), tolerance=1e-12)  # noqa: E731
+    (closed,) = edges(at_centre, between=(15 * deg, 17 * deg), start=4)
+    assert closed / deg == pytest.approx(16.1317, abs=5e-5)
+    assert np.tan(closed / 2) ** 2 == pytest.approx(0.02, rel=5e-3)  # next order: r² ~ 4e-4
+    assert not zones(one(15.9 * deg, 0.02))[0].open
+    assert zones(one(16.3 * deg, 0.02))[0].open
+
+
+def test_zones_of_two_coordinates():
+    found = {(z.kind, z.modes): z for z in zones(two())}
+    printed = {
+        ("principal", (1, 1)): (0.60958, 0.62668),
+        ("sum", (1, 2)): (1.1108, 1.1247),
+        ("principal", (2, 2)): (1.59548, 1.64049),
+    }
+    for key, (low, high) in printed.items():
+        digits = 1e-4 if low == 1.1108 else 1e-5  # the last one printed
+        assert found[key].low == pytest.approx(low, abs=digits)
+        assert found[key].high == pytest.approx(high, abs=digits)
+    assert not found["difference", (1, 2)].open
+
+
+def test_first_order_widths():
+    """Omega = w -+ r |Kh| / (2 w), and with both modes for the sum; error of order r²."""
+    beta = 4 * deg
+    r = np.tan(beta / 2) ** 2
+    line = two(beta)
+    w, shape = natural_frequencies(line), mode_shapes(line)
+    Kh = shape.T @ np.array([[2, -1], [-1, 0]]) @ shape
+    for zone in zones(line):
+        i, j = (k - 1 for k in zone.modes)
+        half = r * abs(Kh[i, j]) / (2 * np.sqrt(w[i] * w[j]))
+        if zone.kind == "difference":
+            assert not zone.open
+        else:
+            assert (zone.high - zone.low) / 2 == pytest.approx(half, rel=3 * r + 1e-3)
+
+
+def test_the_linearisations_differ_in_second_order_only():
+    rates = [
+        growth(about(two(6 * deg, 1e-3), np.array([0.618, 1.118, 1.618])))
+        for about in (about_rigid_rotation, about_rigid_shafts, about_forced_orbit)
+    ]
+    r = np.tan(3 * deg) ** 2
+    for other in rates[:2]:
+        # A zone shifts by about w r² relative to its half-width w r / 2.
+        np.testing.assert_allclose(other, rates[2], atol=8 * r**2)
+
+
+def test_forced_orbit_is_what_the_equations_settle_to():
+    speed = np.array(0.5)
+    found = orbit(GENERAL, speed, samples=65)
+    turns = 24
+    decay = growth(about_forced_orbit(GENERAL, speed)) * turns * 2 * np.pi / speed
+    assert np.exp(decay) < 1e-7  # nothing is left of the start
+    run = motion(GENERAL, speed, turns=turns, steps_per_turn=256)
+    start = found.rotation[0]
+    # Fourth order: (2 pi / 256)^4 of the fastest motion.
+    np.testing.assert_allclose(run.deviation[-1], start, atol=2e-7)
+    np.testing.assert_allclose(run.rate[-1], found.rate[0], atol=2e-7)
+
+
+def test_monodromy_is_the_derivative_of_the_motion():
+    """Half a turn of the nonlinear equations from pushed starts, against the linear matrix."""
+    speed, push = np.array(0.5), 1e-4
+    found = orbit(GENERAL, speed, samples=65)
+    rigid = motion(GENERAL, speed, turns=0)  # where the rigid line starts
+    ends = []
+    for sign in (1, -1):
+        pushed = sign * push * np.eye(6)
+        run = motion(
+            GENERAL, np.full(6, speed), turns=0.5, steps_per_turn=2000,
+            start=found.rotation[0] - rigid.deviation[0] + pushed[:, :3],
+            start_rate=found.rate[0] - rigid.rate[0] + pushed[:, 3:],
+        )  # fmt: skip
+        ends.append(np.concatenate([run.deviation[:, -1], run.rate[:, -1]], axis=-1))
+    # Central differences: the error is of third order in the push.
+    P = (ends[0] - ends[1]).T / (2 * push)
+    np.testing.assert_allclose(P, monodromy(about_forced_orbit(GENERAL, speed)), atol=1e-6)
+
+
+def test_growth_about_the_orbit_is_the_lyapunov_exponent():
+    """Where the orbit attracts, its slowest Floquet exponent is the Lyapunov exponent."""
+    speeds = np.array([0.5, 1.3])
+    exact = growth(about_forced_orbit(GENERAL, speeds))
+    measured = lyapunov_exponent(GENERAL, speeds, turns=24, settle=12, steps_per_turn=96)
+    # A finite average: the log of a turning tangent vector wobbles by less than 1 in all.
+    np.testing.assert_allclose(measured, exact, atol=(speeds / (2 * np.pi * 24)).max())
+    assert np.all(exact < 0)
+
+
+def test_off_resonance_the_orbit_is_the_linear_forced_motion():
+    """Unit inertia behind a joint: y = order 2 of the lead, magnified by 1/(1 - (2W/w)²)."""
+    beta, speed = 2 * deg, 0.3
+    r = np.tan(beta / 2) ** 2
+    found = orbit(one(beta), np.array(speed))
+    driven, *_ = transmitted(found.rotation[:, 0], beta=beta)
+    lead = np.fft.rfft(driven - np.pi * np.arange(33) / 33)[1] * 2 / 33
+    magnified = r / (1 - (2 * speed) ** 2)
+    assert abs(lead) == pytest.approx(magnified, rel=5 * r)
+
+
+def test_stiff_springs_give_the_exact_chain():
+    side, top = np.radians([3.0, 1, 4.5, 2]), np.radians([0, 1.5, -0.8, 0.6])
+    line = Line(
+        shafts=(
+            Shaft(length=1.2, tube=Tube(outer=0.1, wall=0.003), phase=0.4,
+                  centre_bearing=CentreBearing()),
+            Shaft(length=1.5, tube=Tube(outer=0.1, wall=0.003), phase=1.2),
+        )
+    )  # fmt: skip
+    d = direction(side=side, top=top)
+    model = of_line(line, d, axle_inertia=0.3, damping_ratio=0.01)
+    slow = 1e-4 * natural_frequencies(model)[0]
+    found = orbit(model, np.array(slow), samples=33)
+    exact = turn(d, phases=line.phases, samples=66)
+    # Driving yoke of joint 2 turns with shaft 1, the pinion behind it; instants differ.
+    swing = found.rate[:, 0] / slow
+    assert np.ptp(swing) == pytest.approx(np.ptp(exact.speed[0]), rel=1e-2)
+    assert np.abs(np.fft.rfft(swing))[1] / 33 == pytest.approx(
+        np.abs(np.fft.rfft(exact.speed[0]))[2] / 66, rel=1e-6
+    )
+    last = transmitted(found.rotation[:, 1], beta=model.beta[1])[1] * found.rate[:, 1] / slow
+    spread = exact.speed[-1].max() - exact.speed[-1].min()
+    assert last.max() - last.min() == pytest.approx(spread, rel=1e-2)
+    np.testing.assert_allclose(
+        np.abs(np.fft.rfft(last))[1] * 2 / 33,
+        np.abs(np.fft.rfft(exact.speed[-1]))[2] * 2 / 66, rtol=1e-5,
+    )  # fmt: skip
+
+
+def test_shapes_are_orthonormal_and_resonances_are_crossings():
+    M, _, K = GENERAL.mean_matrices
+    shape, w = mode_shapes(GENERAL), natural_frequencies(GENERAL)
+    np.testing.assert_allclose(shape.T @ M @ shape, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(shape.T @ K @ shape, np.diag(w**2), atol=1e-12)
+    np.testing.assert_allclose(resonances(GENERAL)[:, 0], w / 2)
+
+
+def test_one_code_path_for_one_and_many():
+    beta = np.radians([5, 12, 25])
+    many = growth(about_forced_orbit(one(beta, 0.01), np.array([0.9, 1.0, 1.1])))
+    single = [
+        growth(about_forced_orbit(one(b, 0.01), s))
+        for b, s in zip(beta, [0.9, 1.0, 1.1], strict=True)
+    ]
+    np.testing.assert_allclose(many, single, atol=1e-11)
+
+
+def test_a_massless_joint_is_refused():
+    with pytest.raises(DesignError, match="inertia above 0"):
+        TorsionLine(beta=np.zeros(1), stiffness=np.ones(1), driving=np.zeros(1), driven=np.zeros(1))
