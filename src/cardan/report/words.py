@@ -891,6 +891,33 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
         "inclinação da tabela da mola no estado", "pendenza della tabella della molla nello stato",
     ),
     "mass the spring carries": ("massa que a mola carrega", "massa portata dalla molla"),
+    "n / nr,  nr = ωi / order": ("n / nr,  nr = ωi / ordem", "n / nr,  nr = ωi / ordine"),
+    "nearest speed of a gear's range": (
+        "rotação mais próxima na faixa de uma marcha", "velocità più vicina nel campo di una marcia",
+    ),
+    "torsional natural frequency": (
+        "frequência natural torcional", "frequenza propria torsionale",
+    ),
+    "The joints excite orders 2 and 4. Frequencies of the line with its joints straight.": (
+        "As juntas excitam as ordens 2 e 4. Frequências da linha com as juntas retas.",
+        "I giunti eccitano gli ordini 2 e 4. Frequenze della linea con i giunti diritti.",
+    ),
+    "what half a turn makes of small motions about the forced one": (
+        "o que meia volta faz dos pequenos movimentos em torno do forçado",
+        "ciò che mezzo giro fa dei piccoli moti attorno a quello forzato",
+    ),
+    "Above 0 the line shakes itself up; at the speeds nearest to the zones.": (
+        "Acima de 0 a linha se autoexcita; nas rotações mais próximas das zonas.",
+        "Sopra 0 la linea si autoeccita; alle velocità più vicine alle zone.",
+    ),
+    "what half a turn makes of small lateral motions of a hung shaft": (
+        "o que meia volta faz dos pequenos movimentos laterais de um eixo suspenso",
+        "ciò che mezzo giro fa dei piccoli moti laterali di un albero sospeso",
+    ),
+    "One shaft on its own rubber bearing, under the torque of the gear.": (
+        "Um eixo no seu próprio mancal de borracha, sob o torque da marcha.",
+        "Un albero sul proprio supporto in gomma, sotto la coppia della marcia.",
+    ),
     "1.0 to 1.3 Hz is comfortable.": (
         "De 1,0 a 1,3 Hz é confortável.", "Da 1,0 a 1,3 Hz è confortevole.",
     ),
