@@ -37,7 +37,8 @@ def text(of: Stability, *, every: bool = False) -> Iterator[str]:
         sense = "outside" if c.limit.band else c.limit.sense
         yield (
             f"{_coloured(c.grade, 6)}{q.name:<34.33}{c.part:<24.23}{c.state:<24.23}"
-            f"{EN.number(c.value / q.factor):>9}  {sense} {EN.number(c.bound / q.factor)} {q.unit_name}"
+            f"{EN.number(c.value / q.factor):>9}  {sense} {EN.number(c.bound / q.factor)} "
+            f"{q.unit_name}"
         )
     for line in of.lines:
         yield from _line(line)

@@ -893,7 +893,8 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
     "mass the spring carries": ("massa que a mola carrega", "massa portata dalla molla"),
     "n / nr,  nr = ωi / order": ("n / nr,  nr = ωi / ordem", "n / nr,  nr = ωi / ordine"),
     "nearest speed of a gear's range": (
-        "rotação mais próxima na faixa de uma marcha", "velocità più vicina nel campo di una marcia",
+        "rotação mais próxima na faixa de uma marcha",
+        "velocità più vicina nel campo di una marcia",
     ),
     "torsional natural frequency": (
         "frequência natural torcional", "frequenza propria torsionale",
