@@ -303,3 +303,23 @@ def test_equal_axes_keep_circles_round():
                   x_label="", y_label="", equal=True)  # fmt: skip
     (x0, y0), (x1, y1) = chart.spot(0, 0), chart.spot(1, 1)
     assert x1 - x0 == pytest.approx(y0 - y1)
+
+
+def test_cells_of_results_are_graded_as_their_checks():
+    """Every state of a line in which a clearance fails is marked in the obstacle's row."""
+    path = next(p for p in EXAMPLES if p.stem == "refuse-collector-6x2")
+    found = assess(files.read(path))
+    whole = story.assessment(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    rows = {
+        row[0]: dict(zip(block.head, grades, strict=True))
+        for chapter in whole.chapters
+        for block in chapter.blocks
+        if isinstance(block, story.Table) and block.head[0] == "quantity" and block.grades
+        for row, grades in zip(block.rows, block.grades, strict=True)
+    }
+    bad = {
+        c.state: c.grade for c in found.checks if c.quantity == "clearance" and c.grade != "pass"
+    }
+    assert bad
+    shown = rows["Clearance, auxiliary beam"]
+    assert {s: g for s, g in shown.items() if g} == bad

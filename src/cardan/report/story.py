@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from cardan import __version__
 from cardan.base.quantities import QUANTITIES
-from cardan.base.verdict import Check
+from cardan.base.verdict import Check, Grade, worst
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
 from cardan.report.inputs import inputs
@@ -31,7 +31,7 @@ from cardan.report.wording import (
     sentence,
     worst_of_each,
 )
-from cardan.study.assess import Assessment
+from cardan.study.assess import Assessment, checks_of
 from cardan.study.fix import Proposal
 from cardan.study.response import Response
 from cardan.study.sensitivity import Sensitivity
@@ -117,6 +117,8 @@ class Story:
     verdict: str
     facts: tuple[tuple[str, str], ...]
     chapters: tuple[Chapter, ...]
+    summary: str = ""
+    """What stands beside the verdict, in a line."""
     date: str = ""
     version: str = field(default=__version__)
 
@@ -157,6 +159,7 @@ def assessment(
             *_signs(issue, say),
         ),
         chapters=tuple(chapters),
+        summary=counts(of.checks, say),
         date=issue.date,
     )
 
@@ -364,27 +367,28 @@ def _states(r: Response, say: Language) -> Iterator[Table]:
         )
 
 
-def _grades(r: Response) -> dict[tuple[str, str, str], str]:
-    """Return the worst grade of each quantity, part and state of a line."""
-    from cardan.study.assess import checks_of
-
-    found: dict[tuple[str, str, str], str] = {}
+def _grades(r: Response) -> dict[tuple[str, str, str], Grade]:
+    """Return the worst grade of each quantity, part and state that does not pass."""
+    found: dict[tuple[str, str, str], Grade] = {}
     for c in sorted(checks_of(r), key=badness, reverse=True):
         if c.grade != "pass":
-            found[c.quantity, c.part, c.state] = c.grade
+            # A clearance is checked shaft by shaft, and shown obstacle by obstacle.
+            part = c.part.partition(" to ")[2] or c.part
+            found[c.quantity, part, c.state] = c.grade
     return found
 
 
-def _row_grades(row: Row, graded: dict[tuple[str, str, str], str], r: Response) -> tuple[str, ...]:
+def _row_grades(
+    row: Row, graded: dict[tuple[str, str, str], Grade], r: Response
+) -> tuple[str, ...]:
     """Return the grade of each value of a row; approximations are not what is checked."""
     if row.method:
         return ("",) * len(row.values)
     part = row.part.replace("bearing", "centre bearing") or "line"
+    part = part if row.quantity.startswith("centre_bearing") else row.part or "line"
     asked = ("joint_angle", "joint_angle_min") if row.quantity == "joint_angle" else (row.quantity,)
-    return tuple(
-        max((graded.get((q, part, s), "") for q in asked), key=("", "warn", "fail").index)
-        for s in r.demand.states
-    )
+    each = ([graded.get((q, part, s), "pass") for q in asked] for s in r.demand.states)
+    return tuple("" if worst(grades) == "pass" else worst(grades) for grades in each)
 
 
 def _equations(of: Assessment, say: Language) -> Iterator[Block]:
