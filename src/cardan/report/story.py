@@ -384,11 +384,13 @@ def _row_grades(
     """Return the grade of each value of a row; approximations are not what is checked."""
     if row.method:
         return ("",) * len(row.values)
-    part = row.part.replace("bearing", "centre bearing") or "line"
-    part = part if row.quantity.startswith("centre_bearing") else row.part or "line"
+    part = f"centre {row.part}" if row.part.startswith("bearing ") else row.part or "line"
     asked = ("joint_angle", "joint_angle_min") if row.quantity == "joint_angle" else (row.quantity,)
-    each = ([graded.get((q, part, s), "pass") for q in asked] for s in r.demand.states)
-    return tuple("" if worst(grades) == "pass" else worst(grades) for grades in each)
+    shown: list[str] = []
+    for state in r.demand.states:
+        grades: list[Grade] = [graded.get((q, part, state), "pass") for q in asked]
+        shown.append("" if worst(grades) == "pass" else worst(grades))
+    return tuple(shown)
 
 
 def _equations(of: Assessment, say: Language) -> Iterator[Block]:
