@@ -71,6 +71,8 @@ def _figure(file: Path) -> str:
     plt.switch_backend("agg")
     plt.show = lambda: None  # type: ignore[assignment]
     runpy.run_path(str(file))
+    if not plt.get_fignums():
+        return ""
     drawn = io.BytesIO()
     plt.gcf().savefig(drawn, format="png", dpi=100, bbox_inches="tight")
     plt.close("all")

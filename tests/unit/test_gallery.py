@@ -15,7 +15,7 @@ def test_page(page, monkeypatch):
     monkeypatch.setattr(pyplot, "show", lambda: None)
     try:
         runpy.run_path(str(page))
-        assert pyplot.get_fignums()
+        assert bool(pyplot.get_fignums()) == ("matplotlib" in page.read_text(encoding="utf-8"))
     finally:
         pyplot.close("all")
 

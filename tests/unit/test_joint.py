@@ -1,5 +1,7 @@
 """One joint: what follows from its definition, without outside reference."""
 
+import doctest
+
 import numpy as np
 import pytest
 
@@ -165,3 +167,9 @@ def test_numbers_and_arrays_are_served_alike():
     assert grid.shape == (1001, 6)
     assert joint.speed_ratio(THETA[7], beta=ANGLES[3]) == grid[7, 3]
     assert joint.lead_orders(ANGLES, highest=4).shape == (6, 2)
+
+
+def test_examples_in_the_docstrings_hold():
+    found = doctest.testmod(joint)
+    assert found.attempted >= 4
+    assert found.failed == 0

@@ -59,7 +59,7 @@ def lead(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = IN_PLANE) -> FloatA
     --------
     >>> import numpy as np
     >>> np.degrees(lead(np.radians([45, 405]), beta=np.radians(30))).round(4)
-    array([4.1136, 4.1136])
+    array([4.1066, 4.1066])
     """
     xp, beta, theta = _unlocked(beta, theta)
     sin, cos = xp.sin(theta + pin), xp.cos(theta + pin)

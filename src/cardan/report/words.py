@@ -919,6 +919,65 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
         "Um eixo no seu próprio mancal de borracha, sob o torque da marcha.",
         "Un albero sul proprio supporto in gomma, sotto la coppia della marcia.",
     ),
+    "Δσ = |σ2 − σ1| of each rainflow cycle": (
+        "Δσ = |σ2 − σ1| de cada ciclo rainflow", "Δσ = |σ2 − σ1| di ogni ciclo rainflow",
+    ),
+    "reversals that bound the cycle": (
+        "reversões que limitam o ciclo", "inversioni che delimitano il ciclo",
+    ),
+    "What never closes, the residue, holds the largest cycle: say how it is counted.": (
+        "O que nunca fecha, o resíduo, contém o maior ciclo: diga como é contado.",
+        "Ciò che non si chiude, il residuo, contiene il ciclo maggiore: dire come si conta.",
+    ),
+    "counted cycles": ("ciclos contados", "cicli contati"),
+    "cycles to failure at their amplitude and mean": (
+        "ciclos até a falha na sua amplitude e média",
+        "cicli a rottura alla loro ampiezza e media",
+    ),
+    "Failure at 1 by Miner; at 0.3 to 0.5 in careful practice under service loads.": (
+        "Falha em 1 por Miner; em 0,3 a 0,5 na prática cautelosa sob cargas de serviço.",
+        "Rottura a 1 per Miner; a 0,3-0,5 nella pratica prudente sotto carichi di servizio.",
+    ),
+    "length of the recording": ("duração da gravação", "durata della registrazione"),
+    "damage at failure": ("dano na falha", "danno a rottura"),
+    "its damage": ("seu dano", "il suo danno"),
+    "Of a vehicle that goes on driving what was recorded.": (
+        "De um veículo que segue rodando o que foi gravado.",
+        "Di un veicolo che continua a percorrere quanto registrato.",
+    ),
+    "damage": ("dano", "danno"),
+    "scale of the stress": ("escala da tensão", "scala della tensione"),
+    "A gauge that reads 1 % high overstates damage by κ %.": (
+        "Um extensômetro que lê 1 % a mais exagera o dano em κ %.",
+        "Un estensimetro che legge l'1 % in più sovrastima il danno del κ %.",
+    ),
+    "φi = Σ |S|! (G−1−|S|)! / G! · (D(S ∪ i) − D(S)) / D, over S without i": (
+        "φi = Σ |S|! (G−1−|S|)! / G! · (D(S ∪ i) − D(S)) / D, nos S sem i",
+        "φi = Σ |S|! (G−1−|S|)! / G! · (D(S ∪ i) − D(S)) / D, sugli S senza i",
+    ),
+    "number of causes": ("número de causas", "numero di cause"),
+    "a choice of the other causes": (
+        "uma escolha das outras causas", "una scelta delle altre cause",
+    ),
+    "damage of the sum of their stresses": (
+        "dano da soma das suas tensões", "danno della somma delle loro tensioni",
+    ),
+    "Damage is not additive; these shares sum to 1. Negative: the cause spares the part.": (
+        "O dano não é aditivo; estas parcelas somam 1. Negativo: a causa poupa a peça.",
+        "Il danno non è additivo; queste quote sommano a 1. Negativo: la causa risparmia il pezzo.",
+    ),
+    "β = min |u| with g(u) = 0,  Pf ≈ Φ(−β)": (
+        "β = mín |u| com g(u) = 0,  Pf ≈ Φ(−β)", "β = min |u| con g(u) = 0,  Pf ≈ Φ(−β)",
+    ),
+    "the scattered quantities as standard normals": (
+        "as grandezas dispersas como normais padrão",
+        "le grandezze disperse come normali standard",
+    ),
+    "limit state": ("estado limite", "stato limite"),
+    "Exact where g is linear in u, as for lognormals under one S-N line.": (
+        "Exato onde g é linear em u, como para lognormais sob uma só reta S-N.",
+        "Esatto dove g è lineare in u, come per lognormali sotto una sola retta S-N.",
+    ),
     "1.0 to 1.3 Hz is comfortable.": (
         "De 1,0 a 1,3 Hz é confortável.", "Da 1,0 a 1,3 Hz è confortevole.",
     ),

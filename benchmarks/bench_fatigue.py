@@ -1,0 +1,219 @@
+"""Rainflow beside other packages, and `cardan life` on a recording of a gigabyte.
+
+    python benchmarks/bench_fatigue.py [--samples 10000000] [--gigabytes 1.0] [--keep FILE]
+
+Everything is timed in one run on one machine, so the ratios hold. Packages that are not
+installed are left out. The recording is synthetic.
+"""
+
+import argparse
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+RATE = 2000
+GAUGES = ("S1", "S2", "S3", "S4", "S5")
+
+
+def clock(work):
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result
+
+
+def rainflow_rows(samples):
+    """Seconds of each package for the same signal, and the cycles it closed."""
+    from scipy.signal import lfilter
+
+    from cardan.fatigue.kernel import plain
+    from cardan.fatigue.rainflow import NONE, FromTo, four_point, join, rainflow
+
+    rng = np.random.default_rng(0)
+    x = lfilter([0.1], [1, -0.9], rng.normal(size=samples))
+    four_point(x[:1000])  # compiled here, once
+
+    def in_pieces():
+        matrix, residue = FromTo.empty(), NONE
+        for start in range(0, samples, 1 << 18):
+            cycles, residue = four_point(x[start : start + (1 << 18)], residue=residue)
+            matrix = matrix.added(cycles)
+        return matrix.counts.sum()
+
+    rows = [("cardan, whole signal, every cycle", *clock(lambda: rainflow(x).count.size))]
+    rows.append(("cardan, in pieces, into a matrix", *clock(in_pieces)))
+
+    def without_numba():
+        closed, _ = four_point(x, kernel=plain)
+        return join([closed]).count.size
+
+    rows.append(("cardan without numba", *clock(without_numba)))
+
+    def pylife():
+        from pylife.stress.rainflow import FourPointDetector, FullRecorder
+
+        recorder = FullRecorder()
+        FourPointDetector(recorder=recorder).process(x)
+        return len(recorder.values_from)
+
+    def fatpack():
+        import fatpack as package
+
+        return package.find_rainflow_ranges(x).size
+
+    def rainflow_package():
+        import rainflow as package
+
+        return sum(1 for _ in package.extract_cycles(x))
+
+    def py_fatigue():
+        from py_fatigue.cycle_count.rainflow import rainflow as package
+
+        return len(package(x)[0])
+
+    def rfcnt():
+        import rfcnt as package
+
+        low, high = x.min(), x.max()
+        found = package.rfc(
+            x, (high - low) / 500, class_count=512, class_offset=low - (high - low) / 100,
+            hysteresis=0.0, residual_method=0,
+        )  # fmt: skip
+        return float(np.sum(found["rfm"][:, 2] if found["rfm"].shape[1] == 3 else found["rfm"]))
+
+    others = {
+        "pyLife, four-point": pylife, "fatpack, 64 classes": fatpack, "rainflow": rainflow_package,
+        "py-fatigue": py_fatigue, "rfcnt, 512 classes": rfcnt,
+    }  # fmt: skip
+    for name, work in others.items():
+        try:
+            rows.append((name, *clock(work)))
+        except ImportError as error:
+            print(f"  {name}: left out, {error.name} is not installed")
+        except Exception as error:  # noqa: BLE001  whatever they raise, the rest goes on
+            print(f"  {name}: failed, {error}")
+    return rows
+
+
+def write_recording(path, gigabytes):
+    """Five gauges, shaft and engine speed, torque: float32, repeated with fresh noise."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from cardan.base.units import MPa
+    from cardan.fatigue.synthetic import Gains, synthetic
+
+    made = synthetic(
+        seconds=524.288, rate=RATE,
+        gains={g: Gains(joints=(3 + 8 * k) * MPa) for k, g in enumerate(GAUGES)}, seed=1,
+    )  # fmt: skip
+    names = [*GAUGES, "shaft_speed", "engine_speed", "torque"]
+    data = made.recording.whole(names).astype(np.float32)
+    units = [made.recording.channel(n).unit for n in names]
+    schema = pa.schema(
+        [
+            pa.field(n, pa.float32(), metadata={"unit": u})
+            for n, u in zip(names, units, strict=True)
+        ],
+        metadata={"rate_Hz": str(RATE), "note": "synthetic: made by a generator, not measured"},
+    )
+    rng = np.random.default_rng(2)
+    blocks = round(gigabytes * 1e9 / data.nbytes)
+    with pq.ParquetWriter(
+        path, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
+    ) as writer:
+        for _ in range(blocks):
+            noisy = data.copy()
+            noisy[: len(GAUGES)] += rng.normal(0, 0.3, (len(GAUGES), data.shape[1]))
+            writer.write_table(pa.table(list(noisy), schema=schema), row_group_size=1 << 18)
+    return blocks * data.nbytes
+
+
+WORK = {
+    "just reading": "for piece in r.pieces(): pass",
+    "life of five gauges": "life(r, plan=plan)",
+    "life and causes of one gauge": (
+        "plan = replace(plan, gauges=plan.gauges[:1]);"
+        "h = look(r, channels=plan.channels); life(r, plan=plan, healths=h);"
+        "s, e = (rotation_from_speed(r.pieces([c]), rate=r.rate, unit=1 / 60)"
+        " for c in ('shaft_speed', 'engine_speed'));"
+        "causes(r, plan=plan, healths=h, how=separation(suspects(s, engine=e), rate=r.rate))"
+    ),
+}
+SETUP = """
+import time, json
+from dataclasses import replace
+from pathlib import Path
+from cardan.base.units import MPa
+from cardan.fatigue.cause import separation, suspects
+from cardan.fatigue.life import Plan, causes, life, look
+from cardan.fatigue.orders import rotation_from_speed
+from cardan.fatigue.rainflow import four_point
+from cardan.fatigue.strain import direct
+from cardan.fatigue.strength import SNCurve
+from cardan.files.recordings import open_recording
+r = open_recording(Path({path!r}))
+plan = Plan(gauges=tuple(direct(g, g, factor=MPa) for g in {gauges!r}),
+            curve=SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).modified())
+four_point([0.0, 1.0])
+start = time.perf_counter()
+{work}
+seconds = time.perf_counter() - start
+lines = Path("/proc/self/status").read_text().splitlines()  # getrusage inherits the parent's peak
+peak = next(int(s.split()[1]) for s in lines if s.startswith("VmHWM")) / 1024
+print(json.dumps([seconds, peak, r.samples]))
+"""
+
+
+def end_to_end(path):
+    """Seconds and peak memory (MB) of each kind of work, each in a process of its own."""
+    rows = []
+    for name, work in WORK.items():
+        code = SETUP.format(path=str(path), gauges=GAUGES, work=work)
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        )
+        rows.append((name, *json.loads(done.stdout)))
+    return rows
+
+
+def main():
+    ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    ask.add_argument("--samples", type=int, default=10_000_000)
+    ask.add_argument("--gigabytes", type=float, default=1.0)
+    ask.add_argument("--keep", type=Path, help="Write the recording here and keep it.")
+    how = ask.parse_args()
+    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    print(f"load average {os.getloadavg()[0]:.1f} at the start\n")
+    print(f"| rainflow of {how.samples:,} samples | seconds | over cardan | cycles |")
+    print("|---|---|---|---|")
+    rows = rainflow_rows(how.samples)
+    for name, seconds, cycles in rows:
+        print(f"| {name} | {seconds:.2f} | {seconds / rows[0][1]:.1f} | {cycles:,.0f} |")
+    with tempfile.TemporaryDirectory() as folder:
+        path = how.keep or Path(folder) / "synthetic.parquet"
+        size = write_recording(path, how.gigabytes)
+        print(
+            f"\n| {size / 1e9:.2f} GB of float32 ({path.stat().st_size / 1e9:.2f} GB as a file) "
+            "| seconds | over reading | MB/s | peak MB |"
+        )
+        print("|---|---|---|---|---|")
+        rows = end_to_end(path)
+        for name, seconds, peak, _ in rows:
+            print(
+                f"| {name} | {seconds:.1f} | {seconds / rows[0][1]:.1f} "
+                f"| {size / 1e6 / seconds:.0f} | {peak:.0f} |"
+            )
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"\nThe benchmark itself peaked at {own:.0f} MB, the whole signal in memory.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Commands that stand by themselves: read, ask, print. `cardan.cli` registers them."""

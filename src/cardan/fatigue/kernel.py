@@ -1,0 +1,80 @@
+"""The inner loop of rainflow counting: compiled where numba is installed, plain where not."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+
+Kernel: TypeAlias = Callable[..., tuple[int, int, float, int]]
+
+
+def close(
+    x: Any, stack: FloatArray, n: int, last: float, way: int, start: FloatArray, end: FloatArray
+) -> tuple[int, int, float, int]:
+    """Walk the samples `x`, closing cycles by the four-point rule.
+
+    `stack[:n]` holds the open reversals, `last` the running extreme behind them and `way`
+    its direction (1 up, -1 down, 0 before the first move). Closed cycles are written to
+    `start` and `end`. Missing samples (nan) are stepped over. Returns the number of closed
+    cycles and the new n, last and way.
+    """
+    closed = 0
+    for i in range(x.size):
+        v = x[i]
+        if v != v:
+            continue
+        if way == 0:
+            if last != last:  # the first sample of all
+                last = v
+            elif v != last:
+                stack[n] = last
+                n += 1
+                way = 1 if v > last else -1
+                last = v
+            continue
+        if (way > 0 and v >= last) or (way < 0 and v <= last):
+            last = v
+            continue
+        # `last` was a reversal, and the fourth point of the rule.
+        while n >= 3:
+            a, b, c = stack[n - 3], stack[n - 2], stack[n - 1]
+            inner = abs(c - b)
+            if inner > abs(b - a) or inner > abs(last - c):
+                break
+            start[closed] = b
+            end[closed] = c
+            closed += 1
+            n -= 2
+        stack[n] = last
+        n += 1
+        way = -way
+        last = v
+    return closed, n, last, way
+
+
+def reversals(x: FloatArray) -> FloatArray:
+    """Return the samples where `x` turns, with its first and last; nan is left out."""
+    x = x[~np.isnan(x)]
+    x = x[np.append(True, np.diff(x) != 0)[: x.size]]
+    if x.size < 3:
+        return x
+    step = np.diff(x)
+    return x[np.concatenate([[True], step[1:] * step[:-1] < 0, [True]])]
+
+
+def plain(x: FloatArray, *state: Any) -> tuple[int, int, float, int]:
+    """Close cycles without numba: NumPy finds the reversals, Python pairs only those."""
+    return close(reversals(x), *state)
+
+
+@cache
+def fastest() -> Kernel:
+    """Return the compiled loop if numba is installed, else the plain one: same answer."""
+    try:
+        import numba  # pyright: ignore[reportMissingTypeStubs]
+    except ImportError:
+        return plain
+    return numba.njit(cache=True, nogil=True)(close)

@@ -1,0 +1,402 @@
+"""From a recording to life and cause: looks, mends, counts and takes apart, in that order.
+
+Two passes over the recording, one to see what is wrong with it and one to count; a third
+where the causes are asked for. Memory holds a few pieces, whatever the length.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.errors import DesignError
+from cardan.fatigue.cause import (
+    JOINTS,
+    Attribution,
+    Comparison,
+    Separation,
+    attribute,
+    coincidences,
+    held_against,
+    parts_of,
+)
+from cardan.fatigue.conditioning import Health, low_pass, mended, no_zero, survey
+from cardan.fatigue.correction import Correction, uncorrected
+from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
+from cardan.fatigue.rainflow import (
+    NONE,
+    Cycles,
+    FromTo,
+    ResidueRule,
+    four_point,
+    half_cycles,
+    join,
+)
+from cardan.fatigue.recording import Recording
+from cardan.fatigue.spectral import (
+    Spectrum,
+    dirlik,
+    periodograms,
+    rayleigh,
+    tovo_benasciutti,
+)
+from cardan.fatigue.strain import Gauge
+from cardan.fatigue.strength import SNCurve
+
+Progress = Callable[[str, float], None]
+"""Told the name of the pass and the seconds of recording done."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How damage is to be judged.
+
+    Attributes
+    ----------
+    gauges
+        Places on the part.
+    curve
+        S-N curve at the gauges; its slope beyond the knee is the Miner variant.
+    correction
+        For mean stress.
+    rule
+        For the residue of the count.
+    baseline
+        What is taken off as zero.
+    low_pass : Hz
+        Nothing faster counts; no filter unless given.
+    allowed
+        Damage at failure.
+    gauge_error
+        Relative standard deviation of the stress scale.
+    failures
+        Shares of parts for which life is asked.
+    segment : samples
+        Of the spectra.
+    """
+
+    gauges: tuple[Gauge, ...]
+    curve: SNCurve
+    correction: Correction = uncorrected
+    rule: ResidueRule = half_cycles
+    baseline: Callable[[Health], FloatArray] = no_zero
+    low_pass: float | None = None
+    allowed: float = 1.0
+    gauge_error: float = 0.0
+    failures: tuple[float, ...] = (0.1, 0.5, 0.9)
+    segment: int = 4096
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels the gauges need, each once."""
+        return tuple(dict.fromkeys(c for g in self.gauges for c in g.channels))
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaugeLife:
+    """What the recording did to one place.
+
+    Attributes
+    ----------
+    name
+        Of the gauge.
+    health
+        Of its channels, by their names.
+    low, high : Pa
+        Smallest and largest stress.
+    life
+        Damage and what follows from it.
+    closed : FromTo
+        Closed cycles; the matrix rounds stresses to half a bin, 1e-3 in damage at most.
+    residue : Pa
+        Reversals left open.
+    cycles
+        Closed cycles, binned, and the residue by its rule.
+    exponent
+        Per cent of damage for a per cent of stress.
+    repeats : share of failed parts to passages of the recording
+        With the scatter of strength and gauge.
+    spectrum : Pa²/Hz
+        Of the stress; None if no stretch was long enough.
+    spectral : name to damage
+        Of the recording, by Rayleigh, Dirlik and Tovo-Benasciutti.
+    """
+
+    name: str
+    health: dict[str, Health]
+    low: float
+    high: float
+    life: Life
+    closed: FromTo
+    residue: FloatArray
+    cycles: Cycles
+    exponent: float
+    repeats: dict[float, float]
+    spectrum: Spectrum | None
+    spectral: dict[str, float]
+
+
+class _Count:
+    """One gauge's count, as pieces pass."""
+
+    def __init__(self, plan: Plan, rate: float) -> None:
+        self.plan, self.rate = plan, rate
+        self.matrix, self.residue = FromTo.empty(), NONE
+        self.damage, self.low, self.high = 0.0, np.inf, -np.inf
+        self.power: FloatArray = np.zeros(plan.segment // 2 + 1)
+        self.segments = 0
+
+    def add(self, stress: FloatArray) -> None:
+        cycles, self.residue = four_point(stress, residue=self.residue)
+        self.damage += miner(cycles, curve=self.plan.curve, correction=self.plan.correction)
+        self.matrix = self.matrix.added(cycles)
+        _, power = periodograms(stress, rate=self.rate, segment=self.plan.segment)
+        self.power, self.segments = self.power + power.sum(0), self.segments + len(power)
+
+    def result(self, gauge: Gauge, healths: dict[str, Health], duration: float) -> GaugeLife:
+        plan, curve, correction = self.plan, self.plan.curve, self.plan.correction
+        if not self.residue.size:
+            msg = f"gauge {gauge.name} has no samples to count"
+            raise DesignError(msg)
+        left = plan.rule(self.residue)
+        damage = self.damage + miner(left, curve=curve, correction=correction)
+        cycles = join([self.matrix.cycles(), left])
+        binned = miner(cycles, curve=curve, correction=correction)
+        lives = repeats_at(
+            cycles, curve=curve, failures=plan.failures,
+            gauge_error=plan.gauge_error, correction=correction,
+        )  # fmt: skip
+        # The bins' rounding cancels: their ratio to the exact damage is the same in all.
+        exact = plan.allowed * (binned / damage if damage > 0 else 1.0)
+        spectrum, spectral = None, dict[str, float]()
+        if self.segments:
+            frequency = np.arange(self.power.size, dtype=float) * (self.rate / plan.segment)
+            spectrum = Spectrum(frequency, self.power / self.segments)
+            if spectrum.moment(0) > 0:
+                for method in (rayleigh, dirlik, tovo_benasciutti):
+                    spectral[method.__name__] = method(spectrum).damage_rate(curve) * duration
+        return GaugeLife(
+            name=gauge.name, health=healths,
+            low=float(self.residue.min()), high=float(self.residue.max()),
+            life=Life(damage=damage, duration=duration, allowed=plan.allowed),
+            closed=self.matrix, residue=self.residue, cycles=cycles,
+            exponent=damage_exponent(cycles, curve=curve, correction=correction),
+            repeats={f: exact * n for f, n in lives.items()},
+            spectrum=spectrum, spectral=spectral,
+        )  # fmt: skip
+
+
+def _told(
+    pieces: Iterable[FloatArray], *, name: str, rate: float, progress: Progress | None
+) -> Iterator[FloatArray]:
+    done = 0
+    for piece in pieces:
+        yield piece
+        done += piece.shape[-1]
+        if progress is not None:
+            progress(name, done / rate)
+
+
+def look(
+    recording: Recording, *, channels: Iterable[str], progress: Progress | None = None
+) -> dict[str, Health]:
+    """Survey some channels of a recording: the first pass.
+
+    Raises
+    ------
+    DesignError
+        If it holds no samples at all.
+    """
+    names = tuple(channels)
+    pieces = _told(recording.pieces(names), name="look", rate=recording.rate, progress=progress)
+    found = survey(pieces, rate=recording.rate)
+    if not found:
+        msg = f"{recording.name} holds no samples"
+        raise DesignError(msg)
+    return dict(zip(names, found, strict=True))
+
+
+def stresses(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health], name: str,
+    progress: Progress | None = None,
+) -> Iterator[FloatArray]:  # fmt: skip
+    """Yield the stress of every gauge, mended and filtered, (gauges, n) Pa."""
+    names = plan.channels
+    found = [healths[n] for n in names]
+    place = {n: k for k, n in enumerate(names)}
+    raw = _told(recording.pieces(names), name=name, rate=recording.rate, progress=progress)
+    base = None if plan.baseline is no_zero else [plan.baseline(h) for h in found]
+    clean = mended(raw, healths=found, baseline=base)
+    stress = (
+        np.stack([g.stress(x[[place[c] for c in g.channels]]) for g in plan.gauges]) for x in clean
+    )
+    if plan.low_pass is None:
+        return stress
+    return low_pass(plan.low_pass, rate=recording.rate)(stress)
+
+
+def life(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health] | None = None,
+    distance: float = float("nan"), progress: Progress | None = None,
+) -> list[GaugeLife]:  # fmt: skip
+    """Damage and life at every gauge of a recording.
+
+    Parameters
+    ----------
+    recording
+        What was measured.
+    plan
+        How it is judged.
+    healths
+        Of the plan's channels, if already looked at.
+    distance : m
+        Driven in the recording, if known.
+    progress
+        Told how far it is.
+    """
+    if healths is None:
+        healths = look(recording, channels=plan.channels, progress=progress)
+    counts = [_Count(plan, recording.rate) for _ in plan.gauges]
+    samples = 0
+    with ThreadPoolExecutor(4) as pool:
+        for stress in stresses(
+            recording, plan=plan, healths=healths, name="count", progress=progress
+        ):
+            samples += stress.shape[1]
+            for job in [pool.submit(c.add, x) for c, x in zip(counts, stress, strict=True)]:
+                job.result()
+    found: list[GaugeLife] = []
+    for gauge, count in zip(plan.gauges, counts, strict=True):
+        own = {c: healths[c] for c in gauge.channels}
+        one = count.result(gauge, own, samples / recording.rate)
+        found.append(replace(one, life=replace(one.life, distance=distance)))
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Causes:
+    """Who did the damage at each gauge, and what it rests on.
+
+    Attributes
+    ----------
+    attributions
+        One a gauge, in the plan's order.
+    time : (m,) s
+        Middles of the spans in which orders were found.
+    speed : (m,) turns/s
+        Of the shaft there.
+    order2 : (gauges, m) Pa
+        0-to-peak amplitude of the joints' order 2 there.
+    torque : (m,) N m
+        There, if a channel was named.
+    comparisons
+        Measured order 2 against the predicted, one a gauge, if a prediction was given.
+    doubts
+        What cannot be told apart in this recording, a sentence each.
+    """
+
+    attributions: list[Attribution]
+    time: FloatArray
+    speed: FloatArray
+    order2: FloatArray
+    torque: FloatArray | None
+    comparisons: list[Comparison]
+    doubts: list[str]
+
+
+def causes(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
+    torque: tuple[str, float] | None = None, predicted: dict[str, float] | None = None,
+    progress: Progress | None = None,
+) -> Causes:  # fmt: skip
+    """Share the damage at every gauge among its causes.
+
+    Parameters
+    ----------
+    recording, plan, healths
+        As for `life`.
+    how
+        Tones and their causes.
+    torque
+        Channel of the shaft torque, and N m in its unit.
+    predicted : Pa per N m
+        Order-2 stress expected at a gauge per shaft torque, by gauge name.
+    progress
+        Told how far it is.
+    """
+    amplitudes: list[ComplexArray] = []
+    times: list[FloatArray] = []
+    second = next(
+        (k for k, s in enumerate(how.suspects) if s.cause == JOINTS and s.tone.order == 2), None
+    )
+
+    def stretches() -> Iterator[FloatArray]:
+        stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
+        for stretch, parts in parts_of(stress, how=how):
+            times.append(stretch.time)
+            if second is not None:
+                amplitudes.append(stretch.amplitude[:, second])
+            yield parts
+
+    found = attribute(
+        stretches(), causes=how.causes, curve=plan.curve, correction=plan.correction,
+        rule=plan.rule,
+    )  # fmt: skip
+    time = np.concatenate(times)
+    order2 = np.abs(np.concatenate(amplitudes, axis=-1)) if amplitudes else np.zeros((0, 0))
+    speed = how.suspects[0].tone.rotation.speed(time)
+    load = None
+    comparisons: list[Comparison] = []
+    if torque is not None:
+        load = span_means(recording, torque[0], how=how)[: time.size] * torque[1]
+        if predicted and second is not None:
+            comparisons = [
+                held_against(a[: load.size], torque=load, per_torque=predicted.get(g.name, np.nan))
+                for g, a in zip(plan.gauges, order2, strict=True)
+            ]
+    pairs = coincidences(how.suspects, times=time, resolution=1 / how.splitter.span)
+    doubts = [
+        f"{a.cause} order {a.tone.order:g} and {b.cause} order {b.tone.order:g} run together "
+        f"for {share:.0%} of the time: their sum is shared evenly there"
+        for a, b, share in pairs
+    ]
+    return Causes(
+        attributions=found, time=time, speed=speed, order2=order2, torque=load,
+        comparisons=comparisons, doubts=doubts,
+    )  # fmt: skip
+
+
+def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatArray:
+    """Mean of a channel over each span of a splitter, (spans,)."""
+    n = how.splitter.samples
+    means: list[FloatArray] = []
+    for piece in recording.pieces([channel], size=n * 512):
+        x = piece[0]
+        if x.size % n:
+            x = np.concatenate([x, np.full(n - x.size % n, np.nan)])
+        rows = x.reshape(-1, n)
+        some = ~np.isnan(rows).all(-1)
+        mean = np.full(len(rows), np.nan)
+        mean[some] = np.nanmean(rows[some], axis=-1)
+        means.append(mean)
+    return np.concatenate(means) if means else NONE
+
+
+def verdict(gauge: str, attribution: Attribution) -> str:
+    """Say in a sentence how much the joints had to do with it, whichever way it falls."""
+    share, without = attribution.share(JOINTS), attribution.without(JOINTS)
+    whole = attribution.whole
+    if not whole > 0:
+        return f"{gauge}: no damage, so nobody did it."
+    ranked = sorted(attribution.shares.items(), key=lambda kv: -kv[1])
+    chief, most = ranked[0]
+    longer = whole / without if without > 0 else np.inf
+    said = (
+        f"{gauge}: the joints' orders answer for {share:.1%} of the damage; "
+        f"without them it would live {longer:.3g} times as long."
+    )
+    if chief != JOINTS:
+        said += f" The largest share, {most:.1%}, is of {chief}."
+    return said

@@ -1,0 +1,495 @@
+"""Order tracking: which part of a signal turns with the shaft, and how large it is.
+
+A tone is a sinusoid locked to a rotation, A(t) e^{i k θ(t)} with a slowly moving amplitude.
+All tones and the slow mean are found together by least squares, their amplitudes cubic
+B-splines in time, so tones that cross or come close share the signal fairly. It is the
+Vold-Kalman filter of the second kind with splines in place of its smoothness penalty: same
+bandwidth at the same cost of resolution, but banded, small, and local enough to stream.
+Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking filtration
+(2005); de Boor, A Practical Guide to Splines (1978).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray
+from cardan.base.errors import DesignError
+from cardan.fatigue.conditioning import bridged, overlapping
+from cardan.fatigue.recording import cut
+from cardan.fatigue.spectral import periodograms
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """How far something has turned, at some times; straight between them.
+
+    Attributes
+    ----------
+    time : (n,) s
+        From the first sample of the recording.
+    turns : (n,) 1
+        Turns made; never falling.
+    """
+
+    time: FloatArray
+    turns: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.time.size < 2 or not (np.diff(self.time) > 0).all():
+            msg = "a rotation needs two or more rising times"
+            raise DesignError(msg)
+        if not (np.diff(self.turns) >= 0).all():
+            msg = "a rotation must not turn back"
+            raise DesignError(msg)
+
+    def at(self, time: ArrayLike) -> FloatArray:
+        """Return the turns made (...) at each time (...) s."""
+        t = np.asarray(time, float)
+        first, last = self.time[0], self.time[-1]
+        # Beyond its ends it goes on at its last speed.
+        before, after = np.minimum(t - first, 0), np.maximum(t - last, 0)
+        beyond = before * self._speed[0] + after * self._speed[-1]
+        return np.interp(t, self.time, self.turns) + beyond
+
+    @cached_property
+    def _speed(self) -> FloatArray:
+        return np.gradient(self.turns, self.time)
+
+    def speed(self, time: ArrayLike) -> FloatArray:
+        """Return the turns a second (...) at each time (...) s."""
+        return np.interp(np.asarray(time, float), self.time, self._speed)
+
+    def geared(self, ratio: float) -> "Rotation":
+        """Return the rotation of what turns `ratio` times as fast: a wheel, an engine."""
+        return Rotation(self.time, ratio * self.turns)
+
+
+def rotation_from_speed(
+    speed: Iterable[FloatArray], *, rate: float, unit: float = 1.0, step: float = 0.02
+) -> Rotation:
+    """Integrate a speed channel.
+
+    Parameters
+    ----------
+    speed : pieces (1, n)
+        Speed, holes bridged; below zero counts as standing.
+    rate : Hz
+        Of the samples.
+    unit : turns/s
+        Of the channel: 1/60 for rpm.
+    step : s
+        Between the times kept; the mean speed over a step is kept exactly.
+    """
+    n = max(round(step * rate), 1)
+    means: list[FloatArray] = []
+    for piece in cut(speed, size=n * 4096):
+        x = np.maximum(bridged(piece[0]), 0) * unit
+        if x.size % n:
+            x = np.concatenate([x, np.full(n - x.size % n, x[-1])])
+        means.append(x.reshape(-1, n).mean(-1))
+    turns = np.concatenate([[0.0], np.cumsum(np.concatenate(means)) * n / rate])
+    return Rotation((np.arange(turns.size, dtype=float) * n - 0.5) / rate, turns)
+
+
+def rotation_from_pulses(
+    pulses: Iterable[FloatArray], *, rate: float, per_turn: int = 1, level: float | None = None
+) -> Rotation:
+    """Read a tacho channel: one rising edge through `level` for each pulse.
+
+    The level is the middle between low and high of the first piece unless given, with a
+    hysteresis of a fifth of that span about it. Edges are placed between samples.
+
+    Raises
+    ------
+    DesignError
+        If there are fewer than two pulses.
+    """
+    edges: list[FloatArray] = []
+    last, high, start, band = np.nan, False, 0, 0.0
+    for piece in pulses:
+        x = bridged(piece[0])
+        if np.isnan(last):
+            low, top = np.quantile(x, [0.02, 0.98]) if level is None else (x.min(), x.max())
+            level = float((low + top) / 2) if level is None else level
+            band, last, high = 0.1 * float(top - low), float(x[0]), bool(x[0] > level)
+        assert level is not None
+        whole = np.concatenate([[last], x])
+        state = np.where(whole > level + band, 1, np.where(whole < level - band, -1, 0))
+        state[0] = 1 if high else -1
+        # In the band the state is what it was: carry the last known one forward.
+        known = np.maximum.accumulate(np.where(state != 0, np.arange(state.size), 0))
+        state = state[known]
+        rising = np.flatnonzero((state[1:] > 0) & (state[:-1] < 0))
+        # The edge: where the line through its two samples crosses the upper threshold.
+        a, b = whole[rising], whole[rising + 1]
+        edges.append(start - 1 + rising + (level + band - a) / (b - a))
+        last, high, start = float(x[-1]), bool(state[-1] > 0), start + x.size
+    time = np.concatenate(edges or [np.empty(0)]) / rate
+    if time.size < 2:
+        msg = f"a tacho needs two or more pulses, got {time.size}"
+        raise DesignError(msg)
+    # Before the first and after the last pulse it goes on as fast as between the nearest two.
+    first, final = 2 * time[0] - time[1], 2 * time[-1] - time[-2]
+    time = np.concatenate([[first], time, [final]])
+    return Rotation(time, np.arange(time.size) / per_turn)
+
+
+def estimated_rotation(
+    signal: FloatArray, *, rate: float, orders: Sequence[float] = (2.0, 1.0, 4.0),
+    slowest: float = 5.0, fastest: float = 60.0, window: float = 1.0, jerk: float = 2.0,
+) -> Rotation:  # fmt: skip
+    """Estimate the shaft's rotation from the signal itself, where there is no tacho.
+
+    In a spectrogram of `window` s the speed is the path along which the power at `orders`
+    is largest, changing by at most `jerk` turns/s from frame to frame (dynamic programming).
+
+    Parameters
+    ----------
+    signal : (n,)
+        A channel in which the orders stand out.
+    rate : Hz
+        Of its samples.
+    orders
+        Expected in it, the strongest first: that tells a speed from its double.
+    slowest, fastest : turns/s
+        Range searched. A standing shaft is not recognised.
+    """
+    n = round(window * rate)
+    frequency, power = periodograms(bridged(signal), rate=rate, segment=n)
+    if len(power) < 2:
+        msg = f"the signal is too short: at least {1.5 * window:g} s are needed"
+        raise ValueError(msg)
+    level = np.log(power + 1e-9 * power.max())
+    # Above the neighbourhood: half a window's median over a tenth of the band flattens roads.
+    around = np.lib.stride_tricks.sliding_window_view(
+        np.pad(level, ((0, 0), (12, 12)), mode="edge"), 25, axis=-1
+    )
+    level = np.maximum(level - np.median(around, axis=-1), 0)
+    fine = 0.1 / window / max(orders)
+    speeds = np.arange(slowest, fastest, fine)
+    score: FloatArray = np.zeros((len(level), speeds.size))
+    for rank, k in enumerate(orders):
+        line = np.stack([np.interp(k * speeds, frequency, row, right=0) for row in level])
+        score += line / (rank + 1)
+    reach = max(int(jerk / fine), 1)
+    best, back = score[0], np.zeros(score.shape, dtype=np.int64)
+    price = np.abs(np.arange(-reach, reach + 1)) * (0.5 * len(orders) / reach)
+    for k in range(1, len(score)):
+        options = np.lib.stride_tricks.sliding_window_view(
+            np.pad(best, reach, constant_values=-np.inf), 2 * reach + 1
+        )
+        options = options - price
+        back[k] = options.argmax(-1)
+        best = score[k] + options.max(-1)
+    path = np.empty(len(score), dtype=np.int64)
+    path[-1] = int(best.argmax())
+    for k in range(len(score) - 1, 0, -1):
+        path[k - 1] = path[k] + back[k, path[k]] - reach
+    middle = (np.arange(len(score)) * (n // 2) + n / 2) / rate
+    time = np.arange(0, signal.size / rate + 0.02, 0.02)
+    speed = np.interp(time, middle, speeds[path])
+    turns = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
+    return Rotation(time, turns)
+
+
+def order_spectrum(
+    signal: FloatArray, *, rotation: Rotation, rate: float, turns: int = 64, top: float = 10.0
+) -> tuple[FloatArray, FloatArray]:
+    """Amplitude over order: the signal met at equal angles instead of equal times.
+
+    Parameters
+    ----------
+    signal : (n,)
+        The channel.
+    rotation
+        Of the shaft whose orders are asked for.
+    rate : Hz
+        Of the samples.
+    turns
+        Per block; resolution is 1/turns. Blocks are averaged by power.
+    top
+        Highest order; the shaft must turn slower than rate/2/top.
+
+    Returns
+    -------
+    order, amplitude : (m,)
+        0-to-peak; of a steady order exact to the window's 0.1 % at whole orders.
+    """
+    from scipy.signal import resample_poly
+
+    per_turn = int(4 * top)
+    time = np.arange(signal.size) / rate
+    made = rotation.at(time)
+    rising = np.concatenate([[True], np.diff(made) > 0])
+    first, last = np.ceil(made[0]), np.floor(made[-1])
+    angle = np.arange(0, (last - first) * per_turn) / per_turn + first
+    # Four times finer first: straight lines then lose a per mille of the fastest order.
+    fine = resample_poly(bridged(signal), 4, 1)
+    fine_time = np.arange(fine.size) / (4 * rate)
+    x = np.interp(np.interp(angle, made[rising], time[rising]), fine_time, fine)
+    size = turns * per_turn
+    blocks = x[: x.size // size * size].reshape(-1, size)
+    if not len(blocks):
+        msg = f"the shaft makes fewer than {turns} turns; ask for fewer"
+        raise ValueError(msg)
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
+    lines = np.fft.rfft((blocks - blocks.mean(-1, keepdims=True)) * window, axis=-1)
+    amplitude = 2 * np.abs(lines) / window.sum()
+    order = np.arange(size // 2 + 1) / turns
+    keep = order <= top
+    return order[keep], np.sqrt((amplitude**2).mean(0))[keep]
+
+
+@dataclass(frozen=True)
+class Tone:
+    """A sinusoid locked to a rotation: `order` times as fast."""
+
+    rotation: Rotation
+    order: float
+
+    def frequency(self, time: ArrayLike) -> FloatArray:
+        """Frequency (...) Hz at each time (...) s."""
+        return self.order * self.rotation.speed(time)
+
+
+@dataclass(frozen=True)
+class Split:
+    """A stretch of a signal, taken apart.
+
+    Attributes
+    ----------
+    start : samples
+        Where the stretch begins.
+    signal : (channels, n)
+        What was taken apart, holes bridged.
+    slow : (channels, n)
+        Its moving mean.
+    tones : (channels, tones, n)
+        Each tone; signal less slow less all tones is the rest.
+    amplitude : (channels, tones, m) complex
+        Of each tone at the middles of its spans, counted from its rotation's zero.
+    time, frequency : (m,) s and (tones, m) Hz
+        Of those middles.
+    padded_rest, padded_event : (channels, n + 2 margin or more)
+        The rest with `margin` samples before it and at least as many behind, zero outside
+        the recording, and how far each sample belongs to an event, 0 to 1.
+    """
+
+    start: int
+    signal: FloatArray
+    slow: FloatArray
+    tones: FloatArray
+    amplitude: ComplexArray
+    time: FloatArray
+    frequency: FloatArray
+    padded_rest: FloatArray
+    padded_event: FloatArray
+    margin: int
+
+    @property
+    def rest(self) -> FloatArray:
+        """Signal less slow mean less tones, (channels, n)."""
+        return self.signal - self.slow - self.tones.sum(1)
+
+
+def _basis(n: int) -> FloatArray:
+    """Four cubic B-splines over one span of n samples, (4, n)."""
+    u = (np.arange(n) + 0.5) / n
+    return np.stack(
+        [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, 3 * (u + u**2 - u**3) + 1, u**3]
+    ) / 6  # fmt: skip
+
+
+RIDGE, STEADY = 1e-4, 1e-2
+"""Price of an amplitude's size and of its changes, against samples that say otherwise."""
+
+BLAS_ALONE = 1 << 18
+"""Size of a matrix product up to which OpenBLAS does not start threads."""
+
+EVENT_WEIGHT = 0.01
+"""Weight of an event's samples beside others, when tones are looked for."""
+
+MARGIN = 8
+"""Spans beyond a stretch that are solved with it: what is farther changes it below 1e-3."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Splitter:
+    """Takes a signal apart into tones, slow mean and rest, stretch by stretch.
+
+    Attributes
+    ----------
+    tones
+        To find; those locked to one another in one fixed ratio of 1 cannot be told apart.
+    rate : Hz
+        Of the samples.
+    span : s
+        Between knots of the amplitudes: tones that differ by less than about 1/span Hz run
+        together, and random vibration within that band counts as tone.
+    slowest : Hz
+        A tone below this is let go: it is no longer told from the slow mean.
+    stretch
+        Spans solved together.
+    event_factor
+        What stands out of the rest by this many times the rms of its louder seconds (their
+        90 % quantile) is an event; infinite for none.
+    event_width : s
+        Kept on both sides of where the rest stands out.
+    """
+
+    tones: tuple[Tone, ...]
+    rate: float
+    span: float = 0.5
+    slowest: float = 4.0
+    stretch: int = 48
+    event_factor: float = 5.0
+    event_width: float = 0.4
+
+    @property
+    def samples(self) -> int:
+        """Samples in a span."""
+        return max(round(self.span * self.rate), 8)
+
+    def split(self, pieces: Iterable[FloatArray]) -> Iterator[Split]:
+        """Take a signal (channels, n) in pieces apart; the cuts do not matter."""
+        n, reach = self.samples, MARGIN * self.samples
+        size = self.stretch * n
+        start = 0
+        for padded in overlapping(cut(_numbered(pieces), size=size), reach=reach):
+            body = padded.shape[1] - 2 * reach
+            yield self._solve(padded[1:], padded[0], start, body)
+            start += body
+
+    def _solve(self, x: FloatArray, number: FloatArray, start: int, body: int) -> Split:
+        n, reach = self.samples, MARGIN * self.samples
+        x = bridged(x)
+        # Whole spans: the last stretch is filled up with samples that count for nothing.
+        fill = -x.shape[1] % n
+        x = np.pad(x, ((0, 0), (0, fill)), mode="edge")
+        place = start - reach + np.arange(x.shape[1])
+        inside = (place >= number[0]) & (place <= number[-1])
+        time = place / self.rate
+        spans = x.shape[1] // n
+        regressors = self._regressors(time, spans)
+        basis = _basis(n)
+        weight = inside.astype(float)
+        fitted, coefficients = self._fit(x, weight, regressors, basis)
+        event = np.zeros_like(x)
+        if np.isfinite(self.event_factor):
+            event = self._events(x - fitted.sum(1), inside)
+            if event.any():
+                # Again with the events nearly silent, so that a blow is not spread into tones.
+                quiet = weight * np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT)
+                fitted, coefficients = self._fit(x, quiet, regressors, basis)
+                event = self._events(x - fitted.sum(1), inside)
+        middle = time.reshape(spans, n)[:, n // 2]
+        keep = slice(reach, reach + body)
+        held = (middle >= time[reach]) & (middle < time[reach] + body / self.rate)
+        at_middle = np.einsum("a,cpja->cpj", _basis(1)[:, 0], coefficients)
+        amplitude = at_middle[:, 1::2] - 1j * at_middle[:, 2::2]
+        frequency = np.stack([t.frequency(middle) for t in self.tones]) if self.tones else (
+            np.empty((0, spans))
+        )  # fmt: skip
+        amplitude = np.where(frequency >= self.slowest, amplitude, 0)
+        return Split(
+            start=start, signal=x[:, keep], slow=fitted[:, 0, keep], tones=fitted[:, 1:, keep],
+            amplitude=amplitude[..., held], time=middle[held], frequency=frequency[:, held],
+            padded_rest=np.where(inside, x - fitted.sum(1), 0.0), padded_event=event, margin=reach,
+        )  # fmt: skip
+
+    def _regressors(self, time: FloatArray, spans: int) -> FloatArray:
+        """One for the slow mean, cosine and sine for each tone, (1 + 2 tones, spans, n)."""
+        rows = [np.ones_like(time)]
+        for tone in self.tones:
+            phase = 2 * np.pi * ((tone.order * tone.rotation.at(time)) % 1.0)
+            # Let a tone in smoothly over a quarter above the slowest frequency.
+            gate = np.clip((tone.frequency(time) / self.slowest - 1) * 4, 0, 1)
+            gate = gate * gate * (3 - 2 * gate)
+            rows += [gate * np.cos(phase), gate * np.sin(phase)]
+        return np.stack(rows).reshape(len(rows), spans, -1)
+
+    def _fit(
+        self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
+        from scipy.linalg import solveh_banded
+
+        p, spans, n = regressors.shape
+        channels = x.shape[0]
+        rows = regressors.transpose(1, 0, 2)
+        # Products of small slices of a span: too small for BLAS to start threads on, which
+        # on a busy machine cost thirty times the work.
+        slices = -(-(16 * p * p * n) // BLAS_ALONE)
+        m = -(-n // slices)
+
+        def sliced(a: FloatArray) -> FloatArray:
+            wide = np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, slices * m - n)])
+            return np.moveaxis(wide.reshape(*a.shape[:-1], slices, m), -2, 1 if a.ndim > 2 else 0)
+
+        # Design of one slice: four splines times p regressors.
+        design = sliced(basis)[None, :, :, None, :] * sliced(rows)[:, :, None]
+        design = design.reshape(spans, slices, 4 * p, m)
+        weighted = design * sliced(weight.reshape(spans, 1, n))
+        gram = (weighted @ design.swapaxes(-1, -2)).sum(1)
+        target = sliced(x.reshape(channels, spans, n).swapaxes(0, 1))
+        right = (weighted @ target.swapaxes(-1, -2)).sum(1)
+        size = (spans + 3) * p
+        banded: FloatArray = np.zeros((4 * p, size))
+        total: FloatArray = np.zeros((size, channels))
+        row, column = np.tril_indices(4 * p)
+        for j in range(spans):
+            # Lower form: entry (i, k) of the matrix stands at [i - k, k].
+            banded[row - column, j * p + column] += gram[j][row, column]
+            total[j * p : (j + 4) * p] += right[j]
+        # Where the signal does not decide (holes, events, tones let go or running together)
+        # amplitudes go on steadily and stay small: it costs a steady tone half a per mille.
+        ridge = np.full(size, RIDGE * n)
+        ridge[::p] = 0.0
+        banded[0] += ridge + 1e-9 * n
+        banded[0, :-p] += STEADY * n
+        banded[0, p:] += STEADY * n
+        banded[p, :-p] -= STEADY * n
+        c = solveh_banded(banded, total, lower=True, check_finite=False)
+        c = c.reshape(spans + 3, p, channels)
+        local = np.stack([c[k : k + spans] for k in range(4)], axis=-1)  # (spans, p, ch, 4)
+        envelope = local @ basis  # (spans, p, channels, n)
+        each = (envelope * rows[:, :, None]).transpose(2, 1, 0, 3).reshape(channels, p, -1)
+        parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
+        return parts, local.transpose(2, 1, 0, 3)
+
+    def _events(self, rest: FloatArray, inside: BoolArray) -> FloatArray:
+        """Weight (channels, n) of the event windows in a rest, 0 to 1 with soft edges."""
+        # The louder seconds set the scale, so that driving off is no event beside standing.
+        known, second = rest[:, inside], max(round(self.rate), 1)
+        blocks = known[:, : max(known.shape[1] // second, 1) * second]
+        blocks = blocks.reshape(rest.shape[0], -1, min(second, blocks.shape[1]))
+        typical = np.quantile(np.sqrt((blocks**2).mean(-1)), 0.9, axis=-1)[:, None]
+        loud = (np.abs(rest) > self.event_factor * typical) & inside
+        if not loud.any():
+            return np.zeros_like(rest)
+        wide, soft = round(self.event_width * self.rate), max(round(0.02 * self.rate), 1)
+        out = np.zeros_like(rest)
+        place = np.arange(rest.shape[1])
+        for k, row in enumerate(loud):
+            at = np.flatnonzero(row)
+            if at.size:
+                near = np.searchsorted(at, place)
+                before = place - at[np.maximum(near - 1, 0)]
+                after = at[np.minimum(near, at.size - 1)] - place
+                far = np.minimum(np.where(before < 0, wide + soft, before),
+                                 np.where(after < 0, wide + soft, after))  # fmt: skip
+                edge = np.clip((wide + soft - far) / soft, 0, 1)
+                out[k] = edge * edge * (3 - 2 * edge)
+        return out
+
+
+def _numbered(pieces: Iterable[FloatArray]) -> Iterator[FloatArray]:
+    """Put the place of each sample in front of the channels: padding repeats it."""
+    start = 0
+    for piece in pieces:
+        n = piece.shape[1]
+        yield np.concatenate([np.arange(start, start + n, dtype=float)[None], piece])
+        start += n

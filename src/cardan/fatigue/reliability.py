@@ -1,0 +1,234 @@
+"""The odds of failure: a limit state of scattered quantities, by FORM and by Monte Carlo.
+
+A limit state is any function of the quantities, `limit(x)` with x (..., n) on the last axis,
+negative where the part fails. Variables turn standard normal numbers into quantities.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Protocol, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError, NotConverged
+
+Limit: TypeAlias = Callable[[FloatArray], FloatArray]
+
+
+class Variable(Protocol):
+    """A scattered quantity: its value (...) where a standard normal number is u (...)."""
+
+    def value(self, u: FloatArray) -> FloatArray:
+        """Return the quantile of the standard normal u."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Normal:
+    """Normal with mean and standard deviation."""
+
+    mean: float
+    deviation: float
+
+    def value(self, u: FloatArray) -> FloatArray:
+        """Return mean + deviation u."""
+        return self.mean + self.deviation * u
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lognormal:
+    """Lognormal with median and coefficient of variation."""
+
+    median: float
+    cov: float
+
+    def __post_init__(self) -> None:
+        if not (self.median > 0 and self.cov >= 0):
+            msg = f"a lognormal needs median above 0 and COV not below, got {self}"
+            raise DesignError(msg)
+
+    def value(self, u: FloatArray) -> FloatArray:
+        """Return median exp(u √ln(1 + COV²))."""
+        return self.median * np.exp(u * math.sqrt(math.log1p(self.cov**2)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weibull:
+    """Weibull with scale and shape; shape 1 is the exponential law."""
+
+    scale: float
+    shape: float
+
+    def value(self, u: FloatArray) -> FloatArray:
+        """Return scale (-ln Φ(-u))^(1/shape)."""
+        from scipy.special import log_ndtr
+
+        return self.scale * (-log_ndtr(-u)) ** (1 / self.shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gumbel:
+    """Largest of many: Gumbel with mode and scale."""
+
+    mode: float
+    scale: float
+
+    def value(self, u: FloatArray) -> FloatArray:
+        """Return mode - scale ln(-ln Φ(u))."""
+        from scipy.special import log_ndtr
+
+        return self.mode - self.scale * np.log(-log_ndtr(u))
+
+
+def _values(u: FloatArray, variables: Sequence[Variable]) -> FloatArray:
+    return np.stack([v.value(u[..., k]) for k, v in enumerate(variables)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Form:
+    """A first-order answer: how far failure lies, and towards what.
+
+    Attributes
+    ----------
+    beta : 1
+        Reliability index: distance of the design point in standard normal space.
+    point : (n,)
+        Values of the quantities at the most likely failure.
+    u : (n,) 1
+        The same in standard normal space.
+    importance : (n,) 1
+        Share of β² each quantity carries; sums to 1.
+    """
+
+    beta: float
+    point: FloatArray
+    u: FloatArray
+    importance: FloatArray
+
+    @property
+    def failure(self) -> float:
+        """Probability of failure Φ(-β)."""
+        return NormalDist().cdf(-self.beta)
+
+
+def form(
+    limit: Limit, variables: Sequence[Variable], *, tolerance: float = 1e-10, steps: int = 200
+) -> Form:
+    """First-order reliability method: the nearest point of failure.
+
+    Parameters
+    ----------
+    limit
+        g(x) of x (..., n); fails below 0. Smooth near the design point.
+    variables
+        The n scattered quantities, independent.
+    tolerance
+        Of the design point, in standard deviations.
+    steps
+        Before giving up.
+
+    Raises
+    ------
+    NotConverged
+        If no design point was found; start nearer or smooth the limit state.
+
+    Notes
+    -----
+    Hasofer & Lind (1974), Rackwitz & Fiessler (1978), with the step length of Zhang & Der
+    Kiureghian (1995). Exact where the limit state is linear in standard normal space, as it
+    is for logarithms of lognormals. Central differences, evaluated together.
+    """
+    n = len(variables)
+    h = 1e-5
+
+    def gradient(u: FloatArray) -> tuple[float, FloatArray]:
+        around = np.concatenate([u[None], u + h * np.eye(n), u - h * np.eye(n)])
+        g = limit(_values(around, variables))
+        return float(g[0]), (g[1 : n + 1] - g[n + 1 :]) / (2 * h)
+
+    u = np.zeros(n)
+    g, slope = gradient(u)
+    scale = abs(g) or 1.0
+    sign = 1.0 if g >= 0 else -1.0
+    for _ in range(steps):
+        size2 = float(slope @ slope)
+        if not (math.isfinite(size2) and size2 > 0):
+            break
+        towards = (slope @ u - g) / size2 * slope - u
+        if np.linalg.norm(towards) < tolerance and abs(g) < 1e-8 * scale:
+            beta = sign * float(np.linalg.norm(u))
+            share = u**2 / (u @ u) if beta else np.zeros(n)
+            return Form(beta, _values(u, variables), u, share)
+        # Shorten the step until distance plus a price for missing the surface gets less.
+        price = 2 * np.linalg.norm(u) / math.sqrt(size2) + 10 / scale
+        merit = 0.5 * u @ u + price * abs(g)
+        step = 1.0
+        while step > 1e-4:
+            trial = u + step * towards
+            value = float(limit(_values(trial[None], variables))[0])
+            if math.isfinite(value) and 0.5 * trial @ trial + price * abs(value) < merit:
+                break
+            step /= 2
+        u = u + step * towards
+        g, slope = gradient(u)
+    msg = f"no design point after {steps} steps; the limit state is {g:g} at u = {u}"
+    raise NotConverged(msg)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A sampled probability and its standard error."""
+
+    failure: float
+    error: float
+
+    @property
+    def beta(self) -> float:
+        """Reliability index -Φ⁻¹(failure)."""
+        if not 0 < self.failure < 1:
+            return math.inf if self.failure <= 0 else -math.inf
+        return -NormalDist().inv_cdf(self.failure)
+
+
+def monte_carlo(
+    limit: Limit,
+    variables: Sequence[Variable],
+    *,
+    samples: int,
+    seed: int,
+    around: Form | None = None,
+) -> Estimate:
+    """Probability of failure by sampling, whatever the limit state's shape.
+
+    With `around`, samples are drawn about FORM's design point and weighted back (importance
+    sampling): a thousand do the work of millions when failure is rare.
+    """
+    rng = np.random.default_rng(seed)
+    shift = np.zeros(len(variables)) if around is None else around.u
+    total = squares = 0.0
+    left = samples
+    while left:
+        n = min(left, 1 << 17)
+        u = rng.standard_normal((n, len(variables))) + shift
+        weight = np.exp(0.5 * shift @ shift - u @ shift)
+        fails = np.where(limit(_values(u, variables)) <= 0, weight, 0.0)
+        total, squares, left = total + fails.sum(), squares + (fails**2).sum(), left - n
+    mean = total / samples
+    return Estimate(float(mean), math.sqrt(max(squares / samples - mean**2, 0.0) / samples))
+
+
+def sn_limit(*, slope: float, load: float) -> Limit:
+    """Limit state ln(A Δ / (B^m N E[S^m])) of an S-N curve, x = (A, Δ, B).
+
+    A: cycles times stress^m the material bears; Δ: damage at failure; B: what the stress
+    scale is wrong by; `load`: N E[S^m] of the life asked for. In logs it is linear, so FORM
+    is exact for lognormals. Source: Wirsching, J. Struct. Eng. 110 (1984).
+    """
+
+    def limit(x: FloatArray) -> FloatArray:
+        return np.log(x[..., 0]) + np.log(x[..., 1]) - slope * np.log(x[..., 2]) - math.log(load)
+
+    return limit

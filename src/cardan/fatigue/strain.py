@@ -1,0 +1,169 @@
+"""From strain to stress: single gauges and rosettes, in plane stress."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.units import GPa, Pascal, Radian, deg
+
+RECTANGULAR = (0.0, 45 * deg, 90 * deg)
+DELTA = (0.0, 60 * deg, 120 * deg)
+"""Angles of the grids of a rosette, from its own x axis."""
+
+Measure: TypeAlias = "Callable[[PlaneStress], FloatArray]"
+"""One number for a plane stress: `signed_mises`, `largest`, or a plane's normal stress."""
+
+
+@dataclass(frozen=True)
+class PlaneStress:
+    """Stress at a free surface, in the rosette's axes.
+
+    Attributes
+    ----------
+    x, y, xy : (...) Pa
+        Normal stresses and shear stress.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    xy: FloatArray
+
+    @property
+    def principal(self) -> FloatArray:
+        """Principal stresses (..., 2) Pa, the algebraically larger first."""
+        middle, radius = (self.x + self.y) / 2, np.hypot((self.x - self.y) / 2, self.xy)
+        return np.stack([middle + radius, middle - radius], axis=-1)
+
+    @property
+    def direction(self) -> FloatArray:
+        """Angle (...) rad of the larger principal stress from the x axis, (-π/2, π/2]."""
+        return np.arctan2(2 * self.xy, self.x - self.y) / 2
+
+    @property
+    def mises(self) -> FloatArray:
+        """Von Mises stress (...) Pa."""
+        return np.sqrt(self.x**2 - self.x * self.y + self.y**2 + 3 * self.xy**2)
+
+    @property
+    def biaxiality(self) -> FloatArray:
+        """Smaller over larger principal stress by magnitude (...) 1; 0 uniaxial, -1 shear."""
+        p = self.principal
+        high, low = p[..., 0], p[..., 1]
+        swap = np.abs(low) > np.abs(high)
+        large, small = np.where(swap, low, high), np.where(swap, high, low)
+        return np.divide(small, large, out=np.zeros_like(large), where=large != 0)
+
+    def normal(self, angle: Radian) -> FloatArray:
+        """Stress (...) Pa across the plane whose normal stands at this angle from x."""
+        c, s = np.cos(angle), np.sin(angle)
+        return self.x * c**2 + self.y * s**2 + 2 * self.xy * s * c
+
+
+def rosette(
+    strains: ArrayLike,
+    *,
+    angles: tuple[Radian, ...] = RECTANGULAR,
+    modulus: Pascal = 206 * GPa,
+    poisson: float = 0.3,
+) -> PlaneStress:
+    """Plane stress under a rosette of three or more grids.
+
+    ε(α) = εx cos²α + εy sin²α + γ sin α cos α, solved for the three, by least squares where
+    there are more grids, then Hooke's law.
+
+    Parameters
+    ----------
+    strains : (grids, ...) 1
+        One row per grid.
+    angles : rad
+        Of the grids: `RECTANGULAR`, `DELTA` or others.
+    modulus : Pa
+        Young's modulus.
+    poisson : 1
+        Poisson's ratio.
+
+    Raises
+    ------
+    ValueError
+        If the angles do not tell the three strains apart.
+    """
+    e = np.asarray(strains, dtype=float)
+    c, s = np.cos(angles), np.sin(angles)
+    design = np.stack([c**2, s**2, s * c], axis=-1)
+    if e.shape[0] != len(angles) or np.linalg.matrix_rank(design, tol=1e-6) < 3:
+        msg = f"a rosette needs three or more different angles, one per row; got {angles}"
+        raise ValueError(msg)
+    ex, ey, g = np.einsum("ij,j...->i...", np.linalg.pinv(design), e)
+    plane = modulus / (1 - poisson**2)
+    return PlaneStress(
+        x=plane * (ex + poisson * ey),
+        y=plane * (ey + poisson * ex),
+        xy=modulus / (2 * (1 + poisson)) * g,
+    )
+
+
+def signed_mises(stress: PlaneStress) -> FloatArray:
+    """Von Mises stress with the sign of the larger principal stress, (...) Pa.
+
+    Good where direction and biaxiality hardly move; else count on planes.
+    """
+    return np.where(stress.x + stress.y < 0, -1.0, 1.0) * stress.mises
+
+
+def largest(stress: PlaneStress) -> FloatArray:
+    """Principal stress of larger magnitude, with its sign, (...) Pa."""
+    p = stress.principal
+    return np.where(np.abs(p[..., 1]) > np.abs(p[..., 0]), p[..., 1], p[..., 0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gauge:
+    """A place on the part: the channels that tell its stress, and how.
+
+    Attributes
+    ----------
+    name
+        As users know it.
+    channels
+        Names of the channels, one or one per grid of a rosette.
+    stress
+        Turns pieces of those channels (k, n) into stress (n,) Pa.
+    """
+
+    name: str
+    channels: tuple[str, ...]
+    stress: Callable[[FloatArray], FloatArray]
+
+
+def _scaled(piece: FloatArray, *, factor: float) -> FloatArray:
+    return piece[0] * factor
+
+
+def direct(name: str, channel: str, *, factor: float) -> Gauge:
+    """Return a gauge whose channel times `factor` is the stress in Pa.
+
+    For strain it is Young's modulus times the unit: 206e9 * 1e-6 Pa per µm/m.
+    """
+    return Gauge(name=name, channels=(channel,), stress=partial(_scaled, factor=factor))
+
+
+def rosette_gauge(
+    name: str,
+    channels: tuple[str, ...],
+    *,
+    unit: float = 1e-6,
+    angles: tuple[Radian, ...] = RECTANGULAR,
+    modulus: Pascal = 206 * GPa,
+    poisson: float = 0.3,
+    measure: Measure = signed_mises,
+) -> Gauge:
+    """Return a rosette whose stress is one measure of its plane stress."""
+
+    def stress(piece: FloatArray) -> FloatArray:
+        return measure(rosette(piece * unit, angles=angles, modulus=modulus, poisson=poisson))
+
+    return Gauge(name=name, channels=channels, stress=stress)

@@ -1,0 +1,81 @@
+"""WAV recordings, mapped and not loaded: integer or float samples, RF64 above 4 GB.
+
+Integer samples are shares of full scale, -1 to 1: a WAV file knows no unit.
+"""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.fatigue.recording import SIZE, Channel
+from cardan.files.recordings import Table, bad
+
+_TYPES = {
+    (1, 8): "u1",
+    (1, 16): "<i2",
+    (1, 24): "u1",
+    (1, 32): "<i4",
+    (3, 32): "<f4",
+    (3, 64): "<f8",
+}
+
+
+def table(path: Path) -> Table:
+    """Open a WAV recording."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        top = file.read(12)
+        if len(top) < 12 or top[:4] not in (b"RIFF", b"RF64") or top[8:] != b"WAVE":
+            raise bad(path, "it is not a WAV file", value=repr(top[:4]))
+        code = channels = rate = bits = 0
+        large = 0
+        while True:
+            head = file.read(8)
+            if len(head) < 8:
+                raise bad(path, "it ends before its data begin")
+            name, length = struct.unpack("<4sI", head)
+            if name == b"data":
+                break
+            body = file.read(length + length % 2)
+            if name == b"ds64" and len(body) >= 16:
+                large = struct.unpack("<Q", body[8:16])[0]
+            if name == b"fmt " and len(body) >= 16:
+                code, channels, rate, _, _, bits = struct.unpack("<HHIIHH", body[:16])
+                if code == 0xFFFE and len(body) >= 26:
+                    code = struct.unpack("<H", body[24:26])[0]
+        start = file.tell()
+    if (code, bits) not in _TYPES or not channels:
+        raise bad(path, "unknown kind of samples", value=f"format {code}, {bits} bits")
+    said = large if length == 0xFFFFFFFF and large else length
+    frame = channels * bits // 8
+    there = min(said, size - start)
+    samples = there // frame
+    notes: tuple[str, ...] = ()
+    if there < said:
+        notes = (f"the file is cut short: {there} of {said} bytes of samples are there",)
+
+    def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
+        data = np.memmap(path, mode="r", offset=start, shape=(samples, frame))
+        for first in range(0, samples, SIZE):
+            raw = np.ascontiguousarray(data[first : first + SIZE])
+            yield _values(raw, code, bits)[:, list(places)].T
+
+    return Table(
+        columns=tuple(Channel(f"channel {k + 1}") for k in range(channels)),
+        rows=rows, rate=float(rate), samples=samples, notes=notes,
+    )  # fmt: skip
+
+
+def _values(raw: np.ndarray, code: int, bits: int) -> FloatArray:
+    """Return samples (n, channels) of raw bytes (n, frame)."""
+    if bits == 24:
+        wide = np.zeros((*raw.shape[:1], raw.shape[1] // 3, 4), np.uint8)
+        wide[..., 1:] = raw.reshape(raw.shape[0], -1, 3)
+        return wide.reshape(raw.shape[0], -1).view("<i4") / 2.0**31
+    x = raw.view(_TYPES[code, bits]).astype(float)
+    if code == 3:
+        return x
+    return (x - 128) / 128 if bits == 8 else x / 2.0 ** (bits - 1)

@@ -1,0 +1,232 @@
+"""Opens recordings: CSV of any dialect, Parquet, HDF5, TDMS, MDF4 and WAV, in pieces.
+
+A recording is never guessed at. A value that is not a number, a row cut short, time that
+runs backwards: an error names the file, the place and what to do. A hole in time becomes
+missing samples, which the survey of the recording reports.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import BadFile, Problem
+from cardan.fatigue.recording import Channel, Recording
+
+TIME_NAMES = {"time", "t", "zeit", "tempo", "temps", "time_s", "t_s"}
+TIME_UNITS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6}
+
+
+def bad(path: Path, message: str, *, hint: str = "", line: int = 0, value: str = "") -> BadFile:
+    """Return the error of a recording that cannot be read as meant."""
+    return BadFile(str(path), (Problem(message=message, hint=hint, line=line, value=value),))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """What a reader found: columns of equal length, time perhaps among them.
+
+    `rows` takes places of columns and yields pieces (k, n). `rate` is what the file itself
+    says, if it does.
+    """
+
+    columns: tuple[Channel, ...]
+    rows: Callable[[tuple[int, ...]], Iterable[FloatArray]]
+    rate: float | None = None
+    samples: int | None = None
+    notes: tuple[str, ...] = ()
+
+
+def open_recording(
+    path: Path, *, rate: float | None = None, time: str | None = None, group: str = ""
+) -> Recording:
+    """Open a recording by the ending of its name.
+
+    Parameters
+    ----------
+    path
+        `.csv .txt .tsv .asc .dat`, `.parquet`, `.h5 .hdf5`, `.tdms`, `.mf4 .mdf`, `.wav`.
+    rate : Hz
+        Takes the place of the file's own rate or time column, which is then not looked at.
+    time
+        Name of the time column; found by its name (time, t, Zeit, tempo) otherwise.
+    group
+        HDF5 or TDMS group to read, where there is more than one.
+
+    Raises
+    ------
+    BadFile
+        If it cannot be read as meant: every message says what to try.
+    """
+    if not path.is_file():
+        raise bad(path, "no such file")
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        known = ", ".join(sorted(_READERS))
+        raise bad(path, f"no reader for {path.suffix!r} files", hint=f"known are {known}")
+    if path.stat().st_size == 0:
+        raise bad(path, "the file is empty")
+    try:
+        table = reader(path, group)
+    except ImportError as error:
+        extra = "mdf" if path.suffix.lower() in (".mf4", ".mdf") else "recordings"
+        raise bad(
+            path, f"reading it needs {error.name}", hint=f"pip install 'cardan[{extra}]'"
+        ) from error
+    _unique(path, table)
+    clock = _clock(path, table, time)
+    places = tuple(k for k in range(len(table.columns)) if k != clock)
+    channels = tuple(table.columns[k] for k in places)
+    if not channels:
+        raise bad(path, "it holds no channel beside time")
+    if rate is None and table.rate is None and clock is None:
+        raise bad(
+            path, "nothing says how fast it was sampled",
+            hint="give the rate, or the name of the time column",
+        )  # fmt: skip
+    by_clock = rate is None and clock is not None
+    if by_clock:
+        assert clock is not None
+        rate = _rate(path, table, clock)
+
+    def read(wanted: tuple[int, ...]) -> Iterable[FloatArray]:
+        columns = tuple(places[k] for k in wanted)
+        if not by_clock:
+            return table.rows(columns)
+        assert clock is not None
+        assert rate is not None
+        second = _second(path, table.columns[clock])
+        return _evenly(path, table.rows((clock, *columns)), rate=rate, second=second)
+
+    final = rate or table.rate
+    assert final is not None
+    if not 0 < final < np.inf:
+        raise bad(path, "the sample rate must be above 0", value=f"{final:g} Hz")
+    return Recording(
+        name=path.name, channels=channels, rate=final, read=read,
+        samples=table.samples, notes=table.notes,
+    )  # fmt: skip
+
+
+def _unique(path: Path, table: Table) -> None:
+    names = [c.name for c in table.columns]
+    for name in names:
+        if names.count(name) > 1:
+            raise bad(path, "two channels have one name", value=repr(name))
+
+
+def _clock(path: Path, table: Table, time: str | None) -> int | None:
+    """Place of the time column, if there is one."""
+    names = [c.name for c in table.columns]
+    if time is not None:
+        if time not in names:
+            raise bad(path, f"no time column {time!r}", hint=f"it has {', '.join(names)}")
+        return names.index(time)
+    found = [k for k, n in enumerate(names) if n.strip().lower() in TIME_NAMES]
+    return found[0] if len(found) == 1 else None
+
+
+def _second(path: Path, column: Channel) -> float:
+    """Seconds in one unit of the time column."""
+    if column.unit.strip() not in TIME_UNITS:
+        raise bad(
+            path, f"unknown unit of time column {column.name!r}", value=repr(column.unit),
+            hint=f"known are {', '.join(u for u in TIME_UNITS if u)}",
+        )  # fmt: skip
+    return TIME_UNITS[column.unit.strip()]
+
+
+def _rate(path: Path, table: Table, clock: int) -> float:
+    """Sample rate from the first rows of the time column."""
+    first = next(iter(table.rows((clock,))), np.empty((1, 0)))
+    t = first[0, : 1 << 16] * _second(path, table.columns[clock])
+    step = np.diff(t)
+    if step.size < 2 or not np.isfinite(step).all():
+        raise bad(path, "its time column is too short or has holes", hint="give the rate")
+    typical = float(np.median(step))
+    if not typical > 0:
+        raise bad(path, "its time column stands still or runs backwards", hint="give the rate")
+    even = np.abs(step - typical) < 0.4 * typical
+    # Printed times are rounded; their mean over a long stretch is not.
+    rate = 1 / float(step[even].mean())
+    whole = round(rate)
+    return float(whole) if whole and abs(rate / whole - 1) < 1e-5 else rate
+
+
+def _evenly(
+    path: Path, rows: Iterable[FloatArray], *, rate: float, second: float
+) -> Iterator[FloatArray]:
+    """Yield rows without their time, holes filled with nan; refuse time that is not even."""
+    last, row = np.nan, 0
+    for piece in rows:
+        t = piece[0] * second
+        if not row and t.size:
+            last = float(t[0]) - 1 / rate
+        steps = np.diff(np.concatenate([[last], t])) * rate
+        whole = np.rint(steps)
+        wrong = ~((whole >= 1) & (np.abs(steps - whole) < 0.4))
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            raise bad(
+                path, f"time is not even at row {row + k + 1}",
+                value=f"{t[k]:.9g} s, {steps[k]:.3g} sample steps after the row before",
+                hint="resample it, or give the rate to read rows as evenly spaced",
+            )  # fmt: skip
+        if t.size:
+            last, row = float(t[-1]), row + t.size
+        hole = whole.sum() - whole.size
+        if hole > 3600 * rate:
+            raise bad(path, f"a hole of {hole / rate:.6g} s in time", hint="split the recording")
+        if hole:
+            place = np.cumsum(whole).astype(np.int64) - 1
+            filled = np.full((piece.shape[0] - 1, int(place[-1]) + 1), np.nan)
+            filled[:, place] = piece[1:]
+            yield filled
+        else:
+            yield piece[1:]
+
+
+def _csv(path: Path, _group: str) -> Table:
+    from cardan.files.recording_csv import table
+
+    return table(path)
+
+
+def _parquet(path: Path, _group: str) -> Table:
+    from cardan.files.recording_tables import parquet
+
+    return parquet(path)
+
+
+def _hdf5(path: Path, group: str) -> Table:
+    from cardan.files.recording_tables import hdf5
+
+    return hdf5(path, group=group)
+
+
+def _tdms(path: Path, group: str) -> Table:
+    from cardan.files.recording_tables import tdms
+
+    return tdms(path, group=group)
+
+
+def _mdf(path: Path, _group: str) -> Table:
+    from cardan.files.recording_tables import mdf
+
+    return mdf(path)
+
+
+def _wav(path: Path, _group: str) -> Table:
+    from cardan.files.recording_wav import table
+
+    return table(path)
+
+
+_READERS: dict[str, Callable[[Path, str], Table]] = {
+    ".csv": _csv, ".txt": _csv, ".tsv": _csv, ".asc": _csv, ".dat": _csv,
+    ".parquet": _parquet, ".pq": _parquet,
+    ".h5": _hdf5, ".hdf5": _hdf5,
+    ".tdms": _tdms, ".mf4": _mdf, ".mdf": _mdf, ".wav": _wav,
+}  # fmt: skip

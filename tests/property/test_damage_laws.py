@@ -1,0 +1,148 @@
+"""Tendencies of damage: more stress, mean, roughness or scatter never does less harm."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.base.errors import DesignError
+from cardan.base.units import MPa
+from cardan.fatigue import strength
+from cardan.fatigue.correction import fkm, gerber, goodman, swt, uncorrected, walker
+from cardan.fatigue.damage import Life, damage_exponent, equivalent_range, miner, repeats_at
+from cardan.fatigue.rainflow import FromTo, rainflow
+from cardan.fatigue.strength import SNCurve
+
+CURVE = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, scatter=0.05)
+CORRECTIONS = {
+    "goodman": partial(goodman, ultimate=700 * MPa),
+    "gerber": partial(gerber, ultimate=700 * MPa),
+    "swt": swt,
+    "walker": partial(walker, exponent=0.65),
+    "fkm": partial(fkm, sensitivity=0.2),
+}
+stress = st.floats(1, 600).map(lambda s: s * MPa)
+modest = settings(max_examples=60, deadline=None)
+
+
+def history(seed=0, scale=80):
+    return scale * MPa * np.random.default_rng(seed).normal(size=4000)
+
+
+@pytest.mark.parametrize("name", CORRECTIONS)
+@modest
+@given(amplitude=stress, mean=st.floats(-600, 600), more=st.floats(0, 100))
+def test_a_larger_mean_is_never_kinder(name, amplitude, mean, more):
+    correct = CORRECTIONS[name]
+    low, high = correct(amplitude, mean * MPa), correct(amplitude, (mean + more) * MPa)
+    assert high >= low * (1 - 1e-12)
+
+
+@pytest.mark.parametrize("name", CORRECTIONS)
+def test_no_mean_no_correction(name):
+    assert CORRECTIONS[name](np.array([5.0]), np.zeros(1)) == pytest.approx(5.0, rel=1e-14)
+
+
+def test_a_mean_at_the_strength_breaks_at_once():
+    assert CORRECTIONS["goodman"](1.0, 700 * MPa) == math.inf
+    assert CORRECTIONS["gerber"](1.0, 800 * MPa) == math.inf
+
+
+@modest
+@given(amplitude=stress)
+def test_original_modified_elementary_in_that_order(amplitude):
+    harm = [c.damage(amplitude) for c in (CURVE.original(), CURVE.modified(), CURVE.elementary())]
+    assert harm == sorted(harm)
+
+
+@modest
+@given(amplitude=stress, factor=st.floats(1, 2))
+def test_curve_has_its_slopes(amplitude, factor):
+    if amplitude > CURVE.amplitude:
+        growth = CURVE.damage(factor * amplitude) / CURVE.damage(amplitude)
+        assert growth == pytest.approx(factor**5, rel=1e-9)
+    if factor * amplitude < CURVE.amplitude:
+        curve = CURVE.modified()
+        assert curve.damage(factor * amplitude) / curve.damage(amplitude) == pytest.approx(
+            factor**9, rel=1e-9
+        )
+
+
+def test_two_halves_do_the_damage_of_one():
+    x = history()
+    cycles = rainflow(x)
+    whole = miner(cycles, curve=CURVE)
+    assert miner(cycles.repeated(0.5), curve=CURVE) == pytest.approx(whole / 2, rel=1e-12)
+
+
+def test_the_matrix_does_the_damage_of_its_cycles():
+    """Ends fall uniformly in their bins: E ΔS² = w²/6, so the bias is k(k-1)/2 · w²/6R²."""
+    cycles = rainflow(history())
+    matrix = FromTo.empty().added(cycles)
+    curve = CURVE.elementary()
+    binned, exact = miner(matrix.cycles(), curve=curve), miner(cycles, curve=curve)
+    typical = equivalent_range(cycles, slope=5)
+    assert abs(binned / exact - 1) < 10 * 10 * (matrix.width / typical) ** 2 / 6
+    assert abs(binned / exact - 1) < 1e-3
+
+
+def test_damage_exponent_is_the_slope_of_a_single_line():
+    assert damage_exponent(rainflow(history()), curve=CURVE.elementary()) == pytest.approx(
+        5, rel=1e-6
+    )
+    bent = damage_exponent(rainflow(history()), curve=CURVE.modified())
+    assert 5 < bent < 9
+
+
+def test_more_scatter_fails_the_first_tenth_sooner():
+    cycles = rainflow(history())
+    sure = repeats_at(cycles, curve=CURVE)
+    unsure = repeats_at(cycles, curve=CURVE, gauge_error=0.1)
+    assert unsure[0.1] < sure[0.1] < sure[0.5] < sure[0.9] < unsure[0.9]
+    assert unsure[0.5] == sure[0.5]
+
+
+def test_probability_curves_are_their_scatter_apart():
+    z = 1.2815515655446004  # the normal deviate of 90 %
+    assert CURVE.at(0.1).amplitude == pytest.approx(100 * MPa * 10 ** (-0.05 * z), rel=1e-12)
+    assert CURVE.at(0.1).at(0.5).amplitude == pytest.approx(100 * MPa, rel=1e-12)
+
+
+def test_life_scales_with_what_is_driven():
+    life = Life(damage=1e-4, duration=7200, distance=90e3, allowed=0.5)
+    assert life.repeats == pytest.approx(5000)
+    assert life.hours == pytest.approx(10_000)
+    assert life.kilometres == pytest.approx(450_000)
+    assert Life(damage=0.0, duration=1.0).hours == math.inf
+
+
+def test_rougher_and_larger_parts_bear_less():
+    finishes = ["ground", "machined", "hot-rolled", "as-forged"]
+    factors = [strength.surface_factor(f, ultimate=700 * MPa) for f in finishes]
+    assert factors == sorted(factors, reverse=True)
+    sizes = [strength.size_factor(d) for d in (0.003, 0.02, 0.05, 0.0511, 0.2)]
+    assert sizes == sorted(sizes, reverse=True)
+
+
+def test_steel_passes_through_its_two_points():
+    curve = strength.steel(700 * MPa, endurance=200 * MPa)
+    assert curve.life(630 * MPa) == pytest.approx(1e3, rel=1e-9)
+    assert curve.life(200 * MPa) == pytest.approx(1e6, rel=1e-9)
+    assert curve.life(199 * MPa) == math.inf
+    assert curve.damage(700 * MPa) == 1
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"slope": 0}, {"cycles": -1}, {"amplitude": math.nan}, {"beyond": 3}, {"failure": 1.0}],
+)
+def test_impossible_curves_are_refused(change):
+    with pytest.raises(DesignError, match="must"):
+        SNCurve(**{"amplitude": 1e8, "cycles": 1e6, "slope": 5.0} | change)
+
+
+def test_correction_does_not_touch_the_amplitude_when_none_is_asked():
+    assert uncorrected([3.0], [9.0]) == [3.0]

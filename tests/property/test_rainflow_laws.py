@@ -1,0 +1,181 @@
+"""Laws of counting: cuts, repeats, mirrors and crossings change nothing they should not."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from cardan.fatigue.kernel import fastest, plain
+from cardan.fatigue.rainflow import (
+    FromTo,
+    discarded,
+    four_point,
+    half_cycles,
+    join,
+    level_crossings,
+    rainflow,
+    range_mean,
+    range_pairs,
+    repeating,
+)
+
+whole = arrays(np.float64, st.integers(0, 60), elements=st.integers(-8, 8).map(float))
+pieces = st.lists(whole, min_size=1, max_size=6)
+modest = settings(max_examples=150, deadline=None)
+
+
+def in_pieces(parts):
+    closed, residue = [], np.empty(0)
+    for part in parts:
+        cycles, residue = four_point(part, residue=residue)
+        closed.append(cycles)
+    return join(closed), residue
+
+
+def table(cycles):
+    """Cycles as a sorted table of (low, high, count)."""
+    low = np.minimum(cycles.start, cycles.end)
+    rows, place = np.unique(np.stack([low, cycles.top], -1), axis=0, return_inverse=True)
+    return rows.tolist(), np.bincount(place.ravel(), cycles.count).tolist()
+
+
+@modest
+@given(parts=pieces)
+def test_pieces_count_as_the_whole(parts):
+    cycles, residue = in_pieces(parts)
+    once, left = four_point(np.concatenate(parts))
+    assert table(cycles) == table(once)
+    assert residue.tolist() == left.tolist()
+
+
+@modest
+@given(parts=pieces)
+def test_pieces_counted_apart_join_by_their_residues(parts):
+    apart = [four_point(part) for part in parts]
+    between, residue = in_pieces([left for _, left in apart])
+    once, left = four_point(np.concatenate(parts))
+    assert table(join([*(c for c, _ in apart), between])) == table(once)
+    assert residue.tolist() == left.tolist()
+
+
+@modest
+@given(x=whole)
+def test_compiled_and_plain_loops_agree(x):
+    fast, left = four_point(x, kernel=fastest())
+    slow, rest = four_point(x, kernel=plain)
+    assert fast.start.tolist() == slow.start.tolist()
+    assert fast.end.tolist() == slow.end.tolist()
+    assert left.tolist() == rest.tolist()
+
+
+def astm(points):
+    """Count as ASTM E1049 section 5.4.4 words it, reversal by reversal."""
+    turns = [p for i, p in enumerate(points) if i == 0 or p != points[i - 1]]
+    turns = [
+        p
+        for i, p in enumerate(turns)
+        if i in (0, len(turns) - 1) or (p - turns[i - 1]) * (turns[i + 1] - p) < 0
+    ]
+    stack, out = [], []
+    for point in turns:
+        stack.append(point)
+        while len(stack) >= 3 and abs(stack[-1] - stack[-2]) >= abs(stack[-2] - stack[-3]):
+            if len(stack) == 3:
+                out.append((stack[0], stack[1], 0.5))
+                stack.pop(0)
+            else:
+                out.append((stack[-3], stack[-2], 1.0))
+                del stack[-3:-1]
+    return out + [(a, b, 0.5) for a, b in itertools.pairwise(stack)]
+
+
+@modest
+@given(x=whole)
+def test_four_points_and_halves_are_the_standard(x):
+    from cardan.fatigue.rainflow import Cycles
+
+    rows = np.array(astm(x.tolist())).reshape(-1, 3)
+    assert table(rainflow(x)) == table(Cycles(*rows.T))
+
+
+@modest
+@given(x=whole)
+def test_a_repeated_route_closes_the_same_in_each_repeat(x):
+    per_repeat = table(rainflow(x, rule=repeating))
+    two, three = four_point(np.tile(x, 2))[0], four_point(np.tile(x, 3))[0]
+    later = three.count.sum() - two.count.sum()
+    assert later == sum(per_repeat[1])
+
+
+@modest
+@given(x=whole)
+def test_upside_down_counts_the_same(x):
+    up, down = rainflow(x), rainflow(-x)
+    assert sorted(up.range) == sorted(down.range)
+
+
+@modest
+@given(x=whole)
+def test_levels_are_crossed_as_often_as_on_the_signal(x):
+    levels = np.arange(-8.5, 9)  # between the whole numbers of the signal
+    cycles, residue = four_point(x)
+    direct = ((x[:-1, None] < levels) & (x[1:, None] > levels)).sum(0)
+    assert level_crossings(cycles, residue, levels=levels).tolist() == direct.tolist()
+
+
+@modest
+@given(x=whole)
+def test_missing_samples_are_stepped_over(x):
+    holes = np.insert(x, np.arange(x.size), np.nan)
+    assert table(rainflow(holes)) == table(rainflow(x))
+
+
+@modest
+@given(parts=pieces)
+def test_the_matrix_does_not_depend_on_the_cuts(parts):
+    closed, _ = four_point(np.concatenate(parts))
+    in_one = FromTo.empty(bins=8, width=0.25).added(closed)
+    grown = FromTo.empty(bins=8, width=0.25)
+    residue = np.empty(0)
+    for part in parts:
+        cycles, residue = four_point(part, residue=residue)
+        grown = grown.added(cycles)
+    assert grown.width == in_one.width
+    assert (grown.counts == in_one.counts).all()
+    assert grown.counts.sum() == closed.count.sum()
+
+
+def test_the_matrix_keeps_cycles_within_a_bin():
+    x = np.random.default_rng(1).normal(size=5000)
+    cycles = rainflow(x)
+    matrix = FromTo.empty().added(cycles)
+    assert matrix.cycles().count.sum() == cycles.count.sum()
+    binned = np.average(matrix.cycles().range, weights=matrix.cycles().count)
+    assert abs(binned - np.average(cycles.range, weights=cycles.count)) < matrix.width / 2
+
+
+def test_range_pairs_and_range_mean_add_up():
+    cycles = rainflow(np.random.default_rng(2).normal(size=3000))
+    edges = np.linspace(0, 12, 13)
+    table = range_mean(cycles, ranges=edges, means=np.linspace(-6, 6, 7))
+    pairs = range_pairs(cycles, ranges=edges)
+    np.testing.assert_allclose(table.sum(1), -np.diff(pairs))
+    assert pairs[0] == cycles.count.sum()
+    standard = rainflow([-2, 1, -3, 5, -1, 3, -4, 4, -2])
+    assert range_pairs(standard, ranges=[4, 9, 9.5]).tolist() == [3.5, 0.5, 0]
+
+
+def test_discarding_the_residue_loses_the_largest_cycle():
+    x = np.random.default_rng(3).normal(size=3000)
+    assert rainflow(x, rule=discarded).range.max() < np.ptp(x)
+    assert rainflow(x, rule=half_cycles).range.max() == np.ptp(x)
+    assert rainflow(x, rule=repeating).range.max() == np.ptp(x)
+
+
+@pytest.mark.parametrize("bad", [[[1.0, 2.0]], [0.0, np.inf, 0.0], [1, np.inf, 0, np.inf, 0, 9]])
+def test_nonsense_is_refused(bad):
+    with pytest.raises(ValueError, match="must be"):
+        rainflow(bad)

@@ -1,0 +1,288 @@
+"""From a recording to life and cause: the whole way, on synthetic recordings with known truth."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import DesignError
+from cardan.base.units import MPa
+from cardan.commands.life import life as command
+from cardan.fatigue.cause import EVENTS, JOINTS, Attribution, separation, suspects
+from cardan.fatigue.conditioning import zero_at_median
+from cardan.fatigue.damage import miner
+from cardan.fatigue.life import Plan, causes, life, look, verdict
+from cardan.fatigue.orders import Rotation
+from cardan.fatigue.rainflow import rainflow, repeating
+from cardan.fatigue.recording import in_memory
+from cardan.fatigue.spectral import spectrum
+from cardan.fatigue.strain import direct, rosette_gauge
+from cardan.fatigue.strength import SNCurve
+from cardan.fatigue.synthetic import Gains, synthetic
+
+RATE = 1000.0
+CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5, scatter=0.05).modified()
+GUILTY = Gains(joints=40 * MPa, events=25 * MPa, road=4 * MPa)
+INNOCENT = Gains(joints=3 * MPa, events=70 * MPa)
+PLAN = Plan(gauges=(direct("S1", "S1", factor=MPa), direct("S2", "S2", factor=MPa)), curve=CURVE)
+
+
+@pytest.fixture(scope="module")
+def drive():
+    return synthetic(seconds=150, rate=RATE, gains={"S1": GUILTY, "S2": INNOCENT}, seed=5)
+
+
+def test_life_is_that_of_the_whole_signal(drive):
+    """290 pieces' worth of bookkeeping against one call on the whole array."""
+    found = life(drive.recording, plan=PLAN, distance=5e3)
+    for one, x in zip(found, drive.recording.whole(["S1", "S2"]) * MPa, strict=True):
+        assert one.life.damage == pytest.approx(miner(rainflow(x), curve=CURVE), rel=1e-9)
+        assert (one.low, one.high) == (x.min(), x.max())
+        assert one.life.hours == pytest.approx(150 / 3600 / one.life.damage)
+        assert one.life.kilometres == pytest.approx(5 / one.life.damage)
+        assert one.repeats[0.5] == pytest.approx(one.life.repeats, rel=1e-9)
+        assert one.repeats[0.1] < one.repeats[0.5] < one.repeats[0.9]
+        assert 5 <= one.exponent <= 9
+        # A segment in 64 falls on a cut between pieces and is left out.
+        assert one.spectrum.moment(0) == pytest.approx(spectrum([x], rate=RATE).moment(0), rel=0.05)
+
+
+def test_zero_spikes_and_residue_are_seen_to(drive):
+    x = drive.recording.whole(["S1"]).copy()
+    dirty = x + 500
+    dirty[0, [5000, 90_000]] += 900
+    recording = in_memory(dirty, rate=RATE, names=["S1"], units=["MPa"])
+    plan = Plan(
+        gauges=PLAN.gauges[:1], curve=CURVE, baseline=zero_at_median, rule=repeating, allowed=0.5
+    )
+    one = life(recording, plan=plan)[0]
+    assert one.health["S1"].spikes == 2
+    clean = miner(rainflow(x[0] * MPa, rule=repeating), curve=CURVE)
+    # No mean-stress correction: the zero shifts nothing; two bridged samples change little.
+    assert one.life.damage == pytest.approx(clean, rel=1e-3)
+    assert one.life.repeats == pytest.approx(0.5 / one.life.damage)
+    assert abs(one.high + one.low) < abs(dirty.max() * MPa)
+
+
+def test_a_filter_takes_off_what_is_fast(drive):
+    slow = life(drive.recording, plan=Plan(gauges=PLAN.gauges, curve=CURVE, low_pass=5.0))
+    fast = life(drive.recording, plan=PLAN)
+    assert slow[0].life.damage < 0.01 * fast[0].life.damage
+
+
+def test_a_rosette_is_one_gauge():
+    """Uniaxial tension along grid a: von Mises is the tension itself."""
+    t = np.arange(20_000) / RATE
+    pull = 300 * np.sin(2 * np.pi * 7 * t)  # µm/m
+    recording = in_memory(
+        np.stack([pull, 0.35 * pull, -0.3 * pull]), rate=RATE, names=["a", "b", "c"]
+    )
+    plan = Plan(gauges=(rosette_gauge("R1", ("a", "b", "c")),), curve=CURVE)
+    one = life(recording, plan=plan)[0]
+    assert one.high == pytest.approx(206e9 * 300e-6, rel=1e-3)
+    assert set(one.health) == {"a", "b", "c"}
+
+
+def test_planes_of_a_rosette_are_a_gauge_each(tmp_path):
+    """Tension along grid a is felt most on the plane across it, not at all on the one along."""
+    t = np.arange(6000) / RATE
+    pull = 300 * np.sin(2 * np.pi * 7 * t)
+    rows = np.stack([t, pull, 0.35 * pull, -0.3 * pull], -1)
+    head = "time,a [um/m],b [um/m],c [um/m]"
+    np.savetxt(tmp_path / "r.csv", rows, delimiter=",", header=head, comments="")
+    done = run(
+        tmp_path / "r.csv", "--rosette", "R1=a,b,c", "--rosette-measure", "planes",
+        "--sn", "30,2e6,5", "--json",
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    gauges = {g["name"]: g for g in json.loads(done.output)["gauges"]}
+    assert len(gauges) == 18
+    worst = max(gauges.values(), key=lambda g: g["damage"])
+    assert worst["name"] == "R1@0"
+    assert worst["high_MPa"] == pytest.approx(61.8, rel=1e-3)
+    assert abs(gauges["R1@90"]["high_MPa"]) < 1e-6
+
+
+def test_dead_and_empty_recordings_are_refused():
+    dead = in_memory(np.full((2, 5000), np.nan), rate=RATE, names=["S1", "S2"])
+    with pytest.raises(DesignError, match="no samples to count"):
+        life(dead, plan=PLAN)
+    with pytest.raises(DesignError, match="holds no samples"):
+        look(in_memory(np.empty((2, 0)), rate=RATE, names=["S1", "S2"]), channels=["S1"])
+
+
+def test_the_verdict_says_which_way_it_falls():
+    guilty = Attribution((JOINTS, EVENTS), np.array([0, 0.8, 0.1, 1.0]))
+    assert verdict("S1", guilty) == (
+        "S1: the joints' orders answer for 85.0% of the damage; "
+        "without them it would live 10 times as long."
+    )
+    innocent = Attribution((JOINTS, EVENTS), np.array([0, 0.0, 1.0, 1.0]))
+    assert "0.0% of the damage" in verdict("S1", innocent)
+    assert "The largest share, 100.0%, is of events." in verdict("S1", innocent)
+    assert "nobody" in verdict("S1", Attribution((JOINTS,), np.zeros(2)))
+
+
+@pytest.fixture(scope="module")
+def parquet(drive, tmp_path_factory):
+    pa = pytest.importorskip("pyarrow")
+    from pyarrow import parquet as pq
+
+    path = tmp_path_factory.mktemp("life") / "drive.parquet"
+    schema = pa.schema(
+        [
+            pa.field(c.name, pa.float32(), metadata={"unit": c.unit})
+            for c in drive.recording.channels
+        ],
+        metadata={"rate_Hz": "1000", "note": drive.recording.notes[0]},
+    )
+    columns = [x.astype(np.float32) for x in drive.recording.whole()]
+    pq.write_table(pa.table(columns, schema=schema), path)
+    return path
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments])
+
+
+ALL = (
+    "--gauge", "S1", "--gauge", "S2", "--sn", "30,2e6,5", "--scatter", "0.05",
+    "--speed", "shaft_speed", "--engine", "engine_speed", "--axle-ratio", "4.3",
+    "--tyre-radius-m", "0.5", "--torque", "torque", "--predicted", "S1=4",
+    "--predicted", "S2=0.3",
+)  # fmt: skip
+
+
+def test_the_command_tells_life_and_cause(parquet):
+    done = run(parquet, *ALL)
+    assert done.exit_code == 0, done.output
+    assert "synthetic: made by a generator, not measured" in done.output
+    assert "S1: the joints' orders answer for" in done.output
+    assert "Shares are Shapley values" in done.output
+    assert "Residue by half cycles" in done.output
+
+
+def test_the_json_contract(parquet, drive, tmp_path):
+    done = run(parquet, *ALL, "--json", tmp_path / "out.json")
+    assert done.exit_code == 0, done.output
+    document = json.loads((tmp_path / "out.json").read_text())
+    first, second = document["gauges"]
+    shares = {c["cause"]: c["share"] for c in first["causes"]}
+    assert sum(shares.values()) == pytest.approx(1)
+    assert shares[JOINTS] > 0.5
+    assert {c["cause"]: c["share"] for c in second["causes"]}[JOINTS] < 0.1
+    cut = first["order2_by_speed"]
+    assert [c["rpm"] for c in cut] == sorted(c["rpm"] for c in cut)
+    assert 0 < max(c["MPa"] for c in cut) < 40
+    assert first["order2"]["ratio"] == pytest.approx(1, abs=0.05)  # truth: 4 MPa per kN m
+    x = drive.recording.whole(["S1"])[0].astype(np.float32) * MPa
+    assert first["damage"] == pytest.approx(miner(rainflow(x), curve=CURVE), rel=1e-6)
+    driven = drive.shaft.turns[-1] / 4.3 * 2 * np.pi * 0.5
+    assert document["distance_km"] == pytest.approx(driven / 1e3, rel=1e-3)
+    assert document["rules"]["shares"] == "Shapley"
+    assert json.loads(run(parquet, *ALL[:6], "--json").output)["gauges"][0]["name"] == "S1"
+
+
+def test_a_tacho_and_a_guess_serve_in_place_of_a_speed(parquet):
+    by_tacho = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho")
+    assert "the joints' orders answer for" in by_tacho.output
+    guessed = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--estimate-speed", "S1")
+    assert "the joints' orders answer for" in guessed.output
+
+
+def test_a_target_decides_the_exit_code(parquet):
+    few, many = (run(parquet, *ALL[:6], "--target-hours", h).exit_code for h in ("1", "1e9"))
+    assert (few, many) == (0, 1)
+
+
+def test_a_figure_is_drawn(parquet, tmp_path):
+    pytest.importorskip("matplotlib")
+    done = run(parquet, *ALL, "--plot", tmp_path / "life.svg")
+    assert done.exit_code == 0, done.output
+    drawn = (tmp_path / "life.svg").read_text()
+    assert drawn.startswith("<?xml")
+
+
+TRUCK = Path(__file__).parents[1] / "truck.yaml"
+
+
+def test_an_application_predicts_the_second_order(parquet):
+    """By the command, and by hand from the response's bearing force."""
+    from cardan import files
+    from cardan.demand.states import demand
+    from cardan.study.recorded import bearing_order2
+    from cardan.study.response import respond
+
+    application = files.read(TRUCK)
+    asked = demand(application, application.lines[0])
+    row = asked.states.index("gvw")
+    force = respond(application, asked).loads.bearing_forces.order(2)[row, 0]
+    by_hand = abs(force[2]) * 35e-3 / asked.torque[row] * 1e3  # MPa per kN m, along z alone
+    assert by_hand > 0
+    np.testing.assert_allclose(
+        np.abs(bearing_order2(application, state="gvw")[2]) * 35, by_hand, rtol=1e-12
+    )
+    done = run(
+        parquet, *ALL[:18], "--application", TRUCK, "--unit-stress", "S1=0,0,35", "--json"
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    order2 = json.loads(done.output)["gauges"][0]["order2"]
+    assert order2["ratio"] == pytest.approx(4 / by_hand, rel=0.05)  # the truth is 4
+    for more, said in (
+        (("--state", "parked"), "no state 'parked'"), (("--bearing", "7"), "centre bearings")
+    ):  # fmt: skip
+        done = run(parquet, *ALL[:18], "--application", TRUCK, "--unit-stress", "S1=0,0,35", *more)
+        assert done.exit_code == 2
+        assert said in done.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--sn", "30,2e6,5"), "name the gauges with --gauge; drive.parquet has S1"),
+        (("--gauge", "shaft_sped", "--sn", "30,2e6,5"), "did you mean 'shaft_speed'"),
+        (("--gauge", "torque", "--sn", "30,2e6,5"), "write torque:UNIT"),
+        (("--gauge", "S1", "--sn", "30"), "AMPLITUDE_MPa,CYCLES,SLOPE"),
+        (("--gauge", "S1", "--sn", "30,2e6,-5"), "slope of an S-N curve must be above 0"),
+        (("--gauge", "S1", "--sn", "30,2e6,5", "--mean-stress", "goodman"), "--ultimate-MPa"),
+        (("--rosette", "R=S1,S2", "--sn", "30,2e6,5"), "three channels"),
+        (("--gauge", "S1", "--sn", "30,2e6,5", "--low-pass-Hz", "900"), "cutoff"),
+        ((*ALL, "--predicted", "S1:4"), "GAUGE=MPa_per_kNm"),
+        ((*ALL, "--unit-stress", "S1=1,2,3"), "--application"),
+    ],
+)
+def test_bad_options_are_answered_in_words(parquet, arguments, said):
+    done = run(parquet, *arguments)
+    assert done.exit_code == 2
+    assert said in done.output
+
+
+def test_mean_stress_options_reach_the_count(parquet):
+    def damage(*more):
+        done = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--json", "-", *more)
+        return json.loads(done.output)["gauges"][0]["damage"]
+
+    plain = damage()
+    assert damage("--mean-stress", "gerber", "--ultimate-MPa", "500") > plain
+    assert damage("--mean-stress", "fkm", "--ultimate-MPa", "700") != plain
+    assert damage("--mean-stress", "swt") != plain
+    assert damage("--miner", "elementary") > plain > damage("--miner", "original")
+    assert damage("--residue", "discard") < plain
+    assert damage("--gauge", "S2:MPa") == plain
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 100, 5000])
+def test_recordings_of_any_length_have_an_answer(n):
+    """One sample does no harm; all causes together always do what the count says."""
+    x = 50 * np.sin(np.arange(n) * 0.3)[None]
+    recording = in_memory(x, rate=RATE, names=["S1"])
+    plan = Plan(gauges=PLAN.gauges[:1], curve=CURVE)
+    healths = look(recording, channels=["S1"])
+    counted = life(recording, plan=plan, healths=healths)[0].life.damage
+    shaft = Rotation(np.array([0.0, 10.0]), np.array([0.0, 200.0]))
+    how = separation(suspects(shaft), rate=RATE)
+    found = causes(recording, plan=plan, healths=healths, how=how)
+    assert found.attributions[0].whole == pytest.approx(counted, rel=1e-9)
+    assert (counted > 0) == (n > 1)

@@ -1,0 +1,247 @@
+"""Recordings of every kind come back as written, and hostile ones are refused in words."""
+
+import struct
+import wave
+
+import numpy as np
+import pytest
+
+from cardan.base.errors import BadFile
+from cardan.fatigue.recording import cut, in_memory
+from cardan.files.recordings import open_recording
+
+pytest.importorskip("pyarrow")
+
+RATE = 500.0
+N = 1200
+T = np.arange(N) / RATE
+S1, S2 = np.round(np.sin(T * 40), 6), np.round(np.cos(T * 25) * 3, 6)
+
+
+def write(path, text, encoding="utf-8"):
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def rows(sep, point, order="{t}{sep}{a}{sep}{b}", end=""):
+    def show(v):
+        return f"{v:.6f}".replace(".", point)
+
+    return "\n".join(
+        order.format(t=show(t), a=show(a), b=show(b), sep=sep) + end
+        for t, a, b in zip(T, S1, S2, strict=True)
+    )
+
+
+DIALECTS = {
+    "english": ("time,S1,S2\n" + rows(",", "."), "utf-8", ("", "")),
+    "german": ("Zeit;S1;S2\ns;MPa;µm/m\n" + rows(";", ","), "latin-1", ("MPa", "µm/m")),
+    "tabs": ("time [s]\tS1 [MPa]\tS2 [µm/m]\n" + rows("\t", ","), "utf-8", ("MPa", "µm/m")),
+    "bars": ("t|S1 (MPa)|S2 / V\n" + rows("|", "."), "utf-8", ("MPa", "V")),
+    "excel": ("time;S1;S2\n" + rows(";", ",", end=";"), "utf-8-sig", ("", "")),
+    "wide": ("time,S1,S2\n" + rows(",", "."), "utf-16", ("", "")),
+    "preamble": ("logger 12\nroute: north\n\n# time,S1,S2\n" + rows(",", "."), "utf-8", ("", "")),
+    "spaces": ("time S1 S2\n" + rows("   ", "."), "utf-8", ("", "")),
+    "windows": (("time;S1;S2\n" + rows(";", ".")).replace("\n", "\r\n"), "utf-8", ("", "")),
+}
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_csv_of_any_dialect(tmp_path, name):
+    text, encoding, units = DIALECTS[name]
+    if name == "excel":
+        text = text.replace("time;S1;S2", "time;S1;S2;")
+    recording = open_recording(write(tmp_path / "a.csv", text, encoding))
+    assert recording.rate == RATE
+    assert recording.names == ("S1", "S2")
+    assert tuple(c.unit for c in recording.channels) == units
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-12)
+    np.testing.assert_allclose(recording.whole(["S2"]), [S2], atol=1e-12)
+
+
+def refused(path, match, **how):
+    with pytest.raises(BadFile, match=match):
+        open_recording(path, **how).whole()
+
+
+LONG = "".join(f"{k / 500},1,2\n" for k in range(9000))
+HOSTILE = {
+    "a word": ("time,S1\n0,1\n0.002,2\n0.004,three\n0.006,4\n", "then a row is not numbers"),
+    "late word": ("time,S1,S2\n" + LONG + "18,x,1\n", "not a number.*'x'"),
+    "short row": ("time,S1,S2\n" + LONG + "18,5\n" + LONG, "3 columns"),
+    "thousands": ("time;S1\n0;1.234,5\n1;2.345,6\n", "no rows of numbers"),
+    "backwards": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.001,3\n", "not even at row 4"),
+    "jitter": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.0069,3\n0.009,1\n", "not even at row 4"),
+    "no time": ("S1,S2\n1,2\n3,4\n5,6\n", "how fast"),
+    "two ways": ("1,5\n2,5\n3,5\n", "more than one way"),
+    "twins": ("time,S1,S1\n0,1,2\n1,1,2\n2,1,3\n", "one name"),
+    "standing": ("time,S1\n0,1\n0,1\n0,1\n0,1\n", "stands still"),
+    "years": ("time [a],S1\n0,1\n1,1\n2,1\n3,1\n", "unknown unit"),
+    "only time": ("time\n0\n1\n2\n", "no channel"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_csv_is_refused(tmp_path, name):
+    text, match = HOSTILE[name]
+    refused(write(tmp_path / "a.csv", text), match)
+
+
+def test_a_last_row_cut_short_is_passed_over(tmp_path):
+    text = "time,S1,S2\n" + rows(",", ".")
+    recording = open_recording(write(tmp_path / "a.csv", text + "\n2.4,0."))
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-12)
+
+
+def test_a_hole_in_time_becomes_missing_samples(tmp_path):
+    lines = ("time,S1,S2\n" + rows(",", ".")).splitlines()
+    del lines[301:311]  # samples 300 to 309
+    recording = open_recording(write(tmp_path / "a.csv", "\n".join(lines)))
+    x = recording.whole(["S1"])[0]
+    assert x.size == N
+    assert np.isnan(x).sum() == np.isnan(x[300:310]).sum() == 10
+    known = ~np.isnan(x)
+    np.testing.assert_allclose(x[known], S1[known], atol=1e-12)
+
+
+def test_empty_fields_are_missing_samples(tmp_path):
+    text = "time;S1;S2\n0;1;2\n0,002;;3\n0,004;5;NaN\n0,006;7;8\n"
+    x = open_recording(write(tmp_path / "a.csv", text)).whole()
+    assert np.isnan(x).tolist() == [[False, True, False, False], [False, False, True, False]]
+
+
+def test_a_given_rate_stands_above_the_file(tmp_path):
+    text = "S1,S2\n1,2\n3,4\n5,6\n"
+    assert open_recording(write(tmp_path / "a.csv", text), rate=100.0).rate == 100
+    refused(tmp_path / "a.csv", "above 0", rate=-1.0)
+
+
+def test_what_is_not_there_or_unknown_is_said(tmp_path):
+    refused(tmp_path / "a.csv", "no such file")
+    refused(write(tmp_path / "a.xyz", "1"), "no reader")
+    refused(write(tmp_path / "a.csv", ""), "empty")
+    (tmp_path / "b.csv").write_bytes(bytes(range(256)) * 10)
+    refused(tmp_path / "b.csv", "not text")
+    refused(write(tmp_path / "c.csv", "time,S1\n0,1\n1,2\n2,3\n"), "no time column", time="tme")
+    with pytest.raises(ValueError, match="did you mean 'S1'"):
+        open_recording(tmp_path / "c.csv").place("S11")
+
+
+def test_parquet(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    schema = pa.schema(
+        [
+            pa.field("S1", pa.float32(), metadata={"unit": "MPa"}),
+            pa.field("S2", pa.float64()),
+            pa.field("note", pa.string()),
+        ],
+        metadata={"rate_Hz": "500", "note": "by hand"},
+    )
+    table = pa.table([S1.astype("f4"), S2, ["x"] * N], schema=schema)
+    pq.write_table(table, tmp_path / "a.parquet", row_group_size=333)
+    recording = open_recording(tmp_path / "a.parquet")
+    assert (recording.rate, recording.samples) == (RATE, N)
+    assert recording.channels[0].unit == "MPa"
+    assert recording.notes == ("by hand", "not numbers, left out: note")
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=2e-7)  # float32
+    cut_short = (tmp_path / "a.parquet").read_bytes()[:-100]
+    (tmp_path / "b.parquet").write_bytes(cut_short)
+    refused(tmp_path / "b.parquet", "written to its end")
+
+
+def test_hdf5(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        group = file.create_group("strain")
+        group.attrs["sample_rate"] = RATE
+        group["S1"], group["S2"] = S1, S2
+        group["S1"].attrs["unit"] = "MPa"
+        file.create_group("slow")["temperature"] = np.ones(10)
+    refused(tmp_path / "a.h5", "more than one length")
+    recording = open_recording(tmp_path / "a.h5", group="strain")
+    assert recording.channels[0].unit == "MPa"
+    np.testing.assert_array_equal(recording.whole(), [S1, S2])
+    (tmp_path / "b.h5").write_bytes((tmp_path / "a.h5").read_bytes()[:3000])
+    refused(tmp_path / "b.h5", "HDF5 cannot open")
+    refused(tmp_path / "a.h5", "no group", group="fast")
+
+
+def test_tdms(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    step = {"wf_increment": 1 / RATE, "unit_string": "MPa"}
+    with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
+        for part in (slice(0, 700), slice(700, N)):
+            writer.write_segment(
+                [
+                    nptdms.ChannelObject("strain", "S1", S1[part], properties=step),
+                    nptdms.ChannelObject("strain", "S2", S2[part], properties=step),
+                ]
+            )
+    recording = open_recording(tmp_path / "a.tdms")
+    assert recording.rate == pytest.approx(RATE)
+    assert recording.channels[1].unit == "MPa"
+    np.testing.assert_array_equal(recording.whole(), [S1, S2])
+    write(tmp_path / "b.tdms", "not a tdms file at all")
+    refused(tmp_path / "b.tdms", "holds no samples")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_mdf(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    file = asammdf.MDF(version="4.10")
+    file.append(
+        [
+            asammdf.Signal(S1, T, name="S1", unit="MPa"),
+            asammdf.Signal(S2, T, name="S2", unit="MPa"),
+        ]
+    )
+    file.save(tmp_path / "a.mf4")
+    recording = open_recording(tmp_path / "a.mf4")
+    assert recording.rate == RATE
+    assert recording.names == ("S1", "S2")
+    np.testing.assert_array_equal(recording.whole(), [S1, S2])
+    write(tmp_path / "b.mf4", "not an mdf file at all")
+    refused(tmp_path / "b.mf4", "MDF cannot open")
+
+
+@pytest.mark.parametrize(("width", "digits"), [(1, 7), (2, 15), (3, 23), (4, 31)])
+def test_wav(tmp_path, width, digits):
+    data = np.stack([S1, S2 / 4])
+    whole = np.round(data * 2.0**digits * 0.9).astype(np.int64)
+    raw = (whole.T + (128 if width == 1 else 0)).astype("<i8").tobytes()
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, 8)[:, :width].tobytes()
+    with wave.open(str(tmp_path / "a.wav"), "wb") as file:
+        file.setnchannels(2)
+        file.setsampwidth(width)
+        file.setframerate(int(RATE))
+        file.writeframes(frames)
+    recording = open_recording(tmp_path / "a.wav")
+    assert recording.rate == RATE
+    np.testing.assert_allclose(recording.whole(), whole / 2.0**digits, atol=1e-15)
+
+
+def test_wav_of_floats_and_one_cut_short(tmp_path):
+    from scipy.io import wavfile
+
+    wavfile.write(tmp_path / "a.wav", int(RATE), np.stack([S1, S2], -1).astype("f4"))
+    recording = open_recording(tmp_path / "a.wav")
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=2e-7)
+    (tmp_path / "b.wav").write_bytes((tmp_path / "a.wav").read_bytes()[:-800])
+    short = open_recording(tmp_path / "b.wav")
+    assert short.samples == N - 100
+    assert "cut short" in short.notes[0]
+    (tmp_path / "c.wav").write_bytes(struct.pack("<4sI4s", b"RIFF", 99, b"WAVE"))
+    refused(tmp_path / "c.wav", "ends before")
+    write(tmp_path / "d.wav", "hello")
+    refused(tmp_path / "d.wav", "not a WAV")
+
+
+def test_pieces_are_of_one_size():
+    x = np.arange(20.0).reshape(2, 10)
+    parts = list(cut([x[:, :1], x[:, 1:8], x[:, 8:]], size=4))
+    assert [p.shape[1] for p in parts] == [4, 4, 2]
+    np.testing.assert_array_equal(np.concatenate(parts, -1), x)
+    recording = in_memory(x, rate=1.0, names=["a", "b"], units=["m", "N"])
+    np.testing.assert_array_equal(recording.whole(["b"]), x[1:])

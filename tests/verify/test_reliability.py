@@ -1,0 +1,113 @@
+"""FORM and Monte Carlo against Wirsching's closed form (1984) and OpenTURNS."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cardan.base.errors import NotConverged
+from cardan.fatigue.crack import paris_cycles
+from cardan.fatigue.reliability import (
+    Gumbel,
+    Lognormal,
+    Normal,
+    Weibull,
+    form,
+    monte_carlo,
+    sn_limit,
+)
+
+VARIABLES = (
+    Lognormal(median=1e12, cov=0.4),
+    Lognormal(median=1.0, cov=0.3),
+    Lognormal(median=1.0, cov=0.2),
+)
+LIMIT = sn_limit(slope=3, load=1e11)
+
+
+def test_lognormal_sn_limit_is_exact():
+    answer = form(LIMIT, VARIABLES)
+    by_hand = math.log(10) / math.sqrt(math.log(1.16) + math.log(1.09) + 9 * math.log(1.04))
+    assert by_hand == pytest.approx(3.00386675, abs=5e-9)
+    assert answer.beta == pytest.approx(by_hand, rel=1e-9)
+    assert answer.failure == pytest.approx(1.33286e-3, abs=5e-9)
+    shares = np.log([1.16, 1.09, 1.04]) * [1, 1, 9]
+    np.testing.assert_allclose(answer.importance, shares / shares.sum(), rtol=1e-6)
+    assert abs(LIMIT(answer.point)) < 1e-7
+
+
+def test_monte_carlo_covers_it():
+    plain = monte_carlo(LIMIT, VARIABLES, samples=400_000, seed=1)
+    assert abs(plain.failure - 1.33286e-3) < 4 * plain.error
+    near = monte_carlo(LIMIT, VARIABLES, samples=20_000, seed=1, around=form(LIMIT, VARIABLES))
+    assert abs(near.failure - 1.33286e-3) < 4 * near.error
+    assert near.error < plain.error / 2  # twenty times fewer samples, and still surer
+    assert near.beta == pytest.approx(3.00386675, abs=0.02)
+
+
+def crack_limit(x):
+    a0, C, B = x[..., 0], x[..., 1], x[..., 2]
+    n = paris_cycles(start=a0, end=10.0, stress=100 * B, C=C, m=3.0)
+    return np.log(np.maximum(n, 1e-300)) - math.log(2e5)
+
+
+CRACK = (
+    Lognormal(median=0.5, cov=0.5),
+    Lognormal(median=3e-13, cov=0.5),
+    Normal(mean=1.0, deviation=0.1),
+)
+
+
+@pytest.mark.oracle
+@pytest.mark.filterwarnings("ignore")
+def test_curved_limit_is_openturns():
+    import openturns as ot
+
+    def lognormal(v):
+        return ot.LogNormal(math.log(v.median), math.sqrt(math.log1p(v.cov**2)))
+
+    law = ot.JointDistribution([lognormal(CRACK[0]), lognormal(CRACK[1]), ot.Normal(1.0, 0.1)])
+    g = ot.PythonFunction(3, 1, lambda x: [float(crack_limit(np.array(x)))])
+    # Its own step, 1e-7, is too long for a C of 3e-13.
+    steps = ot.Point([1e-6, 1e-19, 1e-6])
+    g.setGradient(ot.CenteredFiniteDifferenceGradient(steps, g.getEvaluation()))
+    event = ot.ThresholdEvent(ot.CompositeRandomVector(g, ot.RandomVector(law)), ot.Less(), 0.0)
+    solver = ot.AbdoRackwitz()
+    solver.setStartingPoint(law.getMean())
+    solver.setMaximumAbsoluteError(1e-10)
+    solver.setMaximumIterationNumber(1000)
+    study = ot.FORM(solver, event)
+    study.run()
+    theirs = study.getResult().getHasoferReliabilityIndex()
+    assert form(crack_limit, CRACK).beta == pytest.approx(theirs, rel=2e-6)
+
+
+def test_curved_limit_by_sampling():
+    answer = form(crack_limit, CRACK)
+    sampled = monte_carlo(crack_limit, CRACK, samples=40_000, seed=2, around=answer)
+    # First order: right in the index to a per cent or two, not in the last digit.
+    assert sampled.beta == pytest.approx(answer.beta, rel=0.02)
+
+
+def test_variables_have_their_quantiles():
+    u = np.array([-2.0, 0.0, 1.5])
+    from scipy import stats
+
+    p = stats.norm.cdf(u)
+    np.testing.assert_allclose(
+        Weibull(scale=2, shape=1.5).value(u), stats.weibull_min.ppf(p, 1.5, scale=2), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        Gumbel(mode=3, scale=0.5).value(u), stats.gumbel_r.ppf(p, 3, 0.5), rtol=1e-12
+    )
+
+
+def test_failing_at_the_median_has_a_negative_index():
+    answer = form(sn_limit(slope=3, load=1e13), VARIABLES)
+    assert answer.beta == pytest.approx(-3.00386675, abs=1e-8)
+    assert answer.failure == pytest.approx(1 - 1.33286e-3, abs=5e-9)
+
+
+def test_no_design_point_is_said():
+    with pytest.raises(NotConverged, match="limit state"):
+        form(lambda x: 1 + 0 * x[..., 0], (Normal(mean=0, deviation=1),))

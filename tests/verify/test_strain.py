@@ -1,0 +1,94 @@
+"""Rosettes against the closed forms of Vishay Micro-Measurements, Tech Note TN-515."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cardan.base.units import GPa, MPa, deg
+from cardan.fatigue.strain import (
+    DELTA,
+    RECTANGULAR,
+    PlaneStress,
+    direct,
+    largest,
+    rosette,
+    rosette_gauge,
+    signed_mises,
+)
+
+E, NU = 206 * GPa, 0.3
+
+
+def strains(stress, angles):
+    """What grids at these angles feel, by Hooke and Mohr."""
+    ex, ey = (stress.x - NU * stress.y) / E, (stress.y - NU * stress.x) / E
+    g = stress.xy * 2 * (1 + NU) / E
+    a = np.array(angles)
+    return ex * np.cos(a) ** 2 + ey * np.sin(a) ** 2 + g * np.sin(a) * np.cos(a)
+
+
+def test_rectangular_rosette_in_closed_form():
+    """ε1,2 = (εa+εc)/2 ± √½ √((εa-εb)² + (εb-εc)²), tan 2φ = (2εb-εa-εc)/(εa-εc)."""
+    a, b, c = 850e-6, 420e-6, -310e-6
+    found = rosette([a, b, c], modulus=E, poisson=NU)
+    middle, radius = (a + c) / 2, np.sqrt(0.5 * ((a - b) ** 2 + (b - c) ** 2))
+    e1, e2 = middle + radius, middle - radius
+    plane = E / (1 - NU**2)
+    expected = [plane * (e1 + NU * e2), plane * (e2 + NU * e1)]
+    np.testing.assert_allclose(found.principal, expected, rtol=1e-12)
+    assert found.direction == pytest.approx(np.arctan2(2 * b - a - c, a - c) / 2, rel=1e-12)
+
+
+def test_delta_rosette_in_closed_form():
+    """ε1,2 = (εa+εb+εc)/3 ± (√2/3) √((εa-εb)² + (εb-εc)² + (εc-εa)²)."""
+    a, b, c = 520e-6, -140e-6, 260e-6
+    found = rosette([a, b, c], angles=DELTA, modulus=E, poisson=NU)
+    middle = (a + b + c) / 3
+    radius = np.sqrt(2) / 3 * np.sqrt((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2)
+    e1, e2 = middle + radius, middle - radius
+    plane = E / (1 - NU**2)
+    np.testing.assert_allclose(
+        found.principal, [plane * (e1 + NU * e2), plane * (e2 + NU * e1)], rtol=1e-12
+    )
+
+
+@given(
+    first=st.floats(-300, 300), second=st.floats(-300, 300), turned=st.floats(-89, 89),
+    angles=st.sampled_from([RECTANGULAR, DELTA, (-0.3, 0.4, 1.2), (0.0, 0.5, 1.0, 2.0)]),
+)  # fmt: skip
+def test_known_stress_comes_back(first, second, turned, angles):
+    high, low = max(first, second) * MPa, min(first, second) * MPa
+    c, s = np.cos(turned * deg), np.sin(turned * deg)
+    stress = PlaneStress(
+        np.asarray(high * c**2 + low * s**2),
+        np.asarray(high * s**2 + low * c**2),
+        np.asarray((high - low) * s * c),
+    )
+    found = rosette(strains(stress, angles), angles=angles, modulus=E, poisson=NU)
+    np.testing.assert_allclose(found.principal, [high, low], atol=1e-6 * MPa)
+    if high - low > 1 * MPa:
+        assert abs((found.direction - turned * deg + np.pi / 2) % np.pi - np.pi / 2) < 1e-9
+    assert found.normal(found.direction) == pytest.approx(high, abs=1e-3)
+    assert found.mises == pytest.approx(np.sqrt(high**2 - high * low + low**2), abs=1e-3)
+
+
+def test_pure_shear_and_uniaxial_have_their_biaxiality():
+    shear = PlaneStress(np.zeros(1), np.zeros(1), np.full(1, 50.0))
+    assert shear.biaxiality == pytest.approx(-1)
+    assert shear.direction == pytest.approx(np.pi / 4)
+    pull = PlaneStress(np.full(1, -80.0), np.zeros(1), np.zeros(1))
+    assert pull.biaxiality == 0
+    assert signed_mises(pull) == largest(pull) == -80
+
+
+def test_gauges_turn_channels_into_stress():
+    assert direct("S1", "e1", factor=206e9 * 1e-6).stress(np.array([[100.0]])) == 20.6 * MPa
+    gauge = rosette_gauge("R1", ("a", "b", "c"), measure=largest)
+    pull = strains(PlaneStress(np.asarray(90 * MPa), np.asarray(0.0), np.asarray(0.0)), RECTANGULAR)
+    assert gauge.stress(pull[:, None] / 1e-6) == pytest.approx(90 * MPa, rel=1e-9)
+
+
+def test_grids_that_see_the_same_are_refused():
+    with pytest.raises(ValueError, match="three or more different"):
+        rosette([1, 2, 3], angles=(0.0, np.pi, 0.5))
