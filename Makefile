@@ -9,7 +9,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check test lint docs oracle office browser bench clean
+.PHONY: check test bracket lint docs oracle office browser bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -27,7 +27,12 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
-	$(BIN)/python -m pytest -q -m oracle
+	$(BIN)/python -m pytest -q -m "oracle and not bracket"
+
+bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
+	$(BIN)/python -m pytest -q -m "bracket and not oracle"
+	@if command -v ccx >/dev/null; then $(BIN)/python -m pytest -q -m "bracket and oracle"; \
+	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
 office: $(VENV)/cardan-office $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m office tests/office

@@ -68,9 +68,14 @@ def _figure(file: Path) -> str:
 
     import matplotlib.pyplot as plt
 
+    from cardan.base.errors import NotInstalled
+
     plt.switch_backend("agg")
     plt.show = lambda: None  # type: ignore[assignment]
-    runpy.run_path(str(file))
+    try:
+        runpy.run_path(str(file))
+    except NotInstalled as needed:
+        return f"*Not drawn here: {needed}.*"
     if not plt.get_fignums():
         return ""
     drawn = io.BytesIO()

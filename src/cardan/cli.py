@@ -17,6 +17,7 @@ from cardan.base.errors import CardanError
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+OUT = click.Path(dir_okay=False, path_type=Path)
 FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 LIMITS = click.option("--limits", metavar="PROFILE", help="Limit profile instead of the file's.")
 POSITIVE = click.FloatRange(min=0, min_open=True)
@@ -228,6 +229,57 @@ def stability(
     if json_out != "-":
         _print(report.text(found, every=every))
     raise SystemExit(1 if found.verdict == "fail" else 0)
+
+
+@cli.command()
+@FILE
+@JSON
+@click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
+@click.option("--png", type=OUT, help="A picture of the worst case.")
+@click.option("--html", type=OUT, help="A page to turn it about in.")
+@click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+@kindly
+def bracket(
+    file: Path,
+    *,
+    json_out: str | None,
+    vtu: Path | None,
+    png: Path | None,
+    html: Path | None,
+    quiet: bool,
+) -> None:
+    """Stresses, hot spots, virtual gauges and modes of FILE's bracket.
+
+    Under the driveline's own loads in every state and those given by hand; a reinforced
+    variant stands beside the original. Needs the extra cardan[bracket].
+    """
+    from cardan.report import bracket as shown
+    from cardan.study.assess import assess
+    from cardan.study.bracket import study
+
+    def tell(what: str) -> None:
+        if not quiet:
+            click.echo(what, err=True)
+
+    found = study(assess(_read(file, None)), tell=tell)
+    if json_out:
+        _write_json(shown.contract(found), json_out)
+    if vtu:
+        from cardan import files
+
+        for variant in found.variants:
+            first = variant is found.variants[0]
+            name = vtu if first else vtu.with_stem(f"{vtu.stem}-{variant.name}")
+            files.write(name, shown.vtu(variant), replace=True)
+    if png:
+        shown.picture(found, png)
+    if html:
+        from cardan import files
+        from cardan.report import bracket_scene
+
+        files.write(html, bracket_scene.page(found), replace=True)
+    if json_out != "-":
+        _print(shown.terminal(found))
 
 
 @cli.command()

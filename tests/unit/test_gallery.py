@@ -8,7 +8,12 @@ import pytest
 PAGES = sorted((Path(__file__).parents[2] / "docs" / "gallery").glob("*.py"))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def needs(page):
+    """Pages that solve a bracket need its extra."""
+    return [pytest.mark.bracket] if "study.bracket" in page.read_text(encoding="utf-8") else []
+
+
+@pytest.mark.parametrize("page", [pytest.param(p, marks=needs(p), id=p.stem) for p in PAGES])
 def test_page(page, monkeypatch):
     pyplot = pytest.importorskip("matplotlib.pyplot", reason="the gallery draws with matplotlib")
     pyplot.switch_backend("agg")

@@ -4,6 +4,7 @@
         DesignError       a part or a layout that cannot exist
         BadFile           a file that cannot be read as meant: all its problems at once
         NotConverged      a solver stopped early
+        NotInstalled      something optional is needed and absent
 
 A wrong argument in code is a plain `ValueError`.
 """
@@ -21,6 +22,10 @@ class DesignError(CardanError):
 
 class NotConverged(CardanError):  # noqa: N818  the name is the news
     """A solver stopped before it had an answer worth returning."""
+
+
+class NotInstalled(CardanError):  # noqa: N818  the name is the news
+    """Something optional is needed and absent; the message says how to install it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

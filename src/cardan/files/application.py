@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeAlias, get_args
 
 from cardan.base.errors import BadFile
+from cardan.files.bracket import BracketTable
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.document import Mapping, Node, Scalar, Sequence, parse, text_of
 from cardan.files.geometry import StateGeometryTable
@@ -313,6 +314,7 @@ class ApplicationTable(Table):
     )
     duty: tuple[Annotated[DutyPoint, DutyTable], ...] = key("how the life is spent", default=())
     adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
+    bracket: BracketTable | None = key("what a centre bearing hangs in", default=None)
     prime_mover: Literal["diesel", "petrol", "electric"] = key("engine", default="diesel")
     shock_factor: Annotated[float, Number(least=1, most=10)] = key(
         "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
@@ -348,6 +350,7 @@ class ApplicationTable(Table):
             obstacles=tuple(o.obstacle(lines) for o in self.obstacles),
             duty=self._duty(),
             adjustables=tuple(self._adjustables(lines, list(tables.values()))),
+            bracket=self.bracket.bracket(lines) if self.bracket else None,
             prime_mover_factor=PRIME_MOVERS[self.prime_mover],
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,

@@ -158,7 +158,7 @@ def tdms(path: Path, *, group: str = "") -> Table:
 
 def mdf(path: Path) -> Table:
     """Open an MDF4 recording: the channels that share the longest group's time."""
-    from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs]  # pyright: ignore[reportMissingImports]  # an extra of its own
+    from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
 
     try:
         file: Any = MDF(path)

@@ -6,6 +6,7 @@ from typing import Literal
 from cardan.base.errors import DesignError, Problem
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
+from cardan.model.bracket import Bracket
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.model.vehicle import (
@@ -146,6 +147,7 @@ class Application:
     obstacles: tuple[Obstacle, ...] = ()
     duty: tuple[DutyPoint, ...] = ()
     adjustables: tuple[Adjustable, ...] = ()
+    bracket: Bracket | None = None
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False

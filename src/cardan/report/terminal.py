@@ -56,6 +56,10 @@ def assessment(
     yield from _checks(of, say, every=every)
     yield from notes(of, say)
     yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
+    if of.application.bracket:
+        yield say(
+            "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
+        )
     for response in of.responses:
         yield from _line(response, say)
 

@@ -42,6 +42,10 @@ _VERDICTS: dict[str, tuple[str, str]] = {
         "la rigidezza dichiarata di una molla, {stated} N/mm, dista {apart} dai {table} N/mm della "
         "sua stessa tabella, che fa fede",
     ),
+    "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies.": (
+        "Há um suporte: `cardan bracket` mostra suas tensões, extensômetros e frequências.",
+        "È dato un supporto: `cardan bracket` ne mostra tensioni, estensimetri e frequenze.",
+    ),
     "{what} in {state}: {value} against {limit} {unit}": (
         "{what} em {state}: {value} contra {limit} {unit}",
         "{what} in {state}: {value} contro {limit} {unit}",

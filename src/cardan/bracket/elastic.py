@@ -1,0 +1,561 @@
+"""Linear elasticity on curved tetrahedra: one factorisation, any number of loads and modes.
+
+Displacements are polynomials of degree 2 or more in each element; isotropic, small strains.
+Arrays that leave this module are SI, components last, six-vectors of stress and strain in
+the order xx, yy, zz, xy, yz, zx (strains as tensor components, not engineering ones).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError, NotConverged
+from cardan.base.units import Metre, mm
+from cardan.bracket.engine import engine
+from cardan.model.parts import Material
+
+IntArray: TypeAlias = npt.NDArray[np.int64]
+Progress: TypeAlias = Callable[[str], None]
+
+_VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+# The engine's corners with the first two swapped: VTK's and Abaqus's sense of rotation.
+_SWAP = [1, 0, 2, 3]
+_CORNERS = np.array([(0, 1, 0), (1, 0, 0), (0, 0, 1), (0, 0, 0)], dtype=float)
+_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK and Abaqus
+
+
+_FLAT = 0.3
+"""Smallest over largest Jacobian of an element that is trusted at a node."""
+
+
+def silent(_: str) -> None:
+    """Tell nobody."""
+
+
+def mesh(
+    shape: Any,
+    *,
+    size: Metre,
+    degree: int = 2,
+    finer: Sequence[tuple[ArrayLike, Metre]] = (),
+    grading: float = 0.5,
+    per_radius: float = 1.5,
+) -> Any:
+    """Mesh a solid of the CAD kernel with tetrahedra that follow its curved faces.
+
+    Parameters
+    ----------
+    shape
+        OpenCASCADE solid, in metres.
+    size
+        Largest edge of an element.
+    degree
+        Degree of the curves that follow the faces.
+    finer : [((3,) m, m), ...]
+        Points to refine at, each with the edge wanted there.
+    grading
+        How fast elements grow away from small ones, 0 to 1.
+    per_radius
+        Elements to a radius of curvature.
+
+    Raises
+    ------
+    DesignError
+        If the mesher fails.
+    """
+    ngs, occ, mesher = engine()
+    if not size > 0:
+        msg = f"elements need a size above 0, got {size:g} m"
+        raise ValueError(msg)
+    # Netgen's own floor for edges, 1e-3, is meant for millimetres.
+    wanted = mesher.MeshingParameters(
+        maxh=size, grading=grading, curvaturesafety=per_radius, minedgelen=1e-7
+    )
+    for point, edge in finer:
+        x, y, z = np.asarray(point, dtype=float)
+        wanted.RestrictH(x=x, y=y, z=z, h=edge)
+    failed = (
+        f"the mesher failed on this shape with elements of {size / mm:.3g} mm: try smaller "
+        "elements; slivers and gaps in a STEP file are the usual cause"
+    )
+    try:
+        made = ngs.Mesh(occ.OCCGeometry(shape).GenerateMesh(mp=wanted))
+    except Exception as error:  # the mesher raises bare exceptions of its own
+        raise DesignError(failed) from error
+    if made.ne == 0:
+        raise DesignError(failed)
+    made.Curve(degree)
+    return made
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Corners and edge middles of a mesh: where fields are drawn and searched.
+
+    Attributes
+    ----------
+    points : (n, 3) m
+    elements : (e, 10)
+        Node numbers of each tetrahedron, four corners and six edge middles in the order of
+        VTK's quadratic tetrahedron.
+    faces : (f, 6)
+        Node numbers of each surface triangle: three corners, then the middles of edges 01,
+        12, 20; seen from outside they run anticlockwise.
+    face_names : (f,)
+        Name of the face each triangle lies on.
+    """
+
+    points: FloatArray
+    elements: IntArray
+    faces: IntArray
+    face_names: npt.NDArray[np.str_]
+
+    @cached_property
+    def surface(self) -> IntArray:
+        """Numbers of the nodes on the surface."""
+        return np.unique(self.faces)
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point inside an element: which, and its reference coordinates."""
+
+    element: int
+    reference: tuple[float, float, float]
+    point: FloatArray
+    distance: Metre
+    """From the point that was asked for."""
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """An elastic solid held at some of its faces, ready to be loaded; see `elastic`."""
+
+    mesh: Any
+    material: Material
+    space: Any
+    stiffness: Any
+    mass: Any
+    free: Any
+    inverse: Any
+    degree: int
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacements in the system of equations."""
+        return int(self.space.ndof)
+
+    @cached_property
+    def free_dofs(self) -> npt.NDArray[np.bool_]:
+        """Which displacements are not held, (unknowns,)."""
+        return np.fromiter(self.free, dtype=bool, count=self.space.ndof)
+
+    def traction(self, face: str, vector: Any) -> FloatArray:
+        """Load vector (unknowns,) of a traction, N/m², on the faces of a name.
+
+        `vector` is three numbers, or a coefficient function of the engine with three.
+        """
+        ngs = engine().ngs
+        known = set(self.mesh.GetBoundaries())
+        if face not in known:
+            msg = f"no face is called {face!r}; there are {', '.join(sorted(known))}"
+            raise ValueError(msg)
+        v = self.space.TestFunction()
+        value = vector if isinstance(vector, ngs.CoefficientFunction) else ngs.CF(tuple(vector))
+        form = ngs.LinearForm(ngs.InnerProduct(value, v) * ngs.ds(face, bonus_intorder=2))
+        return self._assembled(form)
+
+    def inertia(self, acceleration: ArrayLike) -> FloatArray:
+        """Load vector (unknowns,) of the solid's own mass when its frame accelerates, m/s²."""
+        ngs = engine().ngs
+        a = -self.material.density * np.asarray(acceleration, dtype=float)
+        v = self.space.TestFunction()
+        return self._assembled(ngs.LinearForm(ngs.InnerProduct(ngs.CF(tuple(a)), v) * ngs.dx))
+
+    @staticmethod
+    def _assembled(form: Any) -> FloatArray:
+        form.Assemble()
+        return np.array(form.vec.FV().NumPy(), dtype=float)
+
+    def solve(self, loads: ArrayLike) -> FloatArray:
+        """Displacement vectors (..., unknowns) under load vectors (..., unknowns).
+
+        Raises
+        ------
+        NotConverged
+            If equilibrium is missed by more than 1e-8 of the load: the solid is not held.
+        """
+        loads = np.asarray(loads, dtype=float)
+        f, u = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        r = self.stiffness.CreateColVector()
+        found = np.empty_like(loads)
+        free = self.free_dofs
+        with engine().ngs.TaskManager():
+            for case in np.ndindex(loads.shape[:-1]):
+                f.FV().NumPy()[:] = loads[case]
+                u.data = self.inverse * f
+                r.data = f - self.stiffness * u
+                u.data += self.inverse * r  # one step of refinement costs a back-substitution
+                r.data = f - self.stiffness * u
+                miss = np.linalg.norm(r.FV().NumPy()[free])
+                if not miss <= 1e-8 * max(float(np.linalg.norm(loads[case])), 1e-300):
+                    msg = (
+                        "the bracket is not in equilibrium: is every direction held? "
+                        "Pick bolt faces that keep it from moving and turning"
+                    )
+                    raise NotConverged(msg)
+                found[case] = u.FV().NumPy()
+        return found
+
+    def residual(self, displacement: ArrayLike) -> FloatArray:
+        """Return the forces K u (unknowns,) that a displacement vector needs."""
+        u, r = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        u.FV().NumPy()[:] = displacement
+        r.data = self.stiffness * u
+        return np.array(r.FV().NumPy())
+
+    @cached_property
+    def rigid(self) -> FloatArray:
+        """Displacement vectors (6, unknowns) of unit motions and turns about the origin.
+
+        Their product with a load vector is its resultant force and moment.
+        """
+        ngs = engine().ngs
+        x, y, z = ngs.x, ngs.y, ngs.z
+        fields = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -z, y), (z, 0, -x), (-y, x, 0)]
+        rows: list[FloatArray] = []
+        for field in fields:
+            g = ngs.GridFunction(self.space)
+            g.Set(ngs.CF(field))
+            rows.append(np.array(g.vec.FV().NumPy()))
+        return np.stack(rows)
+
+    def dofs_on(self, face: str) -> npt.NDArray[np.bool_]:
+        """Which displacements (unknowns,) belong to the faces of a name."""
+        held = self.space.GetDofs(self.mesh.Boundaries(face))
+        return np.fromiter(held, dtype=bool, count=self.space.ndof)
+
+    def field(self, displacement: ArrayLike) -> Any:
+        """Return a displacement vector (unknowns,) as the engine's function of place."""
+        g = engine().ngs.GridFunction(self.space)
+        g.vec.FV().NumPy()[:] = displacement
+        return g
+
+    def strain_of(self, displacement: ArrayLike) -> Any:
+        """Strain (6 components) of a displacement vector as the engine's function of place."""
+        ngs = engine().ngs
+        G = ngs.Grad(self.field(displacement))
+        return ngs.CF(tuple((G[i, j] + G[j, i]) / 2 for i, j in _VOIGT))
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """Nodes of the mesh, on its curved faces."""
+        return _nodes(self.mesh)
+
+    def at_nodes(self, displacements: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Displacement and stress at the nodes.
+
+        Parameters
+        ----------
+        displacements : (c, unknowns)
+
+        Returns
+        -------
+        u : (n, c, 3) m
+        stress : (n, c, 6) Pa
+            Mean over the elements that meet at the node.
+        """
+        ngs = engine().ngs
+        displacements = np.asarray(displacements, dtype=float)
+        where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
+        flat, count = self.nodes.elements.ravel(), len(self.nodes.points)
+        worth = self._worth.ravel()
+        share = np.bincount(flat, weights=worth, minlength=count)
+        u = np.empty((count, len(displacements), 3))
+        stress = np.empty((count, len(displacements), 6))
+        with ngs.TaskManager():
+            for c, vector in enumerate(displacements):
+                u[flat, c] = self.field(vector)(where)
+                raw = hooke(self.strain_of(vector)(where), self.material)
+                for k in range(6):
+                    summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
+                    stress[:, c, k] = summed / share
+        return u, stress
+
+    @cached_property
+    def _worth(self) -> FloatArray:
+        """How much each element's word at each of its nodes is worth, (e, 10).
+
+        An element bent round a small radius can be pressed flat at a corner, where its
+        strain is then nonsense: its neighbours know better.
+        """
+        ngs = engine().ngs
+        volume = ngs.Det(ngs.specialcf.JacobianMatrix(3))
+        here = volume(self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)).reshape(-1, 10)
+        return np.where(here > _FLAT * here.max(axis=1, keepdims=True), 1.0, 1e-12)
+
+    def locate(self, points: ArrayLike) -> list[Place]:
+        """Find the point of the solid nearest to each of some points (k, 3) m."""
+        return [self._nearest(p) for p in np.asarray(points, dtype=float).reshape(-1, 3)]
+
+    def _nearest(self, point: FloatArray) -> Place:
+        """Search the elements round the nearest nodes by Gauss and Newton's method."""
+        ngs = engine().ngs
+        nodes, touching = self.nodes, self._touching
+        close = np.argsort(np.sum((nodes.points - point) ** 2, axis=-1))[:6]
+        best: Place | None = None
+        for e in dict.fromkeys(int(e) for n in close for e in touching(n)):
+            trafo = self.mesh.GetTrafo(ngs.ElementId(ngs.VOL, e))
+            xi: FloatArray = np.full(3, 0.25)
+            for _ in range(12):
+                here = trafo(*xi)
+                J = np.array([[here.jacobi[i, j] for j in range(3)] for i in range(3)])
+                gap = point - np.array([here.point[i] for i in range(3)])
+                new = _into_tetrahedron(xi + np.linalg.solve(J, gap), J)
+                done = np.abs(new - xi).max() < 1e-12
+                xi = new
+                if done:
+                    break
+            here = trafo(*xi)
+            found = np.array([here.point[i] for i in range(3)])
+            away = float(np.linalg.norm(point - found))
+            if best is None or away < best.distance:
+                best = Place(e, (float(xi[0]), float(xi[1]), float(xi[2])), found, away)
+        assert best is not None  # a mesh has elements
+        return best
+
+    @cached_property
+    def _touching(self) -> Callable[[int], IntArray]:
+        """Return a function from a node to the elements that meet at it."""
+        elements = self.nodes.elements
+        order = np.argsort(elements.ravel(), kind="stable")
+        ends = np.searchsorted(elements.ravel()[order], np.arange(len(self.nodes.points) + 1))
+        owners = order // elements.shape[1]
+        return lambda n: owners[ends[n] : ends[n + 1]]
+
+    def between_nodes(self, places: Sequence[Place], values: FloatArray) -> FloatArray:
+        """Values (k, ...) at places of a field known at the nodes (n, ...)."""
+        found: list[FloatArray] = []
+        for place in places:
+            xi = np.array([*place.reference, 1 - sum(place.reference)])
+            corner = np.argmax(np.column_stack([_CORNERS, _CORNERS.sum(axis=1) == 0]), axis=1)
+            L = xi[corner]
+            quadratic = np.array([*(L * (2 * L - 1)), *(4 * L[a] * L[b] for a, b in _EDGES)])
+            found.append(np.tensordot(quadratic, values[self.nodes.elements[place.element]], 1))
+        return np.stack(found)
+
+    def strains_at(self, places: Sequence[Place], displacements: ArrayLike) -> FloatArray:
+        """Strains (k, c, 6) at places of displacement vectors (c, unknowns)."""
+        return self._at(places, [self.strain_of(u) for u in np.asarray(displacements, float)])
+
+    def displacements_at(self, places: Sequence[Place], displacements: ArrayLike) -> FloatArray:
+        """Displacements (k, c, 3) at places of displacement vectors (c, unknowns), m."""
+        return self._at(places, [self.field(u) for u in np.asarray(displacements, float)])
+
+    def _at(self, places: Sequence[Place], fields: Sequence[Any]) -> FloatArray:
+        ngs = engine().ngs
+        # The engine's own record of a point: reference coordinates, mesh, element.
+        middle = ngs.IntegrationRule([(0.25, 0.25, 0.25)], [0.0])
+        spots = self.mesh.MapToAllElements(middle, ngs.VOL)[[p.element for p in places]]
+        for k, axis in enumerate("xyz"):
+            spots[axis] = [p.reference[k] for p in places]
+        return np.stack([field(spots) for field in fields], axis=1)
+
+    def modes(self, count: int, *, rider: "Rider | None" = None) -> tuple[FloatArray, FloatArray]:
+        """Natural frequencies (count,) Hz and mode shapes (count, unknowns), from the same factor.
+
+        Lanczos on the inverse of the stiffness. Shapes have unit modal mass.
+        """
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        free = np.flatnonzero(self.free_dofs)
+        n, more = len(free), 0 if rider is None else 3
+        a, b = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        shape = (n + more, n + more)
+
+        def product(matrix: Any, x: FloatArray) -> FloatArray:
+            a.FV().NumPy()[:] = 0.0
+            a.FV().NumPy()[free] = x
+            b.data = matrix * a
+            return np.array(b.FV().NumPy()[free])
+
+        seat = None if rider is None else rider.seat[:, free]
+
+        def inverse(x: FloatArray) -> FloatArray:
+            x = x.ravel()
+            if rider is None or seat is None:
+                return product(self.inverse, x)
+            # The spring carries all that acts on the rider, so the seat feels it too.
+            u = product(self.inverse, x[:n] + x[n:] @ seat)
+            return np.concatenate([u, seat @ u + rider.compliance * x[n:]])
+
+        def mass(x: FloatArray) -> FloatArray:
+            x = x.ravel()
+            own = product(self.mass, x[:n])
+            return own if rider is None else np.concatenate([own, rider.mass * x[n:]])
+
+        M = LinearOperator(shape, matvec=mass, dtype=float)
+        inv = LinearOperator(shape, matvec=inverse, dtype=float)
+        start = np.random.default_rng(1).standard_normal(n + more)
+        with engine().ngs.TaskManager():
+            squares, vectors = eigsh(M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start)
+        order = np.argsort(squares)
+        shapes = np.zeros((count, self.unknowns))
+        shapes[:, free] = vectors[:n, order].T
+        return np.sqrt(squares[order]) / (2 * np.pi), shapes
+
+
+@dataclass(frozen=True)
+class Rider:
+    """A mass that rides on the seat, through springs or rigidly.
+
+    `seat` (3, unknowns) are the load vectors of unit forces on the seat along x, y, z,
+    `compliance` (3,) m/N that of the springs, 0 where rigid; `mass` in kg.
+    """
+
+    seat: FloatArray
+    compliance: FloatArray
+    mass: float
+
+
+def _into_tetrahedron(xi: FloatArray, J: FloatArray) -> FloatArray:
+    """Nearest point of the reference tetrahedron, near in space rather than in reference."""
+    if xi.min() >= 0 and xi.sum() <= 1:
+        return xi
+    best, least = _CORNERS[3], np.inf
+    for corners in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)):
+        a, b, c = (_CORNERS[k] for k in corners)
+        for basis, start in (
+            (np.stack([b - a, c - a], 1), a), ((b - a)[:, None], a), ((c - a)[:, None], a),
+            ((c - b)[:, None], b), (np.zeros((3, 0)), a), (np.zeros((3, 0)), b),
+            (np.zeros((3, 0)), c),
+        ):  # fmt: skip
+            local = start
+            if basis.shape[1]:
+                s = np.linalg.lstsq(J @ basis, J @ (xi - start), rcond=None)[0]
+                if s.min() < 0 or s.sum() > 1:
+                    continue
+                local = start + basis @ s
+            away = float(np.linalg.norm(J @ (xi - local)))
+            if away < least:
+                best, least = local, away
+    return best
+
+
+def _nodal_rule() -> Any:
+    """Corners and edge middles of the reference tetrahedron, as the engine samples them."""
+    middles = [tuple((_CORNERS[a] + _CORNERS[b]) / 2) for a, b in _EDGES]
+    return engine().ngs.IntegrationRule([*map(tuple, _CORNERS), *middles], [0.0] * 10)
+
+
+def _nodes(made: Any) -> Nodes:
+    """Count corners and edge middles of a mesh of the engine."""
+    ngs = engine().ngs
+    raw = made.ngmesh
+    corners = raw.Elements3D().NumPy()["nodes"][:, _SWAP].astype(np.int64) - 1
+    faces = raw.Elements2D().NumPy()
+    triangles = faces["nodes"][:, :3].astype(np.int64) - 1
+    count = len(raw.Coordinates())
+    pairs = np.sort(np.stack([corners[:, list(e)] for e in _EDGES], axis=1), axis=-1)
+    keys = pairs[..., 0] * count + pairs[..., 1]
+    edges, numbers = np.unique(keys, return_inverse=True)
+    elements = np.concatenate([corners, count + numbers.reshape(keys.shape)], axis=1)
+    points = np.empty((count + len(edges), 3))
+    where = made.MapToAllElements(_nodal_rule(), ngs.VOL)
+    points[elements.ravel()] = ngs.CF((ngs.x, ngs.y, ngs.z))(where)
+    sides = np.sort(
+        np.stack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]], 1), -1
+    )
+    middles = count + np.searchsorted(edges, sides[..., 0] * count + sides[..., 1])
+    names = np.array([str(n) for n in made.GetBoundaries()])
+    return Nodes(
+        points=points,
+        elements=elements,
+        faces=np.concatenate([triangles, middles], axis=1),
+        face_names=names[faces["index"].astype(int) - 1],
+    )
+
+
+def elastic(
+    made: Any,
+    material: Material,
+    *,
+    held: Mapping[str, str],
+    held_edges: Mapping[str, str] | None = None,
+    degree: int = 2,
+    tell: Progress = silent,
+) -> Elastic:
+    """Assemble and factorise a solid.
+
+    Parameters
+    ----------
+    made
+        The mesh (`mesh`).
+    material
+        Of the whole solid.
+    held, held_edges
+        Names of faces and of edges, with the axes they may not move along: `{"bolt 1":
+        "xyz", "symmetry": "y"}`.
+    degree
+        Of the displacements in an element.
+    tell
+        Is told what is being done.
+
+    Raises
+    ------
+    ValueError
+        If a name is not that of a face or edge of the mesh.
+    """
+    ngs = engine().ngs
+    space = ngs.VectorH1(made, order=degree)
+    free = ngs.BitArray(space.ndof)
+    free.Set()
+    regions = ((held, made.GetBoundaries(), made.Boundaries),
+               (held_edges or {}, made.GetBBoundaries(), made.BBoundaries))  # fmt: skip
+    for wanted, known, region in regions:
+        for name, axes in wanted.items():
+            if name not in set(known):
+                msg = f"nothing is called {name!r}; there are {', '.join(sorted(set(known)))}"
+                raise ValueError(msg)
+            for axis in axes:
+                k = "xyz".index(axis)
+                for dof in np.flatnonzero(list(space.components[k].GetDofs(region(name)))):
+                    free.Clear(space.Range(k).start + int(dof))
+    E, nu = material.youngs_modulus, material.poisson
+    mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    u, v = space.TnT()
+
+    def eps(w: Any) -> Any:
+        return (ngs.Grad(w) + ngs.Grad(w).trans) / 2
+
+    stress = 2 * mu * eps(u) + lam * ngs.Trace(eps(u)) * ngs.Id(3)
+    with ngs.TaskManager():
+        tell(f"assembling {space.ndof} unknowns, {made.ne} elements")
+        K = ngs.BilinearForm(ngs.InnerProduct(stress, eps(v)) * ngs.dx, symmetric=True).Assemble()
+        M = ngs.BilinearForm(material.density * ngs.InnerProduct(u, v) * ngs.dx, symmetric=True)
+        M.Assemble()
+        tell("factorising")
+        try:
+            inverse = K.mat.Inverse(free, inverse="sparsecholesky")
+        except Exception as error:  # the engine raises bare exceptions of its own
+            msg = f"the stiffness cannot be factorised ({error}): is every direction held?"
+            raise NotConverged(msg) from error
+    return Elastic(
+        mesh=made, material=material, space=space, stiffness=K.mat, mass=M.mat, free=free,
+        inverse=inverse, degree=degree,
+    )  # fmt: skip
+
+
+def hooke(strain: ArrayLike, material: Material) -> FloatArray:
+    """Stress (..., 6) Pa of a strain (..., 6) in an isotropic material."""
+    strain = np.asarray(strain, dtype=float)
+    E, nu = material.youngs_modulus, material.poisson
+    mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    stress = 2 * mu * strain
+    stress[..., :3] += lam * strain[..., :3].sum(axis=-1, keepdims=True)
+    return stress

@@ -1,0 +1,138 @@
+"""Virtual strain gauges: what they read under unit loads, and what their readings say back."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import mm
+from cardan.bracket.surface import nearest
+from cardan.bracket.unit import Units
+from cardan.model.bracket import Gauge
+
+_GRID = 5
+"""Gauss points along a grid: exact for strains up to degree 9 along it."""
+
+
+def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
+    """Strains (g, 9) that gauges read under the unit loads.
+
+    A reading is the mean over the grid's length of the normal strain along the gauge,
+    which lies in the surface.
+
+    Raises
+    ------
+    DesignError
+        If a gauge does not lie on the bracket, or points into it.
+    """
+    if not gauges:
+        return np.zeros((0, len(units.displacements)))
+    return np.stack([_reading(units, gauge) for gauge in gauges])
+
+
+def _reading(units: Units, gauge: Gauge) -> FloatArray:
+    """Strain (9,) one gauge reads under the unit loads."""
+    nodes = units.elastic.nodes
+    middle = nearest(nodes, gauge.point)
+    if middle.distances[0] > units.solid.thickness / 2:
+        where = ", ".join(f"{v / mm:.2f}" for v in middle.points[0])
+        msg = (
+            f"gauge {gauge.name} is {middle.distances[0] / mm:.3g} mm off the bracket; the nearest "
+            f"point of its surface is ({where}) mm"
+        )
+        raise DesignError(msg)
+    along = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
+    at, weights = np.polynomial.legendre.leggauss(_GRID)
+    grid = nearest(nodes, middle.points + np.outer(at, along) * gauge.length / 2)
+    if grid.distances.max() > gauge.length / 10:
+        msg = (
+            f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an edge: "
+            "move or shorten it"
+        )
+        raise DesignError(msg)
+    directions = np.stack([_laid(gauge, along, n) for n in grid.normals])
+    strain = units.elastic.strains_at(units.elastic.locate(grid.points), units.displacements)
+    x, y, z = directions.T
+    squares = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=-1)
+    return np.einsum("g,gck,gk->c", weights / 2, strain, squares)
+
+
+def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray:
+    """Lay a direction into the surface."""
+    flat = direction - (direction @ normal) * normal
+    size = float(np.linalg.norm(flat))
+    if size < 0.1 * float(np.linalg.norm(direction)):
+        msg = f"gauge {gauge.name} points into the surface: its direction is that of the normal"
+        raise DesignError(msg)
+    return flat / size
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """Bearing forces read back from strains.
+
+    Attributes
+    ----------
+    loads : (..., c) N
+    residual : (...) 1
+        Root mean square strain that the loads do not explain: large where something else
+        strains the gauges.
+    condition : float
+        Largest over smallest gain of the gauges: how much worse the worst-seen direction of
+        load is seen than the best.
+    noise : (c,) N
+        Standard deviation of each load for readings with one microstrain of noise.
+    """
+
+    loads: FloatArray
+    residual: FloatArray
+    condition: float
+    noise: FloatArray
+
+
+def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> Recovered:
+    """Find the loads that explain measured strains best, by least squares.
+
+    Parameters
+    ----------
+    influence : (g, c)
+        Strain of each gauge under each unit load to be told apart, such as the first three
+        columns of `influence`: loads of one kind, so that their gains compare.
+    strains : (..., g)
+        Readings, whatever came before them: a history, a set of cases.
+    worst
+        Refuse to answer above this condition.
+
+    Raises
+    ------
+    DesignError
+        If the gauges are too few, or cannot tell the loads apart.
+    """
+    B, strains = np.asarray(influence, dtype=float), np.asarray(strains, dtype=float)
+    gauges, loads = B.shape
+    if strains.shape[-1] != gauges:
+        msg = f"{gauges} gauges have an influence, {strains.shape[-1]} a reading"
+        raise ValueError(msg)
+    if gauges < loads:
+        msg = f"{gauges} gauges cannot tell {loads} loads apart: add gauges or drop loads"
+        raise DesignError(msg)
+    U, gains, V = np.linalg.svd(B, full_matrices=False)
+    condition = float(gains[0] / gains[-1]) if gains[-1] > 0 else np.inf
+    if not condition <= worst:
+        blind = ", ".join(f"{v:+.2f}" for v in V[-1])
+        msg = (
+            f"the gauges cannot tell these loads apart (condition {condition:.3g}, at most "
+            f"{worst:g}): they hardly feel a load along ({blind}); move or add a gauge"
+        )
+        raise DesignError(msg)
+    inverse = (V.T / gains) @ U.T
+    found = strains @ inverse.T
+    left = strains - found @ B.T
+    return Recovered(
+        loads=found,
+        residual=np.sqrt((left**2).mean(axis=-1)),
+        condition=condition,
+        noise=1e-6 * np.sqrt((inverse**2).sum(axis=-1)),
+    )

@@ -1,0 +1,124 @@
+"""The surface of a meshed bracket: the point nearest to another, its normal, its sharp edges."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.base.units import Metre, Radian, deg
+from cardan.bracket.elastic import IntArray, Nodes
+
+RE_ENTRANT = 20 * deg
+"""Faces that turn towards each other by more meet in a notch without a radius."""
+
+_QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))  # of a six-node triangle
+_CANDIDATES = 16
+
+
+@dataclass(frozen=True)
+class OnSurface:
+    """Points drawn to the surface: where they came to lie, outward normals, how far it was."""
+
+    points: FloatArray
+    normals: FloatArray
+    distances: FloatArray
+
+
+def nearest(nodes: Nodes, points: ArrayLike) -> OnSurface:
+    """Draw points (k, 3) m to the surface, flat between its nodes."""
+    from scipy.spatial import cKDTree
+
+    points = np.asarray(points, dtype=float).reshape(-1, 3)
+    flat = nodes.points[nodes.faces[:, _QUARTERS].reshape(-1, 3)]
+    _, close = cKDTree(flat.mean(axis=1)).query(points, k=min(_CANDIDATES, len(flat)))
+    feet = _feet(points[:, None], flat[np.atleast_2d(close)])
+    away = np.linalg.norm(feet - points[:, None], axis=-1)
+    best = away.argmin(axis=1)
+    rows = np.arange(len(points))
+    corner = flat[np.atleast_2d(close)[rows, best]]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    return OnSurface(
+        points=feet[rows, best],
+        normals=normal / np.linalg.norm(normal, axis=-1, keepdims=True),
+        distances=away[rows, best],
+    )
+
+
+def _feet(p: FloatArray, triangles: FloatArray) -> FloatArray:
+    """Points of triangles (..., 3, 3) nearest to points (..., 3): inside, on a side or corner."""
+    a, b, c = (triangles[..., k, :] for k in range(3))
+
+    def on_side(u: FloatArray, v: FloatArray) -> FloatArray:
+        along = v - u
+        s = ((p - u) * along).sum(-1) / (along * along).sum(-1)
+        return u + np.clip(s, 0, 1)[..., None] * along
+
+    normal = np.cross(b - a, c - a)
+    square = (normal * normal).sum(-1)
+    s = (np.cross(p - a, c - a) * normal).sum(-1) / square
+    t = (np.cross(b - a, p - a) * normal).sum(-1) / square
+    inside = (s >= 0) & (t >= 0) & (s + t <= 1)
+    face = a + s[..., None] * (b - a) + t[..., None] * (c - a)
+    sides = np.stack([on_side(a, b), on_side(b, c), on_side(c, a)])
+    best = np.linalg.norm(sides - p, axis=-1).argmin(axis=0)
+    side = np.take_along_axis(sides, best[None, ..., None], axis=0)[0]
+    return np.where(inside[..., None], face, side)
+
+
+def sharp_edges(nodes: Nodes, *, held: tuple[str, ...], angle: Radian = RE_ENTRANT) -> FloatArray:
+    """Points (k, 3) m along the edges where stress has no limit, however fine the mesh.
+
+    These are edges where two faces meet in a notch without a radius, turned towards each
+    other by more than `angle`, and the borders of held faces, where a clamp that cannot
+    give way ends (Williams, J. Appl. Mech. 19 (1952) 526).
+    """
+    corners = nodes.points[nodes.faces]
+    on = np.isin(nodes.face_names, held)
+    sides = [_side(corners, k) for k in range(3)]
+    middle = np.concatenate([nodes.faces[:, 3 + k] for k in range(3)])
+    normal, inward = (np.concatenate([side[k] for side in sides]) for k in range(2))
+    order = np.argsort(middle, kind="stable")
+    one, other = order[0::2], order[1::2]  # every edge of a closed surface has two faces
+    faces = len(nodes.faces)
+    notch = (inward[other] * normal[one]).sum(-1) > np.sin(angle)
+    border = on[one % faces] != on[other % faces]
+    k, f = np.divmod(one[notch | border], faces)
+    ends = np.stack([nodes.faces[f, k], nodes.faces[f, 3 + k], nodes.faces[f, (k + 1) % 3]])
+    return nodes.points[np.unique(ends)]
+
+
+def _side(corners: FloatArray, k: int) -> tuple[FloatArray, FloatArray]:
+    """Return unit normal, and unit inward direction square to it, at the middle of side k.
+
+    From the derivatives of the quadratic shape functions of triangles (f, 6, 3).
+    """
+    L = np.array([0.5, 0.5, 0.0])[[(0 - k) % 3, (1 - k) % 3, (2 - k) % 3]]
+    a, b, c = L
+    by_r = np.array([1 - 4 * a, 4 * b - 1, 0, 4 * (a - b), 4 * c, -4 * c])
+    by_s = np.array([1 - 4 * a, 0, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)])
+    r, s = (np.einsum("k,fkx->fx", d, corners) for d in (by_r, by_s))
+    normal = np.cross(r, s)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    along = corners[:, (k + 1) % 3] - corners[:, k]
+    inward = np.cross(normal, along)
+    return normal, inward / np.linalg.norm(inward, axis=-1, keepdims=True)
+
+
+def away_from(points: FloatArray, edges: FloatArray, *, distance: Metre) -> BoolArray:
+    """Whether points (n, 3) m lie farther than a distance from points on edges (k, 3) m."""
+    from scipy.spatial import cKDTree
+
+    if not len(edges):
+        return np.ones(len(points), dtype=bool)
+    return np.asarray(cKDTree(edges).query(points)[0] > distance, dtype=bool)
+
+
+def peaks(points: FloatArray, values: FloatArray, *, count: int, apart: Metre) -> IntArray:
+    """Numbers of the points with the highest values, each a distance apart from those before."""
+    found: list[int] = []
+    left = np.isfinite(values)
+    while left.any() and len(found) < count:
+        best = int(np.where(left, values, -np.inf).argmax())
+        found.append(best)
+        left &= np.linalg.norm(points - points[best], axis=-1) > apart
+    return np.array(found, dtype=np.int64)

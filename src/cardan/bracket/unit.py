@@ -1,0 +1,139 @@
+"""A bracket under unit loads: everything else follows by adding them up.
+
+Three forces and three moments at the bearing's centre, spread over its seat, and three
+accelerations of the frame, which the bracket's own mass feels.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.units import Metre
+from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, mesh, silent
+from cardan.bracket.engine import engine
+from cardan.bracket.shape import SEAT, Solid
+from cardan.model.parts import Material
+
+UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")
+"""Forces in N and moments in N m on the bearing, accelerations of the frame in m/s²."""
+
+
+@dataclass(frozen=True)
+class Units:
+    """The unit solutions of a held bracket; leading axis of loads as in `UNITS`.
+
+    Attributes
+    ----------
+    solid : Solid
+    elastic : Elastic
+    loads, displacements : (9, unknowns)
+    size : float
+        Largest edge asked of the mesher, m.
+    """
+
+    solid: Solid
+    elastic: Elastic
+    loads: FloatArray
+    displacements: FloatArray
+    size: Metre
+
+    @property
+    def mass(self) -> float:
+        """Mass of the bracket, kg."""
+        return self.solid.volume * self.elastic.material.density
+
+    @cached_property
+    def compliance(self) -> FloatArray:
+        """Mean motion of the seat under forces and moments, (6, 6) m/N, rad/(N m), symmetric.
+
+        The motion is the one the load works on, so it is exact for the spread of the load.
+        """
+        return self.loads[:6] @ self.displacements[:6].T
+
+    @cached_property
+    def reactions(self) -> FloatArray:
+        """Force each bolt takes from the frame, (bolts, 9, 3) N."""
+        left = np.stack([self.elastic.residual(u) for u in self.displacements]) - self.loads
+        rigid = self.elastic.rigid[:3]
+        held = [self.elastic.dofs_on(name) for name in self.solid.bolts]
+        return np.stack([(left * on) @ rigid.T for on in held])
+
+    @cached_property
+    def at_nodes(self) -> tuple[FloatArray, FloatArray]:
+        """Displacement (n, 9, 3) m and stress (n, 9, 6) Pa at the nodes."""
+        return self.elastic.at_nodes(self.displacements)
+
+    def stress_at(self, points: ArrayLike) -> FloatArray:
+        """Stress (k, 9, 6) Pa at the points of the bracket nearest to (k, 3) m.
+
+        From the means at the nodes, which are nearer the truth than any one element.
+        """
+        return self.elastic.between_nodes(self.elastic.locate(points), self.at_nodes[1])
+
+    def modes(
+        self, count: int = 6, *, mass: float = 0.0, rubber: ArrayLike | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Natural frequencies (count,) Hz and shapes (count, unknowns).
+
+        `mass` (kg) rides on the bearing, on rubber of stiffness (3,) N/m or rigidly. A mode
+        of the rider on soft rubber hardly moves the bracket: its shape is small.
+        """
+        rider = None
+        if mass > 0:
+            soft = np.zeros(3) if rubber is None else 1 / np.asarray(rubber, dtype=float)
+            rider = Rider(seat=self.loads[:3], compliance=soft, mass=mass)
+        return self.elastic.modes(count, rider=rider)
+
+
+def seat_loads(solid: Elastic, *, face: str = SEAT) -> FloatArray:
+    """Load vectors (6, unknowns) of unit forces and moments about the origin on a face.
+
+    The traction is linear over the face, t = a + b × r: a bearing bonded or pressed in,
+    which pulls as it pushes. Its six numbers are such that resultant force and moment are
+    exactly those asked for, wherever the face lies.
+    """
+    ngs = engine().ngs
+    x, y, z = ngs.x, ngs.y, ngs.z
+    spreads = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -z, y), (z, 0, -x), (-y, x, 0)]
+    spread = np.stack([solid.traction(face, ngs.CF(t)) for t in spreads])
+    resultants = solid.rigid @ spread.T
+    return np.asarray(np.linalg.solve(resultants.T, spread), dtype=float)
+
+
+def unit_solutions(
+    solid: Solid,
+    material: Material,
+    *,
+    size: Metre | None = None,
+    degree: int = 2,
+    finer: Sequence[tuple[ArrayLike, Metre]] = (),
+    tell: Progress = silent,
+) -> Units:
+    """Mesh, hold and solve a bracket under its nine unit loads, with one factorisation.
+
+    `size` is the largest edge of an element, by default the wall's thickness; `finer` are
+    points with the edge wanted there (`elastic.mesh`).
+
+    Raises
+    ------
+    DesignError
+        If the mesher fails.
+    NotConverged
+        If the bolts leave the bracket free to move.
+    """
+    tell("meshing")
+    size = size or solid.thickness
+    made = mesh(solid.shape, size=size, degree=degree, finer=finer)
+    held = elastic(made, material, held=dict.fromkeys(solid.bolts, "xyz"), degree=degree, tell=tell)
+    return solved(solid, held, size=size, tell=tell)
+
+
+def solved(solid: Solid, held: Elastic, *, size: Metre, tell: Progress = silent) -> Units:
+    """Solve a held bracket under its nine unit loads."""
+    inertia = np.stack([held.inertia(a) for a in np.eye(3)])
+    loads = np.concatenate([seat_loads(held), inertia])
+    tell("solving for nine unit loads")
+    return Units(solid=solid, elastic=held, loads=loads, displacements=held.solve(loads), size=size)

@@ -1,0 +1,238 @@
+"""A bracket of a file: shape, what it carries, gauges on it, loads given by hand."""
+
+from dataclasses import replace
+from typing import Annotated, Any, TypeAlias
+
+from cardan.base.units import g, mm
+from cardan.files.catalogue import AMaterial
+from cardan.files.measure import FORCES, Diameter, Distance, Mass, Point, Size, Wall
+from cardan.files.table import (
+    ListOf,
+    Number,
+    Table,
+    Whole,
+    key,
+    nearest,
+)  # fmt: skip
+from cardan.model.application import Installed
+from cardan.model.bracket import (
+    Bracket,
+    BracketCase,
+    Gauge,
+    LShape,
+    Pick,
+    Shape,
+    StepShape,
+    UShape,
+)  # fmt: skip
+from cardan.model.parts import STEEL
+
+AXES = ("x", "y", "z")
+
+Force: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(*FORCES), *AXES)]
+Moment: TypeAlias = Annotated[
+    tuple[float, float, float], ListOf(Number("Nm", "kNm", "lbft"), *AXES)
+]
+Acceleration: TypeAlias = Annotated[
+    tuple[float, float, float], ListOf(Number(worth={"g": g, "m_s2": 1.0}), *AXES)
+]
+Rubber: TypeAlias = Annotated[
+    tuple[float, float, float], ListOf(Number("N_mm", "kN_m", "N_m", "lbf_in", above=0), *AXES)
+]
+Way: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(), *AXES)]
+
+
+class UShapeTable(Table):
+    """A sheet bent to a U, its flanges bolted up to the frame, the bearing in its round."""
+
+    seat_diameter: Diameter = key("inside the round, where the bearing sits")
+    width: Size = key("of the sheet, along the shaft")
+    thickness: Wall = key("of the sheet")
+    height: Size = key("from the bearing's centre up to the mounting plane")
+    flange: Size = key("how far each flange reaches outwards from the leg")
+    bend_radius: Size = key("inside radius of the bends")
+    bolt_diameter: Size = key("of the bolt holes")
+    bolt_pitch: Size = key("between the two bolts of a flange, along the shaft")
+    gusset: Distance = key("thickness of a rib under each flange; 0 is none", default=0.0)
+    gusset_height: Distance = key("how far the ribs reach down the legs", default=0.0)
+    fillet: Size = key("radius of the ribs' welds", default=3 * mm)
+
+    def build(self) -> UShape:
+        """Return the shape in SI."""
+        return UShape(**_given(self))
+
+
+class LShapeTable(Table):
+    """A plate bolted up to the frame and a wall hanging from it, bored for the bearing."""
+
+    seat_diameter: Diameter = key("of the bore")
+    width: Size = key("of the plate, across the vehicle")
+    wall_width: Size = key("of the wall, across the vehicle")
+    depth: Size = key("of the plate, rearward from the wall's front face")
+    thickness: Wall = key("of plate and wall")
+    height: Size = key("from the bearing's centre up to the mounting plane")
+    rim: Size = key("of the wall below the bore")
+    fillet: Size = key("radius in the root between plate and wall")
+    bolt_diameter: Size = key("of the bolt holes")
+    bolt_edge: Size = key("from the bolts to the sides and rear edge of the plate")
+    gusset: Distance = key("thickness of two braces; 0 is none", default=0.0)
+    gusset_height: Distance = key("how far they reach down the wall", default=0.0)
+
+    def build(self) -> LShape:
+        """Return the shape in SI."""
+        return LShape(**_given(self))
+
+
+def _given(table: Table) -> dict[str, Any]:
+    """Return the entries of a table as the keywords of its part."""
+    return {name: getattr(table, name) for name in table.entries()}
+
+
+class PickTable(Table):
+    """Faces of a STEP file."""
+
+    one_of = (("name", "near"),)
+
+    name: str | None = key("that they carry in the file", default=None)
+    near: Point | None = key("a point on the face, in the file's coordinates", default=None)
+
+    def build(self) -> Pick:
+        """Return the pick."""
+        return Pick(name=self.name or "", near=self.near)
+
+
+class StepTable(Table):
+    """A shape from a STEP file, its axes along the vehicle's."""
+
+    file: str = key("the STEP file, beside this one")
+    centre: Point = key("the bearing's centre, in the file's coordinates")
+    seat: tuple[Annotated[Pick, PickTable], ...] = key("faces the bearing sits on")
+    bolts: tuple[Annotated[Pick, PickTable], ...] = key("faces the frame holds, one a bolt")
+    thickness: Wall = key("of its walls where stress matters")
+
+    def build(self) -> StepShape:
+        """Return the shape in SI."""
+        folder = self.at().reading.folder
+        if folder is None:
+            self.at("file").refuse("a text by itself has no files beside it", got=self.file)
+        path = folder / self.file
+        if not path.is_file():
+            self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
+        return StepShape(
+            path=str(path),
+            centre=self.centre,
+            seat=self.seat,
+            bolts=self.bolts,
+            thickness=self.thickness,
+        )
+
+
+class ReinforcedTable(Table):
+    """What is different in the reinforced bracket; the rest is as in the shape above."""
+
+    width: Size | None = key("of the sheet or plate", default=None)
+    wall_width: Size | None = key("of an L's wall", default=None)
+    thickness: Wall | None = key("of sheet or plate and wall", default=None)
+    flange: Size | None = key("of a U", default=None)
+    depth: Size | None = key("of an L's plate", default=None)
+    rim: Size | None = key("of an L below the bore", default=None)
+    bend_radius: Size | None = key("of a U", default=None)
+    fillet: Size | None = key("of a U's welds or an L's root", default=None)
+    gusset: Distance | None = key("thickness of the ribs or braces", default=None)
+    gusset_height: Distance | None = key("how far they reach down", default=None)
+    step: Annotated[StepShape, StepTable] | None = key("another STEP file", default=None)
+
+    def shape(self, before: Shape) -> Shape:
+        """Return the shape with what is different."""
+        if self.step is not None:
+            return self.step
+        changed = {n: v for n, v in _given(self).items() if v is not None}
+        if not changed:
+            self.at().refuse("says nothing that is different")
+        for name in changed:
+            if not hasattr(before, name):
+                self.at(name).refuse(f"the shape above has no {name}")
+        return self.attempt(lambda: replace(before, **changed))
+
+
+class GaugeTable(Table):
+    """A strain gauge on the bracket."""
+
+    name: str = key("what reports call it: S1")
+    point: Point = key("middle of its grid, from the bearing's centre; the nearest surface counts")
+    direction: Way = key("along which it measures; it is laid into the surface")
+    length: Size = key("of its grid", default=3 * mm)
+
+    def build(self) -> Gauge:
+        """Return the gauge in SI."""
+        return Gauge(name=self.name, point=self.point, direction=self.direction, length=self.length)
+
+
+class CaseTable(Table):
+    """A load given by hand, along the vehicle's axes: rearward, to the right, up."""
+
+    name: str = key("what reports call it")
+    force: Force = key("on the bearing", default=(0.0, 0.0, 0.0))
+    moment: Moment = key("about the bearing's centre", default=(0.0, 0.0, 0.0))
+    acceleration: Acceleration = key(
+        "of the frame, felt by bracket and carried mass; standing still is [0, 0, 1] g",
+        default=(0.0, 0.0, 0.0),
+    )
+
+    def build(self) -> BracketCase:
+        """Return the case in SI."""
+        if not any((*self.force, *self.moment, *self.acceleration)):
+            self.at().refuse("loads nothing", "give force_N, moment_Nm or acceleration_g")
+        return BracketCase(
+            name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration
+        )
+
+
+class BracketTable(Table):
+    """The bracket a centre bearing hangs in. Its origin is the bearing's centre."""
+
+    one_of = (("u_shape", "l_shape", "step"),)
+
+    u_shape: Annotated[UShape, UShapeTable] | None = key("a bent sheet", default=None)
+    l_shape: Annotated[LShape, LShapeTable] | None = key("a plate and a wall", default=None)
+    step: Annotated[StepShape, StepTable] | None = key("a STEP file", default=None)
+    material: AMaterial = key("a material of a catalogue, or its properties", default=STEEL)
+    line: str | None = key("the driveline it belongs to; by default the first", default=None)
+    bearing: Annotated[int, Whole()] = key("which centre bearing, from the front", default=1)
+    carried_mass: Mass = key("bearing and share of the shafts that ride on it", default=0.0)
+    rubber: Rubber | None = key(
+        "stiffness between bearing and seat along x, y, z; rigid if left out", default=None
+    )
+    gauges: tuple[Annotated[Gauge, GaugeTable], ...] = key("strain gauges on it", default=())
+    cases: tuple[Annotated[BracketCase, CaseTable], ...] = key("loads given by hand", default=())
+    reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
+    element: Size | None = key("largest edge of an element; default the thickness", default=None)
+    order: Annotated[int, Whole()] = key("degree of the displacements, 1 to 4", default=2)
+
+    def bracket(self, lines: tuple[Installed, ...]) -> Bracket:
+        """Return the bracket in SI."""
+        known = {installed.line.name: installed.line for installed in lines}
+        line = self.line or next(iter(known))
+        if line not in known:
+            hint = nearest(line, list(known))
+            self.at("line").refuse("no driveline of this name", hint, got=line)
+        count = known[line].joint_count - 2
+        if self.bearing > count:
+            message = f"line {line} has {count} centre bearing{'s' * (count != 1)}"
+            self.at("bearing").refuse(message, got=str(self.bearing))
+        shape = next(s for s in (self.u_shape, self.l_shape, self.step) if s is not None)
+        return self.attempt(
+            lambda: Bracket(
+                shape=shape,
+                material=self.material,
+                line=line,
+                bearing=self.bearing,
+                carried_mass=self.carried_mass,
+                rubber=self.rubber,
+                gauges=self.gauges,
+                cases=self.cases,
+                reinforced=self.reinforced.shape(shape) if self.reinforced else None,
+                element=self.element,
+                order=self.order,
+            )
+        )

@@ -1,0 +1,266 @@
+"""The bracket a centre bearing hangs in: its shape, gauges on it, loads it must carry.
+
+The bracket's frame is the vehicle's (x rearward, y to the right, z up) with its origin at
+the bearing's centre.
+"""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cardan.base.errors import DesignError
+from cardan.base.units import Kilogram, Metre, mm
+from cardan.model.parts import STEEL, Material
+
+Vector: TypeAlias = tuple[float, float, float]
+
+
+def _above_zero(part: str, **lengths: Metre) -> None:
+    """Refuse lengths that are not above zero; the comparison refuses nan too."""
+    for name, value in lengths.items():
+        if not value > 0:
+            msg = f"{name} of {part} must be above 0, got {value / mm:g} mm"
+            raise DesignError(msg)
+
+
+def _at_most(part: str, name: str, value: Metre, room: Metre, why: str) -> None:
+    """Refuse a length that does not fit, with the room there is and what takes the rest."""
+    if not value <= room:
+        msg = (
+            f"{name} of {part} is {value / mm:g} mm, but {why} leaves "
+            f"{max(room, 0.0) / mm:.4g} mm: lower it, or make room"
+        )
+        raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UShape:
+    """A sheet bent to a U: the bearing lies in its round, two flanges bolt up to the frame.
+
+    `width` runs along the shaft, `height` from the bearing's centre up to the mounting
+    plane, `flange` outwards from the leg. Each flange has two bolts, `bolt_pitch` apart.
+    `gusset` is the thickness of a rib under each flange (0: none), `gusset_height` how far
+    it reaches down the leg, `fillet` the throat of its weld.
+    """
+
+    seat_diameter: Metre
+    width: Metre
+    thickness: Metre
+    height: Metre
+    flange: Metre
+    bend_radius: Metre
+    bolt_diameter: Metre
+    bolt_pitch: Metre
+    gusset: Metre = 0.0
+    gusset_height: Metre = 0.0
+    fillet: Metre = 3 * mm
+
+    def __post_init__(self) -> None:
+        part = "a U bracket"
+        _above_zero(
+            part, seat_diameter=self.seat_diameter, width=self.width, thickness=self.thickness,
+            height=self.height, flange=self.flange, bend_radius=self.bend_radius,
+            bolt_diameter=self.bolt_diameter, bolt_pitch=self.bolt_pitch, fillet=self.fillet,
+        )  # fmt: skip
+        t, r = self.thickness, self.bend_radius
+        _at_most(part, "bend_radius", r + t, self.height, "its height above the bearing")
+        # A bolt bears on a ring of twice its diameter.
+        room = self.width - 2.2 * self.bolt_diameter
+        _at_most(part, "bolt_pitch", self.bolt_pitch, room, "the washers on its width")
+        _at_most(part, "bolt_diameter", 2.2 * self.bolt_diameter, self.flange - r,
+                 "the flange beyond the bend, for a washer")  # fmt: skip
+        _at_most(part, "bolt_diameter", 2.2 * self.bolt_diameter, self.bolt_pitch,
+                 "the pitch, for two washers")  # fmt: skip
+        if self.gusset:
+            _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
+            weld = self.gusset + 2 * self.fillet
+            room = self.bolt_pitch - 2.2 * self.bolt_diameter
+            _at_most(part, "gusset with its weld", weld, room, "the washers either side of it")
+            room = self.height - t - self.fillet
+            _at_most(part, "gusset_height", self.gusset_height, room, "the leg above the seat")
+            room = self.gusset_height - r
+            _at_most(part, "fillet", 3 * self.fillet, room, "the gusset below the bend")
+            room = 0.85 * self.flange - r
+            _at_most(part, "fillet", 3 * self.fillet, room, "the gusset beyond the bend")
+
+    @property
+    def places(self) -> tuple[Vector, ...]:
+        """Centres of the bolt holes on the mounting plane."""
+        r = self.seat_diameter / 2 + self.thickness
+        y = r + (self.bend_radius + self.flange) / 2
+        x = self.bolt_pitch / 2
+        return tuple((i * x, j * y, self.height) for j in (-1, 1) for i in (-1, 1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LShape:
+    """A plate bolted up to the frame and a wall hanging from it, bored for the bearing.
+
+    `height` runs from the bearing's centre up to the mounting plane; the plate reaches
+    `depth` rearward from the wall's front face; `width` of the plate and `wall_width` of
+    the wall run across the vehicle; the wall ends `rim` below the bore. `fillet` is the
+    radius in the root. Four bolts, `bolt_edge` from the plate's sides and rear. Two gussets
+    of thickness `gusset` (0: none) brace the wall, reaching `gusset_height` down it.
+    """
+
+    seat_diameter: Metre
+    width: Metre
+    wall_width: Metre
+    depth: Metre
+    thickness: Metre
+    height: Metre
+    rim: Metre
+    fillet: Metre
+    bolt_diameter: Metre
+    bolt_edge: Metre
+    gusset: Metre = 0.0
+    gusset_height: Metre = 0.0
+
+    def __post_init__(self) -> None:
+        part = "an L bracket"
+        _above_zero(
+            part, seat_diameter=self.seat_diameter, width=self.width, wall_width=self.wall_width,
+            depth=self.depth, thickness=self.thickness, height=self.height, rim=self.rim,
+            fillet=self.fillet, bolt_diameter=self.bolt_diameter, bolt_edge=self.bolt_edge,
+        )  # fmt: skip
+        t = self.thickness
+        _at_most(part, "wall_width", self.wall_width, self.width, "the plate")
+        _at_most(part, "seat_diameter", self.seat_diameter, self.wall_width, "the wall")
+        _at_most(part, "seat_diameter", self.seat_diameter / 2, self.height - t - self.fillet,
+                 "the wall below the root's fillet, above the centre,")  # fmt: skip
+        _at_most(part, "bolt_diameter", 1.1 * self.bolt_diameter, self.bolt_edge,
+                 "the edge, for a washer")  # fmt: skip
+        _at_most(part, "bolt_edge", 2 * self.bolt_edge + t + self.fillet + self.bolt_diameter,
+                 self.depth, "the plate's depth, for two rows of bolts,")  # fmt: skip
+        if self.gusset:
+            _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
+            room = self.brace - self.seat_diameter / 2
+            _at_most(part, "gusset", self.gusset, room, "the room between the bore and the bolts")
+            room = self.height - t
+            _at_most(part, "gusset_height", self.gusset_height, room, "the wall above the bearing")
+
+    @property
+    def brace(self) -> Metre:
+        """Outer face of each gusset, from the middle: clear of the bolts' washers."""
+        clear = self.width / 2 - self.bolt_edge - 1.1 * self.bolt_diameter
+        return min(self.wall_width / 2, clear)
+
+    @property
+    def places(self) -> tuple[Vector, ...]:
+        """Centres of the bolt holes on the mounting plane."""
+        y = self.width / 2 - self.bolt_edge
+        front = self.thickness / 2 + self.fillet + 1.1 * self.bolt_diameter
+        rear = self.depth - self.thickness / 2 - self.bolt_edge
+        return tuple((x, j * y, self.height) for j in (-1, 1) for x in (front, rear))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pick:
+    """Faces of a STEP file: all that carry a name, or the one a point lies on."""
+
+    name: str = ""
+    near: Vector | None = None
+
+    def __post_init__(self) -> None:
+        if bool(self.name) == (self.near is not None):
+            msg = "a face is picked either by its name or by a point on it"
+            raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepShape:
+    """A bracket from a STEP file, its axes along the vehicle's.
+
+    `centre` is where the bearing's centre lies in the file's coordinates (SI), `seat` and
+    `bolts` are the faces the bearing sits on and the frame holds; each pick among the bolts
+    is one bolt. `thickness` is that of its walls where stress matters: it sets the mesh.
+    """
+
+    path: str
+    centre: Vector
+    seat: tuple[Pick, ...]
+    bolts: tuple[Pick, ...]
+    thickness: Metre
+
+    def __post_init__(self) -> None:
+        _above_zero("a STEP bracket", thickness=self.thickness)
+        if not self.seat or not self.bolts:
+            msg = "a STEP bracket needs at least one face for its seat and one for its bolts"
+            raise DesignError(msg)
+
+
+Shape: TypeAlias = UShape | LShape | StepShape
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gauge:
+    """A strain gauge: where its grid's middle is, which way it measures, how long it is.
+
+    `point` is in the bracket's frame and is drawn to the nearest surface; `direction` is
+    laid into that surface.
+    """
+
+    name: str
+    point: Vector
+    direction: Vector
+    length: Metre = 3 * mm
+
+    def __post_init__(self) -> None:
+        _above_zero(f"gauge {self.name}", length=self.length)
+        if not sum(d * d for d in self.direction) > 0:
+            msg = f"gauge {self.name} needs a direction that is not zero"
+            raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BracketCase:
+    """A load at the bearing's centre, by hand, along the vehicle's axes.
+
+    `acceleration` is that of the frame: standing still under gravity is (0, 0, +g). It acts
+    on the bracket's own mass and on the mass the bearing carries.
+    """
+
+    name: str
+    force: Vector = (0.0, 0.0, 0.0)
+    moment: Vector = (0.0, 0.0, 0.0)
+    acceleration: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bracket:
+    """A bracket to be judged: shape, material, what it carries, what is asked of it.
+
+    `carried_mass` rides on the bearing; `rubber` is the stiffness between it and the seat
+    along x, y, z (N/m), None for a rigid one. `bearing` counts the line's centre bearings
+    from 1. `reinforced` is the same bracket with another shape, shown beside it.
+    """
+
+    shape: Shape
+    material: Material = STEEL
+    line: str = "main"
+    bearing: int = 1
+    carried_mass: Kilogram = 0.0
+    rubber: Vector | None = None
+    gauges: tuple[Gauge, ...] = ()
+    cases: tuple[BracketCase, ...] = ()
+    reinforced: Shape | None = None
+    element: Metre | None = None
+    """Largest edge of an element; by default the shape's thickness."""
+    order: int = 2
+    """Degree of the displacements in an element."""
+
+    def __post_init__(self) -> None:
+        if not self.carried_mass >= 0:
+            msg = f"carried_mass of a bracket must be 0 or more, got {self.carried_mass:g} kg"
+            raise DesignError(msg)
+        if self.rubber is not None and not min(self.rubber) > 0:
+            msg = f"the rubber of a bracket needs stiffness above 0 each way, got {self.rubber}"
+            raise DesignError(msg)
+        if self.order not in (1, 2, 3, 4):
+            msg = f"order of a bracket's elements must be 1 to 4, got {self.order}"
+            raise DesignError(msg)
+        if self.element is not None:
+            _above_zero("a bracket", element=self.element)
+        names = [g.name for g in self.gauges]
+        if len(set(names)) < len(names):
+            msg = f"the gauges of a bracket need different names, got {', '.join(names)}"
+            raise DesignError(msg)

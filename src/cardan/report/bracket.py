@@ -1,0 +1,378 @@
+"""What a bracket study shows: a terminal's table, the JSON contract, VTK files, a picture."""
+
+import base64
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cardan import __version__
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import NotInstalled
+from cardan.base.units import MPa, N, kN, mm, rpm
+from cardan.bracket.stress import superpose, von_mises
+from cardan.bracket.unit import UNITS
+from cardan.report.language import EN
+from cardan.report.terminal import BOLD, PLAIN
+from cardan.study.bracket import BracketStudy, Found, Judged, Outcome
+
+MICRO = 1e-6
+SETTLED = 0.05
+"""Share of a stress its error may be, before a report says that it is not known."""
+
+# --------------------------------------------------------------------------- terminal
+
+
+def terminal(of: BracketStudy) -> Iterator[str]:
+    """Yield a bracket study line by line of text."""
+    bracket = of.bracket
+    yield f"{BOLD}{of.title}: bracket of line {bracket.line}, bearing {bracket.bearing}{PLAIN}"
+    yield f"material {bracket.material.name}, {bracket.material.source}"
+    yield ""
+    yield f"{BOLD}{'':34}{_columns([v.name for v in of.variants])}{PLAIN}"
+    yield _row("mass, kg", [v.mass for v in of.variants])
+    yield _row("unknowns", [float(v.units.elastic.unknowns) for v in of.variants])
+    for k, axis in enumerate("xyz"):
+        stiff = [1 / v.units.compliance[k, k] / (N / mm) for v in of.variants]
+        yield _row(f"stiffness at the bearing {axis}, N/mm", stiff)
+    for k in range(len(of.variants[0].carried)):
+        yield _row(f"frequency {k + 1}, loaded, Hz", [v.carried[k] for v in of.variants])
+    yield _row("frequency 1, bracket alone, Hz", [v.frequencies[0] for v in of.variants])
+    for v in of.variants:
+        yield from _crossings(v)
+    for v in of.variants:
+        yield from _stresses(v)
+        yield from _readings(v, [gauge.name for gauge in of.bracket.gauges])
+    if len(of.variants) > 1:
+        yield from _compared(of)
+
+
+def _columns(cells: list[str]) -> str:
+    return "".join(f"{c:>14}" for c in cells)
+
+
+def _row(label: str, values: list[float]) -> str:
+    return f"{label:<34}{_columns([EN.number(float(v)) for v in values])}"
+
+
+def _crossings(v: Judged) -> Iterator[str]:
+    met = [c for c in v.crossings if c.in_range]
+    if not met:
+        yield f"{v.name}: no order 1, 2 or 4 meets a natural frequency within the speed range"
+    for mode in dict.fromkeys(c.mode for c in met):
+        some = [c for c in met if c.mode == mode]
+        at = ", ".join(f"order {c.order} at {EN.number(c.speed / rpm)} rpm" for c in some)
+        yield f"{v.name}: frequency {mode}, {EN.number(some[0].frequency)} Hz, meets {at}"
+
+
+def _stresses(v: Judged) -> Iterator[str]:
+    """Yield the stresses of one variant, case by case."""
+    yield ""
+    spots = [f"H{k}" for k in range(1, len(v.hot_spots.points) + 1)]
+    yield (
+        f"{BOLD}{v.name + ', MPa':<30}{'von Mises':>10}{'tension':>10}{'compr.':>10}"
+        f"{''.join(f'{s:>16}' for s in spots)}{'on an edge':>12}{PLAIN}"
+    )
+    for o in v.outcomes:
+        hot = "".join(
+            f"{h / MPa:>9.1f} ±{e / MPa:>4.1f}{' ' if e <= SETTLED * h else '!'}"
+            for h, e in zip(o.hot, o.error, strict=True)
+        )
+        yield (
+            f"{o.case.name[:29]:<30}{o.von_mises.value / MPa:>10.1f}{o.highest.value / MPa:>10.1f}"
+            f"{o.lowest.value / MPa:>10.1f}{hot}{o.on_edge.value / MPa:>12.1f}"
+        )
+    for name, point in zip(spots, v.hot_spots.points, strict=True):
+        yield f"  {name} at {_place(tuple(point.tolist()))} mm"
+    yield (
+        "  The first three columns leave out what lies within 1.5 thicknesses of a sharp edge or "
+        "a clamp; H are solved again, finer, ± their estimated error (! above 5 %)."
+    )
+    if any(o.on_edge.value > 1.001 * o.von_mises.value for o in v.outcomes):
+        yield "  'On an edge' grows as elements shrink: it says nothing about the bracket."
+
+
+def _readings(v: Judged, names: list[str]) -> Iterator[str]:
+    """Yield what the gauges read."""
+    if not names:
+        return
+    yield ""
+    head = "".join(f"{name:>18}" for name in names)
+    yield f"{BOLD}{v.name + ', microstrain':<30}{head}{PLAIN}"
+    for unit, column in zip(UNITS[:3], v.influence.T, strict=False):
+        cells = "".join(f"{EN.number(b * kN / MICRO):>18}" for b in column)
+        yield f"{'per kN of ' + unit:<30}{cells}"
+    for o in v.outcomes:
+        cells = "".join(
+            f"{_range(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist()
+        )
+        yield f"{o.case.name[:29]:<30}{cells}"
+    yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
+
+
+def _range(low: float, high: float) -> str:
+    same = abs(high - low) <= 1e-6 * max(abs(low), abs(high))
+    return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
+
+
+def _compared(of: BracketStudy) -> Iterator[str]:
+    """Yield what the reinforcement changes."""
+    before, after = of.variants[0], of.variants[1]
+    old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
+    yield ""
+    yield (
+        f"{BOLD}Reinforced{PLAIN}: highest converged stress {old / MPa:.1f} -> {new / MPa:.1f} MPa "
+        f"({new / old - 1:+.0%}), mass {before.mass:.3f} -> {after.mass:.3f} kg, first loaded "
+        f"frequency {before.carried[0]:.1f} -> {after.carried[0]:.1f} Hz"
+    )
+
+
+def _place(point: tuple[float, ...]) -> str:
+    return "(" + ", ".join(f"{p / mm:.1f}" for p in point) + ")"
+
+
+# --------------------------------------------------------------------------- contract
+
+
+def contract(of: BracketStudy) -> dict[str, Any]:
+    """Return a bracket study as the JSON contract's document."""
+    bracket = of.bracket
+    return {
+        "cardan": ".".join(__version__.split(".")[:2]),
+        "application": of.title,
+        "line": bracket.line,
+        "bearing": bracket.bearing,
+        "material": bracket.material.name,
+        "carried_mass_kg": bracket.carried_mass,
+        "top_speed_rpm": of.top_speed / rpm if np.isfinite(of.top_speed) else None,
+        "variants": [_variant(of, v) for v in of.variants],
+    }
+
+
+def _variant(of: BracketStudy, v: Judged) -> dict[str, Any]:
+    spots = v.hot_spots.points.tolist()
+    return {
+        "name": v.name,
+        "mass_kg": v.mass,
+        "elements": len(v.units.elastic.nodes.elements),
+        "unknowns": v.units.elastic.unknowns,
+        "stiffness_N_mm": [float(1 / v.units.compliance[k, k] / (N / mm)) for k in range(3)],
+        "frequencies_Hz": v.frequencies.tolist(),
+        "frequencies_loaded_Hz": v.carried.tolist(),
+        "crossings": [
+            {
+                "mode": c.mode,
+                "frequency_Hz": c.frequency,
+                "order": c.order,
+                "speed_rpm": c.speed / rpm,
+                "in_range": c.in_range,
+            }
+            for c in v.crossings
+        ],
+        "hot_spots": [
+            {"name": f"H{k}", "point_mm": [x / mm for x in p]} for k, p in enumerate(spots, 1)
+        ],
+        "unit_loads": list(UNITS),
+        "gauges": [
+            {
+                "name": gauge.name,
+                "point_mm": [x / mm for x in gauge.point],
+                "direction": list(gauge.direction),
+                "length_mm": gauge.length / mm,
+                "microstrain_per_unit": (row / MICRO).tolist(),
+            }
+            for gauge, row in zip(of.bracket.gauges, v.influence, strict=True)
+        ],
+        "cases": [_case(of, o) for o in v.outcomes],
+    }
+
+
+def _case(of: BracketStudy, o: Outcome) -> dict[str, Any]:
+    def found(f: Found) -> dict[str, Any]:
+        return {"value_MPa": f.value / MPa, "point_mm": [x / mm for x in f.point]}
+
+    return {
+        "name": o.case.name,
+        "von_mises": found(o.von_mises),
+        "max_principal": found(o.highest),
+        "min_principal": found(o.lowest),
+        "von_mises_on_edge": found(o.on_edge),
+        "hot_spots": [
+            {
+                "von_mises_MPa": h / MPa,
+                "error_MPa": e / MPa,
+                "settled": bool(e <= SETTLED * h),
+                "mean_MPa": m / MPa,
+                "amplitude_MPa": a / MPa,
+            }
+            for h, e, m, a in zip(
+                o.hot.tolist(), o.error.tolist(), o.mean.tolist(), o.amplitude.tolist(), strict=True
+            )
+        ],
+        "gauges": {
+            gauge.name: {"min_microstrain": low / MICRO, "max_microstrain": high / MICRO}
+            for gauge, (low, high) in zip(of.bracket.gauges, o.strain.tolist(), strict=True)
+        },
+        "bolts_N": o.bolts.tolist(),
+        "motion_mm": o.motion / mm,
+    }
+
+
+# --------------------------------------------------------------------------- fields
+
+
+def peak_fields(v: Judged, o: Outcome) -> tuple[FloatArray, FloatArray]:
+    """Return displacement (n, 3) m and von Mises stress (n,) Pa at the nodes, when a case peaks."""
+    u, stress = v.units.at_nodes
+    nodes = v.units.elastic.nodes.surface
+    time = 0
+    if len(o.case.loads) > 1:
+        near = nodes[np.linalg.norm(
+            v.units.elastic.nodes.points[nodes] - np.asarray(o.von_mises.point), axis=-1
+        ).argmin()]  # fmt: skip
+        time = int(von_mises(superpose(stress[near], o.case.loads)).argmax())
+    loads = o.case.loads[time : time + 1]
+    return superpose_vectors(u, loads[0]), von_mises(superpose(stress, loads))[:, 0]
+
+
+def superpose_vectors(unit: FloatArray, loads: FloatArray) -> FloatArray:
+    """Return vectors (n, 3) of loads (9,) from unit vectors (n, 9, 3)."""
+    return np.einsum("nux,u->nx", unit, loads)
+
+
+def vtu(v: Judged) -> str:
+    """Return a VTK unstructured grid: the mesh with what each case does when it peaks.
+
+    Quadratic tetrahedra; coordinates and displacements in metres, stresses in Pa.
+    """
+    nodes = v.units.elastic.nodes
+    count, cells = len(nodes.points), len(nodes.elements)
+    fields: list[str] = []
+    for o in v.outcomes:
+        u, mises = peak_fields(v, o)
+        fields.append(_array(f"{o.case.name}: displacement", u.astype("<f4"), components=3))
+        fields.append(_array(f"{o.case.name}: von Mises", mises.astype("<f4")))
+    offsets = np.arange(1, cells + 1, dtype="<i8") * 10
+    return "\n".join([
+        '<?xml version="1.0"?>',
+        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+        'header_type="UInt64">',
+        f'<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="{cells}">',
+        "<PointData>", *fields, "</PointData>",
+        "<Points>", _array("Points", nodes.points.astype("<f8"), components=3), "</Points>",
+        "<Cells>",
+        _array("connectivity", nodes.elements.astype("<i8")),
+        _array("offsets", offsets),
+        _array("types", np.full(cells, 24, dtype="u1")),  # VTK_QUADRATIC_TETRA
+        "</Cells>",
+        "</Piece></UnstructuredGrid></VTKFile>", "",
+    ])  # fmt: skip
+
+
+_VTK_TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}
+
+
+def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
+    """Return one array of a VTK file: its size, then its bytes, in base 64."""
+    from xml.sax.saxutils import quoteattr
+
+    raw = np.ascontiguousarray(values).tobytes()
+    data = base64.b64encode(np.uint64(len(raw)).astype("<u8").tobytes() + raw).decode()
+    kind = _VTK_TYPES[values.dtype.str[1:]]
+    return (
+        f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{components}" '
+        f'format="binary">{data}</DataArray>'
+    )
+
+
+# --------------------------------------------------------------------------- picture
+
+
+def picture(of: BracketStudy, path: Path) -> None:
+    """Draw each variant under the original's worst case, coloured by stress, into a PNG.
+
+    Raises
+    ------
+    NotInstalled
+        Without matplotlib.
+    """
+    try:
+        from matplotlib import colormaps
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.collections import PolyCollection
+        from matplotlib.colors import Normalize
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        msg = 'a picture needs matplotlib: pip install "cardan[bracket]"'
+        raise NotInstalled(msg) from error
+
+    figure: Any = Figure(figsize=(6.5 * len(of.variants), 6), layout="constrained")
+    FigureCanvasAgg(figure)
+    case = of.variants[0].worst.case.name
+    shown = [next(o for o in v.outcomes if o.case.name == case) for v in of.variants]
+    top = max(o.von_mises.value for o in shown)
+    scale = Normalize(0, top / MPa)
+    colours: Any = colormaps["turbo"]
+    axes: Any = figure.subplots(1, len(of.variants), squeeze=False)[0]
+    for axis, v, o in zip(axes, of.variants, shown, strict=True):
+        u, mises = peak_fields(v, o)
+        nodes = v.units.elastic.nodes
+        size = float(np.ptp(nodes.points, axis=0).max())
+        exaggeration = 0.04 * size / max(float(np.abs(u).max()), 1e-12)
+        moved = nodes.points + exaggeration * u
+        flat, depth, shade, facing = _projected(moved, nodes.faces)
+        tone = colours(scale(mises[nodes.faces[:, :3]].mean(axis=1) / MPa))
+        tone[:, :3] *= shade[:, None]
+        order = facing[np.argsort(depth[facing])]
+        axis.add_collection(
+            PolyCollection(
+                list(flat[order] / mm), facecolors=tone[order], edgecolors=tone[order], lw=0.3
+            )
+        )
+        for gauge in of.bracket.gauges:
+            _mark(axis, gauge.name, np.asarray(gauge.point), "k")
+        for k, point in enumerate(v.hot_spots.points, 1):
+            _mark(axis, f"H{k}", point, "w")
+        axis.set_aspect("equal")
+        axis.autoscale_view()
+        axis.set_axis_off()
+        axis.set_title(f"{v.name}: {case}\ndeformed {exaggeration:.0f} times")
+    bar = ScalarMappable(norm=scale, cmap=colours)
+    figure.colorbar(bar, ax=list(axes), label="von Mises stress, MPa", shrink=0.8)
+    figure.savefig(path, dpi=130)
+
+
+def _seen() -> tuple[FloatArray, FloatArray, FloatArray]:
+    eye = np.array([0.75, -0.45, 0.35])
+    eye = eye / np.linalg.norm(eye)
+    right = np.cross([0.0, 0.0, 1.0], eye)
+    right /= np.linalg.norm(right)
+    return eye, right, np.cross(eye, right)
+
+
+def _projected(
+    points: FloatArray, faces: npt.NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    """Return triangles as seen, how near and how bright each is, and which face the eye."""
+    eye, right, up = _seen()
+    corner = points[faces[:, :3]]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    flat = np.stack([corner @ right, corner @ up], axis=-1)
+    facing = normal @ eye
+    return (
+        flat,
+        (corner @ eye).mean(axis=1),
+        0.65 + 0.35 * np.abs(facing),
+        np.flatnonzero(facing > 0),
+    )
+
+
+def _mark(axis: Any, name: str, point: FloatArray, colour: str) -> None:
+    _, right, up = _seen()
+    x, y = point @ right / mm, point @ up / mm
+    axis.plot(x, y, "o", ms=4, mfc=colour, mec="k")
+    axis.annotate(name, (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8)

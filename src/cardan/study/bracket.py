@@ -1,0 +1,339 @@
+"""Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, a variant.
+
+Everything follows from the unit solutions by adding them up, so a load case costs no solve.
+Loads are quasi-static: that of an order is right below the bracket's natural frequencies,
+which stand beside it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import Metre, RadianPerSecond
+from cardan.bracket.elastic import Progress, silent
+from cardan.bracket.gauges import influence
+from cardan.bracket.hotspot import Converged, Searched, converged, hot_spots, searched
+from cardan.bracket.shape import solid
+from cardan.bracket.stress import (
+    Extreme,
+    along,
+    critical_direction,
+    envelope,
+    extremes,
+    superpose,
+    von_mises,
+)  # fmt: skip
+from cardan.bracket.unit import UNITS, Units, unit_solutions
+from cardan.model.application import Application
+from cardan.model.bracket import Bracket, Shape
+from cardan.study.assess import Assessment
+from cardan.study.response import Response
+
+SAMPLES = 32
+"""Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
+ORDERS = (1, 2, 4)
+"""Unbalance; joints; joints at large angles."""
+HOT_SPOTS = 3
+
+
+@dataclass(frozen=True)
+class Case:
+    """A load history on the bearing, (t, 9) as in `cardan.bracket.unit.UNITS`."""
+
+    name: str
+    loads: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A stress and where it is."""
+
+    value: float
+    point: tuple[Metre, Metre, Metre]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one case does to one bracket.
+
+    Attributes
+    ----------
+    von_mises, highest, lowest : Found
+        Extremes away from sharp edges: equivalent, largest tension, largest compression.
+    on_edge : Found
+        Largest von Mises stress anywhere. Where it exceeds `von_mises` it sits on a sharp
+        edge and depends on the mesh alone.
+    hot, error : (k,) Pa
+        Largest von Mises stress at each hot spot, converged, and its estimated error.
+    mean, amplitude : (k,) Pa
+        Of the normal stress at each hot spot, on the plane where it swings most.
+    strain : (gauges, 2)
+        Smallest and largest reading.
+    bolts : (b,) N
+        Largest force on each bolt.
+    motion : Metre
+        Largest movement of the seat under the bearing.
+    """
+
+    case: Case
+    von_mises: Found
+    highest: Found
+    lowest: Found
+    on_edge: Found
+    hot: FloatArray
+    error: FloatArray
+    mean: FloatArray
+    amplitude: FloatArray
+    strain: FloatArray
+    bolts: FloatArray
+    motion: Metre
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A natural frequency that an order of the shaft's speed meets."""
+
+    mode: int
+    frequency: float
+    order: int
+    speed: RadianPerSecond
+    in_range: bool
+    """Whether that speed is one the shaft reaches."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """One shape of a bracket, judged.
+
+    Attributes
+    ----------
+    units : Units
+        The first solution, whose mesh is drawn.
+    hot_spots : Converged
+        Unit stresses at the hot spots.
+    influence : (gauges, 9)
+        Strain of each gauge under each unit load, from the best solution.
+    influence_change : float
+        Largest change of those since the first solution, over the largest of them.
+    frequencies, carried : (6,) Hz
+        Natural frequencies of the bracket by itself, and with the mass it carries.
+    """
+
+    name: str
+    units: Units
+    hot_spots: Converged
+    influence: FloatArray
+    influence_change: float
+    frequencies: FloatArray
+    carried: FloatArray
+    crossings: tuple[Crossing, ...]
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        return self.units.mass
+
+    @property
+    def worst(self) -> Outcome:
+        """The case with the highest converged stress at a hot spot."""
+        return max(self.outcomes, key=lambda o: float(o.hot.max()))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BracketStudy:
+    """A bracket judged, and its reinforced variant beside it where there is one."""
+
+    title: str
+    bracket: Bracket
+    top_speed: RadianPerSecond
+    variants: tuple[Judged, ...]
+
+
+def study(
+    assessment: Assessment, *, extra: Sequence[Case] = (), tell: Progress = silent
+) -> BracketStudy:
+    """Judge the bracket of an assessed application under all its cases.
+
+    Raises
+    ------
+    DesignError
+        If the application has no bracket, or its shape cannot be built or meshed.
+    NotInstalled
+        Without the extra `cardan[bracket]`.
+    """
+    application = assessment.application
+    bracket = _bracket(application)
+    response = next(r for r in assessment.responses if r.line.name == bracket.line)
+    cases = (*cases_of(bracket, response), *extra)
+    speeds = response.demand.speed
+    top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+    shapes = {"original": bracket.shape}
+    if bracket.reinforced is not None:
+        shapes["reinforced"] = bracket.reinforced
+    return BracketStudy(
+        title=application.title,
+        bracket=bracket,
+        top_speed=top,
+        variants=tuple(
+            judge(bracket, shape, cases, name=name, top_speed=top, tell=tell)
+            for name, shape in shapes.items()
+        ),
+    )
+
+
+def _bracket(application: Application) -> Bracket:
+    if application.bracket is None:
+        msg = "the application has no bracket: give it a `bracket` with a shape"
+        raise DesignError(msg)
+    return application.bracket
+
+
+# --------------------------------------------------------------------------- load cases
+
+
+def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
+    """Yield the cases a bracket is judged under: by hand, then of each state of the check.
+
+    Of each state: the mean over a turn; the part of order 2 by itself; both together over
+    the turn; and, where unbalance counts, with that on top.
+    """
+    for case in bracket.cases:
+        a = np.asarray(case.acceleration)
+        force = np.asarray(case.force) - bracket.carried_mass * a
+        yield Case(case.name, np.concatenate([force, case.moment, a])[None])
+    if response.line.joint_count < 3 or not np.isfinite(response.demand.torque).all():
+        return
+    k = bracket.bearing - 1
+    forces = response.loads.bearing_forces
+    once = response.unbalance
+    for s, state in enumerate(response.demand.states):
+        mean = forces.static[s, k]
+        turn = forces.values(2 * SAMPLES)[s, k]
+        # Where weight counts the shafts' is in the forces already, the bracket's is not.
+        weight = (0.0, 0.0, response.gravity)
+        yield Case(f"{state}: static", _history(mean[None], weight))
+        yield Case(f"{state}: order 2", _history((turn - mean)[:SAMPLES]))
+        yield Case(f"{state}: combined", _history(turn[:SAMPLES], weight))
+        if once is not None:
+            theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
+            round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
+            # Nobody knows where the heavy spot is: each of eight places is tried.
+            starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
+            size = once.bearing_forces[s, k]
+            peak = np.concatenate([turn + size * start for start in starts])
+            yield Case(f"{state}: peak", _history(peak, weight))
+
+
+def _history(
+    force: FloatArray, acceleration: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> FloatArray:
+    """Return loads (t, 9) of forces (t, 3) with an acceleration of the frame."""
+    loads = np.zeros((len(force), len(UNITS)))
+    loads[:, :3], loads[:, 6:] = force, acceleration
+    return loads
+
+
+# --------------------------------------------------------------------------- one shape
+
+
+def judge(
+    bracket: Bracket,
+    shape: Shape,
+    cases: Sequence[Case],
+    *,
+    name: str = "original",
+    top_speed: RadianPerSecond = np.nan,
+    tell: Progress = silent,
+) -> Judged:
+    """Judge one shape of a bracket under load cases."""
+    if not cases:
+        msg = "the bracket has no load case: give the application a torque, or the bracket cases"
+        raise DesignError(msg)
+
+    def told(what: str) -> None:
+        tell(f"{name}: {what}")
+
+    told("building the shape")
+    body = solid(shape)
+    grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in bracket.gauges]
+    units = unit_solutions(
+        body, bracket.material, size=bracket.element, degree=bracket.order, finer=grids, tell=told
+    )
+    try:
+        first = influence(units, bracket.gauges)  # now: a misplaced gauge is told at once
+    except DesignError as error:
+        msg = f"{name} bracket: {error}"
+        raise DesignError(msg) from None
+    told("natural frequencies")
+    alone, _ = units.modes(6)
+    carried = alone
+    if bracket.carried_mass > 0:
+        carried, _ = units.modes(6, mass=bracket.carried_mass, rubber=bracket.rubber)
+    told(f"stresses of {len(cases)} load cases")
+    where = searched(units)
+    highest = np.max([envelope(where.stress, case.loads) for case in cases], axis=0)
+    spots = hot_spots(where, highest, count=HOT_SPOTS, apart=2 * body.thickness)
+    best = converged(units, spots, also=grids, tell=told)
+    readings = influence(best.units, bracket.gauges)
+    change = float(np.abs(readings - first).max() / np.abs(readings).max()) if len(first) else 0.0
+    return Judged(
+        name=name,
+        units=units,
+        hot_spots=best,
+        influence=readings,
+        influence_change=change,
+        frequencies=alone,
+        carried=carried,
+        crossings=tuple(crossings(carried, top_speed)),
+        outcomes=tuple(_outcome(case, units, where, best, readings) for case in cases),
+    )
+
+
+def _outcome(
+    case: Case, units: Units, where: Searched, best: Converged, readings: FloatArray
+) -> Outcome:
+    """Return what one case does."""
+    sound, points = where.sound, where.nodes
+
+    def found(extreme: Extreme, among: FloatArray) -> Found:
+        x, y, z = among[extreme.point].tolist()
+        return Found(extreme.value, (x, y, z))
+
+    inner, everywhere = (
+        extremes(where.stress[sound], case.loads),
+        extremes(where.stress, case.loads),
+    )
+    history = superpose(best.stress, case.loads)
+    swinging = np.stack([along(one, critical_direction(one)) for one in history])
+    strain = superpose(readings[..., None], case.loads)[..., 0]
+    bolts = superpose(units.reactions, case.loads)
+    motion = case.loads[:, :6] @ units.compliance[:, :3]
+    return Outcome(
+        case=case,
+        von_mises=found(inner.von_mises, points[sound]),
+        highest=found(inner.highest, points[sound]),
+        lowest=found(inner.lowest, points[sound]),
+        on_edge=found(everywhere.von_mises, points),
+        hot=von_mises(history).max(axis=-1),
+        error=best.error(case.loads),
+        mean=(swinging.max(axis=-1) + swinging.min(axis=-1)) / 2,
+        amplitude=np.ptp(swinging, axis=-1) / 2,
+        strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
+        bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
+        motion=float(np.linalg.norm(motion, axis=-1).max()),
+    )
+
+
+def crossings(
+    frequencies: FloatArray, top_speed: RadianPerSecond, *, orders: Sequence[int] = ORDERS
+) -> Iterator[Crossing]:
+    """Yield the speeds at which orders meet natural frequencies (m,) Hz, up to twice the top."""
+    for k, frequency in enumerate(frequencies.tolist(), 1):
+        for order in orders:
+            speed = 2 * np.pi * frequency / order
+            if not speed > 2 * top_speed:
+                yield Crossing(k, frequency, order, speed, in_range=bool(speed <= top_speed))

@@ -1,0 +1,183 @@
+"""The bracket's arithmetic, which needs no finite element engine."""
+
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from cardan.base.errors import DesignError, NotInstalled
+from cardan.base.units import mm
+from cardan.bracket import stress
+from cardan.bracket.engine import engine
+from cardan.bracket.gauges import recover
+from cardan.bracket.shape import solid
+from cardan.bracket.surface import peaks
+from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
+
+stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
+U = {
+    "seat_diameter": 100 * mm, "width": 70 * mm, "thickness": 6 * mm,
+    "height": 90 * mm, "flange": 55 * mm,
+    "bend_radius": 10 * mm, "bolt_diameter": 11 * mm, "bolt_pitch": 40 * mm,
+}  # fmt: skip
+L = {
+    "seat_diameter": 52 * mm, "width": 180 * mm, "wall_width": 144 * mm, "depth": 90 * mm,
+    "thickness": 8 * mm,
+    "height": 80 * mm, "rim": 24 * mm, "fillet": 5 * mm,
+    "bolt_diameter": 11 * mm, "bolt_edge": 14 * mm,
+}  # fmt: skip
+
+
+@given(stresses)
+def test_principal_stresses_are_eigenvalues(s):
+    """Closed form against LAPACK; double roots halve the digits of the arc cosine."""
+    expected = np.linalg.eigvalsh(stress.tensor(s))
+    assert stress.principal(s) == pytest.approx(expected, abs=1e-7 * max(np.abs(s).max(), 1))
+
+
+@given(stresses)
+def test_von_mises_from_principal_stresses(s):
+    a, b, c = np.moveaxis(np.linalg.eigvalsh(stress.tensor(s)), -1, 0)
+    expected = np.sqrt(((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2) / 2)
+    assert stress.von_mises(s) == pytest.approx(expected, rel=1e-7, abs=1e-6 * np.abs(s).max())
+
+
+def test_uniaxial_stress_along_a_direction():
+    """Tension of 1 along n shows cos² of the angle on a plane turned by it."""
+    n = np.array([1, 2, 2]) / 3
+    one = np.outer(n, n)[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
+    assert stress.von_mises(one) == pytest.approx(1)
+    assert stress.along(one, n) == pytest.approx(1)
+    assert stress.along(one, [2, -2, 1]) == pytest.approx(0, abs=1e-15)
+    assert stress.signed_von_mises(-one) == pytest.approx(-1)
+    assert stress.critical_direction(np.stack([one, -one])) == pytest.approx(n) or (
+        stress.critical_direction(np.stack([one, -one])) == pytest.approx(-n)
+    )
+
+
+@settings(max_examples=25)
+@given(arrays(float, (8, 6), elements=st.floats(-100, 100)))
+def test_the_critical_direction_swings_most(history):
+    """No direction of many beats it by more than 2.5 degrees' worth."""
+    best = np.ptp(stress.along(history, stress.critical_direction(history)))
+    tried = np.random.default_rng(0).standard_normal((500, 3))
+    assert np.ptp(stress.along(history[:, None], tried), axis=0).max() <= best * 1.005 + 1e-9
+
+
+def test_extremes_over_a_history_are_those_of_each_moment():
+    rng = np.random.default_rng(3)
+    unit, loads = rng.standard_normal((40, 9, 6)), rng.standard_normal((7, 9))
+    found = stress.extremes(unit, loads)
+    every = np.stack([unit.transpose(0, 2, 1) @ load for load in loads], axis=1)
+    mises, ends = stress.von_mises(every), stress.principal(every)
+    assert found.von_mises.value == pytest.approx(mises.max())
+    assert mises[found.von_mises.point, found.von_mises.time] == pytest.approx(mises.max())
+    assert found.highest.value == pytest.approx(ends.max())
+    assert found.lowest.value == pytest.approx(ends.min())
+    assert stress.envelope(unit, loads) == pytest.approx(mises.max(axis=1))
+
+
+def test_chunks_change_nothing(monkeypatch):
+    rng = np.random.default_rng(4)
+    unit, loads = rng.standard_normal((40, 9, 6)), rng.standard_normal((7, 9))
+    whole = stress.extremes(unit, loads)
+    monkeypatch.setattr(stress, "_CHUNK", 21)
+    assert stress.extremes(unit, loads) == whole
+
+
+@given(arrays(float, (6, 3), elements=st.floats(-1e3, 1e3)))
+def test_forces_come_back_from_their_strains(forces):
+    influence = np.array([[60, 1, 3], [-60, 2, 3], [15, 20, -5], [0, -1, -30.0]]) * 1e-9
+    back = recover(influence, forces @ influence.T)
+    assert back.loads == pytest.approx(forces, abs=1e-9)
+    assert np.all(back.residual < 1e-15)
+    gains = np.linalg.svd(influence, compute_uv=False)
+    assert back.condition == pytest.approx(gains[0] / gains[-1])
+
+
+def test_noise_is_told_as_it_is():
+    """Scatter of recovered forces over many noisy readings, against the figure given."""
+    influence = np.array([[60, 1, 3], [-60, 2, 3], [15, 20, -5], [0, -1, -30.0]]) * 1e-9
+    noise = 1e-6 * np.random.default_rng(5).standard_normal((20_000, 4))
+    back = recover(influence, noise)
+    assert back.loads.std(axis=0) == pytest.approx(back.noise, rel=0.02)  # 4 sigma of 20000
+    assert np.sqrt((back.residual**2).mean()) == pytest.approx(0.5e-6, rel=0.02)  # 1 of 4 is left
+
+
+def test_blind_gauges_are_refused():
+    two_alike = np.array([[60, 1, 3], [60, 1, 3], [15, 20, -5.0]]) * 1e-9
+    with pytest.raises(DesignError, match="hardly feel a load along"):
+        recover(two_alike, np.zeros(3))
+    with pytest.raises(DesignError, match="2 gauges cannot tell 3 loads apart"):
+        recover(two_alike[:2], np.zeros(2))
+
+
+def test_peaks_stand_apart():
+    points = np.array([[0, 0, 0], [1, 0, 0], [5, 0, 0], [9, 0, 0.0]])
+    assert peaks(points, np.array([3, 4, 2, 1.0]), count=3, apart=2).tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"thickness": float("nan")}, "thickness of a U bracket must be above 0"),
+        ({"bolt_pitch": 60 * mm}, "bolt_pitch of a U bracket is 60 mm, but the washers"),
+        ({"bend_radius": 90 * mm}, "bend_radius of a U bracket is 96 mm"),
+        ({"gusset": 20 * mm, "gusset_height": 60 * mm}, "gusset with its weld"),
+        ({"gusset": 5 * mm, "gusset_height": 95 * mm}, "gusset_height"),
+        ({"gusset": 5 * mm, "gusset_height": 60 * mm, "fillet": 17 * mm}, "fillet|weld"),
+    ],
+)
+def test_a_u_that_cannot_be_is_refused(change, says):
+    with pytest.raises(DesignError, match=says):
+        UShape(**U | change)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"wall_width": 200 * mm}, "wall_width of an L bracket is 200 mm"),
+        ({"seat_diameter": 150 * mm}, "seat_diameter"),
+        ({"bolt_edge": 10 * mm}, "for a washer"),
+    ],
+)
+def test_an_l_that_cannot_be_is_refused(change, says):
+    with pytest.raises(DesignError, match=says):
+        LShape(**L | change)
+
+
+def test_parts_refuse_nonsense():
+    with pytest.raises(DesignError, match="either by its name or by a point"):
+        Pick()
+    with pytest.raises(DesignError, match="direction that is not zero"):
+        Gauge(name="S1", point=(0, 0, 0), direction=(0, 0, 0))
+    gauge = Gauge(name="S1", point=(0, 0, 0), direction=(0, 0, 1))
+    with pytest.raises(DesignError, match="different names"):
+        Bracket(shape=UShape(**U), gauges=(gauge, gauge))
+    with pytest.raises(DesignError, match="rubber"):
+        Bracket(shape=UShape(**U), rubber=(1.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (ModuleNotFoundError("No module named 'ngsolve'", name="ngsolve"), r"cardan\[bracket\]"),
+        (ImportError("libopenblas.so.0: cannot open shared object file"), "libquadmath0"),
+    ],
+)
+def test_what_to_install_is_said(monkeypatch, error, says):
+    """On a bare Linux NGSolve names libopenblas, which it brings; libquadmath is missing."""
+    for name in ("ngsolve", "netgen", "netgen.occ"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+
+    def fail(_):
+        raise error
+
+    monkeypatch.setattr("cardan.bracket.engine.import_module", fail)
+    with pytest.raises(NotInstalled, match=says):
+        engine()
+    with pytest.raises(NotInstalled, match=says):  # and not blamed on the shape
+        solid(UShape(**U))

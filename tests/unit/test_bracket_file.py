@@ -1,0 +1,76 @@
+"""The application file's bracket, read into parts."""
+
+import pytest
+
+from cardan import files
+from cardan.base.errors import BadFile
+from cardan.base.units import g, mm
+
+TEXT = """
+title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+"""
+BRACKET = """
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  material: S355MC
+  carried_mass_kg: 18
+  rubber_N_mm: [150, 300, 300]
+  gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1], length_mm: 6}]
+  cases:
+    - {name: down, force_kN: [0, 0, -1]}
+    - {name: pothole, acceleration_g: [0, 0, 5]}
+  reinforced: {thickness_mm: 8}
+"""
+
+
+def bracket(text):
+    return files.loads(TEXT + text).bracket
+
+
+def test_a_bracket_is_read_in_si():
+    found = bracket(BRACKET)
+    assert found.shape.seat_diameter == pytest.approx(0.1)
+    assert found.material.name == "S355MC"
+    assert found.rubber == pytest.approx((150e3, 300e3, 300e3))
+    assert found.gauges[0].length == pytest.approx(6 * mm)
+    assert found.cases[0].force == pytest.approx((0, 0, -1000))
+    assert found.cases[1].acceleration == pytest.approx((0, 0, 5 * g))
+    assert found.reinforced.thickness == pytest.approx(8 * mm)
+    assert found.reinforced.width == found.shape.width
+    assert files.loads(TEXT).bracket is None
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("material: S355MC", "material: S355MD"), "did you mean S355MC"),
+        (("material: S355MC", "bearing: 2"), "has 1 centre bearing"),
+        (("material: S355MC", "line: rear"), "no driveline of this name"),
+        (("bolt_pitch_mm: 40", "bolt_pitch_mm: 60"), "bolt_pitch of a U bracket is 60 mm"),
+        (("reinforced: {thickness_mm: 8}", "reinforced: {depth_mm: 8}"), "has no depth"),
+        (("reinforced: {thickness_mm: 8}", "reinforced: {}"), "nothing that is different"),
+        (("force_kN: [0, 0, -1]", "force_kN: [0, 0, 0]"), "loads nothing"),
+        (("direction: [0, 0, 1]", "direction: [0, 0, 0]"), "direction that is not zero"),
+        (("u_shape:", "step: {file: a.step, centre_mm: [0, 0, 0], seat: [{name: bore}], "
+          "bolts: [{name: b}], thickness_mm: 8}\n  u_shape:"), "exclude each other"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_with_its_place(change, says):
+    text = BRACKET.replace(*change)
+    with pytest.raises(BadFile, match=says) as refused:
+        bracket(text)
+    assert all(p.line > 10 for p in refused.value.problems)
+
+
+def test_the_schema_knows_the_bracket():
+    schema = files.schema()
+    assert "bracket" in schema["$defs"]["Application"]["properties"]
+    assert "thickness_mm" in schema["$defs"]["UShape"]["properties"]

@@ -1,0 +1,315 @@
+"""Unit loads of a bracket, gauges and hot spots on it: needs the extra cardan[bracket]."""
+
+import base64
+import json
+from dataclasses import replace
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import DesignError, NotConverged
+from cardan.base.units import mm
+from cardan.bracket.elastic import elastic, hooke, mesh
+from cardan.bracket.engine import engine
+from cardan.bracket.gauges import influence
+from cardan.bracket.hotspot import converged, hot_spots, searched
+from cardan.bracket.shape import Solid, solid
+from cardan.bracket.stress import envelope, superpose, von_mises
+from cardan.bracket.surface import nearest, sharp_edges
+from cardan.bracket.unit import unit_solutions
+from cardan.cli import cli
+from cardan.model.bracket import Gauge, LShape, Pick, StepShape, UShape
+from cardan.model.parts import STEEL
+
+pytestmark = pytest.mark.bracket
+
+U = UShape(
+    seat_diameter=100 * mm, width=70 * mm, thickness=6 * mm, height=90 * mm, flange=55 * mm,
+    bend_radius=10 * mm, bolt_diameter=11 * mm, bolt_pitch=40 * mm,
+)  # fmt: skip
+L = LShape(
+    seat_diameter=52 * mm, width=180 * mm, wall_width=144 * mm, depth=90 * mm, thickness=8 * mm,
+    height=80 * mm, rim=24 * mm, fillet=5 * mm, bolt_diameter=11 * mm, bolt_edge=14 * mm,
+)  # fmt: skip
+GAUGES = (
+    Gauge(name="S1", point=(0, 56 * mm, 20 * mm), direction=(0, 0, 1)),
+    Gauge(name="S2", point=(0, -56 * mm, 20 * mm), direction=(0, 0, 1)),
+    Gauge(name="S4", point=(0, 0, -56 * mm), direction=(0, 1, 0)),
+)
+
+
+@pytest.fixture(scope="module")
+def units():
+    return unit_solutions(solid(U), STEEL, size=12 * mm)
+
+
+def test_sheet_volume_of_a_u():
+    """Its unrolled middle line times thickness times width, less the bolt holes."""
+    r, t = 50 * mm, 6 * mm
+    round_ = np.pi * (r + t / 2)
+    legs = 2 * (90 - 6 - 10) * mm
+    bends = 2 * np.pi / 2 * (10 * mm + t / 2)
+    flanges = 2 * (55 - 10) * mm
+    holes = 4 * np.pi / 4 * (11 * mm) ** 2 * t
+    expected = (round_ + legs + bends + flanges) * t * 70 * mm - holes
+    assert solid(U).volume == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("part", [U, replace(U, gusset=6 * mm, gusset_height=60 * mm), L,
+                                  replace(L, gusset=8 * mm, gusset_height=50 * mm)])  # fmt: skip
+def test_faces_have_their_areas(part):
+    made = solid(part)
+    area = dict.fromkeys(("seat", *made.bolts), 0.0)
+    for face in made.shape.faces:
+        if face.name in area:
+            area[face.name] += face.mass
+    d, t = part.seat_diameter, part.thickness
+    seat = np.pi / 2 * d * part.width if isinstance(part, UShape) else np.pi * d * t
+    ring = np.pi / 4 * part.bolt_diameter**2 * (2**2 - 1)
+    hole = np.pi * part.bolt_diameter * t
+    assert area.pop("seat") == pytest.approx(seat, rel=1e-9)
+    assert list(area.values()) == pytest.approx([ring + hole] * 4, rel=1e-9)
+
+
+def test_superposition_is_a_direct_solve(units):
+    body = units.elastic
+    loads = np.array([300, -120, 500, 4, -3, 2, 1, 0, 9.81])
+    direct = body.solve(loads @ units.loads)
+    summed = loads @ units.displacements
+    assert np.abs(summed - direct).max() < 1e-9 * np.abs(direct).max()
+    places = body.locate([g.point for g in GAUGES])
+    strain = body.strains_at(places, direct[None])[:, 0]
+    added = np.einsum("guk,u->gk", body.strains_at(places, units.displacements), loads)
+    assert np.abs(added - strain).max() < 1e-9 * np.abs(strain).max()
+
+
+def test_unit_loads_are_units_and_bolts_carry_them(units):
+    resultants = units.elastic.rigid @ units.loads[:6].T
+    assert resultants == pytest.approx(np.eye(6), abs=1e-12)
+    bolts = units.reactions.sum(axis=0)
+    assert bolts[:3] == pytest.approx(-np.eye(3), abs=1e-9)
+    assert bolts[3:6] == pytest.approx(np.zeros((3, 3)), abs=1e-7)
+    assert bolts[6:] == pytest.approx(units.mass * np.eye(3), rel=1e-3, abs=1e-6)
+
+
+def test_compliance_is_symmetric_and_positive(units):
+    C = units.compliance
+    assert pytest.approx(C.T, abs=1e-9 * np.abs(C).max()) == C
+    assert np.all(np.linalg.eigvalsh(C) > 0)
+
+
+def test_a_mirrored_bracket_has_mirrored_gauges(units):
+    """S1 and S2 mirror each other in the plane y = 0, as well as the mesh does: 5 %."""
+    B = influence(units, GAUGES)
+    assert B[0, 1] == pytest.approx(-B[1, 1], rel=0.05)
+    assert B[0, 2] == pytest.approx(B[1, 2], rel=0.05)
+
+
+def test_a_gauge_reads_the_mean_along_its_grid():
+    """A bar in bending has strain linear along it, so the length of the grid does not matter."""
+    occ = engine().occ
+    bar = occ.Box((0, -0.01, -0.01), (0.2, 0.01, 0.01))
+    for face in bar.faces:
+        x = face.center.x
+        face.name = "bolt 1" if x < 1e-9 else "seat" if x > 0.2 - 1e-9 else "free"
+    body = Solid(bar, ("bolt 1",), 0.02, 0.2 * 0.02 * 0.02)
+    units = unit_solutions(body, replace(STEEL, poisson=0.0), size=0.02)
+    gauges = [
+        Gauge(name=str(n), point=(0.1, 0, 0.0102), direction=(1, 0, 0.3), length=n * mm)
+        for n in (1, 30)
+    ]
+    B = influence(units, gauges)
+    # Tension: F/EA, exactly. Bending by Fz at x = 0.2 about x = 0.1: M h / 2EI.
+    E, a = STEEL.youngs_modulus, 0.02
+    assert B[:, 0] == pytest.approx([1 / (E * a * a)] * 2, rel=2e-3)
+    # The load acts at the origin, so a force along z comes with a couple: M = F x.
+    assert np.abs(B[:, 2]) == pytest.approx([0.1 * (a / 2) / (E * a**4 / 12)] * 2, rel=0.02)
+    with pytest.raises(DesignError, match="hangs over an edge"):
+        influence(units, [Gauge(name="S", point=(0.199, 0, 0.01), direction=(1, 0, 0))])
+    with pytest.raises(DesignError, match="mm off the bracket; the nearest"):
+        influence(units, [Gauge(name="S", point=(0.1, 0, 0.03), direction=(1, 0, 0))])
+    with pytest.raises(DesignError, match="points into the surface"):
+        influence(units, [Gauge(name="S", point=(0.1, 0, 0.01), direction=(0, 0, 1))])
+    # Its only sharp edges are the clamp's borders.
+    edges = sharp_edges(units.elastic.nodes, held=body.bolts)
+    assert np.abs(edges[:, 0]).max() < 1e-12
+    assert len(sharp_edges(units.elastic.nodes, held=())) == 0
+
+
+def test_a_notch_is_a_sharp_edge_and_a_fillet_is_not():
+    edges = {}
+    for fillet in (0.0, 4 * mm):
+        occ = engine().occ
+        step = occ.Box((0, 0, 0), (0.1, 0.02, 0.02)) + occ.Box((0, 0, 0), (0.04, 0.02, 0.05))
+        if fillet:
+            root = [e for e in step.edges if abs(e.center.x - 0.04) + abs(e.center.z - 0.02) < 1e-6]
+            step = step.MakeFillet(root, fillet)
+        for face in step.faces:
+            face.name = "floor" if abs(face.center.z) < 1e-9 else "free"
+        body = elastic(mesh(step, size=0.01), STEEL, held={"floor": "xyz"})
+        edges[fillet] = sharp_edges(body.nodes, held=())
+    assert edges[0.0] == pytest.approx(
+        np.stack([np.full(len(edges[0.0]), 0.04), edges[0.0][:, 1],
+                  np.full(len(edges[0.0]), 0.02)], -1), abs=1e-9)  # fmt: skip
+    assert len(edges[0.0]) > 3
+    assert len(edges[4 * mm]) == 0
+
+
+def test_hot_spots_converge_away_from_edges(units):
+    where = searched(units)
+    loads = np.zeros((1, 9))
+    loads[0, 1] = 1000.0
+    spots = hot_spots(where, envelope(where.stress, loads), count=2, apart=12 * mm)
+    edges = sharp_edges(units.elastic.nodes, held=units.solid.bolts)
+    gaps = np.linalg.norm(edges[None] - spots[:, None], axis=-1).min(axis=1)
+    assert np.all(gaps > 1.5 * U.thickness)
+    best = converged(units, spots)
+    assert np.all(best.settled(loads))
+    # Solved yet finer, the stress stays within twice its estimated error.
+    finest = unit_solutions(
+        units.solid, STEEL, size=9 * mm, degree=3,
+        finer=[(p, 1.2 * mm) for p in spots],
+    )  # fmt: skip
+    lifted = nearest(finest.elastic.nodes, spots)
+    spots = lifted.points + 0.3 * mm * lifted.normals
+    stress = von_mises(superpose(best.stress, loads))[:, 0]
+    again = von_mises(superpose(finest.stress_at(spots), loads))[:, 0]
+    assert np.all(np.abs(stress - again) < 2 * best.error(loads))
+
+
+def test_a_mass_on_soft_rubber_rings_as_a_spring(units):
+    """The rubber and the bracket in series: w² = 1 / (m (1/k + c)), one mode each way."""
+    m, k = 20.0, np.array([150e3, 300e3, 250e3])
+    found, _ = units.modes(3, mass=m, rubber=k)
+    series = 1 / (1 / k + np.diag(units.compliance)[:3])
+    assert found == pytest.approx(np.sort(np.sqrt(series / m)) / (2 * np.pi), rel=5e-3)
+
+
+def test_a_heavy_rigid_mass_rings_on_the_bracket(units):
+    """A mass much heavier than the bracket: w² = 1 / (m c) in its softest direction."""
+    m = 500.0
+    found, _ = units.modes(1, mass=m)
+    softest = np.linalg.eigvalsh(units.compliance[:3, :3]).max()
+    assert found[0] == pytest.approx(np.sqrt(1 / (m * softest)) / (2 * np.pi), rel=5e-3)
+
+
+def test_a_step_file_gives_the_same_bracket(units, tmp_path):
+    """Written by name, read back by name and by points on its faces."""
+    path = tmp_path / "u.step"
+    units.solid.write(path)
+    named = StepShape(
+        path=str(path), centre=(0, 0, 0), seat=(Pick(name="seat"),), thickness=6 * mm,
+        bolts=tuple(Pick(name=f"bolt {k}") for k in range(1, 5)),
+    )  # fmt: skip
+    assert solid(named).volume == pytest.approx(units.solid.volume, rel=1e-6)
+    again = unit_solutions(solid(named), STEEL, size=12 * mm)
+    assert again.compliance[:3, :3] == pytest.approx(
+        units.compliance[:3, :3], abs=0.02 * units.compliance[1, 1]
+    )
+    near = replace(named, seat=(Pick(near=(0, 0, -50 * mm)),))
+    assert solid(near).volume == pytest.approx(units.solid.volume, rel=1e-6)
+    with pytest.raises(DesignError, match="its faces are called bolt 1, bolt 2"):
+        solid(replace(named, seat=(Pick(name="bore"),)))
+    with pytest.raises(DesignError, match="the nearest is 10 mm away"):
+        solid(replace(named, seat=(Pick(near=(0, 0, -66 * mm)),)))
+    with pytest.raises(DesignError, match="is picked as"):
+        solid(replace(named, seat=(Pick(name="bolt 1"),)))
+    with pytest.raises(DesignError, match="no STEP file at"):
+        solid(replace(named, path="nowhere.step"))
+    (tmp_path / "bad.step").write_text("no STEP at all")
+    with pytest.raises(DesignError, match="is not a STEP file"):
+        solid(replace(named, path=str(tmp_path / "bad.step")))
+
+
+def test_a_loose_body_is_refused():
+    occ = engine().occ
+    box = occ.Box((0, 0, 0), (0.1, 0.1, 0.1))
+    for face in box.faces:
+        face.name = "seat" if face.center.x < 1e-9 else "free"
+    made = mesh(box, size=0.1)
+    loose = elastic(made, STEEL, held={"seat": "x"})
+    load = loose.traction("free", (0, 0, 1))
+    with pytest.raises(NotConverged, match="is every direction held"):
+        loose.solve(load)
+    with pytest.raises(ValueError, match="nothing is called 'bolt'"):
+        elastic(made, STEEL, held={"bolt": "xyz"})
+
+
+def test_nearest_point_of_the_surface(units):
+    found = nearest(units.elastic.nodes, [(0, 60 * mm, 20 * mm), (0, 53 * mm, 20 * mm)])
+    assert found.points[0] == pytest.approx((0, 56 * mm, 20 * mm), abs=1e-9)
+    assert found.distances[0] == pytest.approx(4 * mm)
+    assert found.normals[0] == pytest.approx((0, 1, 0), abs=1e-9)
+    assert found.distances[1] == pytest.approx(3 * mm)  # from the middle of the sheet
+
+
+def test_hooke_and_back():
+    strain = np.array([1e-3, -0.3e-3, -0.3e-3, 0, 0, 0])
+    assert hooke(strain, STEEL)[:3] == pytest.approx([206e6, 0, 0], abs=1e-3)
+
+
+FILE = """
+title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  element_mm: 12
+  carried_mass_kg: 18
+  gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
+  cases:
+    - {name: up, force_N: [0, 0, 1000]}
+    - {name: standing, acceleration_g: [0, 0, 1]}
+  reinforced: {thickness_mm: 8}
+include: [unbalance]
+"""
+
+
+def test_the_command_judges_a_file(tmp_path):
+    (tmp_path / "a.yaml").write_text(FILE)
+    out = {k: str(tmp_path / f"out.{k}") for k in ("json", "vtu", "png", "html")}
+    args = ["bracket", str(tmp_path / "a.yaml"), "-q"]
+    done = CliRunner().invoke(cli, [*args, *(x for k, v in out.items() for x in (f"--{k}", v))])
+    assert done.exit_code == 0, done.output
+    found = json.loads((tmp_path / "out.json").read_text())
+    first, second = found["variants"]
+    assert (first["name"], second["name"]) == ("original", "reinforced")
+    assert second["mass_kg"] > first["mass_kg"]
+    names = [c["name"] for c in first["cases"]]
+    states = [f"as given: {k}" for k in ("static", "order 2", "combined", "peak")]
+    assert names == ["up", "standing", *states]
+    by = {c["name"]: c for c in first["cases"]}
+    # What the check knows of the bearing's forces comes through: the mean of the strain over
+    # the turn is that of the static case, and the peak exceeds the combined load.
+    low, high = by["as given: order 2"]["gauges"]["S1"].values()
+    assert low == pytest.approx(-high, rel=1e-6)
+    S1 = first["gauges"][0]["microstrain_per_unit"]
+    assert by["up"]["gauges"]["S1"]["max_microstrain"] == pytest.approx(1000 * S1[2])
+    at_rest = -18 * 9.80665 * S1[2] + 9.80665 * S1[8]
+    assert by["standing"]["gauges"]["S1"]["max_microstrain"] == pytest.approx(at_rest)
+    assert (
+        by["as given: peak"]["von_mises"]["value_MPa"]
+        > (by["as given: combined"]["von_mises"]["value_MPa"])
+    )
+    grid = ET.fromstring((tmp_path / "out.vtu").read_text())
+    piece = grid.find(".//Piece")
+    assert int(piece.get("NumberOfCells")) == first["elements"]
+    assert (tmp_path / "out-reinforced.vtu").exists()
+    assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+    scene = (tmp_path / "out.html").read_text()
+    drawn = json.loads(scene.split('type="application/json">')[1].split("</script>")[0])
+    points = np.frombuffer(base64.b64decode(drawn["variants"][0]["points"]), "<f4").reshape(-1, 3)
+    faces = np.frombuffer(base64.b64decode(drawn["variants"][0]["faces"]), "<u4")
+    assert faces.max() == len(points) - 1
+    assert points[:, 2].max() == pytest.approx(0.09, rel=1e-6)
+    assert "http" not in scene
+    assert "Reinforced" in done.output
+    assert "H1 at (" in done.output

@@ -1,0 +1,110 @@
+"""Drive CalculiX, an independent finite element program, on a mesh of ours."""
+
+import itertools
+import shutil
+import subprocess
+import time
+
+import numpy as np
+
+# Six-point rule of degree 4 on the triangle (Dunavant 1985).
+_A, _B = 0.445948490915965, 0.091576213509771
+_RULE = [
+    (w, place)
+    for w, a in ((0.223381589678011, _A), (0.109951743655322, _B))
+    for place in ((1 - 2 * a, a, a), (a, 1 - 2 * a, a), (a, a, 1 - 2 * a))
+]
+
+
+def installed():
+    return shutil.which("ccx") is not None
+
+
+def seat_loads(nodes, *, face="seat"):
+    """Nodal loads (6, n, 3) of unit forces and moments about the origin, spread linearly."""
+    faces = nodes.faces[nodes.face_names == face]
+    X = nodes.points[faces]
+    spread = np.zeros((6, len(nodes.points), 3))
+    for w, (a, b, c) in _RULE:
+        shape = np.array([a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1),
+                          4 * a * b, 4 * b * c, 4 * c * a])  # fmt: skip
+        by_r = np.array([1 - 4 * a, 4 * b - 1, 0, 4 * (a - b), 4 * c, -4 * c])
+        by_s = np.array([1 - 4 * a, 0, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)])
+        r, s, x = (np.einsum("k,fkx->fx", d, X) for d in (by_r, by_s, shape))
+        area = np.linalg.norm(np.cross(r, s), axis=-1) / 2 * w
+        for k in range(6):
+            axis = np.eye(3)[k % 3]
+            t = np.broadcast_to(axis, x.shape) if k < 3 else np.cross(axis, x)
+            np.add.at(spread[k], faces, shape[None, :, None] * (area[:, None] * t)[:, None])
+    moments = np.cross(nodes.points, spread).sum(axis=1)
+    resultants = np.concatenate([spread.sum(axis=1), moments], axis=1).T
+    return np.einsum("kj,knx->jnx", np.linalg.inv(resultants), spread)
+
+
+def deck(nodes, material, *, held, loads=(), modes=0):
+    """An input deck: static steps with nodal loads (n, 3) each, then natural frequencies."""
+    lines = ["*NODE,NSET=NALL"]
+    lines += [f"{k},{x:.12e},{y:.12e},{z:.12e}" for k, (x, y, z) in enumerate(nodes.points, 1)]
+    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
+    lines += [
+        f"{k}," + ",".join(map(str, e)) for k, e in enumerate((nodes.elements + 1).tolist(), 1)
+    ]
+    fixed = np.unique(nodes.faces[np.isin(nodes.face_names, held)]) + 1
+    lines += ["*NSET,NSET=FIX", *(f"{k}," for k in fixed)]
+    lines += [
+        "*MATERIAL,NAME=S", "*ELASTIC", f"{material.youngs_modulus:.12e},{material.poisson}",
+        "*DENSITY", f"{material.density}", "*SOLID SECTION,ELSET=EALL,MATERIAL=S",
+        "*BOUNDARY", "FIX,1,3",
+    ]  # fmt: skip
+    for load in loads:
+        lines += ["*STEP", "*STATIC", "*CLOAD,OP=NEW"]
+        lines += [
+            f"{n + 1},{c + 1},{load[n, c]:.12e}"
+            for n, c in zip(*np.nonzero(np.abs(load) > 1e-14), strict=True)
+        ]
+        lines += ["*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
+    if modes:
+        lines += ["*STEP", "*FREQUENCY", str(modes), "*NODE FILE", "U", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def run(text, folder, *, threads=2):
+    """Run a deck; return its static results [(u, stress), ...], frequencies Hz, seconds."""
+    (folder / "job.inp").write_text(text)
+    start = time.perf_counter()
+    done = subprocess.run(
+        ["ccx", "job"], cwd=folder, capture_output=True, text=True, check=False,
+        env={"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin"},
+    )  # fmt: skip
+    seconds = time.perf_counter() - start
+    assert (folder / "job.frd").exists(), done.stdout[-2000:]
+    blocks = list(_blocks(folder / "job.frd"))
+    static = [
+        (u, s) for (a, u), (b, s) in itertools.pairwise(blocks)
+        if a == "DISP" and b == "STRESS"
+    ]  # fmt: skip
+    return static[: text.count("*STATIC")], _frequencies(folder / "job.dat"), seconds
+
+
+def _blocks(path):
+    """Nodal results of a .frd file: name, and values in the order of the nodes."""
+    name, rows = None, []
+    for line in path.read_text().splitlines():
+        if line.startswith(" -4"):
+            name, rows = line[5:11].strip(), []
+        elif line.startswith(" -1") and name:
+            rows.append([float(line[k : k + 12]) for k in range(13, len(line.rstrip()), 12)])
+        elif line.startswith(" -3") and name:
+            yield name, np.array(rows)
+            name = None
+
+
+def _frequencies(path):
+    if not path.exists():
+        return np.array([])
+    found = []
+    for line in path.read_text().splitlines():
+        parts = line.split()
+        if len(parts) == 5 and parts[0].isdigit():
+            found.append(float(parts[3]))
+    return np.array(found)

@@ -1,0 +1,126 @@
+"""Elasticity against NAFEMS, The Standard NAFEMS Benchmarks, rev. 3 (1990): LE1, LE10, FV32."""
+
+import numpy as np
+import pytest
+
+from cardan.bracket.elastic import elastic, hooke, mesh
+from cardan.bracket.engine import engine
+from cardan.bracket.stress import von_mises
+from cardan.model.parts import Material
+
+pytestmark = pytest.mark.bracket
+
+STEEL = Material(name="NAFEMS steel", youngs_modulus=210e9, density=8000.0, poisson=0.3)
+YY, D = 1, np.array([2.0, 0.0])
+
+
+def quarter_ellipse(*thicknesses):
+    """The elliptic membrane of LE1 and LE10: layers of thickness on one another, faces named."""
+    occ = engine().occ
+    outer = occ.WorkPlane().Ellipse(3.25, 2.75).Face()
+    inner = occ.WorkPlane().Ellipse(2, 1).Face()
+    quarter = (outer - inner) * occ.MoveTo(0, 0).Rectangle(4, 4).Face()
+    layers, z = [], 0.0
+    for t in thicknesses:
+        layers.append(quarter.Move((0, 0, z)).Extrude(t * occ.Z))
+        z += t
+    body = occ.Glue(layers) if len(layers) > 1 else layers[0]
+    for face in body.faces:
+        c = face.center
+        flat = min(abs(c.z - s) for s in np.cumsum([0, *thicknesses])) < 1e-6
+        if abs(c.x) < 1e-8:
+            face.name = "x0"
+        elif abs(c.y) < 1e-8:
+            face.name = "y0"
+        elif flat:
+            face.name = {0.0: "bottom", round(z, 6): "top"}.get(round(c.z, 6), "inside")
+        else:
+            face.name = "outer" if (c.x / 3.25) ** 2 + (c.y / 2.75) ** 2 > 0.7 else "inner"
+    return body
+
+
+def stress_at(body, u, point):
+    place = body.locate([point])
+    assert place[0].distance < 1e-9
+    return hooke(body.strains_at(place, u[None]), body.material)[0, 0]
+
+
+def le1(size, degree):
+    shape = quarter_ellipse(0.05)  # half the plate: its middle plane does not move out
+    made = mesh(shape, size=size, degree=degree + 1)
+    body = elastic(made, STEEL, held={"x0": "x", "y0": "y", "bottom": "z"}, degree=degree)
+    ngs = engine().ngs
+    u = body.solve(body.traction("outer", 10e6 * ngs.specialcf.normal(3)))
+    return stress_at(body, u, (*D, 0.0))[YY] / 1e6
+
+
+def test_le1_tangential_stress_at_the_inner_ellipse():
+    """92.7 MPa in plane stress; the middle of a plate 0.1 m thick is 0.1 % stiffer than that."""
+    assert le1(0.3, 4) == pytest.approx(92.7, rel=3e-3)
+
+
+def le10(size, degree, at_point):
+    shape = quarter_ellipse(0.3, 0.3)
+    for edge in shape.edges:
+        c = edge.center
+        rim = (c.x / 3.25) ** 2 + (c.y / 2.75) ** 2 > 0.75
+        if abs(c.z - 0.3) < 1e-6 and rim and abs(c.x) > 1e-3 and abs(c.y) > 1e-3:
+            edge.name = "middle"
+    made = mesh(shape, size=size, degree=degree, finer=[((*D, 0.6), at_point)], grading=0.2)
+    body = elastic(
+        made, STEEL, degree=degree,
+        held={"x0": "x", "y0": "y", "outer": "xy"}, held_edges={"middle": "z"},
+    )  # fmt: skip
+    u = body.solve(body.traction("top", (0, 0, -1e6)))
+    return stress_at(body, u, (*D, 0.6))[YY] / 1e6
+
+
+def test_le10_tangential_stress_on_the_loaded_face():
+    """-5.38 MPa at D, printed to three digits; finer meshes scatter by 0.3 % about it."""
+    assert le10(0.4, 4, 0.1) == pytest.approx(-5.38, rel=3e-3)
+
+
+def test_fv32_natural_frequencies_of_a_tapered_membrane():
+    """Six in-plane modes, clamped at the root; the table's own mesh error is below 0.2 %."""
+    table = [44.623, 130.03, 162.70, 246.05, 379.90, 391.44]
+    occ = engine().occ
+    outline = occ.MoveTo(0, -2.5).LineTo(10, -0.5).LineTo(10, 0.5).LineTo(0, 2.5).Close()
+    shape = outline.Face().Extrude(0.025 * occ.Z)  # half of 0.05 m: symmetric about its middle
+    for face in shape.faces:
+        face.name = "root" if abs(face.center.x) < 1e-9 else "free"
+        if abs(face.center.z) < 1e-9:
+            face.name = "middle"
+    steel = Material(name="FV32", youngs_modulus=200e9, density=8000.0, poisson=0.3)
+    made = mesh(shape, size=0.8)
+    body = elastic(made, steel, held={"root": "xy", "middle": "z"}, degree=3)
+    found, shapes = body.modes(6)
+    assert found == pytest.approx(table, rel=2e-3)
+    # A mode's own definition: the elastic force of its shape is w² times its inertia.
+    for f, shape_ in zip(found, shapes, strict=True):
+        assert shape_ @ body.residual(shape_) == pytest.approx((2 * np.pi * f) ** 2, rel=1e-6)
+
+
+def test_plate_with_a_hole_in_tension():
+    """Gross stress concentration at a hole a tenth of the width, plane stress.
+
+    Heywood (1952): (2 + (1 - d/W)^3) / (1 - d/W) = 3.032. Pilkey, Peterson's Stress
+    Concentration Factors, 3rd ed., chart 4.1: 0.284 + 2/r - 0.6 r + 1.32 r^2 = 3.035 with
+    r = 1 - d/W. The fits claim 0.5 %.
+    """
+    occ = engine().occ
+    d, W, L, t = 0.01, 0.1, 0.15, 0.0005
+    plate = occ.MoveTo(0, 0).Rectangle(L, W / 2).Face() - occ.WorkPlane().Circle(d / 2).Face()
+    shape = plate.Extrude(t / 2 * occ.Z)
+    for face in shape.faces:
+        c = face.center
+        known = {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.x - L}
+        face.name = next((n for n, v in known.items() if abs(v) < 1e-8), "free")
+    made = mesh(shape, size=W / 8, degree=3, finer=[((0, d / 2, 0), d / 16)], grading=0.2)
+    body = elastic(made, STEEL, held={"x0": "x", "y0": "y", "z0": "z"}, degree=3)
+    u = body.solve(body.traction("pull", (1.0, 0, 0)))
+    stress = stress_at(body, u, (0, d / 2, 0.0))
+    r = 1 - d / W
+    for fit in ((2 + r**3) / r, 0.284 + 2 / r - 0.6 * r + 1.32 * r**2):
+        assert stress[0] == pytest.approx(fit, rel=5e-3)
+    # A free edge is uniaxial; what is left is the thickness, a twentieth of the hole.
+    assert von_mises(stress) == pytest.approx(stress[0], rel=0.01)
