@@ -29,7 +29,6 @@ JSON = click.option(
     flag_value="-",
     help="The JSON contract, into a file or (-, the default) on standard output.",
 )
-OUT = click.Path(dir_okay=False, path_type=Path)
 LANG = click.option(
     "--lang",
     type=click.Choice(["en", "pt", "it"]),
