@@ -9,7 +9,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check test bracket lint docs oracle bench clean
+.PHONY: check test bracket lint docs oracle office browser bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -34,6 +34,12 @@ bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; wit
 	@if command -v ccx >/dev/null; then $(BIN)/python -m pytest -q -m "bracket and oracle"; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
+office: $(VENV)/cardan-office $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
+	$(BIN)/python -m pytest -q -m office tests/office
+
+browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core  ## pages read in Chromium
+	$(BIN)/python -m pytest -q -m browser tests/browser
+
 bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles  ## performance, as ratios in one run
 	$(BIN)/python -m benchmarks
 
@@ -46,5 +52,8 @@ $(VENV)/cardan-%: $(VENV)/cardan
 	$(INSTALL) .[$*]
 	@touch $@
 
+node_modules/axe-core:
+	npm install --silent --no-save --no-package-lock axe-core@4.14.1
+
 clean:
-	rm -rf $(VENV) site build dist
+	rm -rf $(VENV) node_modules site build dist

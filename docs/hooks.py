@@ -148,7 +148,20 @@ def published() -> str:
     return "\n".join(rows)
 
 
+def reports() -> str:
+    """Return every example's report in every language, as pictures."""
+    pictures = sorted(Path("docs/reports").glob("*.png"))
+    languages = {"en": "English", "pt": "português", "it": "italiano"}
+    parts: list[str] = []
+    for picture in pictures:
+        name, code, _ = picture.name.split(".")
+        parts.append(f"![Report of {name}, {languages[code]}](reports/{picture.name})\n")
+        parts.append(f"*`examples/{name}.yaml`, {languages[code]}*\n")
+    return "\n".join(parts)
+
+
 WRITERS = {
+    "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
     "[[gallery]]": gallery,

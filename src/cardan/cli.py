@@ -29,6 +29,13 @@ JSON = click.option(
     flag_value="-",
     help="The JSON contract, into a file or (-, the default) on standard output.",
 )
+LANG = click.option(
+    "--lang",
+    type=click.Choice(["en", "pt", "it"]),
+    default="en",
+    show_default=True,
+    help="Language of what is written.",
+)
 
 
 def kindly(command: Command) -> Command:
@@ -67,39 +74,80 @@ def cli() -> None:
 
 
 @cli.command()
-@FILE
+@click.argument(
+    "files",
+    nargs=-1,
+    required=True,
+    metavar="FILE...",
+    type=click.Path(dir_okay=False, path_type=Path),
+)
 @JSON
+@click.option("--html", metavar="OUT", type=OUT, help="A page that needs nothing else.")
+@click.option("--pdf", metavar="OUT", type=OUT, help="A document to sign.")
+@click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
 @LIMITS
+@LANG
 @click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
-    file: Path, *, json_out: str | None, limits: str | None, every: bool, quiet: bool
+    files: tuple[Path, ...],
+    *,
+    json_out: str | None,
+    html: Path | None,
+    pdf: Path | None,
+    xlsx: Path | None,
+    limits: str | None,
+    lang: str,
+    every: bool,
+    quiet: bool,
 ) -> None:
-    """Hold an application against every limit, in every state.
+    """Hold an application against every limit, in every state; several files side by side.
 
     Exit code 0 where everything passes or warns, 1 where something fails, 2 for a bad file.
     """
     from cardan.report import terminal
+    from cardan.report.compare import Variant
+    from cardan.report.language import Language
     from cardan.study.assess import assess
     from cardan.study.sensitivity import sensitivities
 
-    found = assess(_read(file, limits))
+    say = Language(lang)
+    found = [assess(_read(file, limits)) for file in files]
+    variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
+    if xlsx and len(found) > 1:
+        raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     if json_out:
         from cardan.report import contract
 
-        _write_json(contract.assessment(found), json_out)
+        documents = [contract.assessment(a) for a in found]
+        _write_json(
+            documents[0] if len(found) == 1 else {"variants": documents},
+            json_out,
+        )
+    if html or pdf:
+        _report(files, variants, say=say, html=html, pdf=pdf)
+    if xlsx:
+        from cardan.report import workbook
+
+        _write(xlsx, workbook.workbook(found[0], say=say), say)
     if quiet:
-        _print(terminal.summary(found))
+        for one in found:
+            _print(terminal.summary(one, say))
     elif json_out != "-":
-        _print(terminal.assessment(found, helps=sensitivities(found), every=every))
-    raise SystemExit(1 if found.verdict == "fail" else 0)
+        if len(found) > 1:
+            _print(terminal.comparison(variants, say))
+        else:
+            helps = sensitivities(found[0])
+            _print(terminal.assessment(found[0], helps=helps, every=every, say=say))
+    raise SystemExit(1 if any(a.verdict == "fail" for a in found) else 0)
 
 
 @cli.command()
 @FILE
 @JSON
 @LIMITS
+@LANG
 @click.option("--line", help="Which line; by default the one with the worst check.")
 @click.option("--hold", multiple=True, metavar="WHAT", help="Leave in place, as in the file.")
 @click.option(
@@ -111,6 +159,7 @@ def fix(
     *,
     json_out: str | None,
     limits: str | None,
+    lang: str,
     line: str | None,
     hold: tuple[str, ...],
     count: int,
@@ -122,6 +171,7 @@ def fix(
     0 where a proposal stops every failure, else 1.
     """
     from cardan.report import terminal
+    from cardan.report.language import Language
     from cardan.study.fix import fix as search
 
     found = search(_read(file, limits), line=line, hold=hold, count=count)
@@ -130,7 +180,7 @@ def fix(
 
         _write_json(contract.proposals(found), json_out)
     if json_out != "-":
-        _print(terminal.proposals(found))
+        _print(terminal.proposals(found, Language(lang)))
     raise SystemExit(0 if any(p.verdict != "fail" for p in found) else 1)
 
 
@@ -233,17 +283,19 @@ def bracket(
 
 @cli.command()
 @click.argument("quantity", required=False)
+@LANG
 @kindly
-def explain(quantity: str | None) -> None:
+def explain(quantity: str | None, *, lang: str) -> None:
     """Say what QUANTITY is: equation, symbols, source, limits of use.
 
     By its key or its name; without one, list them all.
     """
     from cardan.base.quantities import QUANTITIES
     from cardan.report import terminal
+    from cardan.report.language import Language
 
     if quantity is None:
-        _print(f"{key:<28} {q.name}" for key, q in QUANTITIES.items())
+        _print(f"{key:<28} {q.named(lang)}" for key, q in QUANTITIES.items())
         return
     word = quantity.casefold()
     meant = [q for q in QUANTITIES.values() if word in _names(q)]
@@ -255,7 +307,7 @@ def explain(quantity: str | None) -> None:
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         _refuse(f"there is no quantity {quantity}{hint} (`cardan explain` lists them all)")
     for q in meant:
-        _print(terminal.explanation(q))
+        _print(terminal.explanation(q, Language(lang)))
 
 
 @cli.command()
@@ -327,6 +379,49 @@ def _read(file: Path, limits: str | None) -> Any:
     for warning in application.warnings:
         click.echo(f"warning: {warning.located(str(file))}", err=True)
     return application
+
+
+def _report(
+    paths: tuple[Path, ...], variants: list[Any], *, say: Any, html: Path | None, pdf: Path | None
+) -> None:
+    """Tell the story of one application, or of variants, on a page or in a document."""
+    from datetime import date
+    from hashlib import sha256
+
+    from cardan.report import story
+    from cardan.study.fix import fix as search
+    from cardan.study.sensitivity import sensitivities
+
+    contents = [p.read_bytes() for p in paths]
+    issue = story.Issue(
+        date=date.today().isoformat(),
+        files=tuple(p.name for p in paths),
+        prints=tuple(sha256(c).hexdigest()[:16] for c in contents),
+        texts=tuple(c.decode("utf-8-sig") for c in contents),
+    )
+    if len(variants) > 1:
+        told = story.comparison(variants, say=say, issue=issue)
+    else:
+        one = variants[0].assessment
+        helps = sensitivities(one)
+        fixes = search(one.application, count=3) if helps else ()
+        told = story.assessment(one, helps=helps, fixes=fixes, say=say, issue=issue)
+    if html:
+        from cardan.report.html import page
+
+        _write(html, page(told), say)
+    if pdf:
+        from cardan.report.pdf import document
+
+        _write(pdf, document(told), say)
+
+
+def _write(path: Path, content: str | bytes, say: Any) -> None:
+    """Write a report, and say so where it is not in the way of what is printed."""
+    from cardan import files
+
+    files.write(path, content, replace=True)
+    click.echo(say("{file} is written.", file=path), err=True)
 
 
 def _write_json(document: Any, out: str) -> None:

@@ -27,8 +27,8 @@ def starter(kind: str = "small") -> str:
     return (_FOLDER / f"{kind}.yaml").read_text(encoding="utf-8")
 
 
-def write(path: str | Path, text: str, *, replace: bool = False) -> Path:
-    """Write a text file whole or not at all, and return its path.
+def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> Path:
+    """Write a file whole or not at all, and return its path; text in UTF-8.
 
     Raises
     ------
@@ -38,8 +38,8 @@ def write(path: str | Path, text: str, *, replace: bool = False) -> Path:
     path = Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with part.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with part.open("xb") as file:
+            file.write(content.encode("utf-8") if isinstance(content, str) else content)
             file.flush()
             os.fsync(file.fileno())
         if replace:

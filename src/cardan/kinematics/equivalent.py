@@ -201,9 +201,8 @@ def ae7(
     Source: SAE AE-7, p. 50; odd yoke phases derived, confirmed against the exact chain.
     """
     xp, side, top, phases, speed = floats(side, top, phases, speed)
-    on = -xp.exp(2j * phases)
-    signs = accumulate((on[..., k] for k in range(on.shape[-1])), initial=1.0, func=mul)
-    steps = (s * (top[..., k] + 1j * side[..., k]) ** 2 for k, s in enumerate(signs))
+    terms = ae7_terms(side, top, phases=phases)
+    steps = (terms[..., k] for k in range(terms.shape[-1]))
     *shafts, pinion = accumulate(steps)
     released = [shaft - pinion for shaft in shafts]
 
@@ -226,6 +225,18 @@ def ae7(
         coast_torque=torque(released),
         irregularity=xp.sin(torsional.angle) * xp.tan(torsional.angle),
     )
+
+
+def ae7_terms(side: ArrayLike, top: ArrayLike, *, phases: ArrayLike) -> ComplexArray:
+    """Return what each joint adds to AE-7's phasor, s_k D_k² (..., n) rad², complex.
+
+    The arguments are those of `ae7`; the sum over the joints is P_n, the pinion's.
+    """
+    xp, side, top, phases = floats(side, top, phases)
+    on = -xp.exp(2j * phases)
+    signs = accumulate((on[..., k] for k in range(on.shape[-1])), initial=1.0, func=mul)
+    steps = [s * (top[..., k] + 1j * side[..., k]) ** 2 for k, s in enumerate(signs)]
+    return xp.stack(xp.broadcast_arrays(*steps), axis=-1)
 
 
 def in_plane(

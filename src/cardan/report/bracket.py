@@ -14,7 +14,8 @@ from cardan.base.errors import NotInstalled
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
-from cardan.report.terminal import BOLD, PLAIN, number
+from cardan.report.language import EN
+from cardan.report.terminal import BOLD, PLAIN
 from cardan.study.bracket import BracketStudy, Found, Judged, Outcome
 
 MICRO = 1e-6
@@ -53,7 +54,7 @@ def _columns(cells: list[str]) -> str:
 
 
 def _row(label: str, values: list[float]) -> str:
-    return f"{label:<34}{_columns([number(float(v)) for v in values])}"
+    return f"{label:<34}{_columns([EN.number(float(v)) for v in values])}"
 
 
 def _crossings(v: Judged) -> Iterator[str]:
@@ -62,8 +63,8 @@ def _crossings(v: Judged) -> Iterator[str]:
         yield f"{v.name}: no order 1, 2 or 4 meets a natural frequency within the speed range"
     for mode in dict.fromkeys(c.mode for c in met):
         some = [c for c in met if c.mode == mode]
-        at = ", ".join(f"order {c.order} at {number(c.speed / rpm)} rpm" for c in some)
-        yield f"{v.name}: frequency {mode}, {number(some[0].frequency)} Hz, meets {at}"
+        at = ", ".join(f"order {c.order} at {EN.number(c.speed / rpm)} rpm" for c in some)
+        yield f"{v.name}: frequency {mode}, {EN.number(some[0].frequency)} Hz, meets {at}"
 
 
 def _stresses(v: Judged) -> Iterator[str]:
@@ -101,7 +102,7 @@ def _readings(v: Judged, names: list[str]) -> Iterator[str]:
     head = "".join(f"{name:>18}" for name in names)
     yield f"{BOLD}{v.name + ', microstrain':<30}{head}{PLAIN}"
     for unit, column in zip(UNITS[:3], v.influence.T, strict=False):
-        cells = "".join(f"{number(b * kN / MICRO):>18}" for b in column)
+        cells = "".join(f"{EN.number(b * kN / MICRO):>18}" for b in column)
         yield f"{'per kN of ' + unit:<30}{cells}"
     for o in v.outcomes:
         cells = "".join(

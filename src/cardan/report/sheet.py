@@ -12,6 +12,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.quantities import QUANTITIES
 from cardan.kinematics.equivalent import Excitation
+from cardan.report.language import Language
 from cardan.study.response import Response
 
 
@@ -33,11 +34,11 @@ class Row:
         """Unit of the values as people write it."""
         return QUANTITIES[self.quantity].unit_name
 
-    def label(self, language: str = "en") -> str:
-        """Return the row's name with its part and, in brackets, its approximation."""
-        name = QUANTITIES[self.quantity].named(language)
-        part = f", {self.part}" if self.part else ""
-        return f"  ({self.method})" if self.method else f"{name}{part}"
+    def label(self, say: Language) -> str:
+        """Return the row's name with its part or, in brackets, its approximation."""
+        if self.method:
+            return f"  ({say(METHODS.get(self.method, self.method))})"
+        return say.list(say.name(self.quantity), say.part(self.part))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +73,21 @@ def sections(response: Response) -> tuple[Section, ...]:
     return tuple(s for s in kept if s.rows)
 
 
+def line_title(response: Response, say: Language) -> str:
+    """Return the heading of a line: its name, its shafts and joints."""
+    shafts = len(response.line.shafts)
+    said = (
+        "Line {line}: {shafts} shaft, {joints} joints"
+        if shafts == 1
+        else "Line {line}: {shafts} shafts, {joints} joints"
+    )
+    return say(said, line=response.line.name, shafts=shafts, joints=shafts + 1)
+
+
 def _row(quantity: str, values: ArrayLike, *, part: str = "", method: str = "") -> Row:
     """Return a row of SI values."""
     shown = np.asarray(values, dtype=float) / QUANTITIES[quantity].factor
-    return Row(quantity=quantity, values=shown, part=part, method=METHODS.get(method, method))
+    return Row(quantity=quantity, values=shown, part=part, method=method)
 
 
 def _each(quantity: str, kind: str, values: FloatArray) -> Iterator[Row]:

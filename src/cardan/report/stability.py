@@ -13,7 +13,8 @@ from cardan.base.quantities import QUANTITIES
 from cardan.base.units import rpm
 from cardan.base.verdict import GRADES, Check
 from cardan.report.contract import check
-from cardan.report.terminal import BOLD, COLOURS, PLAIN, number
+from cardan.report.language import EN
+from cardan.report.terminal import BOLD, COLOURS, PLAIN
 from cardan.study.stability import ORDERS, Stability, Vibration
 
 
@@ -36,7 +37,8 @@ def text(of: Stability, *, every: bool = False) -> Iterator[str]:
         sense = "outside" if c.limit.band else c.limit.sense
         yield (
             f"{_coloured(c.grade, 6)}{q.name:<34.33}{c.part:<24.23}{c.state:<24.23}"
-            f"{number(c.value / q.factor):>9}  {sense} {number(c.bound / q.factor)} {q.unit_name}"
+            f"{EN.number(c.value / q.factor):>9}  {sense} {EN.number(c.bound / q.factor)} "
+            f"{q.unit_name}"
         )
     for line in of.lines:
         yield from _line(line)
@@ -171,14 +173,14 @@ def _ticks(top: float) -> list[float]:
 def _assumed(of: Stability) -> Iterator[str]:
     s = of.surroundings
     gearbox = (
-        f"gearbox {number(s.gearbox_inertia)} kg m² on {number(s.gearbox_stiffness)} N m/rad"
+        f"gearbox {EN.number(s.gearbox_inertia)} kg m² on {EN.number(s.gearbox_stiffness)} N m/rad"
         if s.gearbox_inertia is not None and s.gearbox_stiffness is not None
         else "gearbox turning uniformly"
     )
-    spring = f" on {number(s.axle_stiffness)} N m/rad" if s.axle_stiffness else ""
+    spring = f" on {EN.number(s.axle_stiffness)} N m/rad" if s.axle_stiffness else ""
     yield (
-        f"Assumed: {gearbox}; axle {number(s.axle_inertia)} kg m²{spring}; damping ratio "
-        f"{number(s.damping_ratio)}; loss factor of the rubber {number(s.rubber_loss)}."
+        f"Assumed: {gearbox}; axle {EN.number(s.axle_inertia)} kg m²{spring}; damping ratio "
+        f"{EN.number(s.damping_ratio)}; loss factor of the rubber {EN.number(s.rubber_loss)}."
     )
 
 
@@ -187,16 +189,16 @@ def _line(of: Vibration) -> Iterator[str]:
     yield ""
     yield f"{BOLD}Line {of.line.name}{PLAIN}"
     for k, w in enumerate(of.frequencies, 1):
-        at = ", ".join(f"order {o} at {number(float(w) / o / rpm)} rpm" for o in ORDERS)
-        yield f"  mode {k}: {number(float(w) / (2 * pi))} Hz; {at}"
+        at = ", ".join(f"order {o} at {EN.number(float(w) / o / rpm)} rpm" for o in ORDERS)
+        yield f"  mode {k}: {EN.number(float(w) / (2 * pi))} Hz; {at}"
     for z in of.zones:
-        rate = number(float(z.growth.max()))
-        yield f"  {z.name}: at {number(z.speed / rpm)} rpm, largest growth {rate} 1/s"
+        rate = EN.number(float(z.growth.max()))
+        yield f"  {z.name}: at {EN.number(z.speed / rpm)} rpm, largest growth {rate} 1/s"
     for k, order in enumerate(ORDERS):
         at = np.unravel_index(of.amplitudes[:, k].argmax(), of.amplitudes[:, k].shape)
         yield (
-            f"  order {order}: up to {number(float(of.amplitudes[at[0], k, at[1]]))} N m, "
-            f"{of.states[int(at[0])]} at {number(float(of.speeds[at[1]]) / rpm)} rpm"
+            f"  order {order}: up to {EN.number(float(of.amplitudes[at[0], k, at[1]]))} N m, "
+            f"{of.states[int(at[0])]} at {EN.number(float(of.speeds[at[1]]) / rpm)} rpm"
         )
 
 

@@ -3,20 +3,30 @@
 Text is marked with colours; whoever prints it takes them out where there is no terminal.
 """
 
-import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from cardan.base.quantities import QUANTITIES
 from cardan.base.quantity import Quantity
-from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Check, Grade, Limit
-from cardan.model.application import Adjustable
-from cardan.report.sheet import Row, sections
+from cardan.base.verdict import GRADES, Check, Grade
+from cardan.report.compare import Variant, differences, effects
+from cardan.report.language import EN, Language
+from cardan.report.sheet import Row, line_title, sections
+from cardan.report.wording import (
+    badness,
+    counts,
+    move,
+    moves_that_help,
+    notes,
+    place,
+    problem,
+    sentence,
+    worst_of_each,
+)
 from cardan.study.assess import Assessment
-from cardan.study.fix import Move, Proposal
+from cardan.study.fix import Proposal
 from cardan.study.published import Published
 from cardan.study.response import Response
-from cardan.study.sensitivity import Effect, Sensitivity
+from cardan.study.sensitivity import Sensitivity
 
 LABEL = 44
 """Width of the names of rows."""
@@ -28,71 +38,90 @@ COLOURS: dict[Grade, str] = {"pass": "\x1b[32m", "warn": "\x1b[33m", "fail": "\x
 BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 
 
-def number(value: float) -> str:
-    """Return a number as an engineer writes it down: four figures."""
-    if math.isnan(value):
-        return "-"
-    if math.isinf(value):
-        return "∞" if value > 0 else "-∞"
-    if abs(value) < 5e-7:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    return f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}"
-
-
-def summary(of: Assessment) -> Iterator[str]:
+def summary(of: Assessment, say: Language = EN) -> Iterator[str]:
     """Yield the verdict in a line."""
-    checks = of.checks
-    counts = ", ".join(f"{sum(c.grade == g for c in checks)} {g}" for g in reversed(GRADES))
-    yield f"{_bold(of.application.title)}: {_graded(of.verdict, of.verdict.upper())} ({counts})"
+    verdict = _graded(of.verdict, say(of.verdict).upper())
+    yield f"{_bold(of.application.title)}: {verdict} ({counts(of.checks, say)})"
 
 
 def assessment(
-    of: Assessment, *, helps: Iterable[Sensitivity], every: bool = False
+    of: Assessment, *, helps: Iterable[Sensitivity], every: bool = False, say: Language = EN
 ) -> Iterator[str]:
     """Yield everything a check has to say, line by line of text.
 
     With `every` each check has its row; without, each limit has one, the worst.
     """
-    yield from summary(of)
-    yield f"limits: {of.application.profile}"
-    yield from _checks(of, every=every)
-    if of.unasked():
-        names = ", ".join(QUANTITIES[q].name.lower() for q in of.unasked())
-        yield f"Not asked, for want of data: {names}."
-    yield from (f"Note: {note}." for note in of.notes)
-    yield from _helps(tuple(helps), several=len(of.responses) > 1)
+    yield from summary(of, say)
+    yield say("limits: {profile}", profile=of.application.profile)
+    yield from _checks(of, say, every=every)
+    yield from notes(of, say)
+    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
     if of.application.bracket:
-        yield "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
+        yield say(
+            "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
+        )
     for response in of.responses:
-        yield from _line(response)
+        yield from _line(response, say)
 
 
-def proposals(of: tuple[Proposal, ...]) -> Iterator[str]:
+def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
+    """Yield variants side by side: verdicts, what differs in the input, each limit."""
+    yield _bold(say("Variants side by side"))
+    wide = 22
+    head = "".join(_fit(f"{k}. {v.name}", wide) for k, v in enumerate(of, 1))
+    yield f"{'':6}{'':40}{head}"
+    verdicts = "".join(
+        _graded(v.assessment.verdict, _fit(say(v.assessment.verdict).upper(), wide)) for v in of
+    )
+    yield f"{'':6}{_fit(say('verdict'), 40)}{verdicts}"
+    yield ""
+    yield _bold(say("What differs in the input"))
+    rows = differences(of, say)
+    for row in rows:
+        yield f"{'':6}{_fit(row.name, 40)}" + "".join(_fit(v, wide) for v in row.values)
+    if not rows:
+        yield "      " + say("nothing")
+    yield ""
+    yield _bold(say("What it does to each limit, where it is worst"))
+    for row in effects(of, say):
+        shown = "".join(
+            _graded(g, _fit(v, wide)) if g else _fit(v, wide)
+            for v, g in zip(row.values, row.grades, strict=True)
+        )
+        yield f"{'*' if row.changed else ' ':6}{_fit(row.name, 40)}{shown}"
+    yield say("* the verdict differs")
+
+
+def proposals(of: tuple[Proposal, ...], say: Language = EN) -> Iterator[str]:
     """Yield corrections, best first, with what each moves, costs and wins."""
     if not of:
-        yield "Nothing that may be moved changes any limit: see `adjust` in the application file."
+        yield say(
+            "Nothing that may be moved changes any limit: see `adjust` in the application file."
+        )
         return
-    yield f"Line {of[0].line}, smallest margin as installed {_percent(of[0].before)}."
-    yield "Cost is the share of the given ranges in use; a turned yoke counts 0.5."
+    before = say.percent(of[0].before)
+    yield say("Line {line}, smallest margin as installed {margin}.", line=of[0].line, margin=before)
+    yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
     for k, p in enumerate(of, 1):
         yield ""
-        verdict = _graded(p.verdict, f"{p.verdict:<4}")
-        yield f"{k}. {verdict}  smallest margin {_percent(p.margin)}, cost {p.cost:.2f}"
-        yield from (f"     {_move(m)}" for m in p.moves)
+        margin, cost = say.percent(p.margin), say.short(round(p.cost, 2))
+        won = say("smallest margin {margin}, cost {cost}", margin=margin, cost=cost)
+        yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
+        yield from (f"     {move(m, say)}" for m in p.moves)
         bad = [c for c in p.checks if c.grade != "pass"]
-        for c in _worst_of_each(bad)[:3]:
-            yield f"     still {_graded(c.grade, c.grade)}: {_sentence(c)}"
+        for c in worst_of_each(bad)[:3]:
+            grade = _graded(c.grade, say(c.grade))
+            yield "     " + say("still {grade}: {check}", grade=grade, check=sentence(c, say))
 
 
-def explanation(q: Quantity) -> Iterator[str]:
+def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     """Yield what a quantity is: equation, symbols, source, limits of use."""
-    yield f"{_bold(q.name)}  {q.symbol}" + (f" [{q.unit_name}]" if q.unit_name else "")
-    yield f"    {q.equation}"
-    yield from (f"      {symbol}: {meaning}" for symbol, meaning in q.where.items())
+    yield f"{_bold(q.named(say.code))}  {q.symbol}" + (f" [{q.unit_name}]" if q.unit_name else "")
+    yield f"    {say.given(q.equation)}"
+    yield from (f"      {symbol}: {say.given(meaning)}" for symbol, meaning in q.where.items())
     if q.use:
-        yield f"  Limits of use: {q.use}"
-    yield f"  Source: {q.source}"
+        yield f"  {say('Limits of use')}: {say.given(q.use)}"
+    yield f"  {say('Source')}: {q.source}"
     yield f"  Key: {q.key}; pt: {q.pt}; it: {q.it}"
 
 
@@ -107,117 +136,62 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
         yield f"{'':6}{'':2}{c.source}"
 
 
-def _checks(of: Assessment, *, every: bool) -> Iterator[str]:
+def _checks(of: Assessment, say: Language, *, every: bool) -> Iterator[str]:
     """Yield a table of checks, those that do not pass first, and the sources of its limits."""
-    rows = sorted(of.checks, key=_badness) if every else _worst_of_each(of.checks)
+    rows = sorted(of.checks, key=badness) if every else worst_of_each(of.checks)
     sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
     several = len(of.responses) > 1
+    wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
     yield _bold(
-        f"{'':6}{'limit':<36}{'where it is worst':<40}{'value':>9} {'':8}{'limit':<9}"
-        f"{'unit':<9}{'margin':>7}  source"
+        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 40)}"
+        f"{say('value'):>9} {'':8}{_fit(say('limit'), 9)}"
+        f"{_fit(say('unit'), 9)}{say('margin'):>7}  {say('source')}"
     )
     for c in rows:
         q = QUANTITIES[c.quantity]
-        where = c.state if c.part == "line" else f"{c.state}, {c.part}"
-        where = f"{c.line}: {where}" if several else where
-        sense = "outside" if c.limit.band else c.limit.sense
         yield (
-            f"{_graded(c.grade, f'{c.grade:<6}')}{_fit(q.name, 36)}{_fit(where, 40)}"
-            f"{number(c.value / q.factor):>9} {sense:<8}{_fit(number(c.bound / q.factor), 9)}"
-            f"{_fit(q.unit_name, 9)}{_percent(c.margin):>7}"
+            f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(q.named(say.code), 36)}"
+            f"{_fit(place(c, say, several=several), 40)}"
+            f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
+            f"{_fit(say.number(c.bound / q.factor), 9)}"
+            f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
             f"  [{sources.index(str(c.limit.source)) + 1}]"
         )
     yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
 
 
-def _helps(of: tuple[Sensitivity, ...], *, several: bool) -> Iterator[str]:
+def _sense(c: Check, say: Language) -> str:
+    """Return how a value stands to its limit, in characters of any terminal."""
+    return say("outside") if c.limit.band else c.limit.sense
+
+
+def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
     yield ""
-    yield _bold("What would help (each alone; `cardan fix` looks for the best together)")
+    yield _bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
     for one in of:
-        useful = [e for e in one.effects if one.gain(e) > 0][:3]
-        tried = "; ".join(_effect(one, e) for e in useful) or "nothing that can be moved"
-        states = f" ({len(one.states)} states)" if len(one.states) > 1 else ""
-        line = f"{one.check.line}: " if several else ""
-        yield f"  {line}{_sentence(one.check)}{states}"
-        yield f"      {tried}"
+        yield f"  {problem(one, say, several=several)}"
+        yield f"      {'; '.join(moves_that_help(one, say)) or say('nothing that can be moved')}"
 
 
-def _effect(one: Sensitivity, e: Effect) -> str:
-    """Return what one move does, the better way of the two."""
-    q = QUANTITIES[one.check.quantity]
-    limit = one.check.limit
-    better = max((e.back, -e.step), (e.forth, e.step), key=lambda t: float(
-        limit.margin(t[0], to="normal")))  # fmt: skip
-    value, step = better
-    moved = _move(Move(adjustable=e.adjustable, amount=step))
-    return f"{moved} gives {number(value / q.factor)}"
-
-
-def _line(r: Response) -> Iterator[str]:
+def _line(r: Response, say: Language) -> Iterator[str]:
     """Yield the numbers of one line, rows over states."""
-    states = r.demand.states
-    shafts = len(r.line.shafts)
     yield ""
-    yield _bold(f"Line {r.line.name}: {shafts} shaft{'s' * (shafts > 1)}, {shafts + 1} joints")
-    head = "".join(f"{_cut(s, COLUMN - 1):>{COLUMN}}" for s in states)
+    yield _bold(line_title(r, say))
+    head = "".join(f"{_cut(say.given(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
     for section in sections(r):
         yield ""
-        yield _bold(f"{_fit(section.title, LABEL)}{'':8}{head}")
-        yield from (_row(row) for row in section.rows)
+        yield _bold(f"{_fit(say(section.title), LABEL)}{'':8}{head}")
+        yield from (_row(row, say) for row in section.rows)
 
 
-def _row(row: Row) -> str:
+def _row(row: Row, say: Language) -> str:
     """Return a row of numbers."""
-    values = "".join(f"{number(v):>{COLUMN}}" for v in row.values)
-    return f"{_fit(row.label(), LABEL)}{_fit(row.unit, 8)}{values}"
-
-
-def _worst_of_each(checks: Iterable[Check]) -> list[Check]:
-    """Return the worst check of each limit, those that do not pass first."""
-    worst: dict[tuple[str, str, Limit], Check] = {}
-    for c in sorted(checks, key=_badness):
-        worst.setdefault((c.quantity, c.line, c.limit), c)
-    return sorted(worst.values(), key=_badness)
-
-
-def _badness(c: Check) -> tuple[int, float]:
-    return -GRADES.index(c.grade), c.margin
-
-
-def _sentence(c: Check) -> str:
-    """Return a check as a sentence: what, where, how much, against what."""
-    q = QUANTITIES[c.quantity]
-    part = "" if c.part == "line" else f", {c.part}"
-    return (
-        f"{q.name}{part} in {c.state}: {number(c.value / q.factor)} against "
-        f"{number(c.bound / q.factor)} {q.unit_name}"
-    ).rstrip()
-
-
-def _move(m: Move) -> str:
-    """Return a move in a workshop's words."""
-    a, amount = m.adjustable, m.amount
-    match a.what:
-        case "bearing_height":
-            way = "up" if amount > 0 else "down"
-            return f"bearing {a.part} {way} {abs(amount) / mm:g} mm"
-        case "bearing_side":
-            way = "to the right" if amount > 0 else "to the left"
-            return f"bearing {a.part} {way} {abs(amount) / mm:g} mm"
-        case "shim":
-            return f"pinion nose {'up' if amount > 0 else 'down'} {abs(amount) / deg:.3g} deg"
-        case "phase":
-            return f"rear yoke of shaft {a.part} turned {amount / deg:+.4g} deg"
-
-
-def movable(a: Adjustable) -> str:
-    """Return a thing that may be moved and how far, in a workshop's words."""
-    low = _move(Move(adjustable=a, amount=a.low))
-    return f"{low} to {_move(Move(adjustable=a, amount=a.high))}"
+    values = "".join(f"{say.number(v):>{COLUMN}}" for v in row.values)
+    return f"{_fit(row.label(say), LABEL)}{_fit(row.unit, 8)}{values}"
 
 
 def _fit(text: str, width: int) -> str:
@@ -228,11 +202,6 @@ def _fit(text: str, width: int) -> str:
 def _cut(text: str, width: int) -> str:
     """Return a text, cut where it is longer than a width."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
-
-
-def _percent(margin: float) -> str:
-    """Return a margin as a share in per cent, cut where it says nothing more."""
-    return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
 
 
 def _bold(text: str) -> str:

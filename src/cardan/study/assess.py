@@ -33,9 +33,14 @@ class Assessment:
         return worst([c.grade for c in self.checks])
 
     @property
+    def mismatches(self) -> tuple["RateMismatch", ...]:
+        """Springs whose drawing states a rate that is not that of its own table."""
+        return tuple(m for s in _suspensions(self.application) for m in _mismatches(s.spring))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the application should know: where it contradicts itself."""
-        return tuple(n for s in _suspensions(self.application) for n in _rate_notes(s.spring))
+        return tuple(str(m) for m in self.mismatches)
 
     def unasked(self) -> tuple[str, ...]:
         """Limits on what some line has, but that no number answered: something is not given."""
@@ -67,15 +72,31 @@ def _suspensions(application: Application) -> tuple[Suspension, ...]:
     return tuple(dict.fromkeys(s for s in every if s))
 
 
-def _rate_notes(spring: Spring) -> Iterator[str]:
+@dataclass(frozen=True, kw_only=True)
+class RateMismatch:
+    """A spring's stated rate, N/m, and how far it is from its table's, as a share of that."""
+
+    stated: float
+    apart: float
+
+    @property
+    def of_table(self) -> float:
+        """The table's own rate, N/m."""
+        return self.stated / (1 + self.apart)
+
+    def __str__(self) -> str:
+        """Return the mismatch as a sentence without its end."""
+        return (
+            f"a spring's stated rate of {self.stated * mm:.4g} N/mm is {100 * self.apart:+.1f} % "
+            f"from the {self.of_table * mm:.4g} N/mm of its own table, which counts"
+        )
+
+
+def _mismatches(spring: Spring) -> Iterator[RateMismatch]:
     """Yield where a drawing's stated rate is not that of its own table."""
     for stated, apart in zip(spring.stated_rates, rate_mismatch(spring), strict=True):
         if abs(apart) > MISMATCH:
-            of_table = stated / (1 + apart)
-            yield (
-                f"a spring's stated rate of {stated * mm:.4g} N/mm is {100 * apart:+.1f} % from "
-                f"the {of_table * mm:.4g} N/mm of its own table, which counts"
-            )
+            yield RateMismatch(stated=stated, apart=float(apart))
 
 
 @dataclass(frozen=True, kw_only=True)

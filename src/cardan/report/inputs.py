@@ -1,0 +1,223 @@
+"""What an application says, as rows of name and value: for reports and for comparing."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.quantities import QUANTITIES
+from cardan.base.units import N, deg, kg, kN, mm, rpm
+from cardan.base.verdict import Limit
+from cardan.model.application import Application, Installed, State
+from cardan.model.parts import Shaft
+from cardan.model.vehicle import LoadState, Suspension
+from cardan.report.language import Language
+
+
+@dataclass(frozen=True, kw_only=True)
+class Input:
+    """One thing given: in which group it stands, what it is called, what it says."""
+
+    group: str
+    name: str
+    value: str
+
+
+def inputs(of: Application, say: Language) -> tuple[Input, ...]:
+    """Return everything an application says, without what it leaves out."""
+    groups: list[tuple[str, Iterator[tuple[str, str]]]] = [
+        (say("Application"), _general(of, say)),
+        (say("Vehicle"), _vehicle(of, say)),
+        (say("Engine and gearbox"), _engine(of, say)),
+        (say("Suspension"), _suspension(of.suspension, say)),
+    ]
+    groups += [(say("Line {line}", line=one.line.name), _line(one, say)) for one in of.lines]
+    groups += [
+        (say("States"), _states(of, say)),
+        (say("Obstacles"), _obstacles(of, say)),
+        (say("Limits"), _limits(of, say)),
+    ]
+    return tuple(
+        Input(group=group, name=name, value=value)
+        for group, rows in groups
+        for name, value in rows
+        if value
+    )
+
+
+def _q(value: float | None, unit: float, name: str, say: Language) -> str:
+    """Return a value in a unit; empty where it is not given."""
+    return "" if value is None else f"{say.short(value / unit)} {name}".rstrip()
+
+
+def _each(values: object, unit: float, name: str, say: Language) -> str:
+    """Return a list of values in a unit."""
+    array = np.ravel(np.asarray(values, dtype=float)) / unit
+    apart = "; " if say.code != "en" else ", "
+    return f"{apart.join(say.short(v, 5) for v in array)} {name}".rstrip() if array.size else ""
+
+
+def _general(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    yield say("limit profile"), a.profile
+    yield say("shaft torque"), _q(a.torque, 1, "N·m", say)
+    yield say("coast torque"), _q(a.coast_torque, 1, "N·m", say)
+    yield say("shaft speed"), _q(a.speed, rpm, "rpm", say)
+    yield say("shock factor"), say.short(a.shock_factor)
+    yield say("prime mover factor"), say.short(a.prime_mover_factor)
+    both = (("gravity", a.include_gravity), ("unbalance", a.include_unbalance))
+    yield say("loads include"), say.list(*(say(name) for name, on in both if on))
+    for k, p in enumerate(a.duty, 1):
+        said = say.list(
+            f"{say.short(100 * p.share)} %",
+            _q(p.torque, 1, "N·m", say),
+            _q(p.speed, rpm, "rpm", say),
+            _q(p.angle, deg, "deg", say),
+        )
+        yield say("duty point {number}", number=k), said
+
+
+def _vehicle(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    v, t = a.vehicle, a.tyre
+    if v:
+        yield say("drive"), v.drive
+        yield say("wheelbase"), _q(v.wheelbase, mm, "mm", say)
+        yield say("share of the rear load that is driven"), _q(v.driven_share, 0.01, "%", say)
+        yield say("grade"), _q(v.grade, deg, "deg", say)
+        for load in v.loads:
+            yield say("load {name}", name=say.given(load.name)), _load(load, say)
+        for k, axle in enumerate(v.auxiliary, 1):
+            said = say.list(_q(axle.load, kN, "kN", say), _q(axle.behind_front, mm, "mm", say))
+            yield say("auxiliary axle {number}", number=k), said
+    if t:
+        yield say("tyre, static radius"), _q(t.static_radius, mm, "mm", say)
+        yield say("tyre, friction"), say.short(t.friction)
+
+
+def _load(load: LoadState, say: Language) -> str:
+    rows = (
+        ("mass", load.mass, kg, "kg"),
+        ("front axles", load.front_load, kN, "kN"),
+        ("rear axles", load.rear_load, kN, "kN"),
+        ("centre of gravity behind the front axle", load.cg_behind_front, mm, "mm"),
+        ("height of the centre of gravity", load.cg_height, mm, "mm"),
+    )
+    return "; ".join(f"{say(n)} {_q(v, u, w, say)}" for n, v, u, w in rows if v is not None)
+
+
+def _engine(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    e, g = a.engine, a.gearbox
+    if e:
+        yield say("engine speed"), _each(e.speed, rpm, "rpm", say)
+        yield say("engine torque"), _each(e.torque, 1, "N·m", say)
+        yield say("engine brake torque"), _q(e.brake_torque or None, 1, "N·m", say)
+    if g:
+        yield say("gear ratios"), _each(g.ratios, 1, "", say)
+        yield say("gearbox efficiency"), say.short(g.efficiency)
+        yield say("converter torque ratio"), say.short(g.converter_ratio)
+        yield say("transfer case, low range"), say.short(g.transfer_ratio)
+
+
+def _suspension(s: Suspension | None, say: Language) -> Iterator[tuple[str, str]]:
+    if s is None:
+        return
+    yield say("spring load"), _each(s.spring.load, N, "N", say)
+    yield say("spring deflection"), _each(s.spring.deflection, mm, "mm", say)
+    yield say("springs per axle"), str(s.springs_per_axle)
+    yield say("unsprung mass"), _q(s.unsprung_mass, kg, "kg", say)
+    yield say("equivalent link radius"), _q(s.linkage.radius, mm, "mm", say)
+    yield say("link angle"), _q(s.linkage.angle, deg, "deg", say)
+    yield say("pitch rate"), _q(s.linkage.pitch_rate or None, deg / mm, "deg/mm", say)
+    yield say("linkage table, travel"), _each(s.linkage.travel, mm, "mm", say)
+    yield say("wind-up stiffness"), _q(s.windup_stiffness, 1e3 / deg, "kN·m/deg", say)
+    yield say("brake torque on the axle"), _q(s.brake_torque or None, 1, "N·m", say)
+    yield say("reference state"), say.given(s.reference)
+    yield say("deflection at full rebound"), _q(s.full_rebound_deflection, mm, "mm", say)
+    yield say("deflection at jounce"), _q(s.jounce_deflection, mm, "mm", say)
+
+
+def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
+    line, layout = of.line, of.layout
+    if of.axle:
+        yield say("axle ratio"), say.short(of.axle.ratio)
+        yield say("axle efficiency"), say.short(of.axle.efficiency)
+    if of.torque_ratio != 1 or (of.axle and of.axle.torque_share != 1):
+        share = of.torque_ratio * (of.axle.torque_share if of.axle else 1.0)
+        yield say("share of the torque"), say.short(share)
+    yield say("side slopes of the members"), _each(layout.side, deg, "deg", say)
+    yield say("top slopes of the members"), _each(layout.top, deg, "deg", say)
+    joints = [j.name if j else "-" for j in line.joints]
+    yield say("joints"), joints[0] if len(set(joints)) == 1 else say.list(*joints)
+    for k, shaft in enumerate(line.shafts):
+        part = say.part(f"shaft {k + 1}")
+        for name, value in _shaft(shaft, float(layout.lengths[k]), say):
+            yield f"{part}, {name}", value
+
+
+def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
+    yield say("length"), _q(length, mm, "mm", say)
+    if s.tube:
+        size = f"{say.short(s.tube.outer / mm)} × {say.short(s.tube.wall / mm)} mm"
+        yield say("tube"), say.list(size, s.tube.material.name)
+    yield say("yoke phase"), _q(s.phase, deg, "deg", say)
+    b = s.centre_bearing
+    if b:
+        yield say("centre bearing ahead of the rear joint"), _q(b.from_rear_joint, mm, "mm", say)
+        if b.stiffness:
+            yield (
+                say("bearing stiffness, vertical and lateral"),
+                _each(b.stiffness, 1 / mm, "N/mm", say),
+            )
+    if s.spline:
+        yield say("spline plunge"), _q(s.spline.plunge, mm, "mm", say)
+        yield say("spline draw"), _q(s.spline.draw, mm, "mm", say)
+    yield (
+        say("yoke masses, front and rear"),
+        _each(s.yoke_mass, kg, "kg", say) if any(s.yoke_mass) else "",
+    )
+    yield say("balance grade"), f"G{say.short(s.balance_grade)}" if s.balance_grade else ""
+
+
+def _states(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    for s in a.states:
+        yield say.given(s.name), _state(s, say) or say("as given")
+
+
+def _state(s: State, say: Language) -> str:
+    rows = (
+        ("axle travel", s.travel, mm, "mm"),
+        ("pinion pitch", s.pitch, deg, "deg"),
+        ("torque", s.torque, 1.0, "N·m"),
+        ("speed", s.speed, rpm, "rpm"),
+    )
+    said = [f"{say(n)} {_q(v, u, w, say)}" for n, v, u, w in rows if v is not None]
+    placed = [say("placed by the suspension")] if s.kind else []
+    own = [say("own geometry")] if s.layouts else []
+    load = [say("load {name}", name=say.given(s.load))] if s.load else []
+    return "; ".join([*placed, *load, *said, *own])
+
+
+def _obstacles(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    for o in a.obstacles:
+        ends = " → ".join(f"({'; '.join(say.short(v / mm) for v in p)})" for p in (o.start, o.end))
+        said = f"{ends} mm, {say('radius')} {say.short(o.radius / mm)} mm"
+        share = f", {say('share of the axle travel')} {say.short(o.travel_share)}"
+        yield o.name, said + (share if o.travel_share else "")
+
+
+def _limits(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    for limit in a.limits:
+        yield say.name(limit.quantity), _limit(limit, say)
+
+
+def _limit(limit: Limit, say: Language) -> str:
+    q = QUANTITIES[limit.quantity]
+    sense = {"<=": "≤", ">=": "≥"}[limit.sense]
+    shown = [
+        f"{say(name)} {sense} {say.short(bound / q.factor)}"
+        for name, bound in (("normal", limit.normal), ("maximum", limit.maximum))
+        if bound is not None
+    ]
+    if limit.band:
+        low, high = (say.short(b / q.factor) for b in limit.band)
+        shown.append(say("outside {low} … {high}", low=low, high=high))
+    return f"{'; '.join(shown)} {q.unit_name}".rstrip()

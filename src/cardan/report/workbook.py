@@ -1,0 +1,1056 @@
+"""The parametric workbook: AE-7, torque, bearing loads, critical speed and life as formulas.
+
+For whoever has no Python: an angle, a length, a torque or a speed changed in the sheet of
+inputs or of states changes every result. What needs the exact chain stands beside it as
+values, marked so. Columns of states are the same in every sheet, so a formula reads down
+its own column.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any, TypeAlias
+from zipfile import ZIP_DEFLATED, ZipFile
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.quantities import QUANTITIES
+from cardan.base.units import GPa, MPa, deg, mm, rpm
+from cardan.base.verdict import Limit
+from cardan.kinematics.equivalent import Excitation
+from cardan.loads import loads
+from cardan.model.application import Application
+from cardan.report.extra import needed
+from cardan.report.language import Language
+from cardan.report.sheet import sections
+from cardan.report.wording import cited
+from cardan.shaft.life import life_rating
+from cardan.study.assess import Assessment, asked
+from cardan.study.response import PASSING, Response
+
+FIRST = 4
+"""Number of the first state's column: E."""
+
+EMPTY = '""'
+"""No number, in a formula."""
+
+Cell: TypeAlias = float | str | None
+"""A value, a formula (it begins with =), or nothing."""
+
+Check: TypeAlias = dict[str, Any]
+"""What a cell may hold, as XlsxWriter takes it."""
+
+POSITIVE: Check = {"validate": "decimal", "criteria": ">", "value": 0}
+NOT_NEGATIVE: Check = {"validate": "decimal", "criteria": ">=", "value": 0}
+SHARE: Check = {"validate": "decimal", "criteria": "between", "minimum": 0.01, "maximum": 1}
+SLOPE: Check = {"validate": "decimal", "criteria": "between", "minimum": -60, "maximum": 60}
+PHASE: Check = {"validate": "decimal", "criteria": "between", "minimum": -180, "maximum": 180}
+SWITCH: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 1}
+FRICTION: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 2}
+
+
+def workbook(of: Assessment, *, say: Language) -> bytes:
+    """Return the workbook of an application, all its lines, as an .xlsx file.
+
+    Raises
+    ------
+    MissingExtra
+        If XlsxWriter is not installed.
+    """
+    xlsxwriter = needed("xlsxwriter")
+    raw = BytesIO()
+    book = _Book(xlsxwriter.Workbook(raw, {"in_memory": True}), say)
+    several = len(of.responses) > 1
+    inputs = book.sheet(say("Inputs"))
+    _general(inputs, of.application)
+    for r in of.responses:
+        _line_inputs(inputs, r, tag=_tag(r, several=several))
+    for r in of.responses:
+        end = f" {r.line.name}" if several else ""
+        line = _Line(book, r, tag=_tag(r, several=several), end=end)
+        line.write()
+    book.file.close()
+    return _computed_anew(raw.getvalue())
+
+
+def _tag(r: Response, *, several: bool) -> str:
+    """Return what begins the names of a line's cells."""
+    return re.sub(r"\W", "_", r.line.name) + "_" if several else ""
+
+
+def _computed_anew(data: bytes) -> bytes:
+    """Return a workbook without the zeros that stand for results nobody has computed yet.
+
+    A spreadsheet may believe the results in a file; one that is missing it computes.
+    """
+    out = BytesIO()
+    with ZipFile(BytesIO(data)) as old, ZipFile(out, "w", ZIP_DEFLATED) as new:
+        for item in old.infolist():
+            content = old.read(item)
+            if item.filename.startswith("xl/worksheets/sheet"):
+                content = content.replace(b"</f><v>0</v>", b"</f>")
+            new.writestr(item, content)
+    return out.getvalue()
+
+
+class _Book:
+    """A workbook being written, its formats and the names of its cells."""
+
+    def __init__(self, file: Any, say: Language) -> None:
+        self.file, self.say = file, say
+        self.names: set[str] = set()
+        base = {"font_name": "Calibri", "font_size": 10, "valign": "top"}
+
+        def style(**more: object) -> Any:
+            return file.add_format({**base, **more})
+
+        self.plain = style()
+        self.wrapped = style(font_color="#55606D", font_size=9)
+        self.title = style(bold=True, font_size=14)
+        self.head = style(bold=True, bottom=1, text_wrap=True)
+        self.section = style(bold=True, bg_color="#E3EAF1")
+        self.heads = style(bold=True, bg_color="#E3EAF1", align="right", text_wrap=True)
+        self.input = style(
+            bg_color="#FFF8DC",
+            font_color="#0000AA",
+            border=1,
+            border_color="#D5C98F",
+            num_format="0.######",
+        )
+        self.formula = style(num_format="0.0000")
+        self.result = style(num_format="0.000", bold=True)
+        self.exact = style(num_format="0.000", italic=True, font_color="#55606D")
+        self.verdict = style(bold=True, align="center")
+        self.graded = {
+            "fail": file.add_format({"bg_color": "#F6C9C4", "font_color": "#8E1B12"}),
+            "warn": file.add_format({"bg_color": "#FBE7B2", "font_color": "#6B4A00"}),
+            "pass": file.add_format({"bg_color": "#D3F0DA", "font_color": "#13602A"}),
+        }
+
+    def sheet(self, name: str) -> "_Sheet":
+        """Return a new sheet."""
+        name = re.sub(r"[\[\]:*?/\\]", " ", name)[:31]
+        sheet = self.file.add_worksheet(name)
+        sheet.set_landscape()
+        sheet.set_paper(9)  # A4
+        sheet.fit_to_pages(1, 0)
+        sheet.hide_gridlines(2)
+        return _Sheet(self, sheet, name)
+
+
+class _Sheet:
+    """A sheet being written from top to bottom."""
+
+    def __init__(self, book: _Book, sheet: Any, name: str) -> None:
+        self.book, self.sheet, self.name, self.row = book, sheet, name, 0
+
+    def title(self, text: str, notes: Sequence[str] = ()) -> None:
+        """Write the sheet's title and what to know about it."""
+        self.sheet.write_string(self.row, 0, text, self.book.title)
+        for note in notes:
+            self.row += 1
+            self.sheet.write_string(self.row, 0, note, self.book.wrapped)
+        self.row += 2
+
+    def section(self, text: str, heads: Sequence[str] = ()) -> None:
+        """Write a heading over the rows that follow."""
+        self.row += 1
+        width = max(FIRST + 1, len(heads))
+        for k in range(width):
+            said = text if k == 0 else heads[k] if k < len(heads) else ""
+            style = self.book.heads if k >= FIRST else self.book.section
+            self.sheet.write_string(self.row, k, said, style)
+        self.row += 1
+
+    def put(
+        self,
+        label: str,
+        unit: str,
+        cells: Sequence[Cell],
+        *,
+        style: Any,
+        texts: tuple[str, str] = ("", ""),
+        values: FloatArray | None = None,
+        name: str = "",
+        allow: Check | None = None,
+        first: int = FIRST,
+    ) -> int:
+        """Write a row of cells with label, unit and two texts; return its number from 1.
+
+        `values` are what formulas give for the inputs written, `name` names the cells, and
+        `allow` says what may be typed into them.
+        """
+        row, sheet = self.row, self.sheet
+        for k, text in enumerate((label, unit, *texts)):
+            if text:
+                sheet.write_string(row, k, text, self.book.plain if k < 2 else self.book.wrapped)
+        for k, cell in enumerate(cells):
+            if isinstance(cell, str) and cell.startswith("="):
+                known = 0 if values is None or not np.isfinite(values[k]) else float(values[k])
+                sheet.write_formula(row, first + k, cell, style, known)
+            elif isinstance(cell, str):
+                sheet.write_string(row, first + k, cell, style)
+            elif cell is None or not np.isfinite(cell):
+                sheet.write_blank(row, first + k, None, style)
+            else:
+                sheet.write_number(row, first + k, float(cell), style)
+        last = first + max(len(cells), 1) - 1
+        if allow:
+            sheet.data_validation(
+                row,
+                first,
+                row,
+                last,
+                {
+                    "ignore_blank": True,
+                    "error_title": "cardan",
+                    **allow,
+                    "error_message": f"{label[:120]}: {_allowed(allow)}",
+                },
+            )
+        if name and name not in self.book.names:  # a second limit asks in a second row
+            self.book.names.add(name)
+            start, end = (f"${column(k)}${row + 1}" for k in (first, last))
+            place = start if start == end else f"{start}:{end}"
+            self.book.file.define_name(name, f"='{self.name}'!{place}")
+        self.row += 1
+        return row + 1
+
+
+def _allowed(check: Check) -> str:
+    """Return what a cell may hold, in signs."""
+    if "minimum" in check:
+        return f"{check['minimum']} … {check['maximum']}"
+    return f"{check['criteria']} {check['value']}"
+
+
+def column(number: int) -> str:
+    """Return the letters of a column, 0 is A."""
+    letters = ""
+    number += 1
+    while number:
+        number, rest = divmod(number - 1, 26)
+        letters = chr(65 + rest) + letters
+    return letters
+
+
+def _general(sheet: _Sheet, a: Application) -> None:
+    """Write what all lines share."""
+    say, book = sheet.book.say, sheet.book
+    sheet.sheet.set_column(0, 0, 46)
+    sheet.sheet.set_column(1, 3, 11)
+    sheet.sheet.set_column(FIRST, FIRST + 12, 11)
+    sheet.title(
+        a.title,
+        (
+            say("Driveline workbook: change what is coloured, and every result follows."),
+            say(
+                "Limits: {profile}. Positive slopes run down and to the right going rearward.",
+                profile=a.profile,
+            ),
+        ),
+    )
+
+    def put(
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+    ) -> None:
+        sheet.put(label, unit, cells, style=book.input, name=name, allow=allow)
+
+    engine, gearbox, tyre = a.engine, a.gearbox, a.tyre
+    sheet.section(say("Engine and gearbox"))
+    put(
+        say("engine speed"),
+        "rpm",
+        [v / rpm for v in engine.speed] if engine else [None],
+        "engine_speeds",
+    )
+    put(say("engine torque"), "N·m", list(engine.torque) if engine else [None], "engine_torques")
+    put(say("gear ratios"), "", list(gearbox.ratios) if gearbox else [1.0], "gear_ratios")
+    put(
+        say("gearbox efficiency"),
+        "",
+        [gearbox.efficiency if gearbox else 1.0],
+        "gearbox_efficiency",
+        SHARE,
+    )
+    put(
+        say("converter torque ratio"),
+        "",
+        [gearbox.converter_ratio if gearbox else 1.0],
+        "converter_ratio",
+    )
+    put(
+        say("transfer case, low range"),
+        "",
+        [gearbox.transfer_ratio if gearbox else 1.0],
+        "transfer_ratio",
+    )
+    sheet.section(say("Application"))
+    put(
+        say("torque at the gearbox output, where given"),
+        "N·m",
+        [a.torque],
+        "torque_given",
+        NOT_NEGATIVE,
+    )
+    put(
+        say("speed of the gearbox output, where given"),
+        "rpm",
+        [None if a.speed is None else a.speed / rpm],
+        "speed_given",
+    )
+    put(say("shock factor"), "", [a.shock_factor], "shock_factor")
+    put(say("prime mover factor"), "", [a.prime_mover_factor], "prime_mover_factor")
+    put(say("tyre, friction"), "", [tyre.friction if tyre else None], "tyre_friction", FRICTION)
+    put(
+        say("tyre, static radius"), "mm", [tyre.static_radius / mm if tyre else None], "tyre_radius"
+    )
+    if a.duty:
+        sheet.section(say("Duty cycle"))
+        put(
+            say("share of the life"),
+            "%",
+            [100 * p.share for p in a.duty],
+            "duty_shares",
+            NOT_NEGATIVE,
+        )
+        put(say("shaft torque"), "N·m", [p.torque for p in a.duty], "duty_torques", NOT_NEGATIVE)
+        put(say("shaft speed"), "rpm", [p.speed / rpm for p in a.duty], "duty_speeds", NOT_NEGATIVE)
+        put(
+            say("joint angle, where given"),
+            "deg",
+            [None if p.angle is None else p.angle / deg for p in a.duty],
+            "duty_angles",
+            NOT_NEGATIVE,
+        )
+        up = sheet.row
+        work = [
+            f"={column(k)}{up - 3}/100*{column(k)}{up - 1}*ABS({column(k)}{up - 2})^(10/3)"
+            for k in range(FIRST, FIRST + len(a.duty))
+        ]
+        sheet.put(
+            say("wear without angle"),
+            "",
+            work,
+            style=book.formula,
+            name="duty_work",
+            texts=("p n T^(10/3)", ""),
+        )
+
+
+def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
+    """Write what belongs to one line but not to a state of it."""
+    say, book, line, installed = sheet.book.say, sheet.book, r.line, r.demand.installed
+    axle = installed.axle
+    share = installed.torque_ratio * (axle.torque_share if axle else 1.0)
+
+    def put(
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+    ) -> None:
+        sheet.put(label, unit, cells, style=book.input, name=tag + name, allow=allow)
+
+    sheet.section(say("Line {line}", line=line.name))
+    put(say("share of the torque"), "", [share], "torque_share", NOT_NEGATIVE)
+    put(say("line speed over gearbox speed"), "", [installed.speed_ratio], "speed_ratio")
+    put(say("axle ratio"), "", [axle.ratio if axle else None], "axle_ratio")
+    put(say("axle efficiency"), "", [axle.efficiency if axle else None], "axle_efficiency", SHARE)
+    joints = [say.part(f"joint {k}") for k in range(1, line.joint_count + 1)]
+    sheet.section(say("Joints"), ["", "", "", "", *joints])
+    ratings = [life_rating(size) if size else None for size in r.sizes]
+    put(say("bearing rating Td"), "N·m", ratings, "joint_ratings")
+    shafts = [say.part(f"shaft {k}") for k in range(1, line.joint_count)]
+    sheet.section(say("Shafts"), ["", "", "", "", *shafts])
+    tubes = [s.tube for s in line.shafts]
+    put(
+        say("tube, outside diameter"),
+        "mm",
+        [t.outer / mm if t else None for t in tubes],
+        "tube_outer",
+    )
+    put(say("tube, wall"), "mm", [t.wall / mm if t else None for t in tubes], "tube_wall")
+    put(
+        say("Young's modulus"),
+        "GPa",
+        [t.material.youngs_modulus / GPa if t else None for t in tubes],
+        "tube_modulus",
+    )
+    put(say("density"), "kg/m³", [t.material.density if t else None for t in tubes], "tube_density")
+    strengths = [t.material.yield_strength if t else None for t in tubes]
+    put(
+        say("yield strength"),
+        "MPa",
+        [None if s is None else s / MPa for s in strengths],
+        "tube_yield",
+    )
+    put(say("yoke phase"), "deg", [s.phase / deg for s in line.shafts], "yoke_phases", PHASE)
+    put(say("polar inertia"), "kg·m²", [s.polar_inertia for s in line.shafts], "polar_inertias")
+    ahead = [
+        s.centre_bearing.from_rear_joint / mm if s.centre_bearing else None for s in line.shafts
+    ]
+    put(say("centre bearing ahead of the rear joint"), "mm", ahead, "bearing_offsets", NOT_NEGATIVE)
+
+
+@dataclass
+class _Result:
+    """A row of results: its quantity, its part, and the row of the calculation it shows."""
+
+    quantity: str
+    part: str
+    row: int
+    values: FloatArray | None
+
+
+_Complex: TypeAlias = tuple[str, str]
+"""A complex number of formulas: its real and its imaginary part."""
+
+
+def _turned(of: _Complex, angle: str, *, after: Sequence[_Complex] = ()) -> _Complex:
+    """Return a complex number turned by an angle, added to one before it if there is one."""
+    re_, im_ = (f"{p}+" for p in after[0]) if after else ("", "")
+    (a, b), cos, sin = of, f"COS({angle})", f"SIN({angle})"
+    return f"{re_}{a}*{cos}-{b}*{sin}", f"{im_}{a}*{sin}+{b}*{cos}"
+
+
+def _modulus(of: _Complex) -> str:
+    """Return the size of a complex number."""
+    return f"SQRT({of[0]}^2+{of[1]}^2)"
+
+
+class _Line:
+    """The sheets of one line: its states, the calculation, the results."""
+
+    def __init__(self, book: _Book, response: Response, *, tag: str, end: str) -> None:
+        self.book, self.r, self.tag = book, response, tag
+        say = self.say = book.say
+        self.n = response.line.joint_count
+        self.count = len(response.demand.states)
+        self.columns = [column(FIRST + s) for s in range(self.count)]
+        self.states = book.sheet(say("States") + end)
+        self.sheet = book.sheet(say("Calculation") + end)
+        self.results = book.sheet(say("Results") + end)
+        self.found: list[_Result] = []
+        for one in (self.states, self.sheet, self.results):
+            one.sheet.set_column(0, 0, 46)
+            one.sheet.set_column(1, 1, 9)
+            one.sheet.set_column(2, 3, 12 if one is not self.sheet else 34)
+            one.sheet.set_column(FIRST, FIRST + self.count, 13)
+
+    def write(self) -> None:
+        """Write all three."""
+        self._states()
+        self._calculation()
+        self._results()
+
+    def _heads(self) -> list[str]:
+        return [self.say.given(s) for s in self.r.demand.states]
+
+    # States
+
+    def _given(self, label: str, unit: str, values: Sequence[Cell], name: str, allow: Check) -> int:
+        return self.states.put(
+            label, unit, values, style=self.book.input, name=self.tag + name, allow=allow
+        )
+
+    def _states(self) -> None:
+        """Write geometry, torque and speed of every state."""
+        r, say, sheet = self.r, self.say, self.states
+        sheet.title(
+            say("States of line {line}", line=r.line.name),
+            (say("Geometry as the suspension places it: values that may be changed by hand."),),
+        )
+        heads = ["", "", "", "", *self._heads()]
+        sheet.section(say("side slopes of the members"), heads)
+        members = [
+            say("gearbox"),
+            *(say.part(f"shaft {k}") for k in range(1, self.n)),
+            say("pinion"),
+        ]
+        side, top = r.layout.side / deg, r.layout.top / deg
+        self.side = [
+            self._given(m, "deg", side[:, k].tolist(), f"side_{k}", SLOPE)
+            for k, m in enumerate(members)
+        ]
+        sheet.section(say("top slopes of the members"), heads)
+        self.top = [
+            self._given(m, "deg", top[:, k].tolist(), f"top_{k}", SLOPE)
+            for k, m in enumerate(members)
+        ]
+        sheet.section(say("length"), heads)
+        lengths = r.layout.lengths / mm
+        self.lengths = [
+            self._given(members[k + 1], "mm", lengths[:, k].tolist(), f"length_{k + 1}", POSITIVE)
+            for k in range(self.n - 1)
+        ]
+        sheet.section(say("Demand"), heads)
+        own = r.application.states
+        torques: list[Cell] = [
+            '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque
+            for s in own
+        ]
+        # The torque that winds an axle up is that of the lowest gear, and so is the speed.
+        low = (
+            'IF(COUNT(engine_speeds)=0,"",'
+            "MAX(engine_speeds)/(MAX(gear_ratios)*MAX(1,transfer_ratio)))"
+        )
+        speeds: list[Cell] = [
+            f"=IF(ISNUMBER(speed_given),speed_given,{low if s.kind == 'windup' else EMPTY})"
+            if s.speed is None
+            else s.speed / rpm
+            for s in own
+        ]
+        self.torque_given = self._given(
+            say("torque at the gearbox output, where given"),
+            "N·m",
+            torques,
+            "state_torques",
+            NOT_NEGATIVE,
+        )
+        self.speed_given = self._given(
+            say("speed of the gearbox output, where given"), "rpm", speeds, "state_speeds", POSITIVE
+        )
+        self.driven = self._given(
+            say("load on the driven wheels at slip"),
+            "N",
+            r.demand.driven_load.tolist(),
+            "driven_loads",
+            NOT_NEGATIVE,
+        )
+        lasting = [s.kind not in PASSING for s in own]
+        self.lasting = self._given(
+            say("counts for the life (1 or 0)"), "", [float(x) for x in lasting], "lasting", SWITCH
+        )
+        self.weight: list[list[int]] = []
+        if r.gravity:
+            sheet.section(say("Weight on the centre bearings (values of cardan)"), heads)
+            still = loads(r.layout, r.turn, r.line, torque=0.0, gravity=r.gravity)
+            force = still.bearing_forces.static
+            for k in range(self.n - 2):
+                part = say.part(f"bearing {k + 1}")
+                self.weight.append(
+                    [
+                        self._given(
+                            f"{part}, {axis}",
+                            "N",
+                            force[:, k, c].tolist(),
+                            f"weight_{k + 1}_{axis}",
+                            {"validate": "decimal", "criteria": "<", "value": 1e9},
+                        )
+                        for c, axis in enumerate("xyz")
+                    ]
+                )
+        sheet.sheet.freeze_panes(0, FIRST)
+
+    # Calculation. A formula is written once: § stands for the letter of a state's column.
+
+    def _row(
+        self,
+        label: str,
+        unit: str,
+        formula: str,
+        *,
+        note: str = "",
+        source: str = "",
+        values: FloatArray | None = None,
+        style: Any = None,
+    ) -> str:
+        """Write a row of formulas, one for each state; return the reference to it."""
+        row = self.sheet.put(
+            label,
+            unit,
+            ["=" + formula.replace("§", c) for c in self.columns],
+            style=style or self.book.formula,
+            texts=(note, source),
+            values=values,
+        )
+        return f"§{row}"
+
+    def _result(
+        self, quantity: str, formula: str, values: FloatArray, *, part: str = "", note: str = ""
+    ) -> str:
+        """Write a row that results and limits ask about; `values` are cardan's own, SI."""
+        q, say = QUANTITIES[quantity], self.say
+        shown = np.asarray(values, dtype=float) / q.factor
+        reference = self._row(
+            say.list(say.name(quantity), say.part(part)),
+            q.unit_name,
+            formula,
+            note=note or say.given(q.equation),
+            source=cited(q.source, say),
+            values=shown,
+            style=self.book.result,
+        )
+        self.found.append(_Result(quantity, part, int(reference[1:]), shown))
+        return reference
+
+    def _of_state(self, row: int) -> str:
+        """Return the reference to a row of the sheet of states."""
+        return f"'{self.states.name}'!§{row}"
+
+    def _of_part(self, name: str, k: int) -> str:
+        """Return the reference to the k-th of the cells of a name, from 1."""
+        return f"INDEX({self.tag}{name},1,{k})"
+
+    def _calculation(self) -> None:
+        """Write the method from top to bottom."""
+        say, sheet = self.say, self.sheet
+        about = say(
+            "AE-7's method and closed forms, state by state. Complex numbers stand in two rows: "
+            "along position 0 (re) and 90 deg (im)."
+        )
+        sheet.title(say("Calculation of line {line}", line=self.r.line.name), (about,))
+        self._demand()
+        self._angles()
+        self._excitation()
+        self._bearings()
+        self._speed()
+        self._life()
+        sheet.sheet.freeze_panes(0, FIRST)
+
+    def _section(self, text: str) -> None:
+        say = self.say
+        heads = ["", say("unit"), say("equation"), say("source"), *self._heads()]
+        self.sheet.section(text, heads)
+
+    def _demand(self) -> None:
+        """Torque: engine against slip; speed."""
+        tag, d = self.tag, self.r.demand
+        self._section(self.say("Demand"))
+        engine = self._result(
+            "engine_torque",
+            'IF(COUNT(engine_torques)=0,"",MAX(engine_torques)*MAX(gear_ratios)'
+            f"*MAX(1,transfer_ratio)*gearbox_efficiency*converter_ratio*{tag}torque_share)",
+            d.engine_torque,
+        )
+        load = self._of_state(self.driven)
+        known = f"AND(ISNUMBER({load}),ISNUMBER({tag}axle_ratio),ISNUMBER(tyre_friction))"
+        grip = f"tyre_friction*{load}*tyre_radius/1000"
+        slip = self._result(
+            "slip_torque",
+            f'IF({known},{grip}/({tag}axle_ratio*{tag}axle_efficiency),"")',
+            d.slip_torque,
+        )
+        given = self._of_state(self.torque_given)
+        self.torque = self._result(
+            "torque",
+            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,MIN({engine},{slip}))",
+            d.torque,
+        )
+        given = self._of_state(self.speed_given)
+        top = "MAX(engine_speeds)/(MIN(gear_ratios)*MIN(1,transfer_ratio))"
+        self.speed = self._result(
+            "speed", f"IF(ISNUMBER({given}),{given},{top})*{tag}speed_ratio", d.speed
+        )
+        self.omega = self._row("ω", "rad/s", f"{self.speed}*PI()/30")
+
+    def _angles(self) -> None:
+        """View angles, true angles and positions of the joints."""
+        r, each = self.r, range(self.n)
+        self._section(self.say("Joints"))
+        self.bv: list[str] = []
+        self.bh: list[str] = []
+        self.beta: list[str] = []
+        for k in each:
+            part = f"joint {k + 1}"
+            s1, s2, t1, t2 = (
+                self._of_state(rows[j]) for rows in (self.side, self.top) for j in (k, k + 1)
+            )
+            v = self._result("side_angle", f"{s2}-{s1}", r.side_angles[:, k], part=part)
+            h = self._result("top_angle", f"{t2}-{t1}", r.top_angles[:, k], part=part)
+            # The members run along (1, a, b) and (1, e, f).
+            a, e = (f"TAN(RADIANS({t}))" for t in (t1, t2))
+            b, f = (f"(-TAN(RADIANS({s})))" for s in (s1, s2))
+            sine = f"SQRT(({a}*{f}-{b}*{e})^2+({b}-{f})^2+({e}-{a})^2)"
+            beta = f"DEGREES(ATAN2(1+{a}*{e}+{b}*{f},{sine}))"
+            self.beta.append(self._result("joint_angle", beta, r.angles[:, k], part=part))
+            position = f"IF(AND({v}=0,{h}=0),0,MOD(DEGREES(ATAN2({h},{v})),360))"
+            self._result("joint_position", position, r.positions[:, k], part=part)
+            self.bv.append(v)
+            self.bh.append(h)
+        ends = np.abs(r.angles[:, 0] - r.angles[:, -1])
+        self._result("end_angle_difference", f"ABS({self.beta[0]}-{self.beta[-1]})", ends)
+        self.largest = self._row(
+            self.say("largest joint angle"), "deg", f"MAX({','.join(self.beta)})"
+        )
+        # The same angles, as other limits ask about them.
+        compound = np.hypot(r.side_angles, r.top_angles)
+        turned = r.demand.speed[:, None] * r.angles
+        for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
+            part = f"joint {k + 1}"
+            self._result("joint_angle_min", beta, r.angles[:, k], part=part)
+            self._result("compound_angle", f"SQRT({v}^2+{h}^2)", compound[:, k], part=part)
+            alone = f"({self.omega}*RADIANS({beta}))^2"
+            self._result("angle_for_speed", alone, turned[:, k] ** 2, part=part)
+            self._result("n_beta", f"{self.speed}*{beta}", turned[:, k], part=part)
+
+    def _excitation(self) -> None:
+        """AE-7's phasors: sₖ Dₖ², their sums, and what follows from them."""
+        say, r = self.say, self.r
+        ae7, plane = r.approximations["ae7"], r.approximations["in_plane"]
+        self._section(say("Excitation") + " (AE-7)")
+        self.sigma: list[str] = []
+        phasors: list[_Complex] = []
+        flat: list[_Complex] = []
+        for k in range(self.n):
+            turn = "0"
+            if k:
+                phase = self._of_part("yoke_phases", k)
+                turn = f"{self.sigma[-1]}+PI()+2*RADIANS({phase})"
+            part = say.part(f"joint {k + 1}")
+            g = self._row(f"arg s, {part}", "rad", turn, note="s₁ = 1; sₖ₊₁ = −sₖ e^(2iφ)")
+            self.sigma.append(g)
+            v, h = f"RADIANS({self.bv[k]})", f"RADIANS({self.bh[k]})"
+            square = f"({h}^2-{v}^2)", f"(2*{h}*{v})"
+            phasors.append(
+                self._complex(
+                    f"P{k + 1}",
+                    "rad²",
+                    _turned(square, g, after=phasors[-1:]),
+                    note="Pₖ = Pₖ₋₁ + sₖ Dₖ²,  D = βh + i βv",
+                )
+            )
+            level = f"(-({h}^2+{v}^2))", "0"
+            flat.append(
+                self._complex(
+                    f"Q{k + 1}",
+                    "rad²",
+                    _turned(level, g, after=flat[-1:]),
+                    note=say("as if all joints lay in one plane"),
+                )
+            )
+        self._moduli(phasors[-1], flat[-1], ae7, plane)
+        # Over the shafts: P in drive, P less the pinion's in coast.
+        shafts, pinion = phasors[:-1], phasors[-1]
+        released = [(f"({a}-{pinion[0]})", f"({b}-{pinion[1]})") for a, b in shafts]
+        inertia = [self._of_part("polar_inertias", k) for k in range(1, self.n)]
+        ones = ["1"] * len(shafts)
+        for quantity, weights, of, values, note in (
+            ("inertia_drive_acceleration", ones, shafts, ae7.drive.acceleration, "ω² |Σ Pⱼ|"),
+            (
+                "inertia_coast_acceleration",
+                ones,
+                released,
+                ae7.coast.acceleration,
+                "ω² |Σ (Pⱼ − Pₙ)|",
+            ),
+            ("inertia_drive_torque", inertia, shafts, ae7.drive_torque, "ω² |Σ Jⱼ Pⱼ|"),
+            ("inertia_coast_torque", inertia, released, ae7.coast_torque, "ω² |Σ Jⱼ (Pⱼ − Pₙ)|"),
+        ):
+            if values is None:
+                continue
+            re_, im_ = (
+                "+".join(f"{w}*{p[c]}" for w, p in zip(weights, of, strict=True)) for c in (0, 1)
+            )
+            self._result(quantity, f"{self.omega}^2*SQRT(({re_})^2+({im_})^2)", values, note=note)
+
+    def _moduli(
+        self, phasor: "_Complex", flat: "_Complex", ae7: Excitation, plane: Excitation
+    ) -> None:
+        """Write what the pinion's phasor says."""
+        size = self._row("|P|", "rad²", _modulus(phasor))
+        level = self._row("|Q|", "rad²", _modulus(flat))
+        self._result("equivalent_angle", f"DEGREES(SQRT({size}))", ae7.torsional.angle, note="√|P|")
+        self._result(
+            "torsional_acceleration",
+            f"{self.omega}^2*{size}",
+            ae7.torsional.acceleration,
+            note="ω² |P|",
+        )
+        self._row(
+            self.say("Torsional acceleration, all joints in one plane"),
+            "rad/s²",
+            f"{self.omega}^2*{level}",
+            note="ω² |Q|",
+            values=plane.torsional.acceleration,
+        )
+
+    def _complex(self, label: str, unit: str, of: "_Complex", *, note: str = "") -> "_Complex":
+        """Write a complex number as two rows; return the references to them."""
+        return (
+            self._row(f"{label} re", unit, of[0], note=note),
+            self._row(f"{label} im", unit, of[1]),
+        )
+
+    def _bearings(self) -> None:
+        """Centre-bearing forces at small angles, from the last shaft forward."""
+        if self.n < 3:
+            return
+        say, r = self.say, self.r
+        self._section(say("Centre bearings") + f" ({say('small angle')})")
+        couples = [self._couples(k) for k in range(1, self.n)]
+        joint = couples[-1]
+        static, dynamic = r.small_angle_bearings
+        for k in range(self.n - 2, 0, -1):
+            length = self._of_state(self.lengths[k - 1])
+            gain = f"{length}/({length}-{self._of_part('bearing_offsets', k)})"
+            pairs = list(zip((say("mean"), say("order 2")), couples[k - 1], joint, strict=True))
+            force = [
+                self._complex(
+                    f"B{k} {name}",
+                    "N",
+                    (f"{gain}*({a}-{c})", f"{gain}*({b}-{d})"),
+                    note="B = L/(L − e) · (i T q/2 − F)",
+                )
+                for name, (a, b), (c, d) in pairs
+            ]
+            joint = [
+                self._complex(f"F{k} {name}", "N", (f"{a}+{c}", f"{b}+{d}"))
+                for (name, _, (a, b)), (c, d) in zip(pairs, force, strict=True)
+            ]
+            (y, z), swing = force
+            size = _modulus((y, z))
+            if self.weight:
+                wx, wy, wz = (self._of_state(w) for w in self.weight[k - 1])
+                size = f"SQRT({wx}^2+({y}+{wy})^2+({z}+{wz})^2)"
+            part = f"bearing {k}"
+            still = np.linalg.norm(static[:, k - 1], axis=-1)
+            self._result("centre_bearing_static", size, still, part=part)
+            moving = dynamic[:, k - 1]
+            self._result("centre_bearing_dynamic", _modulus(swing), moving, part=part)
+
+    def _couples(self, k: int) -> "list[_Complex]":
+        """Write the mean and the turning couple of shaft k as a force at its ends."""
+        say = self.say
+        length = self._of_state(self.lengths[k - 1])
+        scale = f"{self.torque}/(2*{length}/1000)"
+        (h1, h2), (v1, v2) = (
+            [f"RADIANS({rows[j]})" for j in (k - 1, k)] for rows in (self.bh, self.bv)
+        )
+        front, rear = (_turned((h, v), self.sigma[j]) for h, v, j in ((h1, v1, k - 1), (h2, v2, k)))
+        # Times i: re is less the imaginary part, im the real one.
+        mean = f"{scale}*({v1}+{v2})", f"{scale}*({h1}+{h2})"
+        swing = f"-{scale}*({front[1]}-({rear[1]}))", f"{scale}*({front[0]}-({rear[0]}))"
+        name = f"{say('couple')} {say.part(f'shaft {k}')}"
+        return [
+            self._complex(
+                f"{name}, {say('mean')}", "N", mean, note="i T (Δₖ + Δₖ₊₁) / (2 Lₖ),  Δ = βh − i βv"
+            ),
+            self._complex(
+                f"{name}, {say('order 2')}", "N", swing, note="i T (sₖ Δₖ* − sₖ₊₁ Δₖ₊₁*) / (2 Lₖ)"
+            ),
+        ]
+
+    def _speed(self) -> None:
+        """Critical speed and shear of each tube."""
+        r = self.r
+        self._section(self.say("Speed and strength"))
+        for k, shaft in enumerate(r.line.shafts, 1):
+            if not shaft.tube:
+                continue
+            part, length = f"shaft {k}", self._of_state(self.lengths[k - 1])
+            outer, wall, modulus, density, strength = (
+                self._of_part(f"tube_{w}", k)
+                for w in ("outer", "wall", "modulus", "density", "yield")
+            )
+            D, d = f"({outer}/1000)", f"(({outer}-2*{wall})/1000)"
+            stiff = f"{modulus}*10^9*({D}^2+{d}^2)/(16*{density})"
+            alone = r.critical_speeds[:, k - 1]
+            critical = self._result(
+                "critical_speed", f"30*PI()/({length}/1000)^2*SQRT({stiff})", alone, part=part
+            )
+            for quantity in ("critical_speed_ratio", "half_critical_band"):
+                share = f"{self.speed}/{critical}"
+                self._result(quantity, share, r.demand.speed / alone, part=part)
+            if shaft.tube.material.yield_strength:
+                shear = f"16*ABS({self.torque})*shock_factor*{D}/(PI()*({D}^4-{d}^4))"
+                self._result(
+                    "tube_shear_utilisation",
+                    f"{shear}/({strength}*10^6/SQRT(3))",
+                    r.tube_shear_utilisation[:, k - 1],
+                    part=part,
+                )
+
+    def _life(self) -> None:
+        """Life of the needle bearings, over the duty cycle where there is one."""
+        r = self.r
+        if np.isnan(r.life).all():
+            return
+        self._section(self.say.name("joint_life"))
+        for k in range(self.n):
+            if np.isnan(r.life[:, k]).all():
+                continue
+            rocking = f"MAX(3,{self.beta[k]})"
+            wear = f"{self.speed}*ABS({self.torque})^(10/3)*{rocking}"
+            if r.application.duty:
+                own = "--ISNUMBER(duty_angles),(duty_angles>3)*(duty_angles-3)+3"
+                wear = (
+                    f"SUMPRODUCT(duty_work,{own})"
+                    f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
+                )
+            rating, lasting = self._of_part("joint_ratings", k + 1), self._of_state(self.lasting)
+            self._result(
+                "joint_life",
+                f'IF({lasting}=1,1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear})),"")',
+                r.life[:, k],
+                part=f"joint {k + 1}",
+            )
+
+    # Results
+
+    def _results(self) -> None:
+        """Write each result against its limit, then what only the exact chain gives."""
+        say, sheet, r = self.say, self.results, self.r
+        sheet.title(
+            say("Results of line {line}", line=r.line.name),
+            (say("Live: they follow inputs and states. Limits may be changed."),),
+        )
+        end = FIRST + self.count
+        top = sheet.row
+        sheet.row += 1
+        heads = ["", say("unit"), say("normal"), say("maximum"), *self._heads(), say("verdict")]
+        sheet.section(say("Checks"), heads)
+        limits = _limits(r)
+        rows = [
+            row
+            for one in self.found
+            for limit in limits.get((one.quantity, one.part), ())
+            for row in (self._checked(one, limit),)
+        ]
+        place = f"${column(end)}${rows[0]}:${column(end)}${rows[-1]}" if rows else f"{column(end)}1"
+        said = {g: say(g) for g in ("fail", "warn", "pass")}
+        sheet.sheet.write_string(top, 0, say("Verdict"), self.book.title)
+        verdict = (
+            f'=IF(COUNTIF({place},"{said["fail"]}")>0,"{said["fail"]}",'
+            f'IF(COUNTIF({place},"{said["warn"]}")>0,"{said["warn"]}","{said["pass"]}"))'
+        )
+        sheet.sheet.write_formula(top, 1, verdict, self.book.verdict, "")
+        self.book.file.define_name(f"{self.tag}verdict", f"='{sheet.name}'!$B${top + 1}")
+        self._colour(top, 1, top, 1)
+        if rows:
+            self._colour(rows[0] - 1, end, rows[-1] - 1, end)
+        checked = {
+            (one.quantity, one.part) for one in self.found if (one.quantity, one.part) in limits
+        }
+        sheet.section(say("Other results"), ["", say("unit"), "", "", *self._heads()])
+        for one in self.found:
+            if (one.quantity, one.part) not in checked and one.quantity not in _ONLY_FOR_LIMITS:
+                self._shown(one, ("", ""))
+        sheet.section(
+            say("Exact results of cardan: values, they do not follow the inputs"),
+            ["", say("unit"), "", "", *self._heads()],
+        )
+        for section in sections(r):
+            for row in section.rows:
+                if not row.method:
+                    sheet.put(
+                        row.label(say),
+                        row.unit,
+                        row.values.tolist(),
+                        style=self.book.exact,
+                        texts=(say("value"), ""),
+                    )
+        sheet.sheet.freeze_panes(0, 1)
+
+    def _shown(self, one: _Result, texts: tuple[str, str]) -> int:
+        """Write a row that shows a row of the calculation."""
+        q = QUANTITIES[one.quantity]
+        label = self.say.list(q.named(self.say.code), self.say.part(one.part))
+        name = f"{self.tag}{one.quantity}_{one.part}".replace(" ", "_").rstrip("_")
+        cells = [f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns]
+        return self.results.put(
+            label,
+            q.unit_name,
+            cells,
+            style=self.book.result,
+            texts=texts,
+            name=name,
+            values=one.values,
+        )
+
+    def _checked(self, one: _Result, limit: Limit) -> int:
+        """Write a result with its limit as editable cells, its colours and its verdict."""
+        say, sheet, book = self.say, self.results, self.book
+        factor = QUANTITIES[one.quantity].factor
+        row = self._shown(one, ("", ""))
+        low, high = limit.band or (limit.normal, limit.maximum)
+        for k, bound in ((2, low), (3, high)):
+            if bound is None:
+                sheet.sheet.write_blank(row - 1, k, None, book.input)
+            else:
+                sheet.sheet.write_number(row - 1, k, bound / factor, book.input)
+        sheet.sheet.write_comment(row - 1, 2, str(limit.source), {"x_scale": 3})
+        first, last = self.columns[0], self.columns[-1]
+        normal, maximum, here = f"$C{row}", f"$D{row}", f"{first}{row}"
+        values = f"${first}{row}:${last}{row}"
+        if limit.band:
+            above = (limit.above_angle or 0.0) / deg
+            at = self.largest[1:]
+            angle = f"'{self.sheet.name}'!{first}${at}"
+            angles = f"'{self.sheet.name}'!${first}{at}:${last}{at}"
+            inside = f"AND({here}>{normal},{here}<{maximum},{angle}>{above:.12g})"
+            colours = (("warn", inside), ("pass", f"NOT({inside})"))
+            bad = f"SUMPRODUCT(({values}>{normal})*({values}<{maximum})*({angles}>{above:.12g}))>0"
+            verdict = f'=IF({bad},"{say("warn")}","{say("pass")}")'
+        else:
+            sign, worst = (">", "MAX") if limit.sense == "<=" else ("<", "MIN")
+            past = f"AND(ISNUMBER({maximum}),{{0}}{sign}{maximum})"
+            near = f"AND(ISNUMBER({normal}),{{0}}{sign}{normal})"
+            colours = (
+                ("fail", past.format(here)),
+                ("warn", near.format(here)),
+                ("pass", f"ISNUMBER({here})"),
+            )
+            at = f"{worst}({values})"
+            verdict = (
+                f'=IF(COUNT({values})=0,"",IF({past.format(at)},"{say("fail")}",'
+                f'IF({near.format(at)},"{say("warn")}","{say("pass")}")))'
+            )
+        for grade, rule in colours:
+            sheet.sheet.conditional_format(
+                row - 1,
+                FIRST,
+                row - 1,
+                FIRST + self.count - 1,
+                {
+                    "type": "formula",
+                    "criteria": f"={rule}",
+                    "format": book.graded[grade],
+                    "stop_if_true": True,
+                },
+            )
+        sheet.sheet.write_formula(row - 1, FIRST + self.count, verdict, book.verdict, "")
+        return row
+
+    def _colour(self, top: int, left: int, bottom: int, right: int) -> None:
+        """Colour cells that hold verdicts."""
+        for grade, style in self.book.graded.items():
+            self.results.sheet.conditional_format(
+                top,
+                left,
+                bottom,
+                right,
+                {
+                    "type": "cell",
+                    "criteria": "==",
+                    "value": f'"{self.say(grade)}"',
+                    "format": style,
+                },
+            )
+
+
+_ONLY_FOR_LIMITS = (
+    "joint_angle_min",
+    "compound_angle",
+    "angle_for_speed",
+    "half_critical_band",
+)
+"""Quantities that say the same as another; shown where a limit asks about them."""
+
+
+def _limits(r: Response) -> dict[tuple[str, str], list[Limit]]:
+    """Return the limits that ask about each quantity and part of a line."""
+    found: dict[tuple[str, str], list[Limit]] = {}
+    for question in asked(r):
+        for k, part in enumerate(question.parts):
+            if np.isfinite(question.values[..., k]).any() or question.limit.above_angle is not None:
+                name = "" if part == "line" else part.replace("centre bearing", "bearing")
+                key = (question.limit.quantity, name)
+                found.setdefault(key, []).append(question.limit)
+    return found
+
+
+def named_cells(r: Response) -> Iterator[str]:
+    """Yield the names of a line's rows of results; tests and macros find them by these."""
+    for quantity, part in _limits(r):
+        yield f"{quantity}_{part}".replace(" ", "_").rstrip("_")

@@ -1,0 +1,325 @@
+"""Reports: the same story in three languages, whole and self-contained in every medium."""
+
+import ast
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.quantities import QUANTITIES
+from cardan.base.units import deg, mm
+from cardan.report import extra, story, terminal
+from cardan.report.chart import Chart, bounds, ticks
+from cardan.report.compare import Variant, differences, effects
+from cardan.report.drawing import drawings
+from cardan.report.html import page
+from cardan.report.language import CODES, EN, Language
+from cardan.report.pdf import document
+from cardan.report.plots import plots
+from cardan.report.words import WORDS
+from cardan.study.assess import assess
+from cardan.study.fix import fix
+from cardan.study.sensitivity import sensitivities
+
+ROOT = Path(__file__).parents[2]
+SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), ROOT / "src/cardan/cli.py"]
+EXAMPLES = sorted((ROOT / "examples").glob("*.yaml"))
+ISSUE = story.Issue(date="2026-11-20", files=("a.yaml",), prints=("0" * 16,), texts=("title: a",))
+
+
+@pytest.fixture(scope="module")
+def truck():
+    return assess(files.loads(files.starter("truck")))
+
+
+@pytest.fixture(scope="module")
+def told(truck):
+    """The starter's story by language."""
+    helps = sensitivities(truck)
+    fixes = fix(truck.application, count=2)
+    return {
+        code: story.assessment(truck, helps=helps, fixes=fixes, say=Language(code), issue=ISSUE)
+        for code in CODES
+    }
+
+
+def said_in(source: Path):
+    """Every text that a module says, where it is written out at the call."""
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "say" and node.args:
+            text = node.args[0]
+            if isinstance(text, ast.Constant):
+                yield text.value
+
+
+def test_every_text_is_translated():
+    said = {text for source in SOURCES for text in said_in(source)}
+    assert len(said) > 200
+    assert sorted(said - set(WORDS)) == []
+
+
+def test_every_quantity_is_explained_in_every_language():
+    """What has no words, like Ts = μ N re / (iD ηD), needs no translation."""
+    names = {
+        "atan",
+        "cos",
+        "max",
+        "min",
+        "det",
+        "abs",
+        "LGT",
+        "TLGR",
+        "TCR",
+        "WST",
+        "Tcs",
+        "Tdw",
+        "Tds",
+    }
+    for q in QUANTITIES.values():
+        for text in (q.equation, *q.where.values(), q.use):
+            words = set(re.findall(r"[A-Za-z]{3,}", text)) - names
+            assert not words or text in WORDS, f"{q.key}: {text}"
+
+
+def test_translations_keep_what_is_filled_in():
+    for english, others in WORDS.items():
+        for other in others:
+            assert other.strip()
+            assert set(re.findall(r"{(\w+)}", other)) == set(re.findall(r"{(\w+)}", english))
+
+
+@pytest.mark.parametrize("code", ["pt", "it"])
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_every_example_is_told_in_every_language(path, code):
+    """A text composed at run time and missing in the catalogue stops here."""
+    found = assess(files.read(path))
+    say = Language(code)
+    whole = story.assessment(found, helps=sensitivities(found), fixes=(), say=say, issue=ISSUE)
+    assert len(page(whole)) > 50_000
+    lines = list(terminal.assessment(found, helps=sensitivities(found), say=say))
+    assert len(lines) > 60
+    # Publications keep the language they are written in.
+    ours = [line for line in lines if not line.startswith("  [")]
+    assert not any(f" {w} " in line for line in ours for w in ("joint", "shaft", "against"))
+
+
+def test_a_language_nobody_speaks_is_refused():
+    with pytest.raises(ValueError, match="there are: en, pt, it"):
+        Language("la")
+
+
+@pytest.mark.parametrize(
+    ("code", "shown"), [("en", "0.03116"), ("pt", "0,03116"), ("it", "0,03116")]
+)
+def test_decimal_sign_of_the_language(code, shown):
+    assert Language(code).number(0.0311591) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (0, "0"),
+        (np.nan, "-"),
+        (np.inf, "∞"),
+        (-np.inf, "-∞"),
+        (12345.6, "12346"),
+        (8.41e-5, "8.410e-05"),
+    ],
+)
+def test_numbers_as_engineers_write_them(value, shown):
+    assert EN.number(value) == shown
+
+
+def test_parts_in_the_language():
+    assert Language("pt").part("centre bearing 2") == "mancal central 2"
+    assert Language("it").part("shaft 1 to tank") == "albero 1 da tank"
+    assert Language("it").part("a part of yours") == "a part of yours"
+
+
+class Reader(HTMLParser):
+    """Collects what a page is made of, and checks that its elements nest."""
+
+    VOID = frozenset({"meta", "br", "link", "img", "input", "hr"})
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.tags, self.attrs = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attrs += attrs
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attrs += attrs
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+
+def read(text: str) -> Reader:
+    reader = Reader()
+    reader.feed(text)
+    assert reader.open == []
+    return reader
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_page_needs_nothing_else(told, code):
+    text = page(told[code])
+    reader = read(text)
+    assert not {"script", "link", "img", "iframe", "object"} & set(reader.tags)
+    links = [v for k, v in reader.attrs if k in ("src", "href", "xlink:href", "action")]
+    assert links
+    assert all(v.startswith("#") for v in links)
+    assert "url(" not in text
+    assert "@import" not in text
+    assert len(text.encode()) < 2_000_000
+    assert dict(reader.attrs)["lang"] == {"pt": "pt-BR"}.get(code, code)
+
+
+def test_page_has_no_place_twice(told):
+    ids = [v for k, v in read(page(told["en"])).attrs if k == "id"]
+    assert len(ids) == len(set(ids))
+
+
+def test_page_tells_the_verdict_first(told, truck):
+    text = page(told["en"])
+    body = text[text.index("<body>") :]
+    verdict = EN(truck.verdict).upper()
+    assert body.index(verdict) < body.index("What to change") < body.index("Approval")
+
+
+def test_page_escapes_what_a_file_says():
+    text = files.starter("small").replace("Two-piece driveline", "<script>alert(1)</script>")
+    found = assess(files.loads(text))
+    shown = page(story.assessment(found, helps=(), fixes=(), say=EN, issue=story.Issue()))
+    assert "<script>" not in shown
+    assert "&lt;script&gt;alert(1)" in shown
+
+
+def test_every_figure_is_well_formed_and_described(told):
+    figures = list(story.figures(told["en"]))
+    assert len(figures) > 12
+    for figure in figures:
+        root = ET.fromstring(figure.svg)
+        assert root.attrib["aria-label"] == figure.alt
+        assert len(figure.alt) > 20
+        assert "nan" not in figure.svg
+
+
+def test_table_rows_are_as_long_as_their_heads(told):
+    for chapter in told["it"].chapters:
+        for block in chapter.blocks:
+            if isinstance(block, story.Table):
+                assert {len(row) for row in block.rows} == {len(block.head)}
+                assert {len(row) for row in block.grades} <= {len(block.head)}
+
+
+def test_document_is_kept_and_self_contained(told):
+    data = document(told["pt"])
+    assert data.startswith(b"%PDF-")
+    assert b"<pdfaid:part>3</pdfaid:part>" in data
+    assert b"<pdfaid:conformance>A</pdfaid:conformance>" in data
+    assert len(data) < 2_000_000
+    assert data == document(told["pt"])  # the same story, the same document
+
+
+def test_a_missing_library_says_how_to_get_it():
+    with pytest.raises(extra.MissingExtra, match=r"pip install 'cardan\[report\]'"):
+        extra.needed("no_such_library_at_all")
+
+
+def test_variants_differ_where_they_were_changed():
+    text = files.starter("small")
+    other = text.replace("torque_Nm: 8000", "torque_Nm: 4000")
+    assert other != text
+    variants = [Variant(name=n, assessment=assess(files.loads(t)))
+                for n, t in (("a", text), ("b", other))]  # fmt: skip
+    (row,) = differences(variants, EN)
+    assert row.values == ("8000 N·m", "4000 N·m")
+    forces = [r for r in effects(variants, EN) if r.name.startswith("Centre bearing, static")]
+    first, second = (float(v.split()[0]) for v in forces[0].values)
+    assert first == pytest.approx(2 * second, rel=1e-3)  # four figures are printed
+    assert read(page(story.comparison(variants, say=EN, issue=story.Issue())))
+
+
+def test_side_view_is_to_scale():
+    """Pixels between neighbouring joints are as their distances along the line."""
+    found = assess(files.loads(files.starter("truck")))
+    r = found.responses[0]
+    figure = drawings(r, EN)[0]
+    joints = [
+        (float(c.attrib["cx"]), float(c.attrib["cy"]))
+        for c in ET.fromstring(figure.svg).iter("{http://www.w3.org/2000/svg}circle")
+        if c.attrib["r"] == "9"
+    ]
+    points = r.demand.installed.layout.points
+    pixels, metres = np.diff(np.array(joints), axis=0), np.diff(points, axis=0)
+    scale = pixels[:, 0] / metres[:, 0]
+    times = int(re.search(r"exaggerated (\d+) times", figure.title)[1])
+    assert scale[0] == pytest.approx(scale[1], rel=1e-3)  # pixels are written to a hundredth
+    np.testing.assert_allclose(-pixels[:, 1] / metres[:, 2], times * scale, rtol=5e-3)
+
+
+def test_ride_curve_goes_through_the_states(truck):
+    """States that the suspension places without winding the axle up lie on the curve."""
+    from cardan.report.plots import _ride
+
+    r = truck.responses[0]
+    places, ridden = _ride(r)
+    for s, name in enumerate(r.demand.states):
+        if name in ("full rebound", "empty", "gvw", "jounce"):
+            curve = np.interp(r.demand.travel[s] / mm, places, ridden.layout.side[:, -1] / deg)
+            # Straight between 41 places; the slope bends by microdegrees over one of them.
+            assert curve == pytest.approx(r.layout.side[s, -1] / deg, abs=1e-3)
+
+
+def test_plots_have_a_chart_for_each_question(truck):
+    titles = [f.title for f in plots(truck.responses[0], EN)]
+    assert len(titles) == len(set(titles))
+    for word in ("Speed round", "over the travel", "by order", "by gear", "Critical", "Spring"):
+        assert any(word in t for t in titles)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 1), (-3.2, 7.9), (1e-5, 3e-5), (0, 12146)])
+def test_ticks_are_round_and_inside(low, high):
+    found = ticks(low, high)
+    assert 3 <= len(found) <= 9
+    assert low - 1e-9 * (high - low) <= found[0]
+    assert found[-1] <= high + 1e-9 * (high - low)
+    assert set(np.round(np.diff(found) / np.diff(found)[0], 6)) == {1}
+
+
+def test_equal_axes_keep_circles_round():
+    chart = Chart(say=EN, x=bounds(np.array([0, 1.0])), y=bounds(np.array([0, 9.0])),
+                  x_label="", y_label="", equal=True)  # fmt: skip
+    (x0, y0), (x1, y1) = chart.spot(0, 0), chart.spot(1, 1)
+    assert x1 - x0 == pytest.approx(y0 - y1)
+
+
+def test_cells_of_results_are_graded_as_their_checks():
+    """Every state of a line in which a clearance fails is marked in the obstacle's row."""
+    path = next(p for p in EXAMPLES if p.stem == "refuse-collector-6x2")
+    found = assess(files.read(path))
+    whole = story.assessment(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    rows = {
+        row[0]: dict(zip(block.head, grades, strict=True))
+        for chapter in whole.chapters
+        for block in chapter.blocks
+        if isinstance(block, story.Table) and block.head[0] == "quantity" and block.grades
+        for row, grades in zip(block.rows, block.grades, strict=True)
+    }
+    bad = {
+        c.state: c.grade for c in found.checks if c.quantity == "clearance" and c.grade != "pass"
+    }
+    assert bad
+    shown = rows["Clearance, auxiliary beam"]
+    assert {s: g for s, g in shown.items() if g} == bad
