@@ -17,10 +17,10 @@ check: $(VENV)/cardan       ## check FILE, the main job
 test: $(VENV)/cardan-test   ## the whole test suite
 	$(BIN)/python -m pytest -n 2 -q
 
-lint: $(VENV)/cardan-lint   ## format, lint, types, floors
+lint: $(VENV)/cardan-lint $(VENV)/cardan-test   ## format, lint, types, floors
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/pyright
+	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 
 docs: $(VENV)/cardan-docs   ## the documentation site, into site/
