@@ -34,7 +34,7 @@ bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; wit
 	@if command -v ccx >/dev/null; then $(BIN)/python -m pytest -q -m "bracket and oracle"; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
-office: $(VENV)/cardan-office $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
+office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m office tests/office
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core  ## pages read in Chromium
