@@ -229,7 +229,8 @@ FROZEN = {
         "name", "line", "torque_Nm", "engine_torque_Nm", "slip_torque_Nm", "coast_torque_Nm",
         "speed_rpm", "axle_travel_mm", "joints", "torsional", "drive", "coast",
         "approximations", "centre_bearings", "joint_forces", "critical_speeds_rpm",
-        "line_critical_speed_rpm", "spline_travel_mm", "clearances_mm",
+        "line_critical_speed_rpm", "spline_travel_mm", "clearances_mm", "end_bearings_N",
+        "spline_force_N",
     },
     "states.joints": {
         "angle_deg", "position_deg", "side_deg", "top_deg", "force_N", "life_h",

@@ -196,3 +196,23 @@ def test_a_spring_that_contradicts_its_table_is_noted(truck):
     (note,) = assess(replace(truck, suspension=suspension)).notes
     assert "192.2" in note
     assert "194.5" in note
+
+
+def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):
+    """Moments about bearing A and the sum of forces, by hand, for the peak of a turn."""
+    (installed,) = truck.lines
+    line = replace(installed.line, gearbox_bearing_spacing=0.2, gearbox_bearing_overhang=0.1)
+    found = respond(
+        replace(truck, lines=(replace(installed, line=line),)),
+        demand(truck, replace(installed, line=line)),
+    )
+    force = found.loads.gearbox_force.values(64)
+    moment = found.loads.gearbox_moment.values(64)
+    out = found.layout.directions[:, None, 0, :]
+    across = force - (force * out).sum(-1, keepdims=True) * out
+    # About A, 0.3 m behind the joint: near bearing 0.2 m ahead of A.
+    near = np.cross(moment + np.cross(0.3 * out, force), out) / 0.2
+    far = across - near
+    assert found.end_bearings["B"] == pytest.approx(np.linalg.norm(near, axis=-1).max(-1), rel=1e-2)
+    assert found.end_bearings["A"] == pytest.approx(np.linalg.norm(far, axis=-1).max(-1), rel=1e-2)
+    assert np.isnan(found.end_bearings["E"]).all()

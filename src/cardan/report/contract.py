@@ -161,6 +161,8 @@ def _state(r: Response, s: int) -> dict[str, Any]:
         "critical_speeds_rpm": (r.critical_speeds[s] / rpm).tolist(),
         "line_critical_speed_rpm": r.line_critical_speed / rpm,
         "spline_travel_mm": r.spline_travel[s] / mm,
+        "end_bearings_N": {letter: force[s] for letter, force in r.end_bearings.items()},
+        "spline_force_N": r.spline_force[s],
         "clearances_mm": {
             o.name: r.clearances[s, :, k].min() / mm for k, o in enumerate(r.obstacles)
         },

@@ -14,7 +14,7 @@ from cardan.report.words import WORDS
 CODES = ("en", "pt", "it")
 """The languages: English, Portuguese of Brazil, Italian."""
 
-_PART = re.compile(r"(joint|shaft|bearing|centre bearing) (\d+)(?: to (.+))?")
+_PART = re.compile(r"(joint|shaft|bearing|centre bearing) (\d+|[ABEF])(?: to (.+))?")
 
 
 @dataclass(frozen=True)

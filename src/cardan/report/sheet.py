@@ -63,6 +63,7 @@ def sections(response: Response) -> tuple[Section, ...]:
         ("Joints", _joints(response)),
         ("Excitation", _excitation(response)),
         ("Centre bearings", _bearings(response)),
+        ("Gearbox, axle and spline", _ends(response)),
         ("Speed and strength", _strength(response)),
         ("Room", _room(response)),
     )
@@ -154,11 +155,20 @@ def _bearings(r: Response) -> Iterator[Row]:
         yield _row("centre_bearing_peak", peak[:, k], part=part)
 
 
+def _ends(r: Response) -> Iterator[Row]:
+    for letter, force in r.end_bearings.items():
+        end = "gearbox" if letter in "AB" else "pinion"
+        yield _row(f"{end}_bearing_force", force, part=f"bearing {letter}")
+    yield _row("spline_force", r.spline_force)
+
+
 def _strength(r: Response) -> Iterator[Row]:
     yield from _each("critical_speed", "shaft", r.critical_speeds)
     states = len(r.demand.states)
     yield _row("line_critical_speed", np.full(states, r.line_critical_speed))
     yield from _each("tube_shear_utilisation", "shaft", r.tube_shear_utilisation)
+    yield from _each("joint_torque_utilisation", "joint", r.joint_torque_utilisation)
+    yield from _each("joint_fatigue_utilisation", "joint", r.joint_fatigue_utilisation)
     yield from _each("joint_life", "joint", r.life)
     yield from _each("joint_force", "joint", r.loads.joint_forces.peak)
 

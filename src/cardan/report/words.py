@@ -175,6 +175,7 @@ _STORY: dict[str, tuple[str, str]] = {
     "Joints": ("Juntas", "Giunti"),
     "Excitation": ("Excitação", "Eccitazione"),
     "Centre bearings": ("Mancais centrais", "Supporti centrali"),
+    "Gearbox, axle and spline": ("Caixa, eixo e luva", "Cambio, ponte e scanalato"),
     "Speed and strength": ("Rotação e resistência", "Velocità e resistenza"),
     "Room": ("Espaço", "Spazio"),
     "AE-7": ("AE-7", "AE-7"),

@@ -51,6 +51,14 @@ def _bearings(r: Response) -> tuple[str, ...]:
     return tuple(f"centre bearing {k}" for k in range(1, r.line.joint_count - 1))
 
 
+def _lettered(letters: str) -> Callable[[Response], tuple[str, ...]]:
+    return lambda _: tuple(f"bearing {letter}" for letter in letters)
+
+
+def _end_bearings(letters: str) -> Of:
+    return lambda r: np.stack([r.end_bearings[letter] for letter in letters], axis=-1)
+
+
 def _line(_: Response) -> tuple[str, ...]:
     return ("line",)
 
@@ -125,6 +133,11 @@ HELD: dict[str, Held] = {
         parts=_bearings, of=lambda r: r.loads.bearing_forces.dynamic
     ),
     "centre_bearing_peak": Held(parts=_bearings, of=lambda r: r.bearing_peaks),
+    "gearbox_bearing_force": Held(parts=_lettered("AB"), of=_end_bearings("AB")),
+    "pinion_bearing_force": Held(parts=_lettered("EF"), of=_end_bearings("EF")),
+    "spline_force": Held(
+        parts=lambda r: _shafts(r)[-1:], of=lambda r: r.spline_force[..., None]
+    ),
     "critical_speed_ratio": Held(parts=_whirling, of=_speed_ratios),
     "half_critical_band": Held(parts=_whirling, of=_speed_ratios),
     "joint_torque_utilisation": Held(parts=_joints, of=lambda r: r.joint_torque_utilisation),

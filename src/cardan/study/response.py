@@ -17,7 +17,15 @@ from cardan.demand.suspension import AT_LIMIT
 from cardan.kinematics import equivalent
 from cardan.kinematics.chain import Turn, joint_angles, turn
 from cardan.kinematics.equivalent import Excitation
-from cardan.loads import Loads, Rotating, loads, small_angle, unbalance
+from cardan.loads import (
+    Loads,
+    Rotating,
+    bearing_pair,
+    loads,
+    slip_force,
+    small_angle,
+    unbalance,
+)
 from cardan.model.application import Application, Obstacle
 from cardan.model.layout import Layout
 from cardan.model.parts import JointSize, Line
@@ -125,6 +133,39 @@ class Response:
         once = self.unbalance
         peak = self.loads.bearing_forces.peak
         return peak + once.bearing_forces if once else peak
+
+    @cached_property
+    def end_bearings(self) -> dict[str, FloatArray]:
+        """Largest radial force on the bearings behind the flanges, (...) N by GWB's letters.
+
+        A and B carry the gearbox output, E and F the pinion; B and E are nearer the joint.
+        nan where spacing and overhang are not given.
+        """
+        line, forces, d = self.line, self.loads, self.layout.directions
+        ends = {
+            "AB": (forces.gearbox_force, forces.gearbox_moment, d[..., 0, :],
+                   line.gearbox_bearing_spacing, line.gearbox_bearing_overhang),
+            "FE": (forces.pinion_force, forces.pinion_moment, -d[..., -1, :],
+                   line.pinion_bearing_spacing, line.pinion_bearing_overhang),
+        }  # fmt: skip
+        found = dict.fromkeys("ABEF", np.full(d.shape[:-2], np.nan))
+        for letters, (force, moment, outward, spacing, overhang) in ends.items():
+            if spacing is not None and overhang is not None:
+                pair = bearing_pair(
+                    force, moment, outward=outward, spacing=spacing, overhang=overhang
+                )
+                found |= {k: c.peak for k, c in zip(letters, pair, strict=True)}
+        return found
+
+    @cached_property
+    def spline_force(self) -> FloatArray:
+        """Axial force that slides the spline at the state's torque, (...) N; nan if not known."""
+        spline = self.line.shafts[-1].spline
+        radius = spline.mean_radius if spline else None
+        if spline is None or radius is None:
+            return np.full(self.layout.directions.shape[:-2], np.nan)
+        force = slip_force(self.demand.torque, friction=spline.friction, mean_radius=radius)
+        return np.broadcast_to(force, self.layout.directions.shape[:-2])
 
     @cached_property
     def small_angle_bearings(self) -> tuple[FloatArray, FloatArray]:
