@@ -17,6 +17,7 @@ from cardan.bracket.unit import UNITS
 from cardan.report.language import EN
 from cardan.report.terminal import BOLD, PLAIN
 from cardan.study.bracket import BracketStudy, Found, Judged, Outcome
+from cardan.study.bracket_life import Endured
 
 MICRO = 1e-6
 SETTLED = 0.05
@@ -45,6 +46,7 @@ def terminal(of: BracketStudy) -> Iterator[str]:
     for v in of.variants:
         yield from _stresses(v)
         yield from _readings(v, [gauge.name for gauge in of.bracket.gauges])
+        yield from _lives(of, v)
     if len(of.variants) > 1:
         yield from _compared(of)
 
@@ -110,6 +112,27 @@ def _readings(v: Judged, names: list[str]) -> Iterator[str]:
         )
         yield f"{o.case.name[:29]:<30}{cells}"
     yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
+
+
+def lives(v: Judged) -> list[Endured]:
+    """Return what fatigue does to a variant: cases that repeat, then the duty cycle."""
+    return [o.life for o in v.outcomes if o.life is not None] + list(v.duty)
+
+
+def _lives(of: BracketStudy, v: Judged) -> Iterator[str]:
+    """Yield damage and life of one variant; nothing without an S-N curve."""
+    if not lives(v):
+        return
+    yield ""
+    head = ("per turn", "per hour", "hours", "where")
+    yield f"{BOLD}{v.name + ', damage':<30}{''.join(f'{h:>12}' for h in head)}{PLAIN}"
+    for e in lives(v):
+        numbers = (e.per_turn, e.per_hour, e.hours)
+        cells = "".join(f"{EN.number(x) if x > 1e9 else f'{x:.3g}':>12}" for x in numbers)
+        where = f"H{int(e.spots.argmax()) + 1}" if e.worst > 0 else ""
+        yield f"{e.name[:29]:<30}{cells}{where:>12}"
+    mean = "Goodman" if of.bracket.material.ultimate_strength else "not counted"
+    yield f"  Rainflow, Miner with 2k - 1 beyond the knee, mean stress: {mean}; 1 is failure."
 
 
 def _range(low: float, high: float) -> str:
@@ -186,6 +209,23 @@ def _variant(of: BracketStudy, v: Judged) -> dict[str, Any]:
             for gauge, row in zip(of.bracket.gauges, v.influence, strict=True)
         ],
         "cases": [_case(of, o) for o in v.outcomes],
+        "duty": [_life(of, e) for e in v.duty],
+    }
+
+
+def _life(of: BracketStudy, e: Endured) -> dict[str, Any]:
+    def known(value: float) -> float | None:
+        return value if np.isfinite(value) else None
+
+    return {
+        "name": e.name,
+        "turns": known(e.turns),
+        "duration_s": known(e.duration),
+        "hot_spots": e.spots.tolist(),
+        "gauges": dict(zip((g.name for g in of.bracket.gauges), e.gauges.tolist(), strict=True)),
+        "per_turn": known(e.per_turn),
+        "per_hour": known(e.per_hour),
+        "life_hours": known(e.hours),
     }
 
 
@@ -217,6 +257,7 @@ def _case(of: BracketStudy, o: Outcome) -> dict[str, Any]:
         },
         "bolts_N": o.bolts.tolist(),
         "motion_mm": o.motion / mm,
+        "damage": _life(of, o.life) if o.life is not None else None,
     }
 
 
