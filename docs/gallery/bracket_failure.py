@@ -5,13 +5,13 @@ in every suspension state, eight cases, leave the bend of the bracket well below
 limit. A ninth case comes from a recording at the gauges: crawling from bin to bin in first
 gear, order 2 meets the shafts' resonance on the bearing's rubber. The obvious reinforcement,
 a rib welded under each flange, moves the crack to its toe; a thicker sheet ends the matter.
+By damage: 25 hours of crawling break the original, 1.4 the ribbed one, 16 000 the thicker.
 
 The vehicle is that of the examples, the bracket is assumed, and the recording is SYNTHETIC:
 computed below from the driveline's own forces with the rubber's transmissibility and noise.
 """
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,6 @@ from cardan import files
 from cardan.base.units import MPa, mm, rpm
 from cardan.bracket.gauges import recover
 from cardan.bracket.stress import along, critical_direction, superpose
-from cardan.fatigue.correction import goodman
 from cardan.fatigue.strength import SNCurve
 from cardan.study.assess import assess
 from cardan.study.bracket import cases_of, judge
@@ -71,10 +70,9 @@ SHEET = 0.45 * Rm * rough
 TOE = 100 * MPa * (2e6 / 1e7) ** (1 / 3) / 2
 
 
-# Sheet: the knee at 1e6 cycles and slope 5 of FKM; beyond the knees Haibach's slope in both.
-sheet = Strength(
-    SNCurve(amplitude=SHEET, cycles=1e6, slope=5).modified(), partial(goodman, ultimate=Rm)
-)
+# The file's S-N curve is the sheet's, knee and slope by FKM; beyond the knees Haibach's slope.
+sheet = Strength.of(bracket)
+assert abs(sheet.curve.amplitude / SHEET - 1) < 0.01
 toe = Strength(SNCurve(amplitude=TOE, cycles=1e7, slope=3).modified())
 
 
@@ -141,3 +139,7 @@ assert ninth[0] > 1.0  # crawling through the resonance is not
 assert stress_of["ribbed"] > 1.2 * stress_of["original"]  # the rib's toe is worse,
 assert eight[1] > 1.0  # and a weld: it cracks under the harmless loads too
 assert max(eight[2], ninth[2]) < 0.8  # the thicker sheet holds
+assert 10 < lived["original"].hours < 100  # some tens of hours of crawling break the original,
+assert lived["ribbed"].worst > 10 * lived["original"].worst  # the rib makes it a tenth of that,
+assert lived["8 mm sheet"].worst < lived["original"].worst / 100  # the sheet outlives the truck
+assert abs(read_back.worst / lived["original"].worst - 1) < 0.2  # and the gauges would have known

@@ -3,7 +3,7 @@
 import base64
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -14,14 +14,29 @@ from cardan.base.errors import NotInstalled
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
-from cardan.report.language import EN
+from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN
-from cardan.study.bracket import BracketStudy, Found, Judged, Outcome
+from cardan.study.bracket import DUTY, BracketStudy, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 
 MICRO = 1e-6
 SETTLED = 0.05
 """Share of a stress its error may be, before a report says that it is not known."""
+
+
+def case_name(name: str, say: Language) -> str:
+    """Return the name of a load case in a language: the user's own as it is."""
+    if name.startswith(DUTY):
+        return f"{say('duty cycle')}, {say.given(name.removeprefix(DUTY))}"
+    state, colon, part = name.rpartition(": ")
+    parts = {
+        "static": say("static"),
+        "order 2": say("order 2"),
+        "combined": say("combined"),
+        "peak": say("peak"),
+    }
+    return f"{say.given(state)}: {parts[part]}" if colon and part in parts else say.given(name)
+
 
 # --------------------------------------------------------------------------- terminal
 
@@ -331,7 +346,7 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 # --------------------------------------------------------------------------- picture
 
 
-def picture(of: BracketStudy, path: Path) -> None:
+def picture(of: BracketStudy, path: Path | BinaryIO, *, say: Language = EN) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
     Raises
@@ -380,10 +395,11 @@ def picture(of: BracketStudy, path: Path) -> None:
         axis.set_aspect("equal")
         axis.autoscale_view()
         axis.set_axis_off()
-        axis.set_title(f"{v.name}: {case}\ndeformed {exaggeration:.0f} times")
+        deformed = say("deformed {times} times", times=f"{exaggeration:.0f}")
+        axis.set_title(f"{say(v.name)}: {case_name(case, say)}\n{deformed}")
     bar = ScalarMappable(norm=scale, cmap=colours)
-    figure.colorbar(bar, ax=list(axes), label="von Mises stress, MPa", shrink=0.8)
-    figure.savefig(path, dpi=130)
+    figure.colorbar(bar, ax=list(axes), label=say("von Mises stress, MPa"), shrink=0.8)
+    figure.savefig(path, dpi=130, format="png")
 
 
 def _seen() -> tuple[FloatArray, FloatArray, FloatArray]:

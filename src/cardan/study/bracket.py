@@ -40,6 +40,8 @@ SAMPLES = 32
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 HOT_SPOTS = 3
+DUTY = "duty cycle, "
+"""What names of duty cycles begin with, before the state."""
 
 
 @dataclass(frozen=True)
@@ -279,7 +281,7 @@ def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float,
     if not points or line.joint_count < 3:
         return {}
     found: dict[str, list[tuple[float, Case]]] = {
-        f"duty cycle, {s.name}": [] for s in application.states if s.kind not in PASSING
+        f"{DUTY}{s.name}": [] for s in application.states if s.kind not in PASSING
     }
     for point in points:
         forces = loads(
@@ -296,7 +298,7 @@ def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float,
                 gravity=response.gravity, speed=point.speed,
             )  # fmt: skip
             if state.kind not in PASSING:
-                found[f"duty cycle, {state.name}"].append((point.share, case))
+                found[f"{DUTY}{state.name}"].append((point.share, case))
     return found
 
 
