@@ -122,9 +122,7 @@ def _readings(v: Judged, names: list[str]) -> Iterator[str]:
         cells = "".join(f"{EN.number(b * kN / MICRO):>18}" for b in column)
         yield f"{'per kN of ' + unit:<30}{cells}"
     for o in v.outcomes:
-        cells = "".join(
-            f"{_range(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist()
-        )
+        cells = "".join(f"{span(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist())
         yield f"{o.case.name[:29]:<30}{cells}"
     yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
 
@@ -150,7 +148,8 @@ def _lives(of: BracketStudy, v: Judged) -> Iterator[str]:
     yield f"  Rainflow, Miner with 2k - 1 beyond the knee, mean stress: {mean}; 1 is failure."
 
 
-def _range(low: float, high: float) -> str:
+def span(low: float, high: float) -> str:
+    """Return a smallest and a largest number as a span, or one number where they are one."""
     same = abs(high - low) <= 1e-6 * max(abs(low), abs(high))
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 

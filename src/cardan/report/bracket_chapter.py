@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from io import BytesIO
 
 from cardan.base.units import MPa, N, mm, rpm
-from cardan.report.bracket import MICRO, case_name, lives, picture
+from cardan.report.bracket import MICRO, case_name, lives, picture, span
 from cardan.report.bracket_scene import scene
 from cardan.report.language import Language
 from cardan.report.story import Block, Chapter, Picture, Table, Text
@@ -131,10 +131,7 @@ def _readings(of: BracketStudy, v: Judged, say: Language) -> Table:
         rows=tuple(
             (
                 case_name(o.case.name, say),
-                *(
-                    say.pointed(f"{low / MICRO:.1f} … {high / MICRO:.1f}")
-                    for low, high in o.strain.tolist()
-                ),
+                *(say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()),
             )
             for o in v.outcomes
         ),
