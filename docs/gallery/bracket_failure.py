@@ -23,7 +23,7 @@ from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.fatigue.strength import SNCurve
 from cardan.study.assess import assess
 from cardan.study.bracket import cases_of, judge
-from cardan.study.bracket_life import Strength, endured, loads_of
+from cardan.study.bracket_life import Strength, endured
 
 application = files.read(Path(__file__).with_suffix(".yaml"))
 bracket, response = application.bracket, assess(application).responses[0]
@@ -123,7 +123,7 @@ def damage(name, loads):
 
 # From force to life: damage of the twenty seconds, and how much crawling breaks each shape.
 lived = {name: damage(name, recorded) for name in judged}
-read_back = damage("original", loads_of(back.loads))
+read_back = damage("original", back.loads)
 print(f"{'damage of the recording':<28}" + "".join(f"{d.worst:>14.1e}" for d in lived.values()))
 print(
     f"{'hours of crawling to failure':<28}" + "".join(f"{d.hours:>14.3g}" for d in lived.values())

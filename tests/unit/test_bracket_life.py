@@ -190,3 +190,23 @@ def test_cases_and_duty_know_how_long_a_pass_lasts():
     whole = np.abs(np.fft.rfft(first.loads.reshape(8, 64, 9)[0, :, :3], axis=0)[1]) / 32
     assert passes[0].mean(axis=0) == pytest.approx(mean / 2)
     assert once == pytest.approx(whole / 16)
+
+
+def test_a_rest_in_the_duty_cycle_does_nothing_and_the_unknown_is_not_harmless():
+    text = TEXT.replace("torque_Nm: 4000, speed_rpm: 600", "torque_Nm: 4000, speed_rpm: 0")
+    application = files.loads(text)
+    (response,) = assess(application).responses
+    ((_, parts),) = duty_of(application.bracket, response).items()
+    how = {"unit": UNIT, "influence": np.zeros((0, 9)), "modulus": 2e11, "strength": strength()}
+    lives = [
+        (share, endured(c.loads, **how, places=c.places, turns=c.turns, duration=c.duration))
+        for share, c in parts
+    ]
+    assert mixed("duty", lives).per_hour == pytest.approx(0.75 * lives[0][1].per_hour)
+    assert lives[0][1].per_hour > 0
+    lost = up(0, 200)
+    lost[5] = np.nan
+    with pytest.raises(DesignError, match="mend it first"):
+        endured(lost, **how, turns=1, duration=1)
+    three = endured(up(0, 200)[:, :3], **how, turns=1, duration=1)
+    assert three.per_turn == pytest.approx(64e-6)

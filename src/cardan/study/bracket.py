@@ -257,7 +257,7 @@ def _round_the_turn(
     turn = forces.values(2 * SAMPLES)[at]
     # Where weight counts the shafts' is in the forces already, the bracket's is not.
     weight = (0.0, 0.0, gravity)
-    second = 2 * np.pi / speed if speed > 0 else np.nan
+    second = 2 * np.pi / speed if speed else np.inf  # of one turn, which never ends at rest
     yield Case(f"{state}: static", _history(mean[None], weight))
     yield Case(f"{state}: order 2", _history((turn - mean)[:SAMPLES]), 0.5, second / 2)
     yield Case(f"{state}: combined", _history(turn[:SAMPLES], weight), 0.5, second / 2)
@@ -288,10 +288,10 @@ def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float,
             response.layout, response.turn, line, torque=point.torque, gravity=response.gravity
         ).bearing_forces
         once = None
-        if application.include_unbalance:
-            once = unbalance(
-                response.layout, line, speed=point.speed, balanced_at=response.demand.speed
-            )
+        if application.include_unbalance and point.speed:
+            top = response.demand.speed
+            known = np.where(np.isfinite(top) & (top > 0), top, point.speed)
+            once = unbalance(response.layout, line, speed=point.speed, balanced_at=known)
         for s, state in enumerate(application.states):
             *_, case = _round_the_turn(
                 state.name, forces=forces, once=once, at=(s, bracket.bearing - 1),

@@ -167,7 +167,7 @@ def _until(rate: float) -> float:
 
 
 def endured(
-    loads: FloatArray,
+    loads: ArrayLike,
     *,
     name: str = "",
     unit: FloatArray,
@@ -178,8 +178,14 @@ def endured(
     turns: float = np.nan,
     duration: float = np.nan,
 ) -> Endured:
-    """Damage of one pass of loads (places * t, 9), the worst of as many passes as places."""
-    passes = np.split(loads, places)
+    """Damage of one pass of loads (places * t, 3, 6 or 9), the worst of as many as places.
+
+    Raises
+    ------
+    DesignError
+        If a load is not finite: counting would step over it, and find no harm.
+    """
+    passes = np.split(loads_of(loads), places)
     at_spots = [spot_damage(unit, one, strength=strength) for one in passes]
     at_gauges = [gauge_damage(influence, one, modulus=modulus, strength=strength) for one in passes]
     return Endured(
