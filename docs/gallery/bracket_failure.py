@@ -5,6 +5,7 @@ in every suspension state, eight cases, leave the bend of the bracket well below
 limit. A ninth case comes from a recording at the gauges: crawling from bin to bin in first
 gear, order 2 meets the shafts' resonance on the bearing's rubber. The obvious reinforcement,
 a rib welded under each flange, moves the crack to its toe; a thicker sheet ends the matter.
+By damage: 25 hours of crawling break the original, 1.4 the ribbed one, 16 000 the thicker.
 
 The vehicle is that of the examples, the bracket is assumed, and the recording is SYNTHETIC:
 computed below from the driveline's own forces with the rubber's transmissibility and noise.
@@ -19,8 +20,10 @@ from cardan import files
 from cardan.base.units import MPa, mm, rpm
 from cardan.bracket.gauges import recover
 from cardan.bracket.stress import along, critical_direction, superpose
+from cardan.fatigue.strength import SNCurve
 from cardan.study.assess import assess
 from cardan.study.bracket import cases_of, judge
+from cardan.study.bracket_life import Strength, endured
 
 application = files.read(Path(__file__).with_suffix(".yaml"))
 bracket, response = application.bracket, assess(application).responses[0]
@@ -67,19 +70,30 @@ SHEET = 0.45 * Rm * rough
 TOE = 100 * MPa * (2e6 / 1e7) ** (1 / 3) / 2
 
 
-def utilisation(history, point, *, ribbed):
-    """Amplitude over limit of a stress history (t, 6) at a hot spot; Goodman in the sheet."""
+# The file's S-N curve is the sheet's, knee and slope by FKM; beyond the knees Haibach's slope.
+sheet = Strength.of(bracket)
+assert abs(sheet.curve.amplitude / SHEET - 1) < 0.01
+toe = Strength(SNCurve(amplitude=TOE, cycles=1e7, slope=3).modified())
+
+
+def borne_at(name, point):
+    """Return what the place of a hot spot bears: the toe of a rib, or the sheet."""
+    on_rib = name == "ribbed" and abs(point[0]) < rib.gusset / 2 + 2 * rib.fillet
+    return toe if on_rib else sheet
+
+
+def utilisation(history, strength):
+    """Amplitude at zero mean over the limit, of a stress history (t, 6) at a hot spot."""
     normal = along(history, critical_direction(history))
     amplitude, mean = np.ptp(normal) / 2, (normal.max() + normal.min()) / 2
-    on_rib = ribbed and abs(point[0]) < rib.gusset / 2 + 2 * rib.fillet
-    return amplitude / TOE if on_rib else amplitude / (SHEET * (1 - max(mean, 0) / Rm))
+    return strength.correction(amplitude, mean) / strength.curve.amplitude
 
 
 def worst(name, loads):
     """Largest utilisation over a variant's hot spots."""
     spots = judged[name].hot_spots
     return max(
-        utilisation(history, point, ribbed=name == "ribbed")
+        utilisation(history, borne_at(name, point))
         for history, point in zip(superpose(spots.stress, loads), spots.points, strict=True)
     )
 
@@ -94,6 +108,28 @@ print(f"{'mass, kg':<28}" + "".join(f"{v.mass:>14.2f}" for v in judged.values())
 stress_of = {name: v.worst.hot.max() for name, v in judged.items()}
 print(f"{'highest of eight, MPa':<28}" + "".join(f"{s / MPa:>14.1f}" for s in stress_of.values()))
 
+
+def damage(name, loads):
+    """Largest damage over a variant's hot spots, of one pass of a load history."""
+    spots, passed = judged[name].hot_spots, []
+    for stress, point in zip(spots.stress, spots.points, strict=True):
+        here = endured(
+            loads, unit=stress[None], influence=judged[name].influence, duration=time[-1],
+            modulus=bracket.material.youngs_modulus, strength=borne_at(name, point),
+        )  # fmt: skip
+        passed.append(here)
+    return max(passed, key=lambda e: e.worst)
+
+
+# From force to life: damage of the twenty seconds, and how much crawling breaks each shape.
+lived = {name: damage(name, recorded) for name in judged}
+read_back = damage("original", back.loads)
+print(f"{'damage of the recording':<28}" + "".join(f"{d.worst:>14.1e}" for d in lived.values()))
+print(
+    f"{'hours of crawling to failure':<28}" + "".join(f"{d.hours:>14.3g}" for d in lived.values())
+)
+print(f"original, by the force the gauges tell: {read_back.worst:.1e}")
+
 *eight, ninth = table.values()
 eight = np.max(eight, axis=0)
 # The headline.
@@ -103,3 +139,7 @@ assert ninth[0] > 1.0  # crawling through the resonance is not
 assert stress_of["ribbed"] > 1.2 * stress_of["original"]  # the rib's toe is worse,
 assert eight[1] > 1.0  # and a weld: it cracks under the harmless loads too
 assert max(eight[2], ninth[2]) < 0.8  # the thicker sheet holds
+assert 10 < lived["original"].hours < 100  # some tens of hours of crawling break the original,
+assert lived["ribbed"].worst > 10 * lived["original"].worst  # the rib makes it a tenth of that,
+assert lived["8 mm sheet"].worst < lived["original"].worst / 100  # the sheet outlives the truck
+assert abs(read_back.worst / lived["original"].worst - 1) < 0.2  # and the gauges would have known

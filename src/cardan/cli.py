@@ -85,6 +85,9 @@ def cli() -> None:
 @click.option("--html", metavar="OUT", type=OUT, help="A page that needs nothing else.")
 @click.option("--pdf", metavar="OUT", type=OUT, help="A document to sign.")
 @click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
+@click.option(
+    "--bracket", is_flag=True, help="A chapter on the bracket in page and document; takes a while."
+)
 @LIMITS
 @LANG
 @click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
@@ -97,6 +100,7 @@ def check(
     html: Path | None,
     pdf: Path | None,
     xlsx: Path | None,
+    bracket: bool,
     limits: str | None,
     lang: str,
     every: bool,
@@ -117,6 +121,8 @@ def check(
     variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
     if xlsx and len(found) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
+    if bracket and (len(found) > 1 or not (html or pdf)):
+        raise CardanError(say("--bracket needs one file, and --html or --pdf to write to"))
     if json_out:
         from cardan.report import contract
 
@@ -126,7 +132,7 @@ def check(
             json_out,
         )
     if html or pdf:
-        _report(files, variants, say=say, html=html, pdf=pdf)
+        _report(files, variants, say=say, html=html, pdf=pdf, bracket=bracket, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
 
@@ -256,11 +262,7 @@ def bracket(
     from cardan.study.assess import assess
     from cardan.study.bracket import study
 
-    def tell(what: str) -> None:
-        if not quiet:
-            click.echo(what, err=True)
-
-    found = study(assess(_read(file, None)), tell=tell)
+    found = study(assess(_read(file, None)), tell=_teller(quiet=quiet))
     if json_out:
         _write_json(shown.contract(found), json_out)
     if vtu:
@@ -382,7 +384,14 @@ def _read(file: Path, limits: str | None) -> Any:
 
 
 def _report(
-    paths: tuple[Path, ...], variants: list[Any], *, say: Any, html: Path | None, pdf: Path | None
+    paths: tuple[Path, ...],
+    variants: list[Any],
+    *,
+    say: Any,
+    html: Path | None,
+    pdf: Path | None,
+    bracket: bool,
+    quiet: bool,
 ) -> None:
     """Tell the story of one application, or of variants, on a page or in a document."""
     from datetime import date
@@ -405,7 +414,13 @@ def _report(
         one = variants[0].assessment
         helps = sensitivities(one)
         fixes = search(one.application, count=3) if helps else ()
-        told = story.assessment(one, helps=helps, fixes=fixes, say=say, issue=issue)
+        more: list[Any] = []
+        if bracket:
+            from cardan.report.bracket_chapter import chapter
+            from cardan.study.bracket import study
+
+            more = [chapter(study(one, tell=_teller(quiet=quiet)), say=say)]
+        told = story.assessment(one, helps=helps, fixes=fixes, say=say, issue=issue, more=more)
     if html:
         from cardan.report.html import page
 
@@ -414,6 +429,16 @@ def _report(
         from cardan.report.pdf import document
 
         _write(pdf, document(told), say)
+
+
+def _teller(*, quiet: bool) -> Callable[[str], None]:
+    """Return what tells how far something has come, unless that is not wanted."""
+
+    def tell(what: str) -> None:
+        if not quiet:
+            click.echo(what, err=True)
+
+    return tell
 
 
 def _write(path: Path, content: str | bytes, say: Any) -> None:

@@ -1,7 +1,10 @@
 """Reports: the same story in three languages, whole and self-contained in every medium."""
 
 import ast
+import base64
+import hashlib
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -323,3 +326,28 @@ def test_cells_of_results_are_graded_as_their_checks():
     assert bad
     shown = rows["Clearance, auxiliary beam"]
     assert {s: g for s, g in shown.items() if g} == bad
+
+
+# One white pixel.
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4AAAAAElFTkSuQmCC"
+)
+
+
+def test_a_picture_stands_in_page_and_document_and_only_its_script_may_run(told):
+    """The policy holds the hash a browser computes: SHA-256 of what stands in the script."""
+    script = "console.log(1)"
+    scene = f'<div class="here"><script>{script}</script></div>'
+    picture = story.Picture(title="A", png=PIXEL, alt="One white pixel.", scene=scene)
+    plain = told["en"]
+    whole = replace(plain, chapters=(*plain.chapters, story.Chapter(title="B", blocks=(picture,))))
+    text = page(whole)
+    allowed = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{allowed}'\"" in text
+    assert scene in text
+    assert 'alt="One white pixel."' in text
+    assert "script-src" not in page(plain)
+    data = document(whole)
+    assert len(re.findall(rb"/Subtype ?/Image", data)) > len(
+        re.findall(rb"/Subtype ?/Image", document(plain))
+    )

@@ -5,7 +5,17 @@ from typing import Annotated, Any, TypeAlias
 
 from cardan.base.units import g, mm
 from cardan.files.catalogue import AMaterial
-from cardan.files.measure import FORCES, Diameter, Distance, Mass, Point, Size, Wall
+from cardan.files.measure import (
+    FORCES,
+    Diameter,
+    Distance,
+    Factor,
+    Mass,
+    Point,
+    Size,
+    Strength,
+    Wall,
+)  # fmt: skip
 from cardan.files.table import (
     ListOf,
     Number,
@@ -18,6 +28,7 @@ from cardan.model.application import Installed
 from cardan.model.bracket import (
     Bracket,
     BracketCase,
+    FatigueCurve,
     Gauge,
     LShape,
     Pick,
@@ -188,6 +199,18 @@ class CaseTable(Table):
         )
 
 
+class FatigueTable(Table):
+    """The bracket's S-N curve, fully reversed, at its surface; beyond the knee 2k - 1."""
+
+    amplitude: Strength = key("stress amplitude at the knee")
+    cycles: Factor = key("cycles to failure there", default=1e6)
+    slope: Annotated[float, Number(least=1)] = key("k of N ~ S^-k above the knee")
+
+    def build(self) -> FatigueCurve:
+        """Return the curve in SI."""
+        return FatigueCurve(amplitude=self.amplitude, cycles=self.cycles, slope=self.slope)
+
+
 class BracketTable(Table):
     """The bracket a centre bearing hangs in. Its origin is the bearing's centre."""
 
@@ -205,6 +228,9 @@ class BracketTable(Table):
     )
     gauges: tuple[Annotated[Gauge, GaugeTable], ...] = key("strain gauges on it", default=())
     cases: tuple[Annotated[BracketCase, CaseTable], ...] = key("loads given by hand", default=())
+    fatigue: Annotated[FatigueCurve, FatigueTable] | None = key(
+        "S-N curve, for damage and life", default=None
+    )
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole()] = key("degree of the displacements, 1 to 4", default=2)
@@ -234,5 +260,6 @@ class BracketTable(Table):
                 reinforced=self.reinforced.shape(shape) if self.reinforced else None,
                 element=self.element,
                 order=self.order,
+                fatigue=self.fatigue,
             )
         )

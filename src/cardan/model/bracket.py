@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cardan.base.errors import DesignError
-from cardan.base.units import Kilogram, Metre, mm
+from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
 from cardan.model.parts import STEEL, Material
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -226,6 +226,23 @@ class BracketCase:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FatigueCurve:
+    """S-N curve of a bracket: amplitude at zero mean and cycles at the knee, k of N ~ S^-k."""
+
+    amplitude: Pascal
+    cycles: float
+    slope: float
+
+    def __post_init__(self) -> None:
+        if not (self.amplitude > 0 and self.cycles > 0 and self.slope >= 1):
+            msg = (
+                "the S-N curve of a bracket needs amplitude and cycles above 0 and a slope of "
+                f"at least 1, got {self.amplitude / MPa:g} MPa, {self.cycles:g}, {self.slope:g}"
+            )
+            raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Bracket:
     """A bracket to be judged: shape, material, what it carries, what is asked of it.
 
@@ -247,6 +264,8 @@ class Bracket:
     """Largest edge of an element; by default the shape's thickness."""
     order: int = 2
     """Degree of the displacements in an element."""
+    fatigue: FatigueCurve | None = None
+    """What its surface bears; without one no damage is counted."""
 
     def __post_init__(self) -> None:
         if not self.carried_mass >= 0:

@@ -3,7 +3,7 @@
 import base64
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -14,13 +14,29 @@ from cardan.base.errors import NotInstalled
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
-from cardan.report.language import EN
+from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN
-from cardan.study.bracket import BracketStudy, Found, Judged, Outcome
+from cardan.study.bracket import DUTY, BracketStudy, Found, Judged, Outcome
+from cardan.study.bracket_life import Endured
 
 MICRO = 1e-6
 SETTLED = 0.05
 """Share of a stress its error may be, before a report says that it is not known."""
+
+
+def case_name(name: str, say: Language) -> str:
+    """Return the name of a load case in a language: the user's own as it is."""
+    if name.startswith(DUTY):
+        return f"{say('duty cycle')}, {say.given(name.removeprefix(DUTY))}"
+    state, colon, part = name.rpartition(": ")
+    parts = {
+        "static": say("static"),
+        "order 2": say("order 2"),
+        "combined": say("combined"),
+        "peak": say("peak"),
+    }
+    return f"{say.given(state)}: {parts[part]}" if colon and part in parts else say.given(name)
+
 
 # --------------------------------------------------------------------------- terminal
 
@@ -45,6 +61,7 @@ def terminal(of: BracketStudy) -> Iterator[str]:
     for v in of.variants:
         yield from _stresses(v)
         yield from _readings(v, [gauge.name for gauge in of.bracket.gauges])
+        yield from _lives(of, v)
     if len(of.variants) > 1:
         yield from _compared(of)
 
@@ -105,14 +122,34 @@ def _readings(v: Judged, names: list[str]) -> Iterator[str]:
         cells = "".join(f"{EN.number(b * kN / MICRO):>18}" for b in column)
         yield f"{'per kN of ' + unit:<30}{cells}"
     for o in v.outcomes:
-        cells = "".join(
-            f"{_range(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist()
-        )
+        cells = "".join(f"{span(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist())
         yield f"{o.case.name[:29]:<30}{cells}"
     yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
 
 
-def _range(low: float, high: float) -> str:
+def lives(v: Judged) -> list[Endured]:
+    """Return what fatigue does to a variant: cases that repeat, then the duty cycle."""
+    return [o.life for o in v.outcomes if o.life is not None] + list(v.duty)
+
+
+def _lives(of: BracketStudy, v: Judged) -> Iterator[str]:
+    """Yield damage and life of one variant; nothing without an S-N curve."""
+    if not lives(v):
+        return
+    yield ""
+    head = ("per turn", "per hour", "hours", "where")
+    yield f"{BOLD}{v.name + ', damage':<30}{''.join(f'{h:>12}' for h in head)}{PLAIN}"
+    for e in lives(v):
+        numbers = (e.per_turn, e.per_hour, e.hours)
+        cells = "".join(f"{EN.number(x) if x > 1e9 else f'{x:.3g}':>12}" for x in numbers)
+        where = f"H{int(e.spots.argmax()) + 1}" if e.worst > 0 else ""
+        yield f"{e.name[:29]:<30}{cells}{where:>12}"
+    mean = "Goodman" if of.bracket.material.ultimate_strength else "not counted"
+    yield f"  Rainflow, Miner with 2k - 1 beyond the knee, mean stress: {mean}; 1 is failure."
+
+
+def span(low: float, high: float) -> str:
+    """Return a smallest and a largest number as a span, or one number where they are one."""
     same = abs(high - low) <= 1e-6 * max(abs(low), abs(high))
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 
@@ -186,6 +223,23 @@ def _variant(of: BracketStudy, v: Judged) -> dict[str, Any]:
             for gauge, row in zip(of.bracket.gauges, v.influence, strict=True)
         ],
         "cases": [_case(of, o) for o in v.outcomes],
+        "duty": [_life(of, e) for e in v.duty],
+    }
+
+
+def _life(of: BracketStudy, e: Endured) -> dict[str, Any]:
+    def known(value: float) -> float | None:
+        return value if np.isfinite(value) else None
+
+    return {
+        "name": e.name,
+        "turns": known(e.turns),
+        "duration_s": known(e.duration),
+        "hot_spots": e.spots.tolist(),
+        "gauges": dict(zip((g.name for g in of.bracket.gauges), e.gauges.tolist(), strict=True)),
+        "per_turn": known(e.per_turn),
+        "per_hour": known(e.per_hour),
+        "life_hours": known(e.hours),
     }
 
 
@@ -217,6 +271,7 @@ def _case(of: BracketStudy, o: Outcome) -> dict[str, Any]:
         },
         "bolts_N": o.bolts.tolist(),
         "motion_mm": o.motion / mm,
+        "damage": _life(of, o.life) if o.life is not None else None,
     }
 
 
@@ -290,7 +345,7 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 # --------------------------------------------------------------------------- picture
 
 
-def picture(of: BracketStudy, path: Path) -> None:
+def picture(of: BracketStudy, path: Path | BinaryIO, *, say: Language = EN) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
     Raises
@@ -339,10 +394,11 @@ def picture(of: BracketStudy, path: Path) -> None:
         axis.set_aspect("equal")
         axis.autoscale_view()
         axis.set_axis_off()
-        axis.set_title(f"{v.name}: {case}\ndeformed {exaggeration:.0f} times")
+        deformed = say("deformed {times} times", times=f"{exaggeration:.0f}")
+        axis.set_title(f"{say(v.name)}: {case_name(case, say)}\n{deformed}")
     bar = ScalarMappable(norm=scale, cmap=colours)
-    figure.colorbar(bar, ax=list(axes), label="von Mises stress, MPa", shrink=0.8)
-    figure.savefig(path, dpi=130)
+    figure.colorbar(bar, ax=list(axes), label=say("von Mises stress, MPa"), shrink=0.8)
+    figure.savefig(path, dpi=130, format="png")
 
 
 def _seen() -> tuple[FloatArray, FloatArray, FloatArray]:

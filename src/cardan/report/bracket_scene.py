@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cardan.base.units import MPa
-from cardan.report.bracket import peak_fields
+from cardan.report.bracket import case_name, peak_fields
+from cardan.report.language import EN, Language
 from cardan.study.bracket import BracketStudy, Judged
 
 
@@ -23,21 +24,28 @@ def page(of: BracketStudy) -> str:
     )
 
 
-def scene(of: BracketStudy) -> str:
+def scene(of: BracketStudy, *, say: Language = EN) -> str:
     """Return a fragment of HTML: the mesh, each case's stress, deformation, gauges, hot spots.
 
     Drag to turn, wheel to zoom; the deformation runs from none to plenty.
     """
     data = {
-        "variants": [_variant(v) for v in of.variants],
+        "variants": [_variant(v, say) for v in of.variants],
+        "words": {
+            "none": say("This browser shows no WebGL."),
+            "scale": say("blue 0 to red {top} MPa, von Mises", top="@"),
+        },
         "gauges": [{"name": g.name, "at": list(g.point)} for g in of.bracket.gauges],
     }
     # A script ends at the first "</", whatever it stands in.
     packed = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
-    return _FRAGMENT.replace("@DATA@", packed)
+    fragment = _FRAGMENT
+    for label in ("shape", "case", "deformation"):
+        fragment = fragment.replace(f"@{label}@", escape(say(label)))
+    return fragment.replace("@DATA@", packed)
 
 
-def _variant(v: Judged) -> dict[str, Any]:
+def _variant(v: Judged, say: Language) -> dict[str, Any]:
     nodes = v.units.elastic.nodes
     kept = nodes.surface
     place = np.full(len(nodes.points), -1, dtype=np.int64)
@@ -47,13 +55,13 @@ def _variant(v: Judged) -> dict[str, Any]:
     for o in v.outcomes:
         u, mises = peak_fields(v, o)
         cases.append({
-            "name": o.case.name,
+            "name": case_name(o.case.name, say),
             "u": _packed(u[kept].astype("<f4")),
             "s": _packed((mises[kept] / MPa).astype("<f4")),
             "top": o.von_mises.value / MPa,
         })  # fmt: skip
     return {
-        "name": v.name,
+        "name": say(v.name),
         "points": _packed(nodes.points[kept].astype("<f4")),
         "faces": _packed(place[corners].astype("<u4")),
         "spots": v.hot_spots.points.tolist(),
@@ -67,8 +75,9 @@ def _packed(values: npt.NDArray[Any]) -> str:
 
 _FRAGMENT = """
 <div class="bracket-scene">
-<p><label>shape <select class="v"></select></label> <label>case <select class="c"></select></label>
-<label>deformation <input class="d" type="range" min="0" max="1" step="0.01" value="0.3"></label>
+<p><label>@shape@ <select class="v"></select></label>
+<label>@case@ <select class="c"></select></label>
+<label>@deformation@ <input class="d" type="range" min="0" max="1" step="0.01" value="0.3"></label>
 <span class="k"></span></p>
 <div style="position:relative;width:100%;max-width:900px">
 <canvas style="width:100%;height:560px;border:1px solid #ccc;touch-action:none"></canvas>
@@ -81,7 +90,7 @@ const data = JSON.parse(q('script[type="application/json"]').textContent);
 const canvas = q('canvas'), gl = canvas.getContext('webgl'), marks = q('.m');
 if (!gl || !gl.getExtension('OES_element_index_uint') ||
     !gl.getExtension('OES_standard_derivatives')) {
-  q('.k').textContent = 'This browser shows no WebGL.'; return;
+  q('.k').textContent = data.words.none; return;
 }
 const bytes = t => Uint8Array.from(atob(t), c => c.charCodeAt(0)).buffer;
 const shader = (kind, text) => {
@@ -133,7 +142,7 @@ const pick = () => {
   c = v.cases[q('.c').value];
   const u = new Float32Array(bytes(c.u)); swing = u.reduce((a, x) => Math.max(a, Math.abs(x)), 0);
   fill('u', u, 3); fill('s', new Float32Array(bytes(c.s)), 1);
-  q('.k').textContent = `blue 0 to red ${c.top.toFixed(1)} MPa, von Mises`; draw();
+  q('.k').textContent = data.words.scale.replace('@', c.top.toFixed(1)); draw();
 };
 const draw = () => {
   canvas.width = canvas.clientWidth; canvas.height = canvas.clientHeight;

@@ -1,10 +1,13 @@
 """A report as one page that needs nothing else: it works from disk, with the network off."""
 
+import re
+from base64 import b64encode
+from hashlib import sha256
 from importlib.resources import files
 
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.story import Block, Story
+from cardan.report.story import Block, Picture, Story
 
 MARKS = {"pass": "✓", "warn": "△", "fail": "✗"}
 """Signs of the verdicts, for whoever does not see their colours."""
@@ -13,6 +16,19 @@ MARKS = {"pass": "✓", "warn": "△", "fail": "✗"}
 def _kind(block: Block) -> str:
     """Return what a block is, for the template to choose by."""
     return type(block).__name__
+
+
+def _packed(data: bytes) -> str:
+    """Return a picture as text."""
+    return b64encode(data).decode()
+
+
+def _scripts(of: Story) -> list[str]:
+    """Return the scripts a page may run, by their hashes: those of its scenes, no other."""
+    scenes = [b.scene for c in of.chapters for b in c.blocks if isinstance(b, Picture)]
+    scripts = re.findall(r"<script>(.*?)</script>", "".join(scenes), flags=re.DOTALL)
+    hashes = (b64encode(sha256(s.encode()).digest()).decode() for s in dict.fromkeys(scripts))
+    return [f"'sha256-{h}'" for h in hashes]
 
 
 def page(of: Story) -> str:
@@ -32,6 +48,8 @@ def page(of: Story) -> str:
         lang={"pt": "pt-BR"}.get(of.language, of.language),
         mark=MARKS,
         kind=_kind,
+        packed=_packed,
+        scripts=_scripts(of),
         contents=say("Contents"),
         made=say("Made with cardan {version}.", version=of.version),
     )

@@ -1,13 +1,14 @@
 """A report as a document to sign: PDF/A with its fonts and alternative texts inside."""
 
 import json
+from base64 import b64encode
 from dataclasses import asdict
 from importlib.resources import files
 from typing import Any
 
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.story import Figures, Story
+from cardan.report.story import Figures, Picture, Story
 
 FONT = "Libertinus Serif"
 """The typesetter brings it along; drawings are set in it too."""
@@ -45,6 +46,16 @@ def _set(of: Story, **options: Any) -> Any:
     return typst.compile(sources, ignore_system_fonts=True, **options)
 
 
+def _wrapped(png: bytes) -> bytes:
+    """Return a picture inside a drawing: the typesetter takes its sources as text alone."""
+    width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">'
+        f'<image width="{width}" height="{height}" '
+        f'href="data:image/png;base64,{b64encode(png).decode()}"/></svg>'
+    ).encode()
+
+
 def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
     """Return a story as plain data, and its drawings as files that the data names."""
     drawings: dict[str, bytes] = {}
@@ -58,6 +69,10 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
                     figure["file"] = f"figure-{len(drawings) + 1}.svg"
                     svg = figure.pop("svg").replace("<svg ", f'<svg font-family="{FONT}" ', 1)
                     drawings[figure["file"]] = svg.encode()
+            if isinstance(block, Picture):
+                del told["scene"]
+                told["file"] = f"figure-{len(drawings) + 1}.svg"
+                drawings[told["file"]] = _wrapped(told.pop("png"))
             blocks.append(told)
         chapters.append({"title": chapter.title, "blocks": blocks})
     made = Language(of.language)("Made with cardan {version}.", version=of.version)

@@ -84,7 +84,19 @@ class Verbatim:
     text: str
 
 
-Block: TypeAlias = Table | Text | Points | Figures | Verbatim
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A picture in pixels, and what a page that can move shows under it."""
+
+    title: str
+    png: bytes
+    alt: str
+    note: str = ""
+    scene: str = ""
+    """A fragment of HTML; a document on paper leaves it out."""
+
+
+Block: TypeAlias = Table | Text | Points | Figures | Picture | Verbatim
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,8 +142,12 @@ def assessment(
     fixes: Sequence[Proposal],
     say: Language,
     issue: Issue,
+    more: Sequence[Chapter] = (),
 ) -> Story:
-    """Return the story of one application: the verdict first, then what to change."""
+    """Return the story of one application: the verdict first, then what to change.
+
+    Chapters of other studies, `more`, follow the results.
+    """
     several = len(of.responses) > 1
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_verdict(of, say))),
@@ -143,6 +159,7 @@ def assessment(
     for response in of.responses:
         chapters += _line(response, say, several=several)
     chapters += [
+        *more,
         Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
     ]
@@ -462,6 +479,7 @@ __all__ = [
     "Chapter",
     "Figures",
     "Issue",
+    "Picture",
     "Points",
     "Story",
     "Table",

@@ -44,7 +44,7 @@ _VERDICTS: dict[str, tuple[str, str]] = {
     ),
     "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies.": (
         "Há um suporte: `cardan bracket` mostra suas tensões, extensômetros e frequências.",
-        "È dato un supporto: `cardan bracket` ne mostra tensioni, estensimetri e frequenze.",
+        "È data una staffa: `cardan bracket` ne mostra tensioni, estensimetri e frequenze.",
     ),
     "{what} in {state}: {value} against {limit} {unit}": (
         "{what} em {state}: {value} contra {limit} {unit}",
@@ -988,8 +988,109 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
     ),
 }  # fmt: skip
 
+_BRACKET: dict[str, tuple[str, str]] = {
+    "The bracket": ("O suporte", "La staffa"),
+    "The bracket of bearing {bearing}": (
+        "O suporte do mancal {bearing}", "La staffa del supporto {bearing}",
+    ),
+    "--bracket needs one file, and --html or --pdf to write to": (
+        "--bracket pede um só arquivo, e --html ou --pdf onde escrever",
+        "--bracket richiede un solo file, e --html o --pdf in cui scrivere",
+    ),
+    "original": ("original", "originale"),
+    "reinforced": ("reforçado", "rinforzata"),
+    "Original and reinforced": ("Original e reforçado", "Originale e rinforzata"),
+    "mass, kg": ("massa, kg", "massa, kg"),
+    "stiffness at the bearing along {axis}, N/mm": (
+        "rigidez no mancal ao longo de {axis}, N/mm", "rigidezza al supporto lungo {axis}, N/mm",
+    ),
+    "frequency {mode}, loaded, Hz": (
+        "frequência {mode}, carregado, Hz", "frequenza {mode}, caricata, Hz",
+    ),
+    "first frequency by itself, Hz": (
+        "primeira frequência, sozinho, Hz", "prima frequenza, da sola, Hz",
+    ),
+    "highest stress at a hot spot, MPa": (
+        "maior tensão em um ponto crítico, MPa", "massima tensione in un punto critico, MPa",
+    ),
+    "largest damage of a turn of the shaft": (
+        "maior dano de uma volta do eixo", "massimo danno di un giro dell'albero",
+    ),
+    "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.": (
+        "{name}: nenhuma ordem 1, 2 ou 4 encontra uma frequência natural na faixa de rotação.",
+        "{name}: nessun ordine 1, 2 o 4 incontra una frequenza propria nel campo di velocità.",
+    ),
+    "{name}: order {order} meets frequency {mode}, {frequency} Hz, at {speed} rpm.": (
+        "{name}: a ordem {order} encontra a frequência {mode}, {frequency} Hz, a {speed} rpm.",
+        "{name}: l'ordine {order} incontra la frequenza {mode}, {frequency} Hz, a {speed} rpm.",
+    ),
+    "Stresses in MPa: {name}": ("Tensões em MPa: {name}", "Tensioni in MPa: {name}"),
+    "case": ("caso", "caso"),
+    "tension": ("tração", "trazione"),
+    "compression": ("compressão", "compressione"),
+    "hot spot": ("ponto crítico", "punto critico"),
+    "Hot spots, mm from the bearing's centre: {name}": (
+        "Pontos críticos, mm a partir do centro do mancal: {name}",
+        "Punti critici, mm dal centro del supporto: {name}",
+    ),
+    "Gauges, microstrain: {name}": (
+        "Extensômetros, microdeformação: {name}", "Estensimetri, microdeformazioni: {name}",
+    ),
+    "Damage and life at the worst hot spot: {name}": (
+        "Dano e vida no pior ponto crítico: {name}",
+        "Danno e vita nel punto critico peggiore: {name}",
+    ),
+    "damage per turn": ("dano por volta", "danno per giro"),
+    "damage per hour": ("dano por hora", "danno per ora"),
+    "hours to failure": ("horas até a falha", "ore al cedimento"),
+    "duty cycle": ("ciclo de serviço", "ciclo di servizio"),
+    "static": ("estático", "statico"),
+    "combined": ("combinado", "combinato"),
+    "peak": ("pico", "picco"),
+    "Stresses leave out what lies within 1.5 thicknesses of a sharp edge or a clamp, where "
+    "they depend on the mesh; H are solved again, finer, with their estimated error.": (
+        "As tensões deixam de fora o que está a menos de 1,5 espessura de uma aresta viva ou de "
+        "uma fixação, onde dependem da malha; H são recalculados, mais finos, com o erro estimado.",
+        "Le tensioni escludono ciò che dista meno di 1,5 spessori da uno spigolo vivo o da un "
+        "fissaggio, dove dipendono dalla mesh; gli H sono ricalcolati, più fini, con l'errore "
+        "stimato.",
+    ),
+    "Loads are quasi-static: right below the natural frequencies.": (
+        "As cargas são quase estáticas: corretas abaixo das frequências naturais.",
+        "I carichi sono quasi statici: corretti al di sotto delle frequenze proprie.",
+    ),
+    "Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.": (
+        "Dano: rainflow e Miner, 2k - 1 além do joelho, tensão média por Goodman.",
+        "Danno: rainflow e Miner, 2k - 1 oltre il ginocchio, tensione media secondo Goodman.",
+    ),
+    "Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.": (
+        "Dano: rainflow e Miner, 2k - 1 além do joelho, tensão média não considerada.",
+        "Danno: rainflow e Miner, 2k - 1 oltre il ginocchio, tensione media non considerata.",
+    ),
+    "Stress where it is worst: {case}": (
+        "Tensão onde é pior: {case}", "Tensione dove è peggiore: {case}",
+    ),
+    "The bracket deformed under {case}, coloured by von Mises stress; the highest, {stress} MPa, "
+    "is at x {x}, y {y}, z {z} mm from the bearing's centre.": (
+        "O suporte deformado sob {case}, colorido pela tensão de von Mises; a maior, {stress} MPa, "
+        "está em x {x}, y {y}, z {z} mm a partir do centro do mancal.",
+        "La staffa deformata sotto {case}, colorata secondo la tensione di von Mises; la massima, "
+        "{stress} MPa, è in x {x}, y {y}, z {z} mm dal centro del supporto.",
+    ),
+    "deformed {times} times": ("deformação ampliada {times} vezes", "deformata {times} volte"),
+    "von Mises stress, MPa": ("tensão de von Mises, MPa", "tensione di von Mises, MPa"),
+    "shape": ("forma", "forma"),
+    "deformation": ("deformação", "deformazione"),
+    "This browser shows no WebGL.": (
+        "Este navegador não mostra WebGL.", "Questo browser non mostra WebGL.",
+    ),
+    "blue 0 to red {top} MPa, von Mises": (
+        "azul 0 a vermelho {top} MPa, von Mises", "blu 0 a rosso {top} MPa, von Mises",
+    ),
+}  # fmt: skip
+
 WORDS: dict[str, tuple[str, str]] = {
     **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_WORKBOOK,
-    **_EQUATIONS,
+    **_EQUATIONS, **_BRACKET,
 }  # fmt: skip
 """English text to Portuguese and Italian."""

@@ -1,12 +1,12 @@
-"""Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, a variant.
+"""Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, life, a variant.
 
 Everything follows from the unit solutions by adding them up, so a load case costs no solve.
 Loads are quasi-static: that of an order is right below the bracket's natural frequencies,
 which stand beside it.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,24 +27,42 @@ from cardan.bracket.stress import (
     von_mises,
 )  # fmt: skip
 from cardan.bracket.unit import UNITS, Units, unit_solutions
+from cardan.loads.cycle import Cycle
+from cardan.loads.statics import Rotating, loads, unbalance
 from cardan.model.application import Application
 from cardan.model.bracket import Bracket, Shape
 from cardan.study.assess import Assessment
-from cardan.study.response import Response
+from cardan.study.bracket_life import Endured, Strength, endured, mixed
+from cardan.study.response import PASSING, Response
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 HOT_SPOTS = 3
+DUTY = "duty cycle, "
+"""What names of duty cycles begin with, before the state."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A load history on the bearing, (t, 9) as in `cardan.bracket.unit.UNITS`."""
+    """A load history on the bearing, (t, 9) as in `cardan.bracket.unit.UNITS`.
+
+    Where `turns` of the shaft or `duration` (s) are known it is one pass of a history that
+    repeats, and does damage; else a load by itself. `places` counts passes one after the
+    other of which only the worst happens.
+    """
 
     name: str
     loads: FloatArray
+    turns: float = np.nan
+    duration: float = np.nan
+    places: int = 1
+
+    @property
+    def repeats(self) -> bool:
+        """Whether it is a pass of something, and no load by itself."""
+        return not (np.isnan(self.turns) and np.isnan(self.duration))
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +94,8 @@ class Outcome:
         Largest force on each bolt.
     motion : Metre
         Largest movement of the seat under the bearing.
+    life : Endured
+        Damage and life; None without an S-N curve, or of a load by itself.
     """
 
     case: Case
@@ -90,6 +110,7 @@ class Outcome:
     strain: FloatArray
     bolts: FloatArray
     motion: Metre
+    life: Endured | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +141,8 @@ class Judged:
         Largest change of those since the first solution, over the largest of them.
     frequencies, carried : (6,) Hz
         Natural frequencies of the bracket by itself, and with the mass it carries.
+    duty : Endured
+        A mean second of the application's duty cycle, in each state that lasts.
     """
 
     name: str
@@ -131,6 +154,7 @@ class Judged:
     carried: FloatArray
     crossings: tuple[Crossing, ...]
     outcomes: tuple[Outcome, ...]
+    duty: tuple[Endured, ...] = ()
 
     @property
     def mass(self) -> float:
@@ -179,7 +203,15 @@ def study(
         bracket=bracket,
         top_speed=top,
         variants=tuple(
-            judge(bracket, shape, cases, name=name, top_speed=top, tell=tell)
+            judge(
+                bracket,
+                shape,
+                cases,
+                duty=duty_of(bracket, response),
+                name=name,
+                top_speed=top,
+                tell=tell,
+            )
             for name, shape in shapes.items()
         ),
     )
@@ -207,25 +239,67 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
         yield Case(case.name, np.concatenate([force, case.moment, a])[None])
     if response.line.joint_count < 3 or not np.isfinite(response.demand.torque).all():
         return
-    k = bracket.bearing - 1
-    forces = response.loads.bearing_forces
-    once = response.unbalance
+    forces, once = response.loads.bearing_forces, response.unbalance
+    speeds = response.demand.speed.tolist()
     for s, state in enumerate(response.demand.states):
-        mean = forces.static[s, k]
-        turn = forces.values(2 * SAMPLES)[s, k]
-        # Where weight counts the shafts' is in the forces already, the bracket's is not.
-        weight = (0.0, 0.0, response.gravity)
-        yield Case(f"{state}: static", _history(mean[None], weight))
-        yield Case(f"{state}: order 2", _history((turn - mean)[:SAMPLES]))
-        yield Case(f"{state}: combined", _history(turn[:SAMPLES], weight))
-        if once is not None:
-            theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
-            round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
-            # Nobody knows where the heavy spot is: each of eight places is tried.
-            starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
-            size = once.bearing_forces[s, k]
-            peak = np.concatenate([turn + size * start for start in starts])
-            yield Case(f"{state}: peak", _history(peak, weight))
+        yield from _round_the_turn(
+            state, forces=forces, once=once, at=(s, bracket.bearing - 1),
+            gravity=response.gravity, speed=speeds[s],
+        )  # fmt: skip
+
+
+def _round_the_turn(
+    state: str, *, forces: Cycle, once: Rotating | None, at: tuple[int, int], gravity: float,
+    speed: RadianPerSecond,
+) -> Iterator[Case]:  # fmt: skip
+    """Yield the cases of one state and bearing at a speed, nan where that is not known."""
+    mean = forces.static[at]
+    turn = forces.values(2 * SAMPLES)[at]
+    # Where weight counts the shafts' is in the forces already, the bracket's is not.
+    weight = (0.0, 0.0, gravity)
+    second = 2 * np.pi / speed if speed else np.inf  # of one turn, which never ends at rest
+    yield Case(f"{state}: static", _history(mean[None], weight))
+    yield Case(f"{state}: order 2", _history((turn - mean)[:SAMPLES]), 0.5, second / 2)
+    yield Case(f"{state}: combined", _history(turn[:SAMPLES], weight), 0.5, second / 2)
+    if once is not None:
+        theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
+        round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
+        # Nobody knows where the heavy spot is: each of eight places is tried.
+        starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
+        peak = np.concatenate([turn + once.bearing_forces[at] * start for start in starts])
+        yield Case(f"{state}: peak", _history(peak, weight), 1.0, second, places=8)
+
+
+def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float, Case]]]:
+    """Return the duty cycle's load histories with their shares, by each state that lasts.
+
+    The joint angles are the state's: those of the cycle itself say nothing about where
+    the bearings pull.
+    """
+    application = response.application
+    points, line = application.duty, response.line
+    if not points or line.joint_count < 3:
+        return {}
+    found: dict[str, list[tuple[float, Case]]] = {
+        f"{DUTY}{s.name}": [] for s in application.states if s.kind not in PASSING
+    }
+    for point in points:
+        forces = loads(
+            response.layout, response.turn, line, torque=point.torque, gravity=response.gravity
+        ).bearing_forces
+        once = None
+        if application.include_unbalance and point.speed:
+            top = response.demand.speed
+            known = np.where(np.isfinite(top) & (top > 0), top, point.speed)
+            once = unbalance(response.layout, line, speed=point.speed, balanced_at=known)
+        for s, state in enumerate(application.states):
+            *_, case = _round_the_turn(
+                state.name, forces=forces, once=once, at=(s, bracket.bearing - 1),
+                gravity=response.gravity, speed=point.speed,
+            )  # fmt: skip
+            if state.kind not in PASSING:
+                found[f"{DUTY}{state.name}"].append((point.share, case))
+    return found
 
 
 def _history(
@@ -245,11 +319,15 @@ def judge(
     shape: Shape,
     cases: Sequence[Case],
     *,
+    duty: Mapping[str, Sequence[tuple[float, Case]]] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
     tell: Progress = silent,
 ) -> Judged:
-    """Judge one shape of a bracket under load cases."""
+    """Judge one shape of a bracket under load cases, and over a duty cycle's.
+
+    Damage is counted where the bracket states what it bears in fatigue.
+    """
     if not cases:
         msg = "the bracket has no load case: give the application a torque, or the bracket cases"
         raise DesignError(msg)
@@ -280,6 +358,23 @@ def judge(
     best = converged(units, spots, also=grids, tell=told)
     readings = influence(best.units, bracket.gauges)
     change = float(np.abs(readings - first).max() / np.abs(readings).max()) if len(first) else 0.0
+    strength = Strength.of(bracket)
+
+    def life(case: Case, name: str) -> Endured | None:
+        if strength is None or not case.repeats:
+            return None
+        return endured(
+            case.loads, name=name, unit=best.stress, influence=readings,
+            modulus=bracket.material.youngs_modulus, strength=strength,
+            places=case.places, turns=case.turns, duration=case.duration,
+        )  # fmt: skip
+
+    spent: list[Endured] = []
+    for cycle, parts in (duty or {}).items():
+        lives = [(share, life(case, cycle)) for share, case in parts]
+        known = [(share, one) for share, one in lives if one is not None]
+        if known:
+            spent.append(mixed(cycle, known))
     return Judged(
         name=name,
         units=units,
@@ -289,7 +384,11 @@ def judge(
         frequencies=alone,
         carried=carried,
         crossings=tuple(crossings(carried, top_speed)),
-        outcomes=tuple(_outcome(case, units, where, best, readings) for case in cases),
+        outcomes=tuple(
+            replace(_outcome(case, units, where, best, readings), life=life(case, case.name))
+            for case in cases
+        ),
+        duty=tuple(spent),
     )
 
 

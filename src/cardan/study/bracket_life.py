@@ -1,0 +1,213 @@
+"""From a load history on the bearing to damage and life at a bracket's hot spots and gauges.
+
+Unit stresses times loads are a stress history; its rainflow cycles, Goodman's mean stress
+and the S-N curve make damage by Miner. A history is taken to repeat for ever.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import hour
+from cardan.bracket.stress import along, critical_direction, superpose
+from cardan.bracket.unit import UNITS
+from cardan.fatigue.correction import Correction, goodman, uncorrected
+from cardan.fatigue.damage import miner
+from cardan.fatigue.rainflow import rainflow, repeating
+from cardan.fatigue.strength import SNCurve
+from cardan.model.bracket import Bracket
+
+
+def loads_of(history: ArrayLike) -> FloatArray:
+    """Return loads (..., t, 9) of forces on a bearing (..., t, 3), or with moments (..., t, 6).
+
+    Forces may be those of `cardan.bracket.gauges.recover`: measured strains make life too.
+    """
+    history = np.asarray(history, dtype=float)
+    known = history.shape[-1]
+    if history.ndim < 2 or known not in (3, 6, len(UNITS)):
+        msg = f"a load history is (..., samples, 3, 6 or {len(UNITS)}), got {history.shape}"
+        raise ValueError(msg)
+    if not np.isfinite(history).all():
+        msg = "a load history on a bracket has samples that are no numbers: mend it first"
+        raise DesignError(msg)
+    return np.pad(history, [(0, 0)] * (history.ndim - 1) + [(0, len(UNITS) - known)])
+
+
+def round_the_turn(
+    static: ArrayLike, orders: Mapping[float, ArrayLike], *, samples: int = 64, turns: int = 1
+) -> FloatArray:
+    r"""Return loads (t, 9) of order content: $F_0 + \mathrm{Re} \sum_k F_k e^{i k \theta}$.
+
+    Parameters
+    ----------
+    static : (3) N or (6) N, N m
+        Mean over the turn.
+    orders
+        Complex amplitudes (3) or (6), 0 to peak, by order of the shaft's turn.
+    samples
+        Per turn.
+    turns
+        As many as it takes until the loads come back: 2 where an order is a half.
+    """
+    angle = 2 * np.pi * np.arange(samples * turns) / samples
+    waves = [
+        np.real(np.asarray(size, dtype=complex) * np.exp(1j * order * angle)[:, None])
+        for order, size in orders.items()
+    ]
+    return loads_of(sum(waves, np.asarray(static) + np.zeros((len(angle), 1))))
+
+
+@dataclass(frozen=True)
+class Strength:
+    """What a bracket's material bears in fatigue: S-N curve and mean-stress correction."""
+
+    curve: SNCurve
+    correction: Correction = uncorrected
+
+    @classmethod
+    def of(cls, bracket: Bracket) -> "Strength | None":
+        """Return a bracket's strength as its file states it; None where it states none.
+
+        Beyond the knee Haibach's slope holds. Tensile means count by Goodman where the
+        material has an ultimate strength, else not at all.
+        """
+        given = bracket.fatigue
+        if given is None:
+            return None
+        curve = SNCurve(amplitude=given.amplitude, cycles=given.cycles, slope=given.slope)
+        ultimate = bracket.material.ultimate_strength
+        correction = partial(goodman, ultimate=ultimate) if ultimate else uncorrected
+        return cls(curve.modified(), correction)
+
+    def damage(self, stress: FloatArray) -> float:
+        """Damage of one pass of a stress history (t,) Pa that repeats for ever."""
+        cycles = rainflow(stress, rule=repeating)
+        return miner(cycles, curve=self.curve, correction=self.correction)
+
+
+def spot_damage(unit: ArrayLike, loads: FloatArray, *, strength: Strength) -> FloatArray:
+    """Damage (k,) that one pass of loads (t, 9) does at points, unit stresses (k, 9, 6) Pa.
+
+    Of the normal stress on the plane where it swings most.
+    """
+    return np.array([
+        strength.damage(along(one, critical_direction(one))) for one in superpose(unit, loads)
+    ])  # fmt: skip
+
+
+def gauge_damage(
+    influence: ArrayLike, loads: FloatArray, *, modulus: float, strength: Strength
+) -> FloatArray:
+    """Damage (g,) one pass of loads (t, 9) does at gauges, influence (g, 9), modulus Pa.
+
+    Of the stress their readings make of it, one way: Young's modulus times strain.
+    """
+    strain = loads @ np.asarray(influence, dtype=float).T
+    return np.array([strength.damage(modulus * one) for one in strain.T])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Endured:
+    """What one pass of a load history does, or a mean second of a duty cycle.
+
+    Attributes
+    ----------
+    name
+        Of the load case, or of the duty cycle.
+    spots : (k,)
+        Damage at each hot spot; 1 is failure.
+    gauges : (g,)
+        Damage at each gauge.
+    turns
+        Turns of the shaft in a pass; nan where not known.
+    duration : s
+        Of a pass; nan where not known.
+    """
+
+    name: str
+    spots: FloatArray
+    gauges: FloatArray
+    turns: float
+    duration: float
+
+    @property
+    def worst(self) -> float:
+        """Damage of a pass at the hot spot that fares worst."""
+        return float(self.spots.max())
+
+    @property
+    def per_turn(self) -> float:
+        """Damage of a turn there; nan where not known."""
+        return self.worst / self.turns
+
+    @property
+    def per_hour(self) -> float:
+        """Damage of an hour there; nan where not known."""
+        return self.worst / self.duration * hour
+
+    @property
+    def hours(self) -> float:
+        """Hours to failure there; infinite where it does no harm, nan where not known."""
+        return _until(self.per_hour)
+
+    @property
+    def turns_to_failure(self) -> float:
+        """Turns to failure there; infinite where it does no harm, nan where not known."""
+        return _until(self.per_turn)
+
+
+def _until(rate: float) -> float:
+    return math.inf if rate == 0 else 1 / rate
+
+
+def endured(
+    loads: ArrayLike,
+    *,
+    name: str = "",
+    unit: FloatArray,
+    influence: FloatArray,
+    modulus: float,
+    strength: Strength,
+    places: int = 1,
+    turns: float = np.nan,
+    duration: float = np.nan,
+) -> Endured:
+    """Damage of one pass of loads (places * t, 3, 6 or 9), the worst of as many as places.
+
+    Raises
+    ------
+    DesignError
+        If a load is not finite: counting would step over it, and find no harm.
+    """
+    passes = np.split(loads_of(loads), places)
+    at_spots = [spot_damage(unit, one, strength=strength) for one in passes]
+    at_gauges = [gauge_damage(influence, one, modulus=modulus, strength=strength) for one in passes]
+    return Endured(
+        name=name,
+        spots=np.max(at_spots, axis=0),
+        gauges=np.max(at_gauges, axis=0),
+        turns=turns,
+        duration=duration,
+    )
+
+
+def mixed(name: str, parts: list[tuple[float, Endured]]) -> Endured:
+    """Return the mean second of a duty cycle: parts with their shares of the time.
+
+    Each part runs for long: cycles from one to the next are not counted.
+    """
+    shares = np.array([share for share, _ in parts])
+    weights = shares / shares.sum() / np.array([e.duration for _, e in parts])
+    return Endured(
+        name=name,
+        spots=weights @ np.array([e.spots for _, e in parts]),
+        gauges=weights @ np.array([e.gauges for _, e in parts]),
+        turns=float(weights @ np.array([e.turns for _, e in parts])),
+        duration=1.0,
+    )

@@ -1,0 +1,129 @@
+"""The bracket's chapter in page and document, in every language: needs cardan[bracket]."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.cli import cli
+from cardan.report import bracket as shown
+from cardan.report.bracket_chapter import chapter
+from cardan.report.language import CODES, Language
+from cardan.report.story import Picture, Table
+from cardan.study.assess import assess
+from cardan.study.bracket import BracketStudy, duty_of, study
+
+pytestmark = pytest.mark.bracket
+
+FILE = """
+title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+duty: [{share_percent: 100, torque_Nm: 8000, speed_rpm: 2500}]
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  element_mm: 16
+  carried_mass_kg: 18
+  fatigue: {amplitude_MPa: 2, cycles: 1.0e+6, slope: 5}
+  gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
+  cases: [{name: kerb, force_N: [0, 1000, 0]}]
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> BracketStudy:
+    """A study, its one solution shown as two variants: what is told needs no second solve."""
+    one = study(assess(files.loads(FILE)))
+    first = one.variants[0]
+    return replace(one, variants=(first, replace(first, name="reinforced")))
+
+
+def test_damage_follows_from_the_amplitudes_shown(found):
+    """One cycle in half a turn: two a turn, on the plane and of the amplitude reported."""
+    v = found.variants[0]
+    kerb, static, second, combined = v.outcomes
+    assert kerb.life is None
+    assert static.life is None
+    # Order 2 has no mean; above the knee the slope is 5, below it 9.
+    swing = second.amplitude / 2e6
+    expected = swing ** np.where(swing >= 1, 5, 9) / 1e6
+    assert second.life.spots == pytest.approx(expected)
+    assert second.life.per_turn == pytest.approx(2 * expected.max())
+    assert second.life.per_hour == pytest.approx(2 * expected.max() * 2500 * 60)
+    assert combined.life.worst >= second.life.worst
+    # At the check's own torque and speed the duty cycle is the check's combined load.
+    (duty,) = v.duty
+    assert duty.hours == pytest.approx(combined.life.hours)
+    assert duty_of(found.bracket, assess(files.loads(FILE)).responses[0])
+    # A gauge on the leg reads half a range of strain: times E, its amplitude.
+    read = np.ptp(second.strain[0]) / 2 * found.bracket.material.youngs_modulus / 2e6
+    assert second.life.gauges == pytest.approx([read ** (5 if read >= 1 else 9) / 1e6])
+
+
+def test_terminal_and_contract_show_life(found):
+    text = "\n".join(shown.terminal(found))
+    assert "original, damage" in text
+    assert "duty cycle, as given" in text
+    told = json.loads(json.dumps(shown.contract(found), allow_nan=False))["variants"][0]
+    by = {c["name"]: c["damage"] for c in told["cases"]}
+    assert by["kerb"] is None
+    life = found.variants[0].duty[0]
+    assert told["duty"][0]["life_hours"] == pytest.approx(life.hours)
+    assert told["duty"][0]["gauges"] == {"S1": pytest.approx(life.gauges[0])}
+    assert by["as given: combined"]["turns"] == 0.5
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_the_chapter_is_told_in_every_language(found, code):
+    told = chapter(found, say=Language(code))
+    tables = [b for b in told.blocks if isinstance(b, Table)]
+    assert len(tables) == 1 + 2 * 4
+    for table in tables:
+        assert {len(row) for row in table.rows} == {len(table.head)}
+        assert not any("nan" in cell for row in table.rows for cell in row)
+    words = " ".join(cell for t in tables for row in (t.head, *t.rows) for cell in row)
+    assert ("combined" in words) == (code == "en")
+    (picture,) = [b for b in told.blocks if isinstance(b, Picture)]
+    assert picture.png.startswith(b"\x89PNG")
+    highest = found.variants[0].worst.von_mises.value / 1e6
+    assert f"{highest:.1f}".replace(".", "." if code == "en" else ",") in picture.alt
+    assert not re.search(r"@\w+@", picture.scene)
+
+
+def test_check_puts_the_bracket_into_page_and_document(tmp_path):
+    (tmp_path / "a.yaml").write_text(FILE)
+    page, document = tmp_path / "a.html", tmp_path / "a.pdf"
+    args = ["check", str(tmp_path / "a.yaml"), "-q", "--bracket", "--lang", "pt"]
+    done = CliRunner().invoke(cli, [*args, "--html", str(page), "--pdf", str(document)])
+    assert isinstance(done.exception, SystemExit | None), repr(done.exception)
+    text = page.read_text(encoding="utf-8")
+    assert "O suporte do mancal 1" in text
+    assert 'class="bracket-scene"' in text
+    assert 'alt="O suporte deformado' in text
+    # The scene's script is the only one, and the page's policy lets it run.
+    assert len(re.findall(r"<script>", text)) == 1
+    assert "script-src &#39;sha256" in text or "script-src 'sha256" in text
+    data = document.read_bytes()
+    assert data.startswith(b"%PDF-")
+    assert b"/Subtype/Image" in data.replace(b" ", b"")
+
+
+def test_check_without_a_bracket_says_so(tmp_path):
+    (tmp_path / "a.yaml").write_text(FILE[: FILE.index("bracket:")])
+    args = ["check", str(tmp_path / "a.yaml"), "-q", "--bracket"]
+    done = CliRunner().invoke(cli, [*args, "--html", str(tmp_path / "a.html")])
+    assert done.exit_code == 2
+    assert "has no bracket" in done.output
+    done = CliRunner().invoke(cli, args)
+    assert done.exit_code == 2
+    assert "--html or --pdf" in done.output

@@ -1,0 +1,212 @@
+"""From a load history on a bracket to damage: made-up unit stresses, no solver."""
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.errors import BadFile, DesignError
+from cardan.base.units import MPa, rpm
+from cardan.bracket.gauges import recover
+from cardan.fatigue.strength import SNCurve
+from cardan.model.bracket import Bracket, FatigueCurve, UShape
+from cardan.model.parts import Material
+from cardan.study.assess import assess
+from cardan.study.bracket import cases_of, duty_of
+from cardan.study.bracket_life import (
+    Strength,
+    endured,
+    gauge_damage,
+    loads_of,
+    mixed,
+    round_the_turn,
+    spot_damage,
+)
+
+SHAPE = UShape(
+    seat_diameter=0.1, width=0.07, thickness=0.006, height=0.09, flange=0.055,
+    bend_radius=0.01, bolt_diameter=0.011, bolt_pitch=0.04,
+)  # fmt: skip
+CURVE = FatigueCurve(amplitude=100 * MPa, cycles=1e6, slope=5)
+PLAIN = Material(name="plain", youngs_modulus=200e9, density=7850)
+STRONG = Material(name="strong", youngs_modulus=200e9, density=7850, ultimate_strength=600 * MPa)
+UNIT = np.zeros((2, 9, 6))
+UNIT[0, 2, 2] = 1 * MPa  # 1 MPa along z for a newton up
+UNIT[1, 1, 3] = 1 * MPa  # shear for a newton sideways: swings most at 45 degrees
+
+
+def strength(material=PLAIN):
+    found = Strength.of(Bracket(shape=SHAPE, material=material, fatigue=CURVE))
+    assert found is not None
+    return found
+
+
+def up(mean, amplitude, order=2, samples=64):
+    return round_the_turn([0, 0, mean], {order: [0, 0, amplitude]}, samples=samples)
+
+
+def test_a_sine_does_the_damage_of_its_cycles():
+    """Two cycles of 200 MPa a turn: 2 (200 / 100)^5 / 1e6, by hand; the crests are sampled."""
+    spots = spot_damage(UNIT, up(0, 200), strength=strength())
+    assert spots == pytest.approx([2 * 2**5 / 1e6, 0], rel=1e-12)
+    # Half a turn holds one of the two.
+    half = spot_damage(UNIT, up(0, 200)[:32], strength=strength())
+    assert half == pytest.approx([2**5 / 1e6, 0], rel=1e-12)
+
+
+def test_shear_counts_on_its_own_plane():
+    loads = round_the_turn(np.zeros(3), {2: [0, 200, 0]})
+    assert spot_damage(UNIT, loads, strength=strength())[1] == pytest.approx(2 * 2**5 / 1e6)
+
+
+def test_small_cycles_count_by_haibach_and_no_cycle_does_nothing():
+    """Beyond the knee k is 2 * 5 - 1 = 9."""
+    assert spot_damage(UNIT, up(0, 50), strength=strength())[0] == pytest.approx(2 * 0.5**9 / 1e6)
+    assert spot_damage(UNIT, loads_of([[0, 0, 500.0]]), strength=strength()) == pytest.approx(0)
+
+
+def test_a_tensile_mean_counts_where_the_strength_is_known():
+    """Goodman: 150 MPa on a mean of 150 is 150 / (1 - 150 / 600) = 200 MPa."""
+    pulled = spot_damage(UNIT, up(150, 150), strength=strength(STRONG))[0]
+    assert pulled == pytest.approx(2 * 2**5 / 1e6)
+    ignored = spot_damage(UNIT, up(150, 150), strength=strength())[0]
+    assert ignored == pytest.approx(2 * 1.5**5 / 1e6)
+    assert Strength.of(Bracket(shape=SHAPE)) is None
+
+
+def test_order_content_is_the_sum_of_its_waves():
+    c1, c2 = np.array([3 + 4j, 0, 1]), np.array([0, 2j, 5])
+    loads = round_the_turn([1, 2, 3], {1: c1, 2: c2}, samples=8)
+    theta = 2 * np.pi * 3 / 8
+    expected = np.array([1, 2, 3]) + (c1 * np.exp(1j * theta)).real + (c2 * np.exp(2j * theta)).real
+    assert loads.shape == (8, 9)
+    assert loads[3, :3] == pytest.approx(expected)
+    six = round_the_turn(np.arange(6), {0.5: np.ones(6)}, turns=2)
+    assert six.shape == (128, 9)
+    assert six[64, :6] == pytest.approx(np.arange(6) - 1)  # half order: a turn on, the other way
+    assert np.all(six[:, 6:] == 0)
+
+
+@pytest.mark.parametrize("bad", [np.zeros((5, 4)), np.zeros(3)])
+def test_a_history_has_three_or_six_components(bad):
+    with pytest.raises(ValueError, match="samples, 3, 6 or 9"):
+        loads_of(bad)
+
+
+def test_a_history_with_holes_is_refused():
+    with pytest.raises(DesignError, match="mend it first"):
+        loads_of([[0, 0, np.nan]])
+
+
+def test_a_gauge_counts_the_stress_it_shows():
+    """1 MPa in 200 GPa is five microstrain."""
+    influence = np.zeros((1, 9))
+    influence[0, 2] = MPa / 200e9
+    found = gauge_damage(influence, up(0, 200), modulus=200e9, strength=strength())
+    assert found == pytest.approx([2 * 2**5 / 1e6])
+
+
+def test_gauges_read_in_the_field_make_life_at_the_hot_spots():
+    """What gauges read gives the force, the force the stress, the stress the damage."""
+    random = np.random.default_rng(1)
+    influence = 1e-8 * random.standard_normal((4, 3))
+    force = random.normal(scale=150, size=(500, 3))
+    back = recover(influence, force @ influence.T)
+    straight = spot_damage(UNIT, loads_of(force), strength=strength())
+    assert spot_damage(UNIT, loads_of(back.loads), strength=strength()) == pytest.approx(straight)
+    assert straight.min() > 0
+
+
+def test_a_duty_cycle_adds_rates_and_the_worst_place_counts():
+    how = {"unit": UNIT, "influence": np.zeros((0, 9)), "modulus": 2e11, "strength": strength()}
+    # 2 turns a second, 1 in 4 of the time; the other part runs 4 times as fast and half as high.
+    slow = endured(up(0, 200), **how, turns=1, duration=0.5)
+    fast = endured(
+        np.concatenate([up(0, 50), up(0, 100)]), **how, places=2, turns=1, duration=0.125
+    )
+    assert fast.spots[0] == pytest.approx(2e-6)  # of 100 MPa; 50 MPa does less
+    assert (slow.per_turn, slow.per_hour) == pytest.approx((64e-6, 64e-6 * 2 * 3600))
+    both = mixed("duty", [(1.0, slow), (3.0, fast)])
+    assert both.spots[0] == pytest.approx(0.25 * 2 * 64e-6 + 0.75 * 8 * 2e-6)
+    assert both.turns == pytest.approx(0.25 * 2 + 0.75 * 8)
+    assert both.hours == pytest.approx(1 / (3600 * both.spots[0]))
+    rest = endured(loads_of([[0, 0, 1.0]]), **how, turns=1, duration=1)
+    assert rest.hours == np.inf
+    assert np.isnan(endured(up(0, 200), **how, turns=1).hours)
+
+
+TEXT = """
+title: Two-piece line
+speed_rpm: 2400
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+duty:
+  - {share_percent: 75, torque_Nm: 8000, speed_rpm: 2400}
+  - {share_percent: 25, torque_Nm: 4000, speed_rpm: 600}
+include: [unbalance]
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  fatigue: {amplitude_MPa: 150, cycles: 2.0e+6, slope: 5}
+"""
+
+
+def test_the_file_gives_the_curve():
+    application = files.loads(TEXT)
+    assert application.bracket.fatigue == FatigueCurve(amplitude=150e6, cycles=2e6, slope=5)
+    assert Strength.of(application.bracket).curve == SNCurve(
+        amplitude=150e6, cycles=2e6, slope=5, beyond=9
+    )
+    properties = files.schema()["$defs"]["Fatigue"]["properties"]
+    assert {"amplitude_MPa", "cycles", "slope"} <= set(properties)
+    with pytest.raises(BadFile, match="slope"):
+        files.loads(TEXT.replace("slope: 5", "slope: 0.5"))
+    with pytest.raises(DesignError, match="slope of at least 1"):
+        FatigueCurve(amplitude=1.0, cycles=1.0, slope=0.5)
+
+
+def test_cases_and_duty_know_how_long_a_pass_lasts():
+    application = files.loads(TEXT)
+    (response,) = assess(application).responses
+    by = {c.name.split(": ")[1]: c for c in cases_of(application.bracket, response)}
+    turn = 2 * np.pi / (2400 * rpm)
+    assert (by["combined"].turns, by["combined"].duration) == pytest.approx((0.5, turn / 2))
+    assert (by["peak"].turns, by["peak"].duration) == pytest.approx((1, turn))
+    assert not by["static"].repeats
+    ((name, parts),) = duty_of(application.bracket, response).items()
+    assert name == "duty cycle, as given"
+    (most, first), (rest, second) = parts
+    assert (most, rest) == (0.75, 0.25)
+    # At the check's own torque and speed the cycle's loads are the check's.
+    assert first.loads == pytest.approx(by["peak"].loads)
+    assert second.duration == pytest.approx(4 * turn)
+    # Half the torque halves order 2; a quarter of the speed leaves a 16th of the unbalance.
+    passes = second.loads.reshape(8, 64, 9)[..., :3]
+    mean = by["static"].loads[0, :3]
+    once = np.abs(np.fft.rfft(passes[0], axis=0)[1]) / 32
+    whole = np.abs(np.fft.rfft(first.loads.reshape(8, 64, 9)[0, :, :3], axis=0)[1]) / 32
+    assert passes[0].mean(axis=0) == pytest.approx(mean / 2)
+    assert once == pytest.approx(whole / 16)
+
+
+def test_a_rest_in_the_duty_cycle_does_nothing_and_the_unknown_is_not_harmless():
+    text = TEXT.replace("torque_Nm: 4000, speed_rpm: 600", "torque_Nm: 4000, speed_rpm: 0")
+    application = files.loads(text)
+    (response,) = assess(application).responses
+    ((_, parts),) = duty_of(application.bracket, response).items()
+    how = {"unit": UNIT, "influence": np.zeros((0, 9)), "modulus": 2e11, "strength": strength()}
+    lives = [
+        (share, endured(c.loads, **how, places=c.places, turns=c.turns, duration=c.duration))
+        for share, c in parts
+    ]
+    assert mixed("duty", lives).per_hour == pytest.approx(0.75 * lives[0][1].per_hour)
+    assert lives[0][1].per_hour > 0
+    lost = up(0, 200)
+    lost[5] = np.nan
+    with pytest.raises(DesignError, match="mend it first"):
+        endured(lost, **how, turns=1, duration=1)
+    three = endured(up(0, 200)[:, :3], **how, turns=1, duration=1)
+    assert three.per_turn == pytest.approx(64e-6)
