@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeVar
 import click
 
 from cardan import __version__
-from cardan.base.errors import CardanError
+from cardan.base.errors import CardanError, DesignError
 
 # Matrices here are small and many: BLAS's own threads cost more than they bring. Before NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -210,8 +210,8 @@ def stability(
     Without the gearbox's values its flange turns uniformly. Exit code 0 where everything
     passes or warns, 1 where something grows, 2 for a bad file.
     """
+    from cardan.model.application import Surroundings
     from cardan.report import stability as report
-    from cardan.study.stability import Surroundings
     from cardan.study.stability import stability as ask
 
     given = {name: value for name, value in surroundings.items() if value is not None}
@@ -391,6 +391,7 @@ def _report(
     from cardan.report import story
     from cardan.study.fix import fix as search
     from cardan.study.sensitivity import sensitivities
+    from cardan.study.stability import stability
 
     contents = [p.read_bytes() for p in paths]
     issue = story.Issue(
@@ -405,7 +406,13 @@ def _report(
         one = variants[0].assessment
         helps = sensitivities(one)
         fixes = search(one.application, count=3) if helps else ()
-        told = story.assessment(one, helps=helps, fixes=fixes, say=say, issue=issue)
+        try:
+            vibration = stability(one.application)
+        except DesignError:  # a line without tubes, or without a speed: the story says so
+            vibration = None
+        told = story.assessment(
+            one, helps=helps, fixes=fixes, say=say, issue=issue, vibration=vibration
+        )
     if html:
         from cardan.report.html import page
 

@@ -11,7 +11,8 @@ from click.testing import CliRunner
 from cardan import files
 from cardan.base.units import rpm
 from cardan.cli import cli
-from cardan.study.stability import Surroundings, stability
+from cardan.model.application import Surroundings
+from cardan.study.stability import stability
 
 
 @pytest.fixture(scope="module")
