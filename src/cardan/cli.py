@@ -207,8 +207,9 @@ def stability(
 ) -> None:
     """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
 
-    Without the gearbox's values its flange turns uniformly. Exit code 0 where everything
-    passes or warns, 1 where something grows, 2 for a bad file.
+    What turns at both ends is the file's `torsion`; options go before it, and what nobody
+    gives is assumed: without the gearbox's values its flange turns uniformly. Exit code 0
+    where everything passes or warns, 1 where something grows, 2 for a bad file.
     """
     from cardan.model.application import Surroundings
     from cardan.report import stability as report

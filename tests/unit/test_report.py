@@ -22,6 +22,7 @@ from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import drawings
 from cardan.report.html import page
+from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language
 from cardan.report.pdf import document
 from cardan.report.plots import plots
@@ -399,3 +400,9 @@ def test_vibration_needs_a_speed_and_a_torque(key):
     text = re.sub(rf"(?m)^{key}:.*\n", "", files.starter("small"))
     with pytest.raises(DesignError, match="needs a speed and a torque"):
         stability(files.loads(text))
+
+
+def test_given_torsion_stands_among_the_inputs():
+    text = files.starter("small") + "torsion: {axle_inertia_kgm2: 3, damping_ratio: 0.03}\n"
+    rows = {i.name: i.value for i in inputs(files.loads(text), EN) if i.group == "Torsion"}
+    assert rows == {"axle inertia": "3 kg·m²", "damping ratio of the first mode": "0.03"}

@@ -992,6 +992,18 @@ _VIBRATION: dict[str, tuple[str, str]] = {
     "Vibration: {verdict} ({counts}).": (
         "Vibração: {verdict} ({counts}).", "Vibrazione: {verdict} ({counts}).",
     ),
+    "Torsion": ("Torção", "Torsione"),
+    "axle inertia": ("inércia do eixo", "inerzia del ponte"),
+    "axle torsional stiffness": (
+        "rigidez torcional do eixo", "rigidezza torsionale del ponte",
+    ),
+    "gearbox inertia": ("inércia do câmbio", "inerzia del cambio"),
+    "gearbox torsional stiffness": (
+        "rigidez torcional do câmbio", "rigidezza torsionale del cambio",
+    ),
+    "damping ratio of the first mode": (
+        "fator de amortecimento do primeiro modo", "rapporto di smorzamento del primo modo",
+    ),
     "Given: {values}.": ("Dado: {values}.", "Dato: {values}."),
     "Assumed: {values}.": ("Suposto: {values}.", "Ipotizzato: {values}."),
     "gearbox turning uniformly": (
