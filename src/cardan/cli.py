@@ -2,7 +2,9 @@
 
 import json
 import os
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -36,6 +38,38 @@ LANG = click.option(
     show_default=True,
     help="Language of what is written.",
 )
+
+
+Tell = Callable[[int, int], None]
+"""Takes how much of a run is done, and of how much."""
+UNTOLD = click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+
+
+@contextmanager
+def progress(doing: str, *, quiet: bool = False) -> Generator[Tell, None, None]:
+    """Tell on one line of standard error how far a run is, where somebody looks; wipe it after."""
+    looked_at = sys.stderr.isatty() and not quiet
+
+    def write(line: str) -> None:
+        if looked_at:
+            sys.stderr.write(f"\r\033[K{line}")
+            sys.stderr.flush()
+
+    write(doing)
+    try:
+        yield lambda done, count: write(f"{doing}: {done}/{count}")
+    finally:
+        write("")
+
+
+@contextmanager
+def of(file: Path) -> Generator[None, None, None]:
+    """Name the file that an impossible part stands in."""
+    try:
+        yield
+    except DesignError as error:
+        msg = f"{file}: {error}"
+        raise DesignError(msg) from error
 
 
 def kindly(command: Command) -> Command:
@@ -109,11 +143,10 @@ def check(
     from cardan.report import terminal
     from cardan.report.compare import Variant
     from cardan.report.language import Language
-    from cardan.study.assess import assess
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
-    found = [assess(_read(file, limits)) for file in files]
+    found = [_assessed(file, limits) for file in files]
     variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
     if xlsx and len(found) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
@@ -126,7 +159,7 @@ def check(
             json_out,
         )
     if html or pdf:
-        _report(files, variants, say=say, html=html, pdf=pdf)
+        _report(files, variants, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
 
@@ -153,6 +186,7 @@ def check(
 @click.option(
     "--count", type=click.IntRange(1), default=5, show_default=True, help="Proposals at most."
 )
+@UNTOLD
 @kindly
 def fix(
     file: Path,
@@ -163,6 +197,7 @@ def fix(
     line: str | None,
     hold: tuple[str, ...],
     count: int,
+    quiet: bool,
 ) -> None:
     """Propose what to change, over all states at once.
 
@@ -174,13 +209,16 @@ def fix(
     from cardan.report.language import Language
     from cardan.study.fix import fix as search
 
-    found = search(_read(file, limits), line=line, hold=hold, count=count)
+    say = Language(lang)
+    application = _read(file, limits)
+    with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
+        found = search(application, line=line, hold=hold, count=count, tell=tell)
     if json_out:
         from cardan.report import contract
 
         _write_json(contract.proposals(found), json_out)
     if json_out != "-":
-        _print(terminal.proposals(found, Language(lang)))
+        _print(terminal.proposals(found, say))
     raise SystemExit(0 if any(p.verdict != "fail" for p in found) else 1)
 
 
@@ -195,6 +233,7 @@ def fix(
 @click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox flange, kg m².")
 @click.option("--gearbox-stiffness", type=POSITIVE, help="Engine to there, N m/rad.")
 @click.option("--damping-ratio", type=POSITIVE, help="Of the first mode; assumed 0.02.")
+@UNTOLD
 @kindly
 def stability(
     file: Path,
@@ -203,6 +242,7 @@ def stability(
     chart: Path | None,
     line: str | None,
     every: bool,
+    quiet: bool,
     **surroundings: float | None,
 ) -> None:
     """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
@@ -216,7 +256,9 @@ def stability(
     from cardan.study.stability import stability as ask
 
     given = {name: value for name, value in surroundings.items() if value is not None}
-    found = ask(_read(file, None), surroundings=Surroundings(**given))
+    application = _read(file, None)
+    with of(file), progress("asking what vibrates", quiet=quiet) as tell:
+        found = ask(application, surroundings=Surroundings(**given), tell=tell)
     if chart:
         from cardan import files
 
@@ -237,7 +279,7 @@ def stability(
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
 @click.option("--png", type=OUT, help="A picture of the worst case.")
 @click.option("--html", type=OUT, help="A page to turn it about in.")
-@click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+@UNTOLD
 @kindly
 def bracket(
     file: Path,
@@ -254,14 +296,13 @@ def bracket(
     variant stands beside the original. Needs the extra cardan[bracket].
     """
     from cardan.report import bracket as shown
-    from cardan.study.assess import assess
     from cardan.study.bracket import study
 
     def tell(what: str) -> None:
         if not quiet:
             click.echo(what, err=True)
 
-    found = study(assess(_read(file, None)), tell=tell)
+    found = study(_assessed(file, None), tell=tell)
     if json_out:
         _write_json(shown.contract(found), json_out)
     if vtu:
@@ -382,8 +423,23 @@ def _read(file: Path, limits: str | None) -> Any:
     return application
 
 
+def _assessed(file: Path, limits: str | None) -> Any:
+    """Return the assessment of a file's application."""
+    from cardan.study.assess import assess
+
+    application = _read(file, limits)
+    with of(file):
+        return assess(application)
+
+
 def _report(
-    paths: tuple[Path, ...], variants: list[Any], *, say: Any, html: Path | None, pdf: Path | None
+    paths: tuple[Path, ...],
+    variants: list[Any],
+    *,
+    say: Any,
+    html: Path | None,
+    pdf: Path | None,
+    quiet: bool,
 ) -> None:
     """Tell the story of one application, or of variants, on a page or in a document."""
     from datetime import date
@@ -406,7 +462,8 @@ def _report(
     else:
         one = variants[0].assessment
         helps = sensitivities(one)
-        fixes = search(one.application, count=3) if helps else ()
+        with progress(say("looking for corrections"), quiet=quiet) as tell:
+            fixes = search(one.application, count=3, tell=tell) if helps else ()
         try:
             vibration = stability(one.application)
         except DesignError:  # a line without tubes, or without a speed: the story says so
@@ -417,11 +474,15 @@ def _report(
     if html:
         from cardan.report.html import page
 
-        _write(html, page(told), say)
+        with progress(say("writing {file}", file=html), quiet=quiet):
+            content = page(told)
+        _write(html, content, say)
     if pdf:
         from cardan.report.pdf import document
 
-        _write(pdf, document(told), say)
+        with progress(say("writing {file}", file=pdf), quiet=quiet):
+            printed = document(told)
+        _write(pdf, printed, say)
 
 
 def _write(path: Path, content: str | bytes, say: Any) -> None:

@@ -987,6 +987,11 @@ _EQUATIONS: dict[str, tuple[str, str]] = {
     ),
 }  # fmt: skip
 
+_PROGRESS: dict[str, tuple[str, str]] = {
+    "looking for corrections": ("procurando correções", "ricerca di correzioni"),
+    "writing {file}": ("escrevendo {file}", "scrittura di {file}"),
+}
+
 _VIBRATION: dict[str, tuple[str, str]] = {
     "Vibration and stability": ("Vibração e estabilidade", "Vibrazione e stabilità"),
     "Vibration: {verdict} ({counts}).": (
@@ -1067,6 +1072,6 @@ _VIBRATION: dict[str, tuple[str, str]] = {
 
 WORDS: dict[str, tuple[str, str]] = {
     **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_WORKBOOK,
-    **_EQUATIONS, **_VIBRATION,
+    **_EQUATIONS, **_VIBRATION, **_PROGRESS,
 }  # fmt: skip
 """English text to Portuguese and Italian."""

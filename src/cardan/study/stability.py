@@ -1,6 +1,6 @@
 """Ask whether an application vibrates: each gear's speeds against resonances and zones."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from itertools import combinations
 
@@ -121,10 +121,16 @@ class Stability:
         return worst([c.grade for c in self.checks])
 
 
-def stability(application: Application, *, surroundings: Surroundings | None = None) -> Stability:
+def stability(
+    application: Application,
+    *,
+    surroundings: Surroundings | None = None,
+    tell: Callable[[int, int], None] | None = None,
+) -> Stability:
     """Hold every gear's speeds against torsional resonances, parametric zones and flutter.
 
     What `surroundings` say goes before the application's own; `Assumed` fills the rest.
+    `tell` is called with how many lines are done, and of how many.
 
     Raises
     ------
@@ -141,12 +147,15 @@ def stability(application: Application, *, surroundings: Surroundings | None = N
         if (value := getattr(source, f.name, None)) is not None
     }
     around = Assumed(**known)
-    lines = tuple(
-        _vibration(demand(application, installed), around) for installed in application.lines
-    )
+    count = len(application.lines)
+    lines: list[Vibration] = []
+    for k, installed in enumerate(application.lines):
+        if tell:
+            tell(k, count)
+        lines.append(_vibration(demand(application, installed), around))
     checks = tuple(c for line in lines for c in _checks(line))
     return Stability(
-        application=application, surroundings=around, given=frozenset(known), lines=lines,
+        application=application, surroundings=around, given=frozenset(known), lines=tuple(lines),
         checks=checks,
     )  # fmt: skip
 
