@@ -4,6 +4,8 @@ import json
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import jsonschema
@@ -415,36 +417,38 @@ def test_which_of_several_files_is_named(tmp_path, small):
 # --------------------------------------------------------------------------- progress
 
 
-@pytest.fixture
-def looked_at(capsys, monkeypatch):
-    """What a standard error that is a terminal is written."""
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    return lambda: capsys.readouterr().err
+class Terminal(StringIO):
+    """Somebody looks at it."""
+
+    def isatty(self) -> bool:
+        return True
 
 
-def test_progress_is_one_line_that_is_wiped(looked_at):
-    with progress("looking") as tell:
+def test_progress_is_one_line_that_is_wiped():
+    with redirect_stderr(Terminal()) as shown, progress("looking") as tell:
         tell(1, 3)
         tell(2, 3)
     wipe = "\r\033[K"
-    assert looked_at() == "".join(
+    assert shown.getvalue() == "".join(
         wipe + said for said in ("looking", "looking: 1/3", "looking: 2/3", "")
     )
 
 
-def test_progress_is_wiped_before_an_error_is_said(looked_at):
-    with pytest.raises(DesignError), progress("looking"):
+def test_progress_is_wiped_before_an_error_is_said():
+    with (
+        redirect_stderr(Terminal()) as shown,
+        pytest.raises(DesignError),
+        progress("looking"),
+    ):
         raise DesignError
-    assert looked_at().endswith("looking\r\033[K")
+    assert shown.getvalue().endswith("looking\r\033[K")
 
 
-def test_no_progress_where_nobody_looks_or_wants_it(monkeypatch, capsys):
-    with progress("looking") as tell:
+@pytest.mark.parametrize(("stream", "quiet"), [(Terminal, True), (StringIO, False)])
+def test_no_progress_where_nobody_wants_it_or_looks(stream, quiet):
+    with redirect_stderr(stream()) as shown, progress("looking", quiet=quiet) as tell:
         tell(1, 3)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with progress("looking", quiet=True) as tell:
-        tell(1, 3)
-    assert capsys.readouterr().err == ""
+    assert shown.getvalue() == ""
 
 
 def test_searches_tell_how_far_they_are():
