@@ -19,6 +19,7 @@ from cardan.report.pdf import pages
 from cardan.study.assess import assess
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
+from cardan.study.stability import stability
 
 HERE = Path(__file__).parent
 EXAMPLES = sorted((HERE.parents[1] / "examples").glob("*.yaml"))
@@ -57,6 +58,7 @@ def main() -> None:
             told = story.assessment(
                 found, helps=helps, fixes=fixes, say=Language(code),
                 issue=story.Issue(date="2026-11-20", files=(path.name,), prints=("",)),
+                vibration=stability(found.application),
             )  # fmt: skip
             out = HERE / f"{path.stem}.{code}.png"
             picture(told).save(out, optimize=True)

@@ -2,7 +2,9 @@
 
 import json
 import os
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -11,7 +13,7 @@ from typing import Any, NoReturn, TypeVar
 import click
 
 from cardan import __version__
-from cardan.base.errors import CardanError
+from cardan.base.errors import CardanError, DesignError
 
 # Matrices here are small and many: BLAS's own threads cost more than they bring. Before NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -36,6 +38,38 @@ LANG = click.option(
     show_default=True,
     help="Language of what is written.",
 )
+
+
+Tell = Callable[[int, int], None]
+"""Takes how much of a run is done, and of how much."""
+UNTOLD = click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+
+
+@contextmanager
+def progress(doing: str, *, quiet: bool = False) -> Generator[Tell, None, None]:
+    """Tell on one line of standard error how far a run is, where somebody looks; wipe it after."""
+    looked_at = sys.stderr.isatty() and not quiet
+
+    def write(line: str) -> None:
+        if looked_at:
+            sys.stderr.write(f"\r\033[K{line}")
+            sys.stderr.flush()
+
+    write(doing)
+    try:
+        yield lambda done, count: write(f"{doing}: {done}/{count}")
+    finally:
+        write("")
+
+
+@contextmanager
+def of(file: Path) -> Generator[None, None, None]:
+    """Name the file that an impossible part stands in."""
+    try:
+        yield
+    except DesignError as error:
+        msg = f"{file}: {error}"
+        raise DesignError(msg) from error
 
 
 def kindly(command: Command) -> Command:
@@ -113,11 +147,10 @@ def check(
     from cardan.report import terminal
     from cardan.report.compare import Variant
     from cardan.report.language import Language
-    from cardan.study.assess import assess
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
-    found = [assess(_read(file, limits)) for file in files]
+    found = [_assessed(file, limits) for file in files]
     variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
     if xlsx and len(found) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
@@ -159,6 +192,7 @@ def check(
 @click.option(
     "--count", type=click.IntRange(1), default=5, show_default=True, help="Proposals at most."
 )
+@UNTOLD
 @kindly
 def fix(
     file: Path,
@@ -169,6 +203,7 @@ def fix(
     line: str | None,
     hold: tuple[str, ...],
     count: int,
+    quiet: bool,
 ) -> None:
     """Propose what to change, over all states at once.
 
@@ -180,13 +215,16 @@ def fix(
     from cardan.report.language import Language
     from cardan.study.fix import fix as search
 
-    found = search(_read(file, limits), line=line, hold=hold, count=count)
+    say = Language(lang)
+    application = _read(file, limits)
+    with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
+        found = search(application, line=line, hold=hold, count=count, tell=tell)
     if json_out:
         from cardan.report import contract
 
         _write_json(contract.proposals(found), json_out)
     if json_out != "-":
-        _print(terminal.proposals(found, Language(lang)))
+        _print(terminal.proposals(found, say))
     raise SystemExit(0 if any(p.verdict != "fail" for p in found) else 1)
 
 
@@ -201,6 +239,7 @@ def fix(
 @click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox flange, kg m².")
 @click.option("--gearbox-stiffness", type=POSITIVE, help="Engine to there, N m/rad.")
 @click.option("--damping-ratio", type=POSITIVE, help="Of the first mode; assumed 0.02.")
+@UNTOLD
 @kindly
 def stability(
     file: Path,
@@ -209,19 +248,23 @@ def stability(
     chart: Path | None,
     line: str | None,
     every: bool,
+    quiet: bool,
     **surroundings: float | None,
 ) -> None:
     """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
 
-    Without the gearbox's values its flange turns uniformly. Exit code 0 where everything
-    passes or warns, 1 where something grows, 2 for a bad file.
+    What turns at both ends is the file's `torsion`; options go before it, and what nobody
+    gives is assumed: without the gearbox's values its flange turns uniformly. Exit code 0
+    where everything passes or warns, 1 where something grows, 2 for a bad file.
     """
+    from cardan.model.application import Surroundings
     from cardan.report import stability as report
-    from cardan.study.stability import Surroundings
     from cardan.study.stability import stability as ask
 
     given = {name: value for name, value in surroundings.items() if value is not None}
-    found = ask(_read(file, None), surroundings=Surroundings(**given))
+    application = _read(file, None)
+    with of(file), progress("asking what vibrates", quiet=quiet) as tell:
+        found = ask(application, surroundings=Surroundings(**given), tell=tell)
     if chart:
         from cardan import files
 
@@ -242,7 +285,7 @@ def stability(
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
 @click.option("--png", type=OUT, help="A picture of the worst case.")
 @click.option("--html", type=OUT, help="A page to turn it about in.")
-@click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+@UNTOLD
 @kindly
 def bracket(
     file: Path,
@@ -259,10 +302,9 @@ def bracket(
     variant stands beside the original. Needs the extra cardan[bracket].
     """
     from cardan.report import bracket as shown
-    from cardan.study.assess import assess
     from cardan.study.bracket import study
 
-    found = study(assess(_read(file, None)), tell=_teller(quiet=quiet))
+    found = study(_assessed(file, None), tell=_teller(quiet=quiet))
     if json_out:
         _write_json(shown.contract(found), json_out)
     if vtu:
@@ -383,6 +425,15 @@ def _read(file: Path, limits: str | None) -> Any:
     return application
 
 
+def _assessed(file: Path, limits: str | None) -> Any:
+    """Return the assessment of a file's application."""
+    from cardan.study.assess import assess
+
+    application = _read(file, limits)
+    with of(file):
+        return assess(application)
+
+
 def _report(
     paths: tuple[Path, ...],
     variants: list[Any],
@@ -400,6 +451,7 @@ def _report(
     from cardan.report import story
     from cardan.study.fix import fix as search
     from cardan.study.sensitivity import sensitivities
+    from cardan.study.stability import stability
 
     contents = [p.read_bytes() for p in paths]
     issue = story.Issue(
@@ -413,22 +465,33 @@ def _report(
     else:
         one = variants[0].assessment
         helps = sensitivities(one)
-        fixes = search(one.application, count=3) if helps else ()
+        with progress(say("looking for corrections"), quiet=quiet) as tell:
+            fixes = search(one.application, count=3, tell=tell) if helps else ()
+        try:
+            vibration = stability(one.application)
+        except DesignError:  # a line without tubes, or without a speed: the story says so
+            vibration = None
         more: list[Any] = []
         if bracket:
             from cardan.report.bracket_chapter import chapter
             from cardan.study.bracket import study
 
             more = [chapter(study(one, tell=_teller(quiet=quiet)), say=say)]
-        told = story.assessment(one, helps=helps, fixes=fixes, say=say, issue=issue, more=more)
+        told = story.assessment(
+            one, helps=helps, fixes=fixes, say=say, issue=issue, vibration=vibration, more=more
+        )
     if html:
         from cardan.report.html import page
 
-        _write(html, page(told), say)
+        with progress(say("writing {file}", file=html), quiet=quiet):
+            content = page(told)
+        _write(html, content, say)
     if pdf:
         from cardan.report.pdf import document
 
-        _write(pdf, document(told), say)
+        with progress(say("writing {file}", file=pdf), quiet=quiet):
+            printed = document(told)
+        _write(pdf, printed, say)
 
 
 def _teller(*, quiet: bool) -> Callable[[str], None]:

@@ -16,6 +16,7 @@ from cardan.report.html import page
 from cardan.report.language import Language
 from cardan.study.assess import assess
 from cardan.study.sensitivity import sensitivities
+from cardan.study.stability import stability
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
@@ -50,8 +51,9 @@ def test_nothing_serious_and_nothing_fetched(browser, tmp_path, path, code):
     found = assess(files.read(path))
     issue = story.Issue(files=(path.name,), prints=("0",), texts=(path.read_text("utf-8"),))
     told = story.assessment(
-        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue
-    )
+        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue,
+        vibration=stability(found.application),
+    )  # fmt: skip
     out = tmp_path / "report.html"
     out.write_text(page(told), encoding="utf-8")
     held(browser, out)

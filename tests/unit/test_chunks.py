@@ -5,8 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
-from cardan.base.arrays import chunked
+from cardan.base.arrays import chunked, single_threaded
 from cardan.kinematics.chain import turn
 from cardan.kinematics.equivalent import approximations, excitation
 from cardan.model.layout import direction
@@ -52,3 +53,21 @@ def test_no_chunk_holds_more_than_its_size_and_any_executor_serves():
 def test_arrays_must_agree_on_the_cases():
     with pytest.raises(ValueError, match=r"same number of cases, got \[2, 3\]"):
         chunked(np.add, np.ones(2), np.ones(3))
+
+
+def test_blas_keeps_to_one_thread_and_gets_its_own_back():
+    """Of NumPy's BLAS, as threadpoolctl sees it; what it had before comes back."""
+
+    def threads():
+        return {b["num_threads"] for b in threadpool_info() if b["user_api"] == "blas"}
+
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        inside = []
+        with pytest.raises(ValueError, match="so"), single_threaded():  # noqa: PT012
+            inside.append(threads())
+            msg = "so"
+            raise ValueError(msg)
+        assert inside == [{1}]
+        assert threads() == before
+        assert chunked(lambda x: x * 0 + max(threads()), np.zeros(10), size=5).tolist() == [1] * 10

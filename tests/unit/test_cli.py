@@ -4,6 +4,8 @@ import json
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import jsonschema
@@ -11,9 +13,12 @@ import pytest
 import yaml
 from click.testing import CliRunner, Result
 
-from cardan import __version__
+from cardan import __version__, files
+from cardan.base.errors import DesignError
 from cardan.base.quantities import QUANTITIES
-from cardan.cli import cli
+from cardan.cli import cli, progress
+from cardan.study.fix import fix
+from cardan.study.stability import stability
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SMALL = """\
@@ -236,10 +241,11 @@ def test_a_design_that_cannot_be_is_refused_with_the_reason(tmp_path):
         "suspension: {spring: {rates_N_mm: [200]}, linkage: {radius_mm: 400}}\n"
         "states: [{name: on the lift, travel_mm: -900}]\n"
     )
-    result = run("check", written(tmp_path, text))
+    file = written(tmp_path, text)
+    result = run("check", file)
     assert result.exit_code == 2
     assert result.stderr == (
-        "error: a link of radius 400 mm cannot follow an axle travel of -900 mm\n"
+        f"error: {file}: a link of radius 400 mm cannot follow an axle travel of -900 mm\n"
     )
 
 
@@ -283,7 +289,7 @@ def test_fix_gives_as_many_proposals_as_are_wanted():
 def test_fix_refuses_a_line_that_is_not_there(small):
     result = run("fix", "--line", "front", small)
     assert result.exit_code == 2
-    assert result.stderr == "error: there is no line front; the application has main\n"
+    assert result.stderr == f"error: {small}: there is no line front; the application has main\n"
 
 
 # --------------------------------------------------------------------------- the others
@@ -387,3 +393,71 @@ def test_help_is_there_for_every_command(command):
     result = run(*command, "--help")
     assert result.exit_code == 0
     assert "Usage:" in result.stdout
+
+
+# --------------------------------------------------------------------------- what is refused late
+
+
+@pytest.mark.parametrize("command", ["fix", "stability"])
+def test_a_part_that_cannot_follow_is_named_with_its_file(tmp_path, command):
+    """Only the check finds out that a link is too short for the travel."""
+    text = files.starter("truck").replace("front_half_length_mm: 760", "front_half_length_mm: 60")
+    file = written(tmp_path, text, "short.yaml")
+    result = run(command, file)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"error: {file}: a link of radius 45 mm cannot follow")
+
+
+def test_which_of_several_files_is_named(tmp_path, small):
+    text = files.starter("truck").replace("front_half_length_mm: 760", "front_half_length_mm: 60")
+    file = written(tmp_path, text, "short.yaml")
+    assert run("check", small, file).stderr.startswith(f"error: {file}: a link")
+
+
+# --------------------------------------------------------------------------- progress
+
+
+class Terminal(StringIO):
+    """Somebody looks at it."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_one_line_that_is_wiped():
+    with redirect_stderr(Terminal()) as shown, progress("looking") as tell:
+        tell(1, 3)
+        tell(2, 3)
+    wipe = "\r\033[K"
+    assert shown.getvalue() == "".join(
+        wipe + said for said in ("looking", "looking: 1/3", "looking: 2/3", "")
+    )
+
+
+def test_progress_is_wiped_before_an_error_is_said():
+    with (
+        redirect_stderr(Terminal()) as shown,
+        pytest.raises(DesignError),
+        progress("looking"),
+    ):
+        raise DesignError
+    assert shown.getvalue().endswith("looking\r\033[K")
+
+
+@pytest.mark.parametrize(("stream", "quiet"), [(Terminal, True), (StringIO, False)])
+def test_no_progress_where_nobody_wants_it_or_looks(stream, quiet):
+    with redirect_stderr(stream()) as shown, progress("looking", quiet=quiet) as tell:
+        tell(1, 3)
+    assert shown.getvalue() == ""
+
+
+def test_searches_tell_how_far_they_are():
+    application = files.read(EXAMPLES / "tandem-6x4.yaml")
+    told: list[tuple[int, int]] = []
+    stability(application, tell=lambda *at: told.append(at))
+    assert told == [(0, 2), (1, 2)]
+    told.clear()
+    fix(files.loads(files.starter("small")), count=1, tell=lambda *at: told.append(at))
+    count = told[0][1]
+    assert count > 1
+    assert told == [(k, count) for k in range(count)]

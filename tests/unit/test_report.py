@@ -11,15 +11,20 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.base.quantities import QUANTITIES
-from cardan.base.units import deg, mm
+from cardan.base.units import deg, mm, rpm
+from cardan.cli import cli
+from cardan.model.application import Surroundings
 from cardan.report import extra, story, terminal
 from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import drawings
 from cardan.report.html import page
+from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language
 from cardan.report.pdf import document
 from cardan.report.plots import plots
@@ -27,6 +32,7 @@ from cardan.report.words import WORDS
 from cardan.study.assess import assess
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
+from cardan.study.stability import stability
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), ROOT / "src/cardan/cli.py"]
@@ -44,8 +50,11 @@ def told(truck):
     """The starter's story by language."""
     helps = sensitivities(truck)
     fixes = fix(truck.application, count=2)
+    shaken = stability(truck.application)
     return {
-        code: story.assessment(truck, helps=helps, fixes=fixes, say=Language(code), issue=ISSUE)
+        code: story.assessment(
+            truck, helps=helps, fixes=fixes, say=Language(code), issue=ISSUE, vibration=shaken
+        )
         for code in CODES
     }
 
@@ -101,8 +110,13 @@ def test_every_example_is_told_in_every_language(path, code):
     """A text composed at run time and missing in the catalogue stops here."""
     found = assess(files.read(path))
     say = Language(code)
-    whole = story.assessment(found, helps=sensitivities(found), fixes=(), say=say, issue=ISSUE)
-    assert len(page(whole)) > 50_000
+    whole = story.assessment(
+        found, helps=sensitivities(found), fixes=(), say=say, issue=ISSUE,
+        vibration=stability(found.application),
+    )  # fmt: skip
+    shown = page(whole)
+    assert len(shown) > 50_000
+    assert not any(f" {w} " in shown[: shown.index("<pre")] for w in ("gear", "mode", "zone of"))
     lines = list(terminal.assessment(found, helps=sensitivities(found), say=say))
     assert len(lines) > 60
     # Publications keep the language they are written in.
@@ -351,3 +365,71 @@ def test_a_picture_stands_in_page_and_document_and_only_its_script_may_run(told)
     assert len(re.findall(rb"/Subtype ?/Image", data)) > len(
         re.findall(rb"/Subtype ?/Image", document(plain))
     )
+
+
+def chapter(whole: story.Story, title: str) -> story.Chapter:
+    return next(c for c in whole.chapters if c.title == title)
+
+
+def test_vibration_is_told_as_the_command_answers_it(truck):
+    """A gear that runs through a resonance stands at 0 %, coloured as the command grades it."""
+    found = stability(truck.application, surroundings=Surroundings(axle_inertia=3.0))
+    whole = story.assessment(
+        truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found
+    )
+    said, distances, growths, drawn = chapter(whole, "Vibration and stability").blocks
+    assert said.paragraphs[0].startswith("Vibration: WARN")
+    assert said.paragraphs[1] == "Given: axle 3.000 kg m²."
+    assert said.paragraphs[2].startswith("Assumed: gearbox turning uniformly")
+    (line,) = found.lines
+    order2 = line.frequencies[0] / 2
+    row = dict(zip(distances.head, distances.rows[0], strict=True))
+    grade = dict(zip(distances.head, distances.grades[0], strict=True))
+    assert row["at [rpm]"] == EN.number(order2 / rpm)
+    for gear, (low, high) in zip(line.gears, line.ranges, strict=True):
+        through = low <= order2 <= high
+        assert (row[gear] == "0 %") == through
+        if through:
+            assert grade[gear] == "warn"
+    assert {r[2].partition(",")[0] for r in growths.rows} == {
+        "shaft 1", "zone of mode 1", "zone of mode 2", "zone of modes 1 + 2"
+    }  # fmt: skip
+    assert f"mode 1, {line.frequencies[0] / 2 / np.pi:.1f} Hz" in drawn.figures[0].svg
+
+
+def test_what_grows_is_red_where_it_grows(truck):
+    """Undamped, with its top speed in the first zone."""
+    w = float(stability(truck.application).lines[0].frequencies[0])
+    slow = replace(truck.application, engine=None, gearbox=None, speed=w)
+    found = stability(slow, surroundings=Surroundings(damping_ratio=1e-5))
+    whole = story.assessment(
+        truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found
+    )
+    said, distances, growths, _ = chapter(whole, "Vibration and stability").blocks
+    assert said.paragraphs[0].startswith("Vibration: FAIL")
+    at = [r[0] for r in distances.rows].index("zone of mode 1")
+    assert distances.grades[at] == ("", "", "fail")
+    assert growths.grades[0][0] == "fail"
+
+
+def test_a_line_that_cannot_be_asked_says_so(tmp_path):
+    """Without tubes nobody knows how stiff it is; the page is written all the same."""
+    file, out = tmp_path / "bare.yaml", tmp_path / "bare.html"
+    text = re.sub(r"(?m)^ *tube:.*\n", "", files.starter("small"))
+    file.write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(cli, ["check", str(file), "--html", str(out), "-q"])
+    assert run.exit_code in (0, 1), run.output
+    assert "Not asked, for want of data: speed over torsional resonance" in out.read_text("utf-8")
+
+
+@pytest.mark.parametrize("key", ["speed_rpm", "torque_Nm"])
+def test_vibration_needs_a_speed_and_a_torque(key):
+    text = re.sub(rf"(?m)^{key}:.*\n", "", files.starter("small"))
+    with pytest.raises(DesignError, match="needs a speed and a torque"):
+        stability(files.loads(text))
+
+
+def test_given_torsion_stands_among_the_inputs():
+    text = files.starter("small") + "torsion: {axle_inertia_kgm2: 3, damping_ratio: 0.03}\n"
+    rows = {i.name: i.value for i in inputs(files.loads(text), EN) if i.group == "Torsion"}
+    assert rows == {"axle inertia": "3 kg·m²", "damping ratio of the first mode": "0.03"}

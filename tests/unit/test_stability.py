@@ -9,9 +9,11 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.base.errors import BadFile
 from cardan.base.units import rpm
 from cardan.cli import cli
-from cardan.study.stability import Surroundings, stability
+from cardan.model.application import Surroundings
+from cardan.study.stability import stability
 
 
 @pytest.fixture(scope="module")
@@ -118,3 +120,51 @@ def test_a_small_file_is_enough(tmp_path):
     (line,) = stability(files.read(file)).lines
     assert line.gears == ("top speed",)
     assert line.ranges[0, 0] / rpm == pytest.approx(2500)
+
+
+TORSION = """
+torsion:
+  axle_inertia_kgm2: 3
+  axle_stiffness_Nm_deg: 900
+  gearbox_inertia_kgm2: 0.3
+  gearbox_stiffness_Nm_rad: 90000
+"""
+
+
+def test_the_file_says_what_turns_at_both_ends(truck, tmp_path):
+    """Its units, what it leaves out, and the options that go before it."""
+    application = files.loads(truck.read_text("utf-8") + TORSION)
+    found = stability(application)
+    around = found.surroundings
+    assert around.axle_stiffness == pytest.approx(900 * 180 / np.pi)
+    assert (around.gearbox_inertia, around.gearbox_stiffness) == (0.3, 90000)
+    assert found.given == {
+        "axle_inertia", "axle_stiffness", "gearbox_inertia", "gearbox_stiffness"
+    }  # fmt: skip
+    assert around.damping_ratio == 0.02
+    # Flange, joint between the shafts, pinion, axle.
+    assert found.lines[0].frequencies.shape == (4,)
+    file = tmp_path / "given.yaml"
+    file.write_text(truck.read_text("utf-8") + TORSION, encoding="utf-8")
+    run = CliRunner().invoke(cli, ["stability", str(file), "--axle-inertia", "4", "--json"])
+    said = json.loads(run.stdout)
+    assert said["given"]["axle_inertia_kgm2"] == 4
+    assert said["given"]["gearbox_inertia_kgm2"] == 0.3
+    assert said["assumed"] == {"damping_ratio": 0.02, "rubber_loss": 0.1}
+    run = CliRunner().invoke(cli, ["stability", str(file)])
+    assert "Given: gearbox 0.3000 kg m² on 90000 N m/rad; axle 3.000 kg m²" in run.stdout
+    assert "Assumed: damping ratio 0.02000" in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("torsion", "problem"),
+    [
+        ("{gearbox_inertia_kgm2: 1}", "both the gearbox inertia and its stiffness"),
+        ("{axle_inertia_kgm2: 0}", "a number above 0"),
+        ("{damping_ratio: 1}", "above 0 and below 1"),
+        ("{axle_stifness_Nm_deg: 1}", "axle_stiffness_Nm_deg"),
+    ],
+)
+def test_wrong_surroundings_are_refused_where_they_stand(truck, torsion, problem):
+    with pytest.raises(BadFile, match=problem):
+        files.loads(truck.read_text("utf-8") + f"torsion: {torsion}\n")

@@ -1,8 +1,10 @@
 """Arrays: their types, whose library they belong to, and many cases at a time."""
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -41,6 +43,21 @@ def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]
         v if xp is not np and hasattr(v, "__array_namespace__") else xp.asarray(v, dtype=xp.float64)
         for v in values
     )
+
+
+@contextmanager
+def single_threaded() -> Generator[None, None, None]:
+    """Keep BLAS to one thread: on many small matrices its own cost far more than they bring."""
+    with _blas().limit(limits=1, user_api="blas"):
+        yield
+
+
+@cache
+def _blas() -> Any:
+    """Return what controls the threads of NumPy's BLAS; to look for it takes milliseconds."""
+    from importlib import import_module  # untyped, and a check of one design needs none
+
+    return import_module("threadpoolctl").ThreadpoolController()
 
 
 def chunked(
@@ -87,7 +104,7 @@ def chunked(
 
     if executor is not None:
         return _joined(executor.map(work, pieces))
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with single_threaded(), ThreadPoolExecutor(os.cpu_count()) as threads:
         return _joined(threads.map(work, pieces))
 
 

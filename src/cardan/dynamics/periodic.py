@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, chunked
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, chunked, single_threaded
 from cardan.base.errors import NotConverged
 
 Matrices: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
@@ -139,6 +139,7 @@ def _product(steps: FloatArray) -> FloatArray:
     return steps[..., 0, :, :]
 
 
+@single_threaded()
 def _settled(system: Periodic, tolerance: float) -> tuple[FloatArray, FloatArray, int]:
     """Return the monodromy in scaled states, the scale, and the steps it took."""
     C, K = system.scaled(np.arange(8) / 8)
@@ -425,6 +426,7 @@ def response(system: Periodic, force: ArrayLike) -> FloatArray:
 # ----- many points ----------------------------------------------------------------------
 
 
+@single_threaded()
 def over(
     function: Callable[..., Any],
     *parameters: ArrayLike,

@@ -23,7 +23,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, single_threaded
 from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.chart import edges
 from cardan.dynamics.periodic import Periodic, differentiation, growth, operator
@@ -449,6 +449,7 @@ def _tangent(
     return left, M, C, K
 
 
+@single_threaded()
 def orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SAMPLES) -> Orbit:
     """Find the periodic motion at constant input speed: harmonic balance and Newton's method.
 

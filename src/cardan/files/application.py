@@ -12,7 +12,18 @@ from cardan.files.document import Mapping, Node, Scalar, Sequence, parse, text_o
 from cardan.files.geometry import StateGeometryTable
 from cardan.files.limit import DEFAULT, ALimit, LimitTable, Profile, limits
 from cardan.files.line import AdjustTable, LineTable
-from cardan.files.measure import Angle, Length, Percent, Point, Size, Speed, Torque, Turn
+from cardan.files.measure import (  # fmt: skip
+    Angle,
+    Length,
+    Percent,
+    Point,
+    PositiveInertia,
+    Size,
+    Speed,
+    Torque,
+    TorsionStiffness,
+    Turn,
+)
 from cardan.files.table import (
     Choice,
     Enough,
@@ -43,6 +54,7 @@ from cardan.model.application import (
     Installed,
     Obstacle,
     State,
+    Surroundings,
 )  # fmt: skip
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
@@ -284,6 +296,38 @@ class DutyTable(Table):
         return DutyPoint(share=self.share, torque=self.torque, speed=self.speed, angle=self.angle)
 
 
+class TorsionTable(Table):
+    """What turns with the lines at both ends; `cardan stability` assumes what is not given."""
+
+    axle_inertia: PositiveInertia | None = key(
+        "of what turns behind the pinion, reflected to it", default=None
+    )
+    axle_stiffness: TorsionStiffness | None = key(
+        "of the spring between pinion and that; rigid without", default=None
+    )
+    gearbox_inertia: PositiveInertia | None = key(
+        "of what turns with the gearbox flange, which turns uniformly without", default=None
+    )
+    gearbox_stiffness: TorsionStiffness | None = key(
+        "of the spring from the flange to the uniformly turning engine", default=None
+    )
+    damping_ratio: Annotated[float, Number(above=0, below=1)] | None = key(
+        "of the first torsional mode", default=None
+    )
+
+    def build(self) -> Surroundings:
+        """Return it in SI."""
+        if (self.gearbox_inertia is None) != (self.gearbox_stiffness is None):
+            self.at().refuse("give both the gearbox inertia and its stiffness, or neither")
+        return Surroundings(
+            axle_inertia=self.axle_inertia,
+            axle_stiffness=self.axle_stiffness,
+            gearbox_inertia=self.gearbox_inertia,
+            gearbox_stiffness=self.gearbox_stiffness,
+            damping_ratio=self.damping_ratio,
+        )
+
+
 _STATES = ListOf(OneOf(KindName(), TableRule(StateTable)))
 _LIMITS = OneOf(ProfileName(), TableRule(OverridesTable), InlineLimits())
 
@@ -315,6 +359,9 @@ class ApplicationTable(Table):
     duty: tuple[Annotated[DutyPoint, DutyTable], ...] = key("how the life is spent", default=())
     adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
     bracket: BracketTable | None = key("what a centre bearing hangs in", default=None)
+    torsion: Annotated[Surroundings, TorsionTable] | None = key(
+        "what turns with the lines at both ends", default=None
+    )
     prime_mover: Literal["diesel", "petrol", "electric"] = key("engine", default="diesel")
     shock_factor: Annotated[float, Number(least=1, most=10)] = key(
         "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
@@ -351,6 +398,7 @@ class ApplicationTable(Table):
             duty=self._duty(),
             adjustables=tuple(self._adjustables(lines, list(tables.values()))),
             bracket=self.bracket.bracket(lines) if self.bracket else None,
+            torsion=self.torsion,
             prime_mover_factor=PRIME_MOVERS[self.prime_mover],
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,

@@ -62,6 +62,10 @@ AxleLoad: TypeAlias = Annotated[
 Forces: TypeAlias = Annotated[tuple[float, ...], ListOf(Number(*FORCES))]
 Stiffness: TypeAlias = Annotated[float, Number("N_mm", "kN_m", "N_m", "lbf_in", above=0)]
 WindupStiffness: TypeAlias = Annotated[float, Number("kNm_deg", "Nm_deg", "Nm_rad", above=0)]
+TorsionStiffness: TypeAlias = Annotated[
+    float, Number("Nm_deg", "Nm_rad", "kNm_deg", above=0, usual=(100.0, 1e9))
+]
+PositiveInertia: TypeAlias = Annotated[float, Number("kgm2", above=0, usual=(1e-3, 1e3))]
 PitchRate: TypeAlias = Annotated[float, Number(worth={"deg_mm": deg / mm, "rad_m": 1.0})]
 Inertia: TypeAlias = Annotated[float, Number("kgm2", least=0)]
 SpeedAngle: TypeAlias = Annotated[float, Number("deg_min", above=0)]

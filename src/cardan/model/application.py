@@ -128,6 +128,31 @@ class Installed:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """What turns with the lines at both ends, and damps them; None where nobody knows.
+
+    Attributes
+    ----------
+    axle_inertia, axle_stiffness : kg m², N m/rad
+        Of what turns behind the pinion, reflected to it, and of the spring in between.
+    gearbox_inertia, gearbox_stiffness : kg m², N m/rad
+        Of what turns with the gearbox flange, and of the spring to the uniformly turning
+        engine; without them the flange itself turns uniformly.
+    damping_ratio : 1
+        Of the first torsional mode.
+    rubber_loss : 1
+        Loss factor of the centre bearings' rubber.
+    """
+
+    axle_inertia: float | None = None
+    axle_stiffness: float | None = None
+    gearbox_inertia: float | None = None
+    gearbox_stiffness: float | None = None
+    damping_ratio: float | None = None
+    rubber_loss: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Application:
     """Everything one approval is about."""
 
@@ -148,6 +173,7 @@ class Application:
     duty: tuple[DutyPoint, ...] = ()
     adjustables: tuple[Adjustable, ...] = ()
     bracket: Bracket | None = None
+    torsion: Surroundings | None = None
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False

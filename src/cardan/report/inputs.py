@@ -30,6 +30,7 @@ def inputs(of: Application, say: Language) -> tuple[Input, ...]:
         (say("Vehicle"), _vehicle(of, say)),
         (say("Engine and gearbox"), _engine(of, say)),
         (say("Suspension"), _suspension(of.suspension, say)),
+        (say("Torsion"), _torsion(of, say)),
     ]
     groups += [(say("Line {line}", line=one.line.name), _line(one, say)) for one in of.lines]
     groups += [
@@ -74,6 +75,16 @@ def _general(a: Application, say: Language) -> Iterator[tuple[str, str]]:
             _q(p.angle, deg, "deg", say),
         )
         yield say("duty point {number}", number=k), said
+
+
+def _torsion(a: Application, say: Language) -> Iterator[tuple[str, str]]:
+    if a.torsion is not None:
+        s = a.torsion
+        yield say("axle inertia"), _q(s.axle_inertia, 1, "kg·m²", say)
+        yield say("axle torsional stiffness"), _q(s.axle_stiffness, 1, "N·m/rad", say)
+        yield say("gearbox inertia"), _q(s.gearbox_inertia, 1, "kg·m²", say)
+        yield say("gearbox torsional stiffness"), _q(s.gearbox_stiffness, 1, "N·m/rad", say)
+        yield say("damping ratio of the first mode"), _q(s.damping_ratio, 1, "", say)
 
 
 def _vehicle(a: Application, say: Language) -> Iterator[tuple[str, str]]:

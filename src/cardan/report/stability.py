@@ -1,10 +1,11 @@
 """Show a line's vibration: terminal, JSON, and the chart of speeds against frequencies."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import groupby
 from math import pi
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -12,10 +13,23 @@ from cardan import __version__
 from cardan.base.quantities import QUANTITIES
 from cardan.base.units import rpm
 from cardan.base.verdict import GRADES, Check
+from cardan.report import svg
+from cardan.report.chart import Chart, Level, Series, plot
 from cardan.report.contract import check
-from cardan.report.language import EN
+from cardan.report.language import EN, Language
+from cardan.report.svg import GRADED, INK, PALETTE, Figure
 from cardan.report.terminal import BOLD, COLOURS, PLAIN
 from cardan.study.stability import ORDERS, Stability, Vibration
+
+KEYS = {
+    "axle_inertia": "axle_inertia_kgm2",
+    "axle_stiffness": "axle_stiffness_Nm_rad",
+    "gearbox_inertia": "gearbox_inertia_kgm2",
+    "gearbox_stiffness": "gearbox_stiffness_Nm_rad",
+    "damping_ratio": "damping_ratio",
+    "rubber_loss": "rubber_loss",
+}
+"""What the document calls what turns with the lines."""
 
 
 def text(of: Stability, *, every: bool = False) -> Iterator[str]:
@@ -25,8 +39,8 @@ def text(of: Stability, *, every: bool = False) -> Iterator[str]:
     """
     counts = ", ".join(f"{sum(c.grade == g for c in of.checks)} {g}" for g in reversed(GRADES))
     yield f"{BOLD}{of.application.title}{PLAIN}: stability {_coloured(of.verdict)} ({counts})"
-    yield from _assumed(of)
-    rows = list(of.checks) if every else list(_worst_of_parts(of.checks))
+    yield from basis(of, EN)
+    rows = list(of.checks) if every else list(worst_of_parts(of.checks))
     yield ""
     yield (
         f"{BOLD}{'':6}{'quantity':<34}{'part':<24}{'where it is worst':<24}"
@@ -51,14 +65,8 @@ def document(of: Stability) -> dict[str, Any]:
         "cardan": ".".join(__version__.split(".")[:2]),
         "application": of.application.title,
         "verdict": of.verdict,
-        "assumed": {
-            "axle_inertia_kgm2": s.axle_inertia,
-            "axle_stiffness_Nm_rad": s.axle_stiffness,
-            "gearbox_inertia_kgm2": s.gearbox_inertia,
-            "gearbox_stiffness_Nm_rad": s.gearbox_stiffness,
-            "damping_ratio": s.damping_ratio,
-            "rubber_loss": s.rubber_loss,
-        },
+        "given": {key: getattr(s, name) for name, key in KEYS.items() if name in of.given},
+        "assumed": {key: getattr(s, name) for name, key in KEYS.items() if name not in of.given},
         "lines": [
             {
                 "name": v.line.name,
@@ -91,97 +99,166 @@ def document(of: Stability) -> dict[str, Any]:
     }
 
 
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 760, 420, 60, 50, 20
-
-
 def chart(of: Vibration) -> str:
-    """Return the Campbell diagram of a line's torsion as an SVG.
+    """Return the Campbell diagram of a line's torsion as an SVG that stands alone."""
+    return campbell(of, EN).svg.replace("<svg ", '<svg font-family="sans-serif" ', 1) + "\n"
+
+
+def campbell(of: Vibration, say: Language) -> Figure:
+    """Return the diagram of a line's speeds against its torsional frequencies.
 
     Slanted are the orders the joints excite, level the frequencies; where they cross is
-    resonance. Bands at the foot are the gears' speeds, triangles the parametric zones.
+    resonance. Bars at the foot are the gears' speeds, triangles the parametric zones.
     """
     top = 1.1 * float(of.ranges.max()) / rpm
     hertz = 1.1 * max(ORDERS) * top / 60
-
-    def x(speed: float) -> float:
-        return LEFT + (WIDTH - LEFT - 20) * speed / top
-
-    def y(frequency: float) -> float:
-        return HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * frequency / hertz
-
-    def line(x1: float, y1: float, x2: float, y2: float, style: str) -> str:
-        return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" {style}/>'
-
-    def words(x: float, y: float, said: str, anchor: str = "start") -> str:
-        return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(said)}</text>'
-
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
-        'font-family="sans-serif" font-size="12" fill="#222">',
-        f"<title>{escape(of.line.name)}: speeds against torsional frequencies</title>",
-        line(LEFT, y(0), WIDTH - 20, y(0), 'stroke="#222"'),
-        line(LEFT, y(0), LEFT, TOP, 'stroke="#222"'),
-        words(WIDTH - 20, HEIGHT - 8, "speed, rpm", "end"),
-        words(8, TOP - 6, "frequency, Hz"),
-    ]
-    for tick in _ticks(top):
-        parts.append(words(x(tick), y(0) + 30, f"{tick:g}", "middle"))
-        parts.append(line(x(tick), y(0), x(tick), y(0) + 4, 'stroke="#222"'))
-    parts += [words(LEFT - 6, y(tick) + 4, f"{tick:g}", "end") for tick in _ticks(hertz)]
-    for order in ORDERS:
-        parts.append(line(x(0), y(0), x(top), y(order * top / 60), 'stroke="#888"'))
-        parts.append(words(x(top) - 4, y(order * top / 60) - 4, f"order {order}", "end"))
-    for k, w in enumerate(of.frequencies, 1):
-        frequency = float(w) / (2 * pi)
-        if frequency < hertz:
-            parts.append(
-                line(
-                    LEFT,
-                    y(frequency),
-                    WIDTH - 20,
-                    y(frequency),
-                    'stroke="#1f5fa8" stroke-width="2"',
-                )
-            )
-            parts.append(words(LEFT + 6, y(frequency) - 5, f"mode {k}, {frequency:.1f} Hz"))
+    frame = Chart(
+        say=say, x=(0.0, top), y=(0.0, hertz), x_label=say("shaft speed [rpm]"),
+        y_label=say("frequency [Hz]"),
+    )  # fmt: skip
+    for k, order in enumerate(ORDERS):
+        x = np.array([0.0, top])
+        frame.series(Series(name=say("order {order}", order=order), x=x, y=order * x / 60), k)
+    for k, (name, (low, high)) in enumerate(zip(of.gears, of.ranges / rpm, strict=True)):
+        x1, y = frame.spot(float(low), 0.0)
+        x2, _ = frame.spot(float(high), 0.0)
+        y -= 13 + 8 * k
+        frame.put(
+            svg.rect(x1, y, max(x2 - x1, 3.0), 4, fill=PALETTE[3], fill_opacity=0.55),
+            svg.text(x1 - 4, y + 5, named(name, say), anchor="end", font_size=8.5, fill=PALETTE[3]),
+        )
+    for k, frequency in enumerate(of.frequencies / (2 * pi), 1):
+        said = say("mode {mode}, {frequency} Hz", mode=k, frequency=say.pointed(f"{frequency:.1f}"))
+        frame.level(Level(value=float(frequency), name=said))
+        for order in ORDERS:
+            at = 60 * float(frequency) / order
+            if at < top:
+                frame.put(svg.circle(*frame.spot(at, float(frequency)), 4, fill="none", stroke=INK))
     for zone in of.zones:
         at = zone.speed / rpm
         if at < top:
-            grows = bool(np.any(zone.growth > 0))
-            fill = "#b00020" if grows else "#2e7d32"
-            parts.append(
-                f'<path d="M{x(at) - 5:.1f},{y(0):.1f} h10 l-5,-12 z" fill="{fill}">'
-                f"<title>{escape(zone.name)}: {'grows' if grows else 'damped'}</title></path>"
+            x, y = frame.spot(at, 0.0)
+            fill = GRADED["fail" if np.any(zone.growth > 0) else "pass"]
+            frame.put(
+                svg.path([x - 5, x + 5, x], [y, y, y - 11], close=True, fill=fill, stroke="none")
             )
-    for k, (name, (low, high)) in enumerate(zip(of.gears, of.ranges / rpm, strict=True)):
-        wide = max(x(float(high)) - x(float(low)), 2.0)
-        parts.append(
-            f'<rect x="{x(float(low)):.1f}" y="{y(0) + 6 + 2 * (k % 4):.1f}" width="{wide:.1f}" '
-            f'height="5" fill="#e08a00" fill-opacity="0.6"><title>{escape(name)}</title></rect>'
+    title = say("Speeds against torsional frequencies")
+    modes = say.list(*(f"{say.number(float(w) / (2 * pi))} Hz" for w in of.frequencies))
+    return frame.figure(
+        title=title,
+        alt=f"{title}: {modes}",
+        note=say(
+            "Bars: speeds of each gear. Circles: resonances. Triangles: parametric zones, red "
+            "where motions grow."
+        ),
+    )
+
+
+def forced(of: Vibration, say: Language) -> Figure:
+    """Return the largest torque of each order in the line against speed, in the worst state."""
+    title = say("Torque of forced torsional vibration")
+    worst = of.amplitudes.max(0)
+    said = say.list(
+        *(
+            f"{say('order {order}', order=o)} {say.number(float(y.max()))} N·m"
+            for o, y in zip(ORDERS, worst, strict=True)
         )
-    return "\n".join([*parts, "</svg>", ""])
+    )
+    return plot(
+        say,
+        title=title,
+        alt=f"{title}: {said}",
+        series=[
+            Series(name=say("order {order}", order=o), x=of.speeds / rpm, y=y)
+            for o, y in zip(ORDERS, worst, strict=True)
+        ],
+        zero=True,
+        x_label=say("shaft speed [rpm]"),
+        y_label=say("torque, 0-to-peak [N·m]"),
+        note=say("Largest of all states and places in the line."),
+    )
 
 
-def _ticks(top: float) -> list[float]:
-    """Return about six round numbers from 0 up to `top`."""
-    rough = top / 6
-    size = 10 ** np.floor(np.log10(rough))
-    step = float(size * min((1, 2, 5, 10), key=lambda m: abs(m * size - rough)))
-    return [k * step for k in range(int(top / step) + 1)]
+def named(said: str, say: Language) -> str:
+    """Return the name of a speed range or of what it may meet, in the language."""
+    for pattern, text in _NAMES.items():
+        if found := re.fullmatch(pattern, said):
+            return say(text, **found.groupdict())
+    return say.part(said)
 
 
-def _assumed(of: Stability) -> Iterator[str]:
+_NAMES = {
+    r"gear (?P<gear>.+)": "gear {gear}",
+    r"mode (?P<mode>\d+), order (?P<order>\d+)": "mode {mode}, order {order}",
+    r"zone of mode (?P<mode>\d+)": "zone of mode {mode}",
+    r"zone of modes (?P<mode>\d+) \+ (?P<other>\d+)": "zone of modes {mode} + {other}",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distance:
+    """How far the ranges of speed stay from a resonance or zone, as shares of its speed.
+
+    `speed` is in rad/s; `shares` (gears,) are 0 where a gear runs through it.
+    """
+
+    part: str
+    speed: float
+    shares: tuple[float, ...]
+    grades: tuple[str, ...]
+
+
+def distances(of: Vibration, checks: Iterable[Check]) -> Iterator[Distance]:
+    """Yield the distance of each resonance and zone of a line from every range of speed."""
+    mine = [c for c in checks if c.line == of.line.name]
+    graded = {(c.part, c.state): c.grade for c in mine if c.quantity == "torsional_resonance"}
+    grown = {c.part for c in mine if c.quantity == "torsional_growth" and c.grade != "pass"}
+    met = [
+        *(
+            (f"mode {i}, order {o}", float(w) / o)
+            for i, w in enumerate(of.frequencies, 1)
+            for o in ORDERS
+        ),
+        *((z.name, z.speed) for z in of.zones),
+    ]
+    for part, speed in met:
+        shares = np.clip(speed, of.ranges[:, 0], of.ranges[:, 1]) / speed - 1
+        nearest = np.abs(shares) == np.abs(shares).min()
+        yield Distance(
+            part=part, speed=speed, shares=tuple(shares.tolist()),
+            grades=tuple(
+                graded.get((part, gear), "fail" if part in grown and near else "pass")
+                for gear, near in zip(of.gears, nearest, strict=True)
+            ),
+        )  # fmt: skip
+
+
+def basis(of: Stability, say: Language) -> Iterator[str]:
+    """Yield what the answer stands on: what was given, then what was assumed."""
     s = of.surroundings
-    gearbox = (
-        f"gearbox {EN.number(s.gearbox_inertia)} kg m² on {EN.number(s.gearbox_stiffness)} N m/rad"
-        if s.gearbox_inertia is not None and s.gearbox_stiffness is not None
-        else "gearbox turning uniformly"
-    )
-    spring = f" on {EN.number(s.axle_stiffness)} N m/rad" if s.axle_stiffness else ""
-    yield (
-        f"Assumed: {gearbox}; axle {EN.number(s.axle_inertia)} kg m²{spring}; damping ratio "
-        f"{EN.number(s.damping_ratio)}; loss factor of the rubber {EN.number(s.rubber_loss)}."
-    )
+    gearbox = say("gearbox turning uniformly")
+    if s.gearbox_inertia is not None and s.gearbox_stiffness is not None:
+        gearbox = say(
+            "gearbox {inertia} kg m² on {stiffness} N m/rad",
+            inertia=say.number(s.gearbox_inertia),
+            stiffness=say.number(s.gearbox_stiffness),
+        )
+    spring = say("pinion rigid to the axle")
+    if s.axle_stiffness is not None:
+        spring = say("axle on {stiffness} N m/rad", stiffness=say.number(s.axle_stiffness))
+    said = {
+        "gearbox_inertia": gearbox,
+        "axle_inertia": say("axle {inertia} kg m²", inertia=say.number(s.axle_inertia)),
+        "axle_stiffness": spring,
+        "damping_ratio": say("damping ratio {ratio}", ratio=say.number(s.damping_ratio)),
+        "rubber_loss": say("loss factor of the rubber {factor}", factor=say.number(s.rubber_loss)),
+    }
+    given = "; ".join(text for name, text in said.items() if name in of.given)
+    assumed = "; ".join(text for name, text in said.items() if name not in of.given)
+    if given:
+        yield say("Given: {values}.", values=given)
+    if assumed:
+        yield say("Assumed: {values}.", values=assumed)
 
 
 def _line(of: Vibration) -> Iterator[str]:
@@ -202,7 +279,7 @@ def _line(of: Vibration) -> Iterator[str]:
         )
 
 
-def _worst_of_parts(checks: tuple[Check, ...]) -> Iterator[Check]:
+def worst_of_parts(checks: Iterable[Check]) -> Iterator[Check]:
     """Yield the worst check of each part."""
     for _, same in groupby(sorted(checks, key=_part), key=_part):
         yield min(same, key=lambda c: (-GRADES.index(c.grade), c.margin))

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from cardan import __version__
 from cardan.base.quantities import QUANTITIES
+from cardan.base.units import rpm
 from cardan.base.verdict import Check, Grade, worst
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
@@ -17,6 +18,7 @@ from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
 from cardan.report.sheet import Row, line_title, sections
+from cardan.report.stability import basis, campbell, distances, forced, named, worst_of_parts
 from cardan.report.svg import Figure
 from cardan.report.wording import (
     badness,
@@ -35,6 +37,7 @@ from cardan.study.assess import Assessment, checks_of
 from cardan.study.fix import Proposal
 from cardan.study.response import Response
 from cardan.study.sensitivity import Sensitivity
+from cardan.study.stability import KEPT_FROM_RESONANCE, STEADY, Stability
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,11 +145,13 @@ def assessment(
     fixes: Sequence[Proposal],
     say: Language,
     issue: Issue,
+    vibration: Stability | None = None,
     more: Sequence[Chapter] = (),
 ) -> Story:
     """Return the story of one application: the verdict first, then what to change.
 
-    Chapters of other studies, `more`, follow the results.
+    Without `vibration` it says that nobody could ask about it. Chapters of other studies,
+    `more`, follow the results.
     """
     several = len(of.responses) > 1
     chapters = [
@@ -159,8 +164,9 @@ def assessment(
     for response in of.responses:
         chapters += _line(response, say, several=several)
     chapters += [
+        Chapter(title=say("Vibration and stability"), blocks=tuple(_vibration(vibration, say))),
         *more,
-        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
+        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, vibration, say))),
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
     ]
     return Story(
@@ -410,10 +416,59 @@ def _row_grades(
     return tuple(shown)
 
 
-def _equations(of: Assessment, say: Language) -> Iterator[Block]:
+def _vibration(of: Stability | None, say: Language) -> Iterator[Block]:
+    """Yield how far each range of speed stays from resonances and zones, and what grows."""
+    if of is None:
+        asked = say.list(*(say.name(q).lower() for q in (KEPT_FROM_RESONANCE.quantity, *STEADY)))
+        yield Text(paragraphs=(say("Not asked, for want of data: {names}.", names=asked),))
+        return
+    verdict = say("Vibration: {verdict} ({counts}).", verdict=say(of.verdict).upper(),
+                  counts=counts(of.checks, say))  # fmt: skip
+    hint = say("0 % runs through it; − stays below its speed, + above.")
+    yield Text(paragraphs=(verdict, *basis(of, say), hint))
+    for v in of.lines:
+        end = f": {v.line.name}" if len(of.lines) > 1 else ""
+        rows = tuple(distances(v, of.checks))
+        yield Table(
+            caption=say("How far each range of speed stays from resonances and zones") + end,
+            head=(say("resonance or zone"), say("at [rpm]"), *(named(g, say) for g in v.gears)),
+            rows=tuple(
+                (
+                    named(row.part, say),
+                    say.number(row.speed / rpm),
+                    *(say.percent(share) if share else "0 %" for share in row.shares),
+                )
+                for row in rows
+            ),
+            grades=tuple(("", "", *("" if g == "pass" else g for g in row.grades)) for row in rows),
+        )
+        growing = sorted(
+            worst_of_parts(c for c in of.checks if c.line == v.line.name and c.quantity in STEADY),
+            key=badness,
+        )
+        yield Table(
+            caption=say("Growth of vibrations, where it is worst") + end,
+            head=(say("verdict"), say("limit"), say("where it is worst"), say("value"),
+                  say("bound"), say("unit")),
+            rows=tuple(_growth(c, say) for c in growing),
+            words=3,
+            grades=tuple((c.grade, *[""] * 5) for c in growing),
+        )  # fmt: skip
+        yield Figures(figures=(campbell(v, say), forced(v, say)))
+
+
+def _growth(c: Check, say: Language) -> tuple[str, ...]:
+    """Return a check on growth as a row."""
+    q = QUANTITIES[c.quantity]
+    where = say.list(named(c.part, say), named(c.state, say))
+    value, bound = say.number(c.value / q.factor), say.number(c.bound / q.factor)
+    return say(c.grade), q.named(say.code), where, value, f"{sense(c, say)} {bound}", q.unit_name
+
+
+def _equations(of: Assessment, vibration: Stability | None, say: Language) -> Iterator[Block]:
     """Yield the declaration of every quantity this report shows."""
     shown = {row.quantity for r in of.responses for s in sections(r) for row in s.rows}
-    shown |= {c.quantity for c in of.checks}
+    shown |= {c.quantity for c in (*of.checks, *(vibration.checks if vibration else ()))}
     used = [q for key, q in QUANTITIES.items() if key in shown]
     yield Table(
         caption=say("Quantities of this report"),

@@ -1089,8 +1089,91 @@ _BRACKET: dict[str, tuple[str, str]] = {
     ),
 }  # fmt: skip
 
+_PROGRESS: dict[str, tuple[str, str]] = {
+    "looking for corrections": ("procurando correções", "ricerca di correzioni"),
+    "writing {file}": ("escrevendo {file}", "scrittura di {file}"),
+}
+
+_VIBRATION: dict[str, tuple[str, str]] = {
+    "Vibration and stability": ("Vibração e estabilidade", "Vibrazione e stabilità"),
+    "Vibration: {verdict} ({counts}).": (
+        "Vibração: {verdict} ({counts}).", "Vibrazione: {verdict} ({counts}).",
+    ),
+    "Torsion": ("Torção", "Torsione"),
+    "axle inertia": ("inércia do eixo", "inerzia del ponte"),
+    "axle torsional stiffness": (
+        "rigidez torcional do eixo", "rigidezza torsionale del ponte",
+    ),
+    "gearbox inertia": ("inércia do câmbio", "inerzia del cambio"),
+    "gearbox torsional stiffness": (
+        "rigidez torcional do câmbio", "rigidezza torsionale del cambio",
+    ),
+    "damping ratio of the first mode": (
+        "fator de amortecimento do primeiro modo", "rapporto di smorzamento del primo modo",
+    ),
+    "Given: {values}.": ("Dado: {values}.", "Dato: {values}."),
+    "Assumed: {values}.": ("Suposto: {values}.", "Ipotizzato: {values}."),
+    "gearbox turning uniformly": (
+        "câmbio girando uniformemente", "cambio in rotazione uniforme",
+    ),
+    "gearbox {inertia} kg m² on {stiffness} N m/rad": (
+        "câmbio {inertia} kg m² sobre {stiffness} N m/rad",
+        "cambio {inertia} kg m² su {stiffness} N m/rad",
+    ),
+    "axle {inertia} kg m²": ("eixo {inertia} kg m²", "ponte {inertia} kg m²"),
+    "axle on {stiffness} N m/rad": (
+        "eixo sobre {stiffness} N m/rad", "ponte su {stiffness} N m/rad",
+    ),
+    "pinion rigid to the axle": ("pinhão rígido com o eixo", "pignone rigido con il ponte"),
+    "damping ratio {ratio}": (
+        "fator de amortecimento {ratio}", "rapporto di smorzamento {ratio}",
+    ),
+    "loss factor of the rubber {factor}": (
+        "fator de perda da borracha {factor}", "fattore di perdita della gomma {factor}",
+    ),
+    "How far each range of speed stays from resonances and zones": (
+        "Quanto cada faixa de rotação fica longe de ressonâncias e zonas",
+        "Quanto ogni campo di velocità resta lontano da risonanze e zone",
+    ),
+    "0 % runs through it; − stays below its speed, + above.": (
+        "0 % passa por ela; − fica abaixo da sua rotação, + acima.",
+        "0 % la attraversa; − resta sotto la sua velocità, + sopra.",
+    ),
+    "resonance or zone": ("ressonância ou zona", "risonanza o zona"),
+    "at [rpm]": ("a [rpm]", "a [rpm]"),
+    "top speed": ("rotação máxima", "velocità massima"),
+    "mode {mode}, order {order}": ("modo {mode}, ordem {order}", "modo {mode}, ordine {order}"),
+    "zone of mode {mode}": ("zona do modo {mode}", "zona del modo {mode}"),
+    "zone of modes {mode} + {other}": (
+        "zona dos modos {mode} + {other}", "zona dei modi {mode} + {other}",
+    ),
+    "Growth of vibrations, where it is worst": (
+        "Crescimento das vibrações, onde é pior", "Crescita delle vibrazioni, dove è peggiore",
+    ),
+    "Speeds against torsional frequencies": (
+        "Rotações e frequências torcionais", "Velocità e frequenze torsionali",
+    ),
+    "frequency [Hz]": ("frequência [Hz]", "frequenza [Hz]"),
+    "mode {mode}, {frequency} Hz": ("modo {mode}, {frequency} Hz", "modo {mode}, {frequency} Hz"),
+    "Bars: speeds of each gear. Circles: resonances. Triangles: parametric zones, red where "
+    "motions grow.": (
+        "Barras: rotações de cada marcha. Círculos: ressonâncias. Triângulos: zonas "
+        "paramétricas, vermelhas onde os movimentos crescem.",
+        "Barre: velocità di ogni marcia. Cerchi: risonanze. Triangoli: zone parametriche, rosse "
+        "dove i moti crescono.",
+    ),
+    "Torque of forced torsional vibration": (
+        "Torque da vibração torcional forçada", "Coppia della vibrazione torsionale forzata",
+    ),
+    "torque, 0-to-peak [N·m]": ("torque, 0 a pico [N·m]", "coppia, 0-picco [N·m]"),
+    "Largest of all states and places in the line.": (
+        "O maior de todos os estados e lugares da linha.",
+        "Il massimo di tutti gli stati e i punti della linea.",
+    ),
+}  # fmt: skip
+
 WORDS: dict[str, tuple[str, str]] = {
     **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_WORKBOOK,
-    **_EQUATIONS, **_BRACKET,
+    **_EQUATIONS, **_BRACKET, **_VIBRATION, **_PROGRESS,
 }  # fmt: skip
 """English text to Portuguese and Italian."""

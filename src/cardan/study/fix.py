@@ -235,6 +235,7 @@ def fix(
     line: str | None = None,
     hold: Collection[str] = (),
     count: int = 6,
+    tell: Callable[[int, int], None] | None = None,
 ) -> tuple[Proposal, ...]:
     """Propose corrections of a line, for all its states at once.
 
@@ -249,6 +250,8 @@ def fix(
         What stays where it is, by name: "bearing_height", or "phase 2" for one part.
     count
         How many proposals at most.
+    tell
+        Called with how many choices of yoke phases are searched, and of how many.
 
     Returns
     -------
@@ -269,7 +272,7 @@ def fix(
     response = _line(application, line)
     movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
-    found = {p.moves: p for p in _proposals(before, movable)}
+    found = {p.moves: p for p in _proposals(before, movable, tell)}
     ranked = sorted(found.values(), key=lambda p: (GRADES.index(p.verdict), p.cost, -p.margin))
     return tuple(_unbeaten(ranked))[:count]
 
@@ -298,7 +301,9 @@ def _line(application: Application, name: str | None) -> Response:
     return responses[name]
 
 
-def _proposals(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[Proposal]:
+def _proposals(
+    response: Response, movable: tuple[Adjustable, ...], tell: Callable[[int, int], None] | None
+) -> Iterator[Proposal]:
     """Yield every proposal worth comparing: each way alone, all together, each yoke turned."""
     ways = tuple(k for k, a in enumerate(movable) if a.what != "phase")
     turnings = list(_turnings(response, movable))
@@ -308,7 +313,9 @@ def _proposals(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[
     changed = np.ptp(every, axis=0) > STILL
     if not changed.any():
         return
-    for turns in turnings:
+    for k, turns in enumerate(turnings):
+        if tell:
+            tell(k, len(turnings))
         if turns.any():
             yield _proposal(response, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]

@@ -1,12 +1,13 @@
 """Ask whether an application vibrates: each gear's speeds against resonances and zones."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
 from itertools import combinations
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import NewtonMetre
 from cardan.base.verdict import Check, Grade, Limit, worst
@@ -20,7 +21,7 @@ from cardan.dynamics.torsion import (
     of_line,
     orbit,
 )
-from cardan.model.application import Application
+from cardan.model.application import Application, Surroundings
 from cardan.model.parts import Line, Shaft
 
 ORDERS = (2, 4)
@@ -38,27 +39,13 @@ STEADY = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surroundings:
-    """What turns with a line at both ends, and damps it. Assumed where nobody knows better.
+class Assumed(Surroundings):
+    """Surroundings with something assumed wherever nobody knows.
 
-    Attributes
-    ----------
-    axle_inertia, axle_stiffness : kg m², N m/rad
-        Of what turns behind the pinion, reflected to it, and of the spring in between;
-        rigid if None.
-    gearbox_inertia, gearbox_stiffness : kg m², N m/rad
-        Of what turns with the gearbox flange, and of the spring to the uniformly turning
-        engine; without them the flange itself turns uniformly.
-    damping_ratio : 1
-        Of the first torsional mode.
-    rubber_loss : 1
-        Loss factor of the centre bearings' rubber.
+    The gearbox turns uniformly and the pinion is rigid to the axle unless they are given.
     """
 
     axle_inertia: float = 2.0
-    axle_stiffness: float | None = None
-    gearbox_inertia: float | None = None
-    gearbox_stiffness: float | None = None
     damping_ratio: float = 0.02
     rubber_loss: float = 0.1
 
@@ -117,10 +104,14 @@ class Vibration:
 
 @dataclass(frozen=True, kw_only=True)
 class Stability:
-    """The answer: every line's vibration, and the checks on it."""
+    """The answer: every line's vibration, and the checks on it.
+
+    `given` names those of the `surroundings` that were given; the others are assumed.
+    """
 
     application: Application
-    surroundings: Surroundings
+    surroundings: Assumed
+    given: frozenset[str]
     lines: tuple[Vibration, ...]
     checks: tuple[Check, ...]
 
@@ -130,26 +121,50 @@ class Stability:
         return worst([c.grade for c in self.checks])
 
 
-def stability(application: Application, *, surroundings: Surroundings | None = None) -> Stability:
+def stability(
+    application: Application,
+    *,
+    surroundings: Surroundings | None = None,
+    tell: Callable[[int, int], None] | None = None,
+) -> Stability:
     """Hold every gear's speeds against torsional resonances, parametric zones and flutter.
+
+    What `surroundings` say goes before the application's own; `Assumed` fills the rest.
+    `tell` is called with how many lines are done, and of how many.
 
     Raises
     ------
     DesignError
-        If a shaft has no tube, or only one of the gearbox's two values is given.
+        If a shaft has no tube, only one of the gearbox's two values is given, or nothing says
+        how fast the line turns or what torque it carries.
     NotConverged
         If a line has no steady forced motion (no damping, in resonance).
     """
-    around = surroundings or Surroundings()
-    lines = tuple(
-        _vibration(demand(application, installed), around) for installed in application.lines
-    )
+    known = {
+        f.name: value
+        for source in (application.torsion, surroundings)
+        for f in fields(Surroundings)
+        if (value := getattr(source, f.name, None)) is not None
+    }
+    around = Assumed(**known)
+    count = len(application.lines)
+    lines: list[Vibration] = []
+    for k, installed in enumerate(application.lines):
+        if tell:
+            tell(k, count)
+        lines.append(_vibration(demand(application, installed), around))
     checks = tuple(c for line in lines for c in _checks(line))
-    return Stability(application=application, surroundings=around, lines=lines, checks=checks)
+    return Stability(
+        application=application, surroundings=around, given=frozenset(known), lines=tuple(lines),
+        checks=checks,
+    )  # fmt: skip
 
 
 def _ranges(of: Demand) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Return names, speeds (G, 2) rad/s and torques (G,) N m of each gear, up to top speed."""
+    if np.isnan(of.speed).all() or np.isnan(of.torque).all():
+        msg = f"line {of.installed.line.name} needs a speed and a torque to ask how it vibrates"
+        raise DesignError(msg)
     top, torque = float(np.nanmax(of.speed)), float(np.nanmax(of.torque))
     if of.gears is None:
         return ("top speed",), np.array([[top, top]]), np.array([torque])
@@ -160,7 +175,7 @@ def _ranges(of: Demand) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     )  # fmt: skip
 
 
-def _vibration(of: Demand, around: Surroundings) -> Vibration:
+def _vibration(of: Demand, around: Assumed) -> Vibration:
     """Return how a line vibrates in all its states."""
     line = of.installed.line
     gears, ranges, torques = _ranges(of)
@@ -180,20 +195,20 @@ def _vibration(of: Demand, around: Surroundings) -> Vibration:
     reached = np.clip(centres[:, None], ranges[:, 0], ranges[:, 1])
     gear = np.abs(reached / centres[:, None] - 1).argmin(-1)
     nearest = reached[np.arange(centres.size), gear]
-    grown = np.stack(
-        [
-            growth(about_forced_orbit(model(float(torques[g])), np.array([speed]), samples=17))[
-                :, 0
-            ]
-            for speed, g in zip(nearest, gear, strict=True)
-        ],
-        axis=-1,
-    )
+    # Zones far above every gear have the same nearest speed: ask once.
+    runs = list(zip(nearest, gear, strict=True))
+    rates = {
+        (speed, g): growth(
+            about_forced_orbit(model(float(torques[g])), np.array([speed]), samples=17)
+        )[:, 0]
+        for speed, g in dict.fromkeys(runs)
+    }
+    grown = np.stack([rates[run] for run in runs], axis=-1)
     zones = tuple(
         Zone(modes=(i + 1, j + 1), speed=float(centre), growth=grown[:, k])
         for k, ((i, j), centre) in enumerate(zip(met, centres, strict=True))
     )
-    speeds = np.linspace(max(0.3 * ranges.min(), 1.0), 1.05 * ranges.max(), 240)
+    speeds = _asked(max(0.3 * float(ranges.min()), 1.0), 1.05 * float(ranges.max()), w)
     forced = orbit(model(float(torques.max())), speeds, samples=17)
     amplitudes = np.stack([np.abs(forced.order(o)).max(-1) for o in ORDERS], axis=1)
     lateral = np.array(
@@ -206,7 +221,17 @@ def _vibration(of: Demand, around: Surroundings) -> Vibration:
     )  # fmt: skip
 
 
-def _lateral(shaft: Shaft, between: FloatArray, torque: float, around: Surroundings) -> float:
+def _asked(low: float, high: float, frequencies: FloatArray) -> FloatArray:
+    """Return speeds for a curve: evenly spread ones, and some closely round each resonance."""
+    met = frequencies[:, None] / np.array(ORDERS)
+    beside = np.array([0.005, 0.015, 0.03, 0.06])
+    # Not at the resonance itself: without damping nothing there is periodic.
+    close = met[..., None] * (1 + np.concatenate([-beside, beside]))
+    every = np.unique(np.concatenate([np.linspace(low, high, 80), close.ravel()]))
+    return every[(every >= low) & (every <= high)]
+
+
+def _lateral(shaft: Shaft, between: FloatArray, torque: float, around: Assumed) -> float:
     """Return the largest growth of a hung shaft in a range of speeds; nan if held rigidly.
 
     Of the shaft swinging on its rubber: nobody gives the damping its bending modes have.
