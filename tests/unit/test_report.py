@@ -433,3 +433,13 @@ def test_given_torsion_stands_among_the_inputs():
     text = files.starter("small") + "torsion: {axle_inertia_kgm2: 3, damping_ratio: 0.03}\n"
     rows = {i.name: i.value for i in inputs(files.loads(text), EN) if i.group == "Torsion"}
     assert rows == {"axle inertia": "3 kg·m²", "damping ratio of the first mode": "0.03"}
+
+
+@pytest.mark.parametrize("key", ["speed_rpm", "torque_Nm"])
+def test_a_file_without_speed_or_torque_is_told_all_the_same(key, tmp_path):
+    """A page of it crashed once: the worst state was looked for among unknown numbers."""
+    file, out = tmp_path / "some.yaml", tmp_path / "some.html"
+    file.write_text(re.sub(rf"(?m)^{key}:.*\n", "", files.starter("small")), encoding="utf-8")
+    run = CliRunner().invoke(cli, ["check", str(file), "--html", str(out), "-q"])
+    assert run.exit_code in (0, 1), run.output
+    assert out.exists()

@@ -35,8 +35,10 @@ ACROSS = {"side": 2, "top": 1}
 
 
 def worst_state(response: Response) -> int:
-    """Return the number of the state with the largest torsional acceleration."""
-    return int(np.nanargmax(response.excitation.torsional.acceleration))
+    """Return the number of the state that shakes most; where no speed is given, by angle."""
+    joint = response.excitation.torsional
+    shakes = joint.angle if np.isnan(joint.acceleration).all() else joint.acceleration
+    return int(np.nanargmax(shakes))
 
 
 def drawings(response: Response, say: Language) -> tuple[Figure, ...]:

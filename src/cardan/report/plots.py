@@ -44,10 +44,11 @@ def plots(response: Response, say: Language) -> tuple[Figure, ...]:
 
 
 def _plots(r: Response, say: Language) -> Iterator[Figure]:
-    yield from round_the_turn(r, say)
-    for quantity in ACCELERATIONS:
-        yield over_travel(r, say, quantity=quantity)
-    for k in range(r.line.joint_count - 2):
+    if np.isfinite(r.demand.speed).any():
+        yield from round_the_turn(r, say)
+        for quantity in ACCELERATIONS:
+            yield over_travel(r, say, quantity=quantity)
+    for k in range(r.line.joint_count - 2 if np.isfinite(r.demand.torque).any() else 0):
         yield bearing_ellipse(r, say, bearing=k)
         yield bearing_orders(r, say, bearing=k)
     if r.demand.gears is not None:
@@ -269,7 +270,7 @@ def critical_speeds(r: Response, say: Language) -> Figure:
         rows.append((say("line, as beams"), r.line_critical_speed / rpm))
     if np.isfinite(r.bearing_resonance):
         rows.append((say("line on its rubber"), r.bearing_resonance / rpm))
-    top = float(np.nanmax(r.demand.speed)) / rpm
+    top = float(np.nan_to_num(r.demand.speed).max()) / rpm
     ratio, band = _limits(r, "critical_speed_ratio"), _limits(r, "half_critical_band")
     x = (0.0, 1.08 * max(top, *(n for _, n in rows)))
     frame = Chart(
@@ -389,7 +390,7 @@ def _ride(r: Response) -> tuple[FloatArray, Response] | None:
 
 def _gearbox_speed(r: Response) -> float:
     """Return the top speed of the gearbox output, of which the line has its share."""
-    return float(np.nanmax(r.demand.speed)) / r.demand.installed.speed_ratio
+    return float(np.nan_to_num(r.demand.speed).max()) / r.demand.installed.speed_ratio
 
 
 def _alike(values: FloatArray, names: list[str]) -> list[tuple[float, list[str]]]:
