@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import wraps
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -301,6 +302,7 @@ def bracket(
     Under the driveline's own loads in every state and those given by hand; a reinforced
     variant stands beside the original. Needs the extra cardan[bracket].
     """
+    from cardan import files
     from cardan.report import bracket as shown
     from cardan.study.bracket import study
 
@@ -308,16 +310,15 @@ def bracket(
     if json_out:
         _write_json(shown.contract(found), json_out)
     if vtu:
-        from cardan import files
-
         for variant in found.variants:
             first = variant is found.variants[0]
             name = vtu if first else vtu.with_stem(f"{vtu.stem}-{variant.name}")
             files.write(name, shown.vtu(variant), replace=True)
     if png:
-        shown.picture(found, png)
+        drawn = BytesIO()
+        shown.picture(found, drawn)
+        files.write(png, drawn.getvalue(), replace=True)
     if html:
-        from cardan import files
         from cardan.report import bracket_scene
 
         files.write(html, bracket_scene.page(found), replace=True)

@@ -5,6 +5,7 @@ import math
 import sys
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -351,11 +352,14 @@ def _draw(out: Path, **found: Any) -> None:
     """Draw a figure to a file whose ending says of which kind."""
     from matplotlib.figure import Figure
 
+    from cardan import files
     from cardan.report import life as report
 
     sheet = Figure(figsize=(11, 7.5), layout="constrained")
     report.figure(sheet, **found)
-    sheet.savefig(out)
+    drawn = BytesIO()
+    sheet.savefig(drawn, format=out.suffix.removeprefix(".") or "svg")
+    files.write(out, drawn.getvalue(), replace=True)
 
 
 def _run(path: Path, **how: Any) -> list[Any]:
@@ -426,7 +430,9 @@ def _run(path: Path, **how: Any) -> list[Any]:
         if how["json_out"] == "-":
             click.echo(text)
         else:
-            Path(how["json_out"]).write_text(text + "\n", encoding="utf-8")
+            from cardan import files
+
+            files.write(how["json_out"], text + "\n", replace=True)
     if how["json_out"] != "-":
         for line in report.lines(source, plan=plan, lives=lives, causes=causes):
             click.echo(line)
