@@ -29,7 +29,7 @@ def on_page_content(html: str, **_: object) -> str:
 
 def nomenclature() -> str:
     """Return the table of declared quantities."""
-    from cardan.base.quantities import QUANTITIES
+    from cardan.quantity.quantities import QUANTITIES
 
     rows = ["| name | symbol | unit | key | equation | source |", "|---|---|---|---|---|---|"]
     rows += [
@@ -112,8 +112,8 @@ def contract() -> str:
 
 def profiles() -> str:
     """Return the limit profiles that come with the package, limit by limit."""
-    from cardan.base.quantities import QUANTITIES
     from cardan.files.limit import limits, names
+    from cardan.quantity.quantities import QUANTITIES
 
     pages: list[str] = []
     for name in names():

@@ -18,10 +18,10 @@ from cardan import files
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import worst
 from cardan.model.layout import from_slopes
+from cardan.quantity.response import Response, respond
 from cardan.report.language import Language
 from cardan.report.workbook import workbook
 from cardan.study.assess import assess
-from cardan.study.response import Response, respond
 
 sys.path.insert(0, str(Path(__file__).parent))
 from spreadsheet import Sheet, recalculated

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from cardan.base.errors import BadFile
 from cardan.base.units import UNITS, deg, mm
+from cardan.border.document import parse
 from cardan.files import loads, schema, starter
 from cardan.files.application import ApplicationTable
-from cardan.files.document import parse
 from cardan.model.application import Application
 
 SMALL, TRUCK = starter("small"), starter("truck")

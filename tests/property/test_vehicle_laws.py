@@ -14,8 +14,8 @@ from cardan.demand.states import demand
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import Layout, from_joint_angles, from_points, from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+from cardan.quantity.response import Response, respond
 from cardan.study.assess import assess
-from cardan.study.response import Response, respond
 
 TUBE = Tube(outer=0.1, wall=0.003)
 LIMITS = (

@@ -15,8 +15,9 @@ from click.testing import CliRunner, Result
 
 from cardan import __version__, files
 from cardan.base.errors import DesignError
-from cardan.base.quantities import QUANTITIES
-from cardan.cli import cli, progress
+from cardan.cli import cli
+from cardan.cli.main import progress
+from cardan.quantity.quantities import QUANTITIES
 from cardan.study.fix import fix
 from cardan.study.stability import stability
 

@@ -10,8 +10,8 @@ import pytest
 from cardan.base.errors import BadFile
 from cardan.base.source import Source
 from cardan.base.units import deg, g, inch, kg, kNm, lb, lbft, mm, rpm
+from cardan.border.table import MANY
 from cardan.files import loads, read, starter
-from cardan.files.table import MANY
 from cardan.model.application import Adjustable, State
 from cardan.model.vehicle import Linkage, Spring
 

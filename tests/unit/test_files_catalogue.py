@@ -4,8 +4,8 @@ import pytest
 
 from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import MPa, inch, mm
+from cardan.border.table import Reading
 from cardan.files.catalogue import TABLES, Catalogue, Sheet, find, shipped
-from cardan.files.table import Reading
 from cardan.model.parts import STEEL
 
 TUBES = "name,outer_mm,wall_mm,material,source\nours,90,3,steel,drawing\n"

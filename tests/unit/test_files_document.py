@@ -5,7 +5,7 @@
 import pytest
 
 from cardan.base.errors import BadFile
-from cardan.files.document import (
+from cardan.border.document import (
     DEEPEST,
     LONGEST,
     Mapping,

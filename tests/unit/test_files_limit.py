@@ -5,10 +5,10 @@
 import pytest
 
 from cardan.base.errors import BadFile
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import deg, mm, rpm
 from cardan.files import limits
 from cardan.files.limit import DEFAULT, names
+from cardan.quantity.quantities import QUANTITIES
 
 
 def own(tmp_path, text):

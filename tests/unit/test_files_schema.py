@@ -4,8 +4,8 @@ import jsonschema
 import pytest
 
 from cardan.base.errors import BadFile
+from cardan.border.document import parse
 from cardan.files import loads, schema, starter
-from cardan.files.document import parse
 
 SCHEMA = schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

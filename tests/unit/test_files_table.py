@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 import pytest
 
 from cardan.base.errors import DesignError
-from cardan.files.document import parse
-from cardan.files.table import Here, Number, Reading, Rule, Spoilt, Table, Whole, key
+from cardan.border.document import parse
+from cardan.border.table import Here, Number, Reading, Rule, Spoilt, Table, Whole, key
 
 Size = Annotated[float, Number("mm", "in", above=0, usual=(0.01, 1))]
 

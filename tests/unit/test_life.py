@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from cardan.base.errors import DesignError
 from cardan.base.units import MPa
-from cardan.commands.life import life as command
+from cardan.cli.life import life as command
 from cardan.fatigue.cause import EVENTS, JOINTS, Attribution, separation, suspects
 from cardan.fatigue.conditioning import zero_at_median
 from cardan.fatigue.damage import miner
@@ -212,8 +212,8 @@ def test_an_application_predicts_the_second_order(parquet):
     """By the command, and by hand from the response's bearing force."""
     from cardan import files
     from cardan.demand.states import demand
+    from cardan.quantity.response import respond
     from cardan.study.recorded import bearing_order2
-    from cardan.study.response import respond
 
     application = files.read(TRUCK)
     asked = demand(application, application.lines[0])

@@ -15,10 +15,10 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.errors import DesignError
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import deg, mm, rpm
 from cardan.cli import cli
 from cardan.model.application import Surroundings
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report import extra, story, terminal
 from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
@@ -35,7 +35,7 @@ from cardan.study.sensitivity import sensitivities
 from cardan.study.stability import stability
 
 ROOT = Path(__file__).parents[2]
-SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), ROOT / "src/cardan/cli.py"]
+SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), *(ROOT / "src/cardan/cli").glob("*.py")]
 EXAMPLES = sorted((ROOT / "examples").glob("*.yaml"))
 ISSUE = story.Issue(date="2026-11-20", files=("a.yaml",), prints=("0" * 16,), texts=("title: a",))
 

@@ -14,9 +14,9 @@ from cardan.base.verdict import Limit
 from cardan.demand.states import demand
 from cardan.model.application import Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
+from cardan.quantity.response import respond
 from cardan.study.assess import assess
 from cardan.study.fix import adjustables, fix, margins, tried
-from cardan.study.response import respond
 from cardan.study.sensitivity import STEP, sensitivities
 
 HOUSE = Source("House rules")

@@ -6,13 +6,8 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeAlias, get_args
 
 from cardan.base.errors import BadFile
-from cardan.files.bracket import BracketTable
-from cardan.files.catalogue import Catalogue, Sheet
-from cardan.files.document import Mapping, Node, Scalar, Sequence, parse, text_of
-from cardan.files.geometry import StateGeometryTable
-from cardan.files.limit import DEFAULT, ALimit, LimitTable, Profile, limits
-from cardan.files.line import AdjustTable, LineTable
-from cardan.files.measure import (  # fmt: skip
+from cardan.border.document import Mapping, Node, Scalar, Sequence, parse, text_of
+from cardan.border.measure import (  # fmt: skip
     Angle,
     Length,
     Percent,
@@ -24,7 +19,7 @@ from cardan.files.measure import (  # fmt: skip
     TorsionStiffness,
     Turn,
 )
-from cardan.files.table import (
+from cardan.border.table import (
     Choice,
     Enough,
     Here,
@@ -39,6 +34,11 @@ from cardan.files.table import (
     key,
     nearest,
 )  # fmt: skip
+from cardan.files.bracket import BracketTable
+from cardan.files.catalogue import Catalogue, Sheet
+from cardan.files.geometry import StateGeometryTable
+from cardan.files.limit import DEFAULT, ALimit, LimitTable, Profile, limits
+from cardan.files.line import AdjustTable, LineTable
 from cardan.files.vehicle import (
     AnAxle,
     ASuspension,

@@ -4,8 +4,7 @@ from dataclasses import replace
 from typing import Annotated, Any, TypeAlias
 
 from cardan.base.units import g, mm
-from cardan.files.catalogue import AMaterial
-from cardan.files.measure import (
+from cardan.border.measure import (
     FORCES,
     Diameter,
     Distance,
@@ -16,7 +15,7 @@ from cardan.files.measure import (
     Strength,
     Wall,
 )  # fmt: skip
-from cardan.files.table import (
+from cardan.border.table import (
     ListOf,
     Number,
     Table,
@@ -24,6 +23,7 @@ from cardan.files.table import (
     key,
     nearest,
 )  # fmt: skip
+from cardan.files.catalogue import AMaterial
 from cardan.model.application import Installed
 from cardan.model.bracket import (
     Bracket,

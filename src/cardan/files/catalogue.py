@@ -15,8 +15,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
-from cardan.files.document import Mapping, Node, Scalar
-from cardan.files.measure import (
+from cardan.border.document import Mapping, Node, Scalar
+from cardan.border.measure import (
     Angle,
     Density,
     Diameter,
@@ -30,7 +30,7 @@ from cardan.files.measure import (
     Strength,
     Wall,
 )  # fmt: skip
-from cardan.files.table import (
+from cardan.border.table import (
     Here,
     Number,
     OneOf,

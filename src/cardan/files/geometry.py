@@ -11,8 +11,8 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import deg, mm
-from cardan.files.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
-from cardan.files.table import Table, key
+from cardan.border.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
+from cardan.border.table import Table, key
 from cardan.model.layout import Layout, direction, from_points, from_slopes
 
 CLOSE = 2 * mm

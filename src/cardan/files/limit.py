@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 from cardan.base.errors import BadFile, Problem
-from cardan.base.quantities import QUANTITIES
-from cardan.base.quantity import WRITTEN
 from cardan.base.source import Source
 from cardan.base.units import UNITS, deg
 from cardan.base.verdict import Limit
-from cardan.files import measure
-from cardan.files.document import parse, text_of
-from cardan.files.table import Enough, Here, ListOf, Number, Reading, Spoilt, Table, key, nearest
+from cardan.border import measure
+from cardan.border.document import parse, text_of
+from cardan.border.table import Enough, Here, ListOf, Number, Reading, Spoilt, Table, key, nearest
+from cardan.quantity.declared import WRITTEN
+from cardan.quantity.quantities import QUANTITIES
 
 DEFAULT = "heavy-truck"
 """The profile of an application that names none."""

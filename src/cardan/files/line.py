@@ -5,11 +5,9 @@ from math import isclose, pi
 from typing import Annotated, Any, Literal, TypeAlias
 
 from cardan.base.units import deg, mm
-from cardan.files import measure
-from cardan.files.catalogue import AJoint, ATube
-from cardan.files.document import Scalar, number
-from cardan.files.geometry import GeometryTable
-from cardan.files.measure import (
+from cardan.border import measure
+from cardan.border.document import Scalar, number
+from cardan.border.measure import (
     Distance,
     Factor,
     Friction,
@@ -21,7 +19,7 @@ from cardan.files.measure import (
     Stiffness,
     Turn,
 )  # fmt: skip
-from cardan.files.table import (
+from cardan.border.table import (
     Here,
     ListOf,
     MapOf,
@@ -37,6 +35,8 @@ from cardan.files.table import (
     key,
     nearest,
 )  # fmt: skip
+from cardan.files.catalogue import AJoint, ATube
+from cardan.files.geometry import GeometryTable
 from cardan.files.vehicle import AnAxle, APlace, ASuspension
 from cardan.model.application import Adjustable, Installed
 from cardan.model.layout import Layout

@@ -5,8 +5,8 @@ from math import atan
 from typing import Annotated, TypeAlias
 
 from cardan.base.units import deg
-from cardan.files import measure
-from cardan.files.measure import (
+from cardan.border import measure
+from cardan.border.measure import (
     AxleLoad,
     Deflections,
     Efficiency,
@@ -24,7 +24,7 @@ from cardan.files.measure import (
     Wheelbase,
     WindupStiffness,
 )  # fmt: skip
-from cardan.files.table import ListOf, Number, Table, Whole, key
+from cardan.border.table import ListOf, Number, Table, Whole, key
 from cardan.model.vehicle import (
     AuxiliaryAxle,
     Axle,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cardan.base.quantities import QUANTITIES
 from cardan.base.verdict import Check, Grade
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.wording import badness

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import deg, hour, mm, rpm
 from cardan.base.verdict import Check
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response
 from cardan.study.assess import Assessment
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
-from cardan.study.response import Response
 
 CONTRACT = ".".join(__version__.split(".")[:2])
 

@@ -15,11 +15,11 @@ from cardan.base.units import deg, mm
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
+from cardan.quantity.response import Response
 from cardan.report import svg
 from cardan.report.chart import Chart, Series
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
-from cardan.study.response import Response
 
 WIDTH = 1040.0
 LEFT, RIGHT, TOP, BOTTOM = 24.0, 170.0, 30.0, 46.0

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import N, deg, kg, kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.model.application import Application, Installed, State
 from cardan.model.parts import Shaft
 from cardan.model.vehicle import LoadState, Suspension
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 
 

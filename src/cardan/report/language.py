@@ -8,7 +8,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from cardan.base.quantities import QUANTITIES
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report.words import WORDS
 
 CODES = ("en", "pt", "it")

@@ -11,19 +11,19 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand
 from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response, respond
 from cardan.report import svg
 from cardan.report.chart import Chart, Level, Series, bars, bounds, limit_bands, plot
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, INK, PALETTE, Figure
-from cardan.study.response import Response, respond
 
 ROUND = 181
 """Points of a turn that a curve is drawn through."""

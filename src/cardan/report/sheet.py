@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.base.quantities import QUANTITIES
 from cardan.kinematics.equivalent import Excitation
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.study.response import Response
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import rpm
 from cardan.base.verdict import GRADES, Check
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report import svg
 from cardan.report.chart import Chart, Level, Series, plot
 from cardan.report.contract import check

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from cardan import __version__
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import rpm
 from cardan.base.verdict import Check, Grade, worst
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
 from cardan.report.inputs import inputs
@@ -35,7 +36,6 @@ from cardan.report.wording import (
 )
 from cardan.study.assess import Assessment, checks_of
 from cardan.study.fix import Proposal
-from cardan.study.response import Response
 from cardan.study.sensitivity import Sensitivity
 from cardan.study.stability import KEPT_FROM_RESONANCE, STEADY, Stability
 

@@ -5,9 +5,10 @@ Text is marked with colours; whoever prints it takes them out where there is no 
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from cardan.base.quantities import QUANTITIES
-from cardan.base.quantity import Quantity
 from cardan.base.verdict import GRADES, Check, Grade
+from cardan.quantity.declared import Quantity
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.language import EN, Language
 from cardan.report.sheet import Row, line_title, sections
@@ -25,7 +26,6 @@ from cardan.report.wording import (
 from cardan.study.assess import Assessment
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
-from cardan.study.response import Response
 from cardan.study.sensitivity import Sensitivity
 
 LABEL = 44

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable
 
-from cardan.base.quantities import QUANTITIES
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Check, Limit
 from cardan.model.application import Adjustable
+from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.assess import Assessment
 from cardan.study.fix import Move

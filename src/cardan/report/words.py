@@ -1,7 +1,7 @@
 """The message catalogue: what reports say in English, in Portuguese of Brazil, in Italian.
 
 Names of quantities are not here: they stand with their declaration in
-`cardan.base.quantities`. A test looks for every text the program says.
+`cardan.quantity.quantities`. A test looks for every text the program says.
 """
 
 _VERDICTS: dict[str, tuple[str, str]] = {

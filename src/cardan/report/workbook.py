@@ -16,19 +16,19 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import GPa, MPa, deg, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.kinematics.equivalent import Excitation
 from cardan.loads import loads
 from cardan.model.application import Application
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import PASSING, Response
 from cardan.report.extra import needed
 from cardan.report.language import Language
 from cardan.report.sheet import sections
 from cardan.report.wording import cited
 from cardan.shaft.life import life_rating
 from cardan.study.assess import Assessment, asked
-from cardan.study.response import PASSING, Response
 
 FIRST = 4
 """Number of the first state's column: E."""

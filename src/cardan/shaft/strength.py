@@ -8,7 +8,6 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
 from cardan.base.errors import DesignError
-from cardan.base.quantities import QUANTITIES
 from cardan.base.units import NewtonMetre
 from cardan.model.parts import JointSize
 from cardan.shaft.life import joint_life, life_rating, n_beta, wear
@@ -242,6 +241,6 @@ def smallest_size(sizes: Iterable[JointSize], demand: JointDemand) -> JointSize:
     key, most = max(used[nearest.name].items(), key=lambda item: item[1])
     msg = (
         f"none of {len(known)} joints carries this: {nearest.name} comes nearest and is asked "
-        f"for {most:.3g} times its {QUANTITIES[key].name.lower()}; offer larger sizes"
+        f"for {most:.3g} times its {key.replace('_', ' ')}; offer larger sizes"
     )
     raise DesignError(msg)

@@ -12,8 +12,8 @@ from cardan.demand.states import demand
 from cardan.demand.suspension import rate_mismatch
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
-from cardan.study.held import HELD
-from cardan.study.response import Response, respond
+from cardan.quantity.held import HELD
+from cardan.quantity.response import Response, respond
 
 MISMATCH = 0.005
 """Share by which a stated rate may differ from its table before it is worth a word."""

@@ -31,9 +31,9 @@ from cardan.loads.cycle import Cycle
 from cardan.loads.statics import Rotating, loads, unbalance
 from cardan.model.application import Application
 from cardan.model.bracket import Bracket, Shape
+from cardan.quantity.response import PASSING, Response
 from cardan.study.assess import Assessment
 from cardan.study.bracket_life import Endured, Strength, endured, mixed
-from cardan.study.response import PASSING, Response
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""

@@ -18,8 +18,8 @@ from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Check, Grade, worst
 from cardan.demand.states import demand
 from cardan.model.application import Adjustable, Application
+from cardan.quantity.response import Response, respond
 from cardan.study.assess import asked, checks_of
-from cardan.study.response import Response, respond
 
 BEARING_RANGE = 30 * mm
 SHIM_RANGE = 3 * deg

@@ -6,7 +6,7 @@ from cardan.base.arrays import ComplexArray, FloatArray
 from cardan.demand.states import demand
 from cardan.fatigue.cause import stress_per_torque
 from cardan.model.application import Application
-from cardan.study.response import respond
+from cardan.quantity.response import respond
 
 
 def bearing_order2(

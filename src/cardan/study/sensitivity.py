@@ -8,9 +8,9 @@ import numpy as np
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
+from cardan.quantity.response import Response
 from cardan.study.assess import Assessment, asked, check, checks_of
 from cardan.study.fix import adjustables, tried
-from cardan.study.response import Response
 
 STEP = {
     "bearing_height": 10 * mm, "bearing_side": 10 * mm, "shim": 1 * deg, "phase": 90 * deg,

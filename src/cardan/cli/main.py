@@ -96,7 +96,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return a command by its name."""
         if cmd_name == "life":
-            from cardan.commands.life import life
+            from cardan.cli.life import life
 
             return life
         return super().get_command(ctx, cmd_name)
@@ -335,7 +335,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
 
     By its key or its name; without one, list them all.
     """
-    from cardan.base.quantities import QUANTITIES
+    from cardan.quantity.quantities import QUANTITIES
     from cardan.report import terminal
     from cardan.report.language import Language
 

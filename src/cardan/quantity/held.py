@@ -10,7 +10,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.verdict import Limit
 from cardan.kinematics.equivalent import Excitation, pythagorean_angle
 from cardan.model.parts import JointSize
-from cardan.study.response import Response
+from cardan.quantity.response import Response
 
 Of: TypeAlias = Callable[[Response], FloatArray]
 

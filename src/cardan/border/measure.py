@@ -8,7 +8,7 @@ meant; bounds refuse.
 from typing import Annotated, TypeAlias
 
 from cardan.base.units import N, deg, g, kg, kN, lb, lbf, mm, rpm, t
-from cardan.files.table import ListOf, Number
+from cardan.border.table import ListOf, Number
 
 LENGTHS = ("mm", "m", "in")
 TORQUES = ("Nm", "kNm", "lbft")

@@ -4,7 +4,6 @@ Tables, reports, limits, `explain` and the documentation read these declarations
 quantity has one name, one symbol, one unit and one source wherever it appears.
 """
 
-from cardan.base.quantity import Quantity
 from cardan.base.source import (
     AE7,
     ASOKANTHAN,
@@ -24,6 +23,7 @@ from cardan.base.source import (
     WONG,
     Source,
 )
+from cardan.quantity.declared import Quantity
 
 _DECLARED = (
     Quantity(

@@ -42,7 +42,7 @@ from typing import (
 
 from cardan.base.errors import DesignError, Problem
 from cardan.base.units import UNITS
-from cardan.files.document import Mapping, Node, Scalar, Sequence, number, one_line
+from cardan.border.document import Mapping, Node, Scalar, Sequence, number, one_line
 
 T = TypeVar("T")
 Schema: TypeAlias = dict[str, Any]

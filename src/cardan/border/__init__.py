@@ -1,0 +1,1 @@
+"""The border: how files are declared and read, and how results are written safely."""

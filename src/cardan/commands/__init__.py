@@ -1,1 +1,0 @@
-"""Commands that stand by themselves: read, ask, print. `cardan.cli` registers them."""

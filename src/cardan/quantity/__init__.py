@@ -1,0 +1,1 @@
+"""Quantities: each declared once, with how a line answers it."""
