@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 from cardan import files
 from cardan.cli import cli
 from cardan.report import contract
-from cardan.study.assess import Assessment, assess
+from cardan.study.approval import Approval, assess
 from cardan.study.fix import fix
 
 HERE = Path(__file__).parent
@@ -55,7 +55,7 @@ def run(*arguments: str) -> Result:
 
 
 @pytest.fixture(scope="module")
-def assessments() -> dict[str, Assessment]:
+def assessments() -> dict[str, Approval]:
     return {name: assess(files.read(EXAMPLES / f"{name}.yaml")) for name in NAMES}
 
 
@@ -123,7 +123,7 @@ def written(document: dict) -> str:
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_gives_the_numbers_it_gave(name, assessments):
     golden = HERE / f"{name}.json"
-    now = compact(contract.assessment(assessments[name]))
+    now = compact(contract.approval(assessments[name]))
     if UPDATE:
         golden.write_text(written(now), encoding="utf-8", newline="\n")
     then = json.loads(golden.read_text(encoding="utf-8"))
@@ -262,14 +262,14 @@ def at(document: object, path: str) -> list[dict]:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("path", FROZEN)
 def test_no_key_of_the_contract_is_ever_gone(name, path, assessments):
-    document = contract.assessment(assessments[name])
+    document = contract.approval(assessments[name])
     for found in at(document, path):
         assert found.keys() >= FROZEN[path]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whoever_reads_a_check_alone_comes_to_its_verdict(name, assessments):
-    for c in contract.assessment(assessments[name])["checks"]:
+    for c in contract.approval(assessments[name])["checks"]:
         kept = {
             "<=": c["value"] <= c["limit"], ">=": c["value"] >= c["limit"],
             "outside": c["margin"] >= 0,
@@ -282,12 +282,12 @@ def test_the_document_is_what_the_schema_of_the_contract_describes(name, assessm
     result = run("check", "--json", "-", str(EXAMPLES / f"{name}.yaml"))
     document = json.loads(result.stdout)
     CONTRACT.validate(document)
-    assert document == contract.assessment(assessments[name])
+    assert document == contract.approval(assessments[name])
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_schema_of_the_contract_describes_every_key(name, assessments):
-    document = contract.assessment(assessments[name])
+    document = contract.approval(assessments[name])
     assert not list(undescribed(document, SCHEMA, ""))
 
 

@@ -15,7 +15,7 @@ from cardan.model.application import Application, Installed, State
 from cardan.model.layout import Layout, from_joint_angles, from_points, from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Tube
 from cardan.quantity.response import Response, respond
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 
 TUBE = Tube(outer=0.1, wall=0.003)
 LIMITS = (

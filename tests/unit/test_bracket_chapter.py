@@ -14,7 +14,7 @@ from cardan.report import bracket as shown
 from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
 from cardan.report.story import Picture, Table
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.bracket import BracketStudy, duty_of, study
 
 pytestmark = pytest.mark.bracket

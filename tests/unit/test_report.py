@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from cardan.report.words import WORDS
 from click.testing import CliRunner
 
 from cardan import files
@@ -28,8 +29,7 @@ from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language
 from cardan.report.pdf import document
 from cardan.report.plots import plots
-from cardan.report.words import WORDS
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
 from cardan.study.stability import stability
@@ -52,7 +52,7 @@ def told(truck):
     fixes = fix(truck.application, count=2)
     shaken = stability(truck.application)
     return {
-        code: story.assessment(
+        code: story.approval(
             truck, helps=helps, fixes=fixes, say=Language(code), issue=ISSUE, vibration=shaken
         )
         for code in CODES
@@ -110,14 +110,14 @@ def test_every_example_is_told_in_every_language(path, code):
     """A text composed at run time and missing in the catalogue stops here."""
     found = assess(files.read(path))
     say = Language(code)
-    whole = story.assessment(
+    whole = story.approval(
         found, helps=sensitivities(found), fixes=(), say=say, issue=ISSUE,
         vibration=stability(found.application),
     )  # fmt: skip
     shown = page(whole)
     assert len(shown) > 50_000
     assert not any(f" {w} " in shown[: shown.index("<pre")] for w in ("gear", "mode", "zone of"))
-    lines = list(terminal.assessment(found, helps=sensitivities(found), say=say))
+    lines = list(terminal.approval(found, helps=sensitivities(found), say=say))
     assert len(lines) > 60
     # Publications keep the language they are written in.
     ours = [line for line in lines if not line.startswith("  [")]
@@ -217,7 +217,7 @@ def test_page_tells_the_verdict_first(told, truck):
 def test_page_escapes_what_a_file_says():
     text = files.starter("small").replace("Two-piece driveline", "<script>alert(1)</script>")
     found = assess(files.loads(text))
-    shown = page(story.assessment(found, helps=(), fixes=(), say=EN, issue=story.Issue()))
+    shown = page(story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue()))
     assert "<script>" not in shown
     assert "&lt;script&gt;alert(1)" in shown
 
@@ -326,7 +326,7 @@ def test_cells_of_results_are_graded_as_their_checks():
     """Every state of a line in which a clearance fails is marked in the obstacle's row."""
     path = next(p for p in EXAMPLES if p.stem == "refuse-collector-6x2")
     found = assess(files.read(path))
-    whole = story.assessment(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    whole = story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue())
     rows = {
         row[0]: dict(zip(block.head, grades, strict=True))
         for chapter in whole.chapters
@@ -374,9 +374,7 @@ def chapter(whole: story.Story, title: str) -> story.Chapter:
 def test_vibration_is_told_as_the_command_answers_it(truck):
     """A gear that runs through a resonance stands at 0 %, coloured as the command grades it."""
     found = stability(truck.application, surroundings=Surroundings(axle_inertia=3.0))
-    whole = story.assessment(
-        truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found
-    )
+    whole = story.approval(truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found)
     said, distances, growths, drawn = chapter(whole, "Vibration and stability").blocks
     assert said.paragraphs[0].startswith("Vibration: WARN")
     assert said.paragraphs[1] == "Given: axle 3.000 kg m²."
@@ -402,9 +400,7 @@ def test_what_grows_is_red_where_it_grows(truck):
     w = float(stability(truck.application).lines[0].frequencies[0])
     slow = replace(truck.application, engine=None, gearbox=None, speed=w)
     found = stability(slow, surroundings=Surroundings(damping_ratio=1e-5))
-    whole = story.assessment(
-        truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found
-    )
+    whole = story.approval(truck, helps=(), fixes=(), say=EN, issue=story.Issue(), vibration=found)
     said, distances, growths, _ = chapter(whole, "Vibration and stability").blocks
     assert said.paragraphs[0].startswith("Vibration: FAIL")
     at = [r[0] for r in distances.rows].index("zone of mode 1")

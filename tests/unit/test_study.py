@@ -15,7 +15,7 @@ from cardan.demand.states import demand
 from cardan.model.application import Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.fix import adjustables, fix, margins, tried
 from cardan.study.sensitivity import STEP, sensitivities
 

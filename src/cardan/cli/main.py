@@ -152,7 +152,7 @@ def check(
 
     say = Language(lang)
     found = [_assessed(file, limits) for file in files]
-    variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
+    variants = [Variant(name=f.stem, approval=a) for f, a in zip(files, found, strict=True)]
     if xlsx and len(found) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     if bracket and (len(found) > 1 or not (html or pdf)):
@@ -160,7 +160,7 @@ def check(
     if json_out:
         from cardan.report import contract
 
-        documents = [contract.assessment(a) for a in found]
+        documents = [contract.approval(a) for a in found]
         _write_json(
             documents[0] if len(found) == 1 else {"variants": documents},
             json_out,
@@ -179,8 +179,8 @@ def check(
             _print(terminal.comparison(variants, say))
         else:
             helps = sensitivities(found[0])
-            _print(terminal.assessment(found[0], helps=helps, every=every, say=say))
-    raise SystemExit(1 if any(a.verdict == "fail" for a in found) else 0)
+            _print(terminal.approval(found[0], helps=helps, every=every, say=say))
+    raise SystemExit(1 if any(a.verdict in ("fail", "incomplete") for a in found) else 0)
 
 
 @cli.command()
@@ -340,7 +340,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
     from cardan.report.language import Language
 
     if quantity is None:
-        _print(f"{key:<28} {q.named(lang)}" for key, q in QUANTITIES.items())
+        _print(f"{key:<28} {Language(lang).name(key)}" for key, q in QUANTITIES.items())
         return
     word = quantity.casefold()
     meant = [q for q in QUANTITIES.values() if word in _names(q)]
@@ -428,7 +428,7 @@ def _read(file: Path, limits: str | None) -> Any:
 
 def _assessed(file: Path, limits: str | None) -> Any:
     """Return the assessment of a file's application."""
-    from cardan.study.assess import assess
+    from cardan.study.approval import approve as assess
 
     application = _read(file, limits)
     with of(file):
