@@ -17,7 +17,7 @@ from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.study.approval import assess
 from cardan.study.fix import adjustables, fix, margins, tried
-from cardan.study.sensitivity import STEP, sensitivities
+from cardan.study.sensitivity import sensitivities
 
 HOUSE = Source("House rules")
 
@@ -49,7 +49,7 @@ def test_a_joint_brings_its_own_limit_in_place_of_the_profiles(truck):
     sizes = (JointSize(name="slow", speed_max=100.0), None, None)
     line = replace(installed.line, joints=sizes)
     rated = replace(only(truck, profile), lines=(replace(installed, line=line),))
-    bounds = {(c.part, c.bound) for c in assess(rated).checks}
+    bounds = {(str(c.part), c.bound) for c in assess(rated).checks}
     assert bounds == {("joint 1", 100.0), ("joint 2", 1000.0), ("joint 3", 1000.0)}
 
 
@@ -177,10 +177,6 @@ def test_sensitivities_are_those_of_a_slope(truck):
         moved = tried(response, (effect.adjustable,), half)
         low, high = moved.excitation.torsional.acceleration[:, state]
         assert high - low == pytest.approx((effect.forth - effect.back) / 2, rel=0.15)
-
-
-def test_every_step_has_a_name_that_can_move():
-    assert set(STEP) == {"bearing_height", "bearing_side", "shim", "phase"}
 
 
 def test_reordering_states_changes_nothing(truck):

@@ -99,7 +99,7 @@ def _where(when: Occasion, part: Part) -> dict[str, Any]:
     return {
         "state": str(when),
         "part": str(part),
-        "when": {"kind": when.kind, "name": when.name},
+        "when": {"kind": when.kind, "name": when.name, "what": when.what},
         "of": {"kind": part.kind, "number": part.number, "other": part.other},
     }
 

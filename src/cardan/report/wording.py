@@ -133,8 +133,9 @@ def _unanswered(same: list[Unanswered], say: Language, *, required: bool, severa
         for u in same
     )
     name = say.list(say.name(first.quantity), *(parts if len(parts) <= 3 else ()))
-    said = "{name}: required, and needs {needs}" if required else "{name}: needs {needs}"
-    return say(said, name=name, needs=needs)
+    if required:
+        return say("{name}: required, and needs {needs}", name=name, needs=needs)
+    return say("{name}: needs {needs}", name=name, needs=needs)
 
 
 def notes(of: Approval, say: Language) -> list[str]:
