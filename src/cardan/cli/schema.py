@@ -1,0 +1,24 @@
+"""`cardan schema`: what an application file may hold, for editors."""
+
+import json
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import OUT, put
+from cardan.cli.ending import kindly
+
+
+@click.command()
+@click.option("--out", type=OUT, help="Into a file.")
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def schema(*, out: Path | None, force: bool) -> None:
+    """Print the JSON Schema of the application file, for editors."""
+    from cardan import files
+
+    text = json.dumps(files.schema(), indent=2, ensure_ascii=False) + "\n"
+    if out:
+        files.write(out, text, replace=force)
+    else:
+        put(text, nl=False)
