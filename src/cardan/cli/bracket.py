@@ -12,12 +12,16 @@ from cardan.cli.common import (
     OUTSIDE,
     UNTOLD,
     assessed,
+    claim,
     progress,
     put_lines,
     write,
     write_json,
 )
 from cardan.cli.ending import kindly
+
+REINFORCED = "reinforced"
+"""The variant that stands beside the original, in a file of its own."""
 
 
 @click.command()
@@ -47,10 +51,12 @@ def bracket(
     from cardan.report import bracket as shown
     from cardan.study.bracket import study
 
+    beside = _beside(vtu, REINFORCED) if vtu else None
+    claim(file, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
     assessment = assessed(file, None, allow_outside=allow_outside)
     with progress("the bracket", quiet=quiet) as line:
         found = study(assessment, tell=line.at)
-    if json_out:
+    if json_out is not None:
         write_json(shown.contract(found), json_out)
     if vtu:
         for variant in found.variants:

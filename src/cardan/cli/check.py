@@ -13,6 +13,7 @@ from cardan.cli.common import (
     OUT,
     OUTSIDE,
     assessed,
+    claim,
     note,
     progress,
     put_lines,
@@ -67,13 +68,14 @@ def check(
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
+    claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     if bracket and (len(files) > 1 or not (html or pdf)):
         raise CardanError(say("--bracket needs one file, and --html or --pdf to write to"))
     found = [assessed(file, limits, allow_outside=allow_outside) for file in files]
     variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
-    if json_out:
+    if json_out is not None:
         from cardan.report import contract
 
         documents = [contract.assessment(a) for a in found]

@@ -130,11 +130,27 @@ def note(text: str) -> None:
     click.echo(text, file=sys.stderr)
 
 
+def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
+    """Refuse outputs that cannot be written or must not, by the names of their options.
+
+    Inputs that are no files, like the name of a profile of the package, are nobody's.
+    """
+    from cardan.border import writer
+
+    writer.claim(
+        {
+            f"--{option.removesuffix('_out').replace('_', ' ')}": name
+            for option, name in outputs.items()
+        },
+        inputs=[Path(i) for i in inputs if i is not None],
+    )
+
+
 def write(path: Path, content: str | bytes) -> None:
     """Write an output into its file, over what stands there."""
-    from cardan import files
+    from cardan.border import writer
 
-    files.write(path, content, replace=True)
+    writer.write(path, content, replace=True)
 
 
 def write_json(document: Any, out: str) -> None:

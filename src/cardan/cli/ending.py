@@ -9,10 +9,7 @@
 """
 
 import os
-import platform
-import shlex
 import sys
-import traceback
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
 from functools import wraps
@@ -82,6 +79,8 @@ def ending(*, debug: bool) -> Generator[None, None, None]:
         raise
     except Exception as error:  # the last door: nobody above it can help
         if debug:
+            import traceback
+
             traceback.print_exc()
         click.echo(_fault(error), file=sys.stderr)
         raise SystemExit(OWN_FAULT) from error
@@ -98,6 +97,9 @@ def _hush() -> None:
 
 def _fault(error: Exception) -> str:
     """Return what somebody who reports a fault has to know."""
+    import platform
+    import shlex
+
     given = shlex.join(sys.argv[1:])
     return (
         f"error: cardan itself is at fault: {type(error).__name__}: {error}\n"

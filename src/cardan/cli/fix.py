@@ -11,6 +11,7 @@ from cardan.cli.common import (
     LIMITS,
     OUTSIDE,
     UNTOLD,
+    claim,
     of,
     progress,
     put_lines,
@@ -56,10 +57,11 @@ def fix(
     from cardan.study.fix import fix as search
 
     say = Language(lang)
+    claim(file, limits, json_out=json_out)
     application = read(file, limits, allow_outside=allow_outside)
     with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
         found = search(application, line=line, hold=hold, count=count, tell=tell)
-    if json_out:
+    if json_out is not None:
         from cardan.report import contract
 
         write_json(contract.proposals(found), json_out)

@@ -16,6 +16,7 @@ from cardan.cli.common import (
     OUT,
     OUTSIDE,
     UNTOLD,
+    claim,
     progress,
     put_lines,
     read,
@@ -319,6 +320,7 @@ def life(recording: Path, **how: Any) -> None:
 
     Exit code 0, 1 where a gauge lives shorter than asked, 2 for a bad file or option.
     """
+    claim(recording, how["application"], json_out=how["json_out"], plot=how["plot"])
     try:
         lives = _run(recording, **how)
     except ImportError as error:
@@ -425,7 +427,7 @@ def _run(path: Path, **how: Any) -> list[Any]:
             line.at(f"{name} {seconds / total:.0%}" if total else f"{name} {seconds:.0f} s")
 
         lives, causes = _listened(source, plan, tell, **how)
-    if how["json_out"]:
+    if how["json_out"] is not None:
         write_json(report.contract(source, plan=plan, lives=lives, causes=causes), how["json_out"])
     if how["json_out"] != "-":
         put_lines(report.lines(source, plan=plan, lives=lives, causes=causes))

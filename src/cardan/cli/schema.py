@@ -18,7 +18,7 @@ def schema(*, out: Path | None, force: bool) -> None:
     from cardan import files
 
     text = json.dumps(files.schema(), indent=2, ensure_ascii=False) + "\n"
-    if out:
+    if out and out != Path("-"):
         files.write(out, text, replace=force)
     else:
         put(text, nl=False)

@@ -11,6 +11,7 @@ from cardan.cli.common import (
     OUTSIDE,
     POSITIVE,
     UNTOLD,
+    claim,
     of,
     progress,
     put_lines,
@@ -56,6 +57,7 @@ def stability(
     from cardan.report import stability as report
     from cardan.study.stability import stability as ask
 
+    claim(file, json_out=json_out, chart=chart)
     given = {name: value for name, value in surroundings.items() if value is not None}
     application = read(file, None, allow_outside=allow_outside)
     with of(file), progress("asking what vibrates", quiet=quiet) as tell:
@@ -65,7 +67,7 @@ def stability(
         if line is not None and line not in shown:
             refuse(f"there is no line {line}; the file has {', '.join(shown)}")
         write(chart, report.chart(shown[line] if line else found.lines[0]))
-    if json_out:
+    if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":
         put_lines(report.text(found, every=every))

@@ -2,7 +2,7 @@
 
 import click
 
-from cardan.cli.common import JSON, put_lines, write_json
+from cardan.cli.common import JSON, claim, put_lines, write_json
 from cardan.cli.ending import kindly
 
 
@@ -17,8 +17,9 @@ def verify(*, json_out: str | None) -> None:
     from cardan.report import terminal
     from cardan.study.published import published
 
+    claim(json_out=json_out)
     cases = published()
-    if json_out:
+    if json_out is not None:
         from cardan.report import contract
 
         write_json(contract.published(cases), json_out)
