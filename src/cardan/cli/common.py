@@ -125,6 +125,12 @@ def put_lines(lines: Iterable[str]) -> None:
     put("\n".join(lines))
 
 
+def put_json(document: Any, *, indent: int) -> None:
+    """Print a document on standard output, for programs: no letter of it is lost there."""
+    knows_all = "utf" in str(getattr(sys.stdout, "encoding", "utf-8")).lower()
+    put(json.dumps(document, indent=indent, ensure_ascii=not knows_all, allow_nan=False))
+
+
 def note(text: str) -> None:
     """Print a word beside the answer, on standard error."""
     click.echo(text, file=sys.stderr)
@@ -155,8 +161,7 @@ def write(path: Path, content: str | bytes) -> None:
 
 def write_json(document: Any, out: str) -> None:
     """Write a document to a file, or to standard output for `-`."""
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     if out == "-":
-        put(text, nl=False)
+        put_json(document, indent=1)
     else:
-        write(Path(out), text)
+        write(Path(out), json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -8,6 +8,7 @@ import click
 
 from cardan import __version__
 from cardan.cli.ending import ending
+from cardan.cli.plain import use_plain_letters
 
 # Matrices here are small and many: BLAS's own threads cost more than they bring. Before NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -31,6 +32,7 @@ class Commands(click.Group):
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
         """Read the command line; help and version are printed here."""
+        use_plain_letters()
         with ending(debug=False):
             return super().make_context(*args, **extra)
 

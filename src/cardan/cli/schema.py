@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from cardan.cli.common import OUT, put
+from cardan.cli.common import OUT, put_json
 from cardan.cli.ending import kindly
 
 
@@ -17,8 +17,9 @@ def schema(*, out: Path | None, force: bool) -> None:
     """Print the JSON Schema of the application file, for editors."""
     from cardan import files
 
-    text = json.dumps(files.schema(), indent=2, ensure_ascii=False) + "\n"
+    document = files.schema()
     if out and out != Path("-"):
+        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
         files.write(out, text, replace=force)
     else:
-        put(text, nl=False)
+        put_json(document, indent=2)
