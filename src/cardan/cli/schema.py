@@ -1,0 +1,25 @@
+"""`cardan schema`: what an application file may hold, for editors."""
+
+import json
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import OUT, put_json
+from cardan.cli.ending import kindly
+
+
+@click.command()
+@click.option("--out", type=OUT, help="Into a file.")
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def schema(*, out: Path | None, force: bool) -> None:
+    """Print the JSON Schema of the application file, for editors."""
+    from cardan import files
+
+    document = files.schema()
+    if out and out != Path("-"):
+        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        files.write(out, text, replace=force)
+    else:
+        put_json(document, indent=2)
