@@ -5,14 +5,15 @@ from typing import Any
 
 import click
 
-from cardan.base.errors import CardanError, DesignError
+from cardan.base.errors import CardanError
 from cardan.cli.common import (
+    ALSO,
     JSON,
     LANG,
     LIMITS,
     OUT,
     OUTSIDE,
-    assessed,
+    approved,
     claim,
     note,
     progress,
@@ -35,9 +36,8 @@ from cardan.cli.ending import kindly, leave
 @click.option("--html", metavar="OUT", type=OUT, help="A page that needs nothing else.")
 @click.option("--pdf", metavar="OUT", type=OUT, help="A document to sign.")
 @click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
-@click.option(
-    "--bracket", is_flag=True, help="A chapter on the bracket in page and document; takes a while."
-)
+@ALSO
+@click.option("--bracket", is_flag=True, help="The same as --with bracket; takes a while.")
 @LIMITS
 @OUTSIDE
 @LANG
@@ -51,6 +51,7 @@ def check(
     html: Path | None,
     pdf: Path | None,
     xlsx: Path | None,
+    also: tuple[str, ...],
     bracket: bool,
     limits: str | None,
     allow_outside: bool,
@@ -60,7 +61,8 @@ def check(
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
 
-    Exit code 0 where everything passes or warns, 1 where something fails, 2 for a bad file.
+    Exit code 0 where everything passes or warns, 1 where something fails or a required
+    limit has no answer, 2 for a bad file.
     """
     from cardan.report import terminal
     from cardan.report.compare import Variant
@@ -71,17 +73,20 @@ def check(
     claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
-    if bracket and (len(files) > 1 or not (html or pdf)):
-        raise CardanError(say("--bracket needs one file, and --html or --pdf to write to"))
-    found = [assessed(file, limits, allow_outside=allow_outside) for file in files]
-    variants = [Variant(name=f.stem, assessment=a) for f, a in zip(files, found, strict=True)]
+    studies = (*also, "bracket") if bracket else also
+    with progress(say("asking"), quiet=quiet) as tell:
+        found = [
+            approved(file, limits, allow_outside=allow_outside, also=studies, tell=tell)
+            for file in files
+        ]
+    variants = [Variant(name=f.stem, approval=a) for f, a in zip(files, found, strict=True)]
     if json_out is not None:
         from cardan.report import contract
 
-        documents = [contract.assessment(a) for a in found]
+        documents = [contract.approval(a) for a in found]
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
-        told = _story(files, variants, say=say, bracket=bracket, quiet=quiet)
+        told = _story(files, variants, say=say, quiet=quiet)
         _publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -95,40 +100,24 @@ def check(
             put_lines(terminal.comparison(variants, say))
         else:
             helps = sensitivities(found[0])
-            put_lines(terminal.assessment(found[0], helps=helps, every=every, say=say))
+            put_lines(terminal.approval(found[0], helps=helps, every=every, say=say))
     leave(*(a.verdict for a in found))
 
 
-def _story(
-    paths: tuple[Path, ...], variants: list[Any], *, say: Any, bracket: bool, quiet: bool
-) -> Any:
+def _story(paths: tuple[Path, ...], variants: list[Any], *, say: Any, quiet: bool) -> Any:
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
     from cardan.study.fix import fix as search
     from cardan.study.sensitivity import sensitivities
-    from cardan.study.stability import stability
 
     issue = _issue(paths)
     if len(variants) > 1:
         return story.comparison(variants, say=say, issue=issue)
-    one = variants[0].assessment
+    one = variants[0].approval
     helps = sensitivities(one)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
         fixes = search(one.application, count=3, tell=tell) if helps else ()
-    try:
-        vibration = stability(one.application)
-    except DesignError:  # a line without tubes, or without a speed: the story says so
-        vibration = None
-    more: list[Any] = []
-    if bracket:
-        from cardan.report.bracket_chapter import chapter
-        from cardan.study.bracket import study
-
-        with progress(say("The bracket"), quiet=quiet) as line:
-            more = [chapter(study(one, tell=line.at), say=say)]
-    return story.assessment(
-        one, helps=helps, fixes=fixes, say=say, issue=issue, vibration=vibration, more=more
-    )
+    return story.approval(one, helps=helps, fixes=fixes, say=say, issue=issue)
 
 
 def _issue(paths: tuple[Path, ...]) -> Any:

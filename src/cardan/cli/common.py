@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +12,15 @@ import click
 
 from cardan.base.errors import DesignError
 
-Tell = Callable[[int, int], None]
-"""Takes how much of a run is done, and of how much."""
+_TEXTS = Path(__file__).parents[1] / "report" / "text"
+
+
+class Languages(click.Choice[str]):
+    """The languages there is a catalogue for."""
+
+    def __init__(self) -> None:
+        super().__init__(("en", *sorted(p.stem for p in _TEXTS.glob("*.po"))))
+
 
 OUT = click.Path(path_type=Path)
 FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
@@ -29,10 +36,17 @@ JSON = click.option(
 )
 LANG = click.option(
     "--lang",
-    type=click.Choice(["en", "pt", "it"]),
+    type=Languages(),
     default="en",
     show_default=True,
     help="Language of what is written.",
+)
+ALSO = click.option(
+    "--with",
+    "also",
+    multiple=True,
+    type=click.Choice(["vibration", "bracket"]),
+    help="Ask this study too, for the same verdict; may be repeated.",
 )
 UNTOLD = click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
 OUTSIDE = click.option(
@@ -58,13 +72,26 @@ def read(file: Path, limits: str | None, *, allow_outside: bool) -> Any:
     return application
 
 
-def assessed(file: Path, limits: str | None, *, allow_outside: bool) -> Any:
-    """Return the assessment of a file's application."""
-    from cardan.study.assess import assess
+def approved(
+    file: Path,
+    limits: str | None,
+    *,
+    allow_outside: bool,
+    also: Iterable[str] = (),
+    tell: "Progress | None" = None,
+) -> Any:
+    """Return the approval of a file's application, `also` by other studies than it asks for."""
+    from cardan.study.approval import STUDIES, approve, default_studies
 
     application = read(file, limits, allow_outside=allow_outside)
+    chosen = {s.name: s for s in default_studies(application)}
+    chosen |= {name: STUDIES[name] for name in also if name not in chosen}
     with of(file):
-        return assess(application)
+        return approve(application, tuple(chosen.values()), tell=tell.study if tell else silent)
+
+
+def silent(doing: str, done: int, count: int) -> None:
+    """Tell nobody."""
 
 
 @contextmanager
@@ -89,6 +116,10 @@ class Progress:
     def __call__(self, done: int, count: int) -> None:
         """Say how much is done, and of how much."""
         self.at(f"{done}/{count}")
+
+    def study(self, doing: str, done: int, count: int) -> None:
+        """Say what a study is doing, and how much of it is done."""
+        self.at(f"{doing} {done}/{count}" if count else doing)
 
     def at(self, what: str) -> None:
         """Say where the run is, in words."""

@@ -22,7 +22,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
     from cardan.report.language import Language
 
     if quantity is None:
-        put_lines(f"{key:<28} {q.named(lang)}" for key, q in QUANTITIES.items())
+        put_lines(f"{key:<28} {Language(lang).name(key)}" for key in QUANTITIES)
         return
     word = quantity.casefold()
     meant = [q for q in QUANTITIES.values() if word in _names(q)]
@@ -39,5 +39,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
 
 def _names(quantity: Any) -> tuple[str, ...]:
     """Return what a quantity may be called, in small letters: its key, its name in any language."""
-    named = quantity.name, quantity.pt, quantity.it
+    from cardan.report.language import CODES, Language
+
+    named = (Language(code).name(quantity.key) for code in CODES)
     return quantity.key, *(name.casefold() for name in named)

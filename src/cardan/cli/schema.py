@@ -11,13 +11,19 @@ from cardan.cli.ending import kindly
 
 @click.command()
 @click.option("--out", type=OUT, help="Into a file.")
+@click.option("--contract", is_flag=True, help="Of what --json writes, instead.")
 @click.option("--force", is_flag=True, help="Replace the file.")
 @kindly
-def schema(*, out: Path | None, force: bool) -> None:
+def schema(*, out: Path | None, contract: bool, force: bool) -> None:
     """Print the JSON Schema of the application file, for editors."""
     from cardan import files
 
-    document = files.schema()
+    if contract:
+        from cardan.report.contract_schema import schema as described
+
+        document = described()
+    else:
+        document = files.schema()
     if out and out != Path("-"):
         text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
         files.write(out, text, replace=force)

@@ -1,17 +1,20 @@
 """The approval of an application: what its studies found, and the one verdict there is."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.verdict import Check, Unanswered, Verdict, worst
+from cardan.files.limit import DEFAULT
+from cardan.files.limit import limits as profile
 from cardan.model.application import Application
+from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.study.bracket import BracketStudy
 from cardan.study.driveline import NAME as DRIVELINE
 from cardan.study.driveline import DrivelineStudy
-from cardan.study.finding import Finding, Study, Tell, silence, silent
+from cardan.study.finding import Finding, Study, Tell, limits_of, silence, silent
 from cardan.study.notes import SpringMismatch, mismatches
 from cardan.study.stability import VibrationStudy
 
@@ -68,9 +71,7 @@ class Approval:
 
         An application that nothing was asked of is incomplete too.
         """
-        silent_on = self.coverage.missed or not self.checks
-        found: list[Verdict] = [c.grade for c in self.checks]
-        return worst([*found, "incomplete"] if silent_on else found)
+        return verdict_of(self.checks, missed=bool(self.coverage.missed))
 
     @property
     def studies(self) -> tuple[str, ...]:
@@ -108,6 +109,15 @@ class Approval:
         return tuple(q for q in missed if q not in answered)
 
 
+def verdict_of(checks: Sequence[Check], *, missed: bool) -> Verdict:
+    """Return what checks come to; `missed` where a required limit got no answer.
+
+    Where nothing was asked nothing is approved either.
+    """
+    found: list[Verdict] = [c.grade for c in checks]
+    return worst([*found, "incomplete"] if missed or not found else found)
+
+
 def approve(
     application: Application,
     studies: Sequence[Study[Any]] | None = None,
@@ -130,15 +140,15 @@ def approve(
     Raises
     ------
     DesignError
-        If the driveline cannot exist in a state. A study that refuses otherwise leaves its
-        limits unanswered, with the reason.
+        If the driveline cannot exist in a state, or a study that is asked alone refuses.
+        One that refuses beside others leaves its limits unanswered, with the reason.
     """
     chosen = default_studies(application) if studies is None else studies
     names = {study.name for study in chosen}
     return Approval(
         application=application,
         findings=(
-            *(_found(study, application, tell) for study in chosen),
+            *(_found(study, application, tell, alone=len(chosen) == 1) for study in chosen),
             *(_unasked(application, names) if DRIVELINE in names else ()),
         ),
     )
@@ -158,15 +168,35 @@ def assess(application: Application) -> Approval:
     return approve(application, (DrivelineStudy(),))
 
 
-def _found(study: Study[Any], application: Application, tell: Tell) -> Finding[Any]:
+def held_to(application: Application, study: str) -> Application:
+    """Return an application for a study that is asked by itself.
+
+    Where the application's limits say nothing of the study, those of the profile that counts
+    where none is named are held against it.
+    """
+    if limits_of(study, application):
+        return application
+    name, every = profile(DEFAULT)
+    rows = tuple(m for m in every if QUANTITIES[m.quantity].study == study)
+    return replace(
+        application,
+        limits=(*application.limits, *rows),
+        profile=f"{application.profile}; {study}: {name}",
+    )
+
+
+def _found(study: Study[Any], application: Application, tell: Tell, *, alone: bool) -> Finding[Any]:
     """Return what a study finds, or why it could not be asked."""
     needs = study.missing(application)
+    if alone and needs:
+        msg = f"{study.name} needs {', '.join(needs)}"
+        raise DesignError(msg)
     if not needs:
-        if study.name == DRIVELINE:
-            return study.run(application, tell)
         try:
             return study.run(application, tell)
         except (DesignError, NotConverged) as error:
+            if alone or study.name == DRIVELINE:
+                raise
             needs = (str(error),)
     return Finding(
         study=study.name,
