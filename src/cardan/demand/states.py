@@ -74,6 +74,7 @@ class Demand:
         How the suspension moves the axle; `corrected` repeats it beside other changes.
     torque : (S,) N m
         For the loads: the smaller of engine and slip torque, or as the application says.
+        Negative where the line holds back: in brake wind-up it carries the coast torque.
     engine_torque, slip_torque : (S,) N m
         Of the lowest gear; at which the wheels behind this line slip.
     coast_torque : (S,) N m
@@ -293,6 +294,7 @@ class _Torques:
 def _torques(application: Application, installed: Installed, loads: LineLoads) -> _Torques:
     """Torques of a line in each state: what is given, or the smaller of engine and slip."""
     every, share = np.ones(len(application.states)), _share(installed)
+    coasts = np.array([s.kind == "windup brake" for s in application.states])
     engine = held = low_gear = slip = slip_back = wheel_slip = np.nan * every
     if application.engine:
         gearbox = application.gearbox or DIRECT
@@ -315,15 +317,19 @@ def _torques(application: Application, installed: Installed, loads: LineLoads) -
         slip_back = grip(loads.coast, efficiency=1 / axle.efficiency)
         rolling = tyre.dynamic_radius or tyre.static_radius
         wheel_slip = wheel_slip_torque(loads.rest, radius=rolling, ratio=axle.ratio)
-    given = share * np.array([_first(s.torque, application.torque) for s in application.states])
+    own = share * np.array([_first(s.torque) for s in application.states])
+    given = np.where(np.isnan(own), share * _first(application.torque), own)
     given_back = share * _first(application.coast_torque) * every
     # Nobody knows what holds back until a brake is given, not even that the tyres slip.
     back = np.where(np.isnan(held), held, governing_torque(held, slip_back))
+    drive = np.where(np.isnan(given), governing_torque(engine, slip), given)
+    coast = np.where(np.isnan(given_back), back, given_back)
     return _Torques(
-        torque=np.where(np.isnan(given), governing_torque(engine, slip), given),
+        # From 0, so that no torque at all is not a negative zero.
+        torque=np.where(coasts, 0.0 - np.where(np.isnan(own), coast, own), drive),
         engine=engine,
         slip=slip,
-        coast=np.where(np.isnan(given_back), back, given_back),
+        coast=coast,
         low_gear=low_gear,
         wheel_slip=wheel_slip,
     )
@@ -373,7 +379,6 @@ def _windup(
     state: State,
     *,
     torque: float,
-    coast: float,
     braked: float,
 ) -> float:
     """Wind-up of the line's axle in a state, rad about the vehicle's y.
@@ -391,7 +396,7 @@ def _windup(
         on_axle = torque * ratio * efficiency
     else:
         brakes = suspension.brake_torque if suspension else 0.0
-        held = brakes + np.nan_to_num(coast * ratio / efficiency) if brakes else nan
+        held = brakes + np.nan_to_num(-torque * ratio / efficiency) if brakes else nan
         grip = tyre.friction * tyre.static_radius * braked if tyre else nan
         on_axle = -float(np.fmin(held, grip))
     if suspension is None or suspension.windup_stiffness is None or isnan(on_axle):
@@ -422,7 +427,6 @@ def _rides(
                 installed,
                 state,
                 torque=torques.torque[k],
-                coast=torques.coast[k],
                 braked=loads.braked[k],
             )
     suspension = _suspension(application, installed)

@@ -82,8 +82,11 @@ def gears(
 def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> float:
     """Torque at the gearbox output that engine brake or retarder hold, in the lowest gear, N m.
 
-    T = Tb i / η: what gears lose helps to brake. Derived from Souza (2014), eq. 1.
+    T = Tb i / η: what gears lose helps to brake; nan where nobody knows Tb. Derived from
+    Souza (2014), eq. 1.
     """
+    if engine.brake_torque is None:
+        return np.nan
     lowest = max(gearbox.ratios) * max(gearbox.transfer_ratio, 1.0)
     return engine.brake_torque * lowest / gearbox.efficiency
 

@@ -237,11 +237,13 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
         a = np.asarray(case.acceleration)
         force = np.asarray(case.force) - bracket.carried_mass * a
         yield Case(case.name, np.concatenate([force, case.moment, a])[None])
-    if response.line.joint_count < 3 or not np.isfinite(response.demand.torque).all():
+    if response.line.joint_count < 3:
         return
     forces, once = response.loads.bearing_forces, response.unbalance
     speeds = response.demand.speed.tolist()
     for s, state in enumerate(response.demand.states):
+        if not np.isfinite(response.demand.torque[s]):
+            continue
         yield from _round_the_turn(
             state, forces=forces, once=once, at=(s, bracket.bearing - 1),
             gravity=response.gravity, speed=speeds[s],

@@ -38,7 +38,7 @@ def bearing_order2(
         msg = f"line {installed.line.name} has {len(forces)} centre bearings, not a {bearing}."
         raise ValueError(msg)
     torque = float(np.broadcast_to(asked.torque, len(asked.states))[row])
-    if not torque:
+    if not abs(torque) > 0:
         msg = f"state {state!r} carries no torque"
         raise ValueError(msg)
     return forces[bearing - 1] / torque

@@ -165,7 +165,7 @@ def _ranges(of: Demand) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     if np.isnan(of.speed).all() or np.isnan(of.torque).all():
         msg = f"line {of.installed.line.name} needs a speed and a torque to ask how it vibrates"
         raise DesignError(msg)
-    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(of.torque))
+    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(np.abs(of.torque)))
     if of.gears is None:
         return ("top speed",), np.array([[top, top]]), np.array([torque])
     ranges = of.gears.speed_range
