@@ -9,7 +9,7 @@ from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import deg, g, inch, kNm, lbft, mm, rpm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand, moved
+from cardan.demand.states import demand, moved, resolve
 from cardan.demand.suspension import spring_deflection
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import from_slopes
@@ -69,7 +69,7 @@ TRUCK = Application(
 
 
 def asked(application=TRUCK, installed=None):
-    return demand(application, installed or application.lines[0])
+    return demand(resolve(application, installed or application.lines[0]))
 
 
 def with_states(*states, **changes):
@@ -437,7 +437,7 @@ def test_j3311_prints_its_own_example():
 )
 def test_what_is_missing_is_named(application, installed, message):
     with pytest.raises(DesignError, match=message):
-        demand(application, installed)
+        demand(resolve(application, installed))
 
 
 def test_a_share_of_nothing_is_refused():

@@ -8,7 +8,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.units import mm
 from cardan.base.verdict import Check, Grade, Limit, worst
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.demand.suspension import rate_mismatch
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
@@ -60,7 +60,8 @@ def assess(application: Application) -> Assessment:
         If the chain cannot exist in a state (a joint locks, a spring has no load).
     """
     responses = tuple(
-        respond(application, demand(application, installed)) for installed in application.lines
+        respond(application, demand(resolve(application, installed)))
+        for installed in application.lines
     )
     checks = tuple(c for r in responses for c in checks_of(r))
     return Assessment(application=application, responses=responses, checks=checks)

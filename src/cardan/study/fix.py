@@ -16,7 +16,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Check, Grade, worst
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.quantity.response import Response, respond
 from cardan.study.assess import asked, checks_of
@@ -291,7 +291,8 @@ def _unheld(movable: tuple[Adjustable, ...], hold: Collection[str]) -> tuple[Adj
 def _line(application: Application, name: str | None) -> Response:
     """Return the line of a name, or the one with the worst check."""
     responses = {
-        i.line.name: respond(application, demand(application, i)) for i in application.lines
+        i.line.name: respond(application, demand(resolve(application, i)))
+        for i in application.lines
     }
     if name is None:
         return min(responses.values(), key=lambda r: float(margins(r, to="normal").min()))

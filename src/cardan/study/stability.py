@@ -11,7 +11,7 @@ from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import NewtonMetre
 from cardan.base.verdict import Check, Grade, Limit, worst
-from cardan.demand.states import Demand, demand
+from cardan.demand.states import Demand, demand, resolve
 from cardan.dynamics.lateral import flexible_shaft
 from cardan.dynamics.periodic import growth
 from cardan.dynamics.torsion import (
@@ -152,7 +152,7 @@ def stability(
     for k, installed in enumerate(application.lines):
         if tell:
             tell(k, count)
-        lines.append(_vibration(demand(application, installed), around))
+        lines.append(_vibration(demand(resolve(application, installed)), around))
     checks = tuple(c for line in lines for c in _checks(line))
     return Stability(
         application=application, surroundings=around, given=frozenset(known), lines=tuple(lines),
