@@ -8,10 +8,10 @@ import unicodedata
 from pathlib import Path
 
 import pytest
+from cardan.report.words import WORDS
 
 from cardan.cli.plain import SIGNS, plain
 from cardan.quantity.quantities import QUANTITIES
-from cardan.report.words import WORDS
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "refuse-collector-6x2.yaml"
 

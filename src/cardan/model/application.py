@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import get_args
 
-from cardan.base.errors import DesignError, Problem
+from cardan.base.errors import DesignError, Problem, failing
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.bracket import Bracket
@@ -136,10 +136,11 @@ class Installed:
                 f"{self.layout.points.shape[-2]}"
             )
             raise DesignError(msg)
-        if not 0 < self.load_share <= 1:
+        share = self.load_share
+        if wrong := failing((share > 0) & (share <= 1), share):
             msg = (
                 f"load_share of line {self.line.name} must be above 0 and at most 1, got "
-                f"{self.load_share:g}"
+                f"{wrong[0]:g}"
             )
             raise DesignError(msg)
 

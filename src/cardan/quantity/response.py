@@ -278,7 +278,7 @@ class Response:
         """
         reversing, pulsating = self.rating("reversing_torque"), self.rating("pulsating_torque")
         return strength.joint_fatigue_utilisation(
-            self.demand.torque[..., None],
+            np.maximum(self.demand.torque, 0.0)[..., None],  # where it coasts: from 0
             lowest=-np.nan_to_num(self.demand.coast_torque)[..., None],
             reversing=reversing,
             pulsating=np.where(np.isnan(pulsating), reversing, pulsating),

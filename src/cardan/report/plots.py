@@ -14,7 +14,7 @@ from cardan.base.errors import DesignError
 from cardan.base.part import Part
 from cardan.base.units import kN, mm, rpm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
@@ -384,7 +384,7 @@ def _ride(r: Response) -> tuple[FloatArray, Response] | None:
     )
     try:
         application = replace(r.application, states=states)
-        return places / mm, respond(application, demand(application, r.demand.installed))
+        return places / mm, respond(application, demand(resolve(application, r.demand.installed)))
     except DesignError:
         return None
 

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from math import isnan
 from typing import Any, TypeAlias
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -44,8 +45,12 @@ Cell: TypeAlias = float | str | None
 Check: TypeAlias = dict[str, Any]
 """What a cell may hold, as XlsxWriter takes it."""
 
+UNKNOWN = "?"
+"""In place of a number that nobody knows and nothing may stand for."""
+
 POSITIVE: Check = {"validate": "decimal", "criteria": ">", "value": 0}
 NOT_NEGATIVE: Check = {"validate": "decimal", "criteria": ">=", "value": 0}
+EITHER_WAY: Check = {"validate": "decimal", "criteria": ">=", "value": -1e12}
 SHARE: Check = {"validate": "decimal", "criteria": "between", "minimum": 0.01, "maximum": 1}
 SLOPE: Check = {"validate": "decimal", "criteria": "between", "minimum": -60, "maximum": 60}
 PHASE: Check = {"validate": "decimal", "criteria": "between", "minimum": -180, "maximum": 180}
@@ -455,6 +460,22 @@ class _Line:
             label, unit, values, style=self.book.input, name=self.tag + name, allow=allow
         )
 
+    def _torque_given(self, state: int) -> Cell:
+        """Return what a state says of the torque at the gearbox output.
+
+        In brake wind-up the line carries the coast torque, which is an input here: brake and
+        tyres would have to be weighed against each other for it.
+        """
+        given, d = self.r.application.states[state], self.r.demand
+        if given.kind == "windup brake":
+            installed = d.installed
+            share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1)
+            torque = float(d.torque[state] / share)
+            return UNKNOWN if isnan(torque) else torque
+        if given.torque is None:
+            return '=IF(ISNUMBER(torque_given),torque_given,"")'
+        return given.torque
+
     def _states(self) -> None:
         """Write geometry, torque and speed of every state."""
         r, say, sheet = self.r, self.say, self.states
@@ -487,10 +508,7 @@ class _Line:
         ]
         sheet.section(say("Demand"), heads)
         own = r.application.states
-        torques: list[Cell] = [
-            '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque
-            for s in own
-        ]
+        torques = [self._torque_given(k) for k in range(len(own))]
         # The torque that winds an axle up is that of the lowest gear, and so is the speed.
         low = (
             'IF(COUNT(engine_speeds)=0,"",'
@@ -507,7 +525,7 @@ class _Line:
             "N·m",
             torques,
             "state_torques",
-            NOT_NEGATIVE,
+            EITHER_WAY,
         )
         self.speed_given = self._given(
             say("speed of the gearbox output, where given"), "rpm", speeds, "state_speeds", POSITIVE
@@ -636,7 +654,8 @@ class _Line:
         given = self._of_state(self.torque_given)
         self.torque = self._result(
             "torque",
-            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,MIN({engine},{slip}))",
+            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,"
+            f'IF({given}="{UNKNOWN}","",MIN({engine},{slip})))',
             d.torque,
         )
         given = self._of_state(self.speed_given)

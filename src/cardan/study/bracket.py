@@ -30,7 +30,7 @@ from cardan.bracket.stress import (
     von_mises,
 )  # fmt: skip
 from cardan.bracket.unit import UNITS, Units, unit_solutions
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.loads.cycle import Cycle
 from cardan.loads.statics import Rotating, loads, unbalance
 from cardan.model.application import RIDING, Application
@@ -232,7 +232,7 @@ def study(
     """Return what an application's bracket bears, and its reinforced variant beside it."""
     bracket = _bracket(application)
     installed = next(i for i in application.lines if i.line.name == bracket.line)
-    response = respond(application, demand(application, installed))
+    response = respond(application, demand(resolve(application, installed)))
     cases = (*cases_of(bracket, response), *extra)
     speeds = response.demand.speed
     top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
@@ -313,11 +313,13 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
         a = np.asarray(case.acceleration)
         force = np.asarray(case.force) - bracket.carried_mass * a
         yield Case(case.name, np.concatenate([force, case.moment, a])[None])
-    if response.line.joint_count < 3 or not np.isfinite(response.demand.torque).all():
+    if response.line.joint_count < 3:
         return
     forces, once = response.loads.bearing_forces, response.unbalance
     speeds = response.demand.speed.tolist()
     for s, state in enumerate(response.demand.states):
+        if not np.isfinite(response.demand.torque[s]):
+            continue
         yield from _round_the_turn(
             state, forces=forces, once=once, at=(s, bracket.bearing - 1),
             gravity=response.gravity, speed=speeds[s],

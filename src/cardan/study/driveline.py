@@ -8,7 +8,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.part import Occasion, Part
 from cardan.base.verdict import Check, Limit, Unanswered
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Application
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import ANSWERED
@@ -44,7 +44,8 @@ class DrivelineStudy:
         """
         tell(NAME, 0, len(application.lines))
         responses = tuple(
-            respond(application, demand(application, installed)) for installed in application.lines
+            respond(application, demand(resolve(application, installed)))
+            for installed in application.lines
         )
         return Finding(
             study=NAME,

@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, worst
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES, Moved
 from cardan.quantity.response import Response, respond
@@ -270,7 +270,8 @@ def _unheld(movable: tuple[Adjustable, ...], hold: Collection[str]) -> tuple[Adj
 def _line(application: Application, name: str | None) -> Response:
     """Return the line of a name, or the one with the worst check."""
     responses = {
-        i.line.name: respond(application, demand(application, i)) for i in application.lines
+        i.line.name: respond(application, demand(resolve(application, i)))
+        for i in application.lines
     }
     if name is None:
         return min(responses.values(), key=lambda r: float(margins(r, to="normal").min()))

@@ -11,7 +11,7 @@ from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part
 from cardan.base.units import NewtonMetre
 from cardan.base.verdict import Check, Limit
-from cardan.demand.states import Demand, demand
+from cardan.demand.states import Demand, demand, resolve
 from cardan.dynamics.lateral import flexible_shaft
 from cardan.dynamics.periodic import growth
 from cardan.dynamics.torsion import (
@@ -163,7 +163,7 @@ def stability(
     lines: list[LineVibration] = []
     for k, installed in enumerate(application.lines):
         tell(NAME, k, len(application.lines))
-        lines.append(_vibration(demand(application, installed), around))
+        lines.append(_vibration(demand(resolve(application, installed)), around))
     return Stability(
         application=application, surroundings=around, given=frozenset(known), lines=tuple(lines)
     )
@@ -174,7 +174,7 @@ def _ranges(of: Demand) -> tuple[tuple[Occasion, ...], FloatArray, FloatArray]:
     if np.isnan(of.speed).all() or np.isnan(of.torque).all():
         msg = f"line {of.installed.line.name} needs a speed and a torque to ask how it vibrates"
         raise DesignError(msg)
-    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(of.torque))
+    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(np.abs(of.torque)))
     if of.gears is None:
         return (Occasion("speed", "top speed"),), np.array([[top, top]]), np.array([torque])
     ranges = of.gears.speed_range
