@@ -129,6 +129,7 @@ class Springs:
     pitch_rate: float  # rad/m
     windup: float = nan  # N m/rad
     brake: float = 0.0  # N m on one axle
+    table: tuple = ()  # in place of the link: rise, rearward, m, and pitch, rad
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,7 @@ class Line:
     springs: str = "rear"
     first_on_springs: bool = True  # asks for the springs' frequency
     ahead: float = 1.0  # -1 where the line runs forward
+    floating: bool = False  # the gearbox flange slides, not the last shaft
 
 
 @dataclass(frozen=True)
@@ -204,10 +206,15 @@ class Truck:
     duty: tuple  # (share, N m, rad/s, angle or nan)
     prime_mover: float
     shock: float
+    top_speed: float = nan  # of the gearbox output, in place of the engine's
+    coast: float = nan  # at the gearbox output, in place of the engine brake's
     gravity: bool = True
     unbalance: bool = True
     front_axles: int = 1
 
+
+RIGID = (1e13, 1e13)
+"""N/m: a thousand times what a shaft is from its joint to its bearing."""
 
 # ------------------------------------------------------------------------ the truck: by_hand.yaml
 
@@ -381,6 +388,182 @@ TRUCK = Truck(
 )  # fmt: skip
 
 
+# ------------------------------------------------------------------ the other: by_hand_front.yaml
+
+NOT_RATED = Joint()
+# Of the catalogue that comes with the program: 120x4 tube of E355-SR; GWB's 2045.
+CATALOGUE_TUBE = Tube(0.120, 0.004, E=210 * GPa, nu=0.3, rho=7850, strength=450 * MPa)
+GWB_2045 = Joint(
+    peak=17000, reversing=5100, pulsating=7140, Td=1000 * (0.104 / 1.5e-4) ** 0.3,
+    angle=25 * deg, speed_angle=19000 * rpm * deg, speed=4700 * rpm,
+)  # fmt: skip
+STEEL_5 = {"E": 208 * GPa, "nu": 0.28, "rho": 7800, "strength": 400 * MPa}
+STEEL = {"E": 206 * GPa, "nu": 0.3, "rho": 7850, "strength": nan}
+
+TRANSFER = Line(
+    name="transfer",
+    start=(0.0, 0.0, 0.0),
+    side=tuple(map(radians, (4.1, 5.6, 3.9))),
+    top=tuple(map(radians, (0.0, -1.3, 0.2))),
+    shafts=(
+        Shaft(
+            length=32 * inch, tube=CATALOGUE_TUBE, phase=radians(2), yokes=(17 * lb, 17 * lb),
+            yoke_inertia=0.02, grade=16,
+        ),
+    ),
+    joints=(NOT_RATED, NOT_RATED),
+    spline=Spline(plunge=inf, draw=0.030, radius=0.029, friction=0.11),
+    axle_ratio=nan,
+    axle_efficiency=nan,
+    pinion=(0.0, 0.0),
+    axles_behind=2,
+    drives="all",
+    gearbox_bearings=(0.190, 0.088),
+    obstacles=(Obstacle("hose", (0.12, -0.09, -0.11), (0.42, 0.095, -0.14), 0.012, 0.0),),
+    first_on_springs=False,
+)  # fmt: skip
+
+REAR = Line(
+    name="main",
+    start=(0.0, 0.0, 0.0),
+    side=(0.055, 0.021, 0.071, 0.043),
+    top=tuple(map(radians, (0.4, 1.9, -0.8, 0.5))),
+    shafts=(
+        Shaft(
+            length=1.130, tube=Tube(0.114, 0.004, **STEEL_5), phase=radians(33),
+            to_bearing=1.130 - 6 * inch, rubber=RIGID, yokes=(10, 12), yoke_inertia=0.03, grade=16,
+        ),
+        Shaft(
+            length=1.490, tube=Tube(0.127, 0.0045, **STEEL_5), phase=radians(88), yokes=(13, 9),
+            yoke_inertia=0.04, grade=16, spline_mass=8, spline_at=0.160,
+        ),
+    ),
+    joints=(HAND_20,) * 3,
+    spline=Spline(plunge=0.031, draw=inf, radius=0.036, friction=0.1),
+    axle_ratio=4.63,
+    axle_efficiency=0.965,
+    pinion=(-0.470, -0.035),
+    axles_behind=1,
+    torque_share=0.62 * 1.1,
+    speed_ratio=0.91,
+    gearbox_bearings=(6.2 * inch, 3.3 * inch),
+    pinion_bearings=(0.155, 0.121),
+    floating=True,
+)  # fmt: skip
+
+# Points (0, -310, 0) and (1080, -352, -118) mm.
+FORWARD = Line(
+    name="front",
+    start=(0.0, -0.310, 0.0),
+    side=(radians(4.2), atan2(0.118, 1.080), radians(5.5)),
+    top=(0.0, atan2(-0.042, 1.080), radians(-0.7)),
+    shafts=(
+        Shaft(
+            length=sqrt(1.080**2 + 0.042**2 + 0.118**2), tube=Tube(0.090, 0.004, **STEEL),
+            phase=0.0, yokes=(6, 5), yoke_inertia=0.011, grade=16,
+        ),
+    ),
+    joints=(GWB_2045, GWB_2045),
+    spline=Spline(plunge=0.040, draw=0.025, radius=0.027, friction=0.11),
+    axle_ratio=4.8,
+    axle_efficiency=0.95,
+    pinion=(-0.260, 0.060),
+    axles_behind=1,
+    torque_share=0.38 * 1.06,
+    speed_ratio=0.95,
+    drives="front",
+    springs="front",
+    ahead=-1.0,
+    obstacles=(Obstacle("sump", (0.5, -0.42, -0.18), (0.5, -0.42, -0.18), 0.045, -0.5),),
+)  # fmt: skip
+
+_MEASURED = {
+    "main": (
+        # from the gearbox's own slopes on: changes of -1.5, 3.1, -2.2 and 1.2, -2.1, 0.3 deg
+        tuple(0.055 + radians(a) for a in (0, -1.5, 1.6, -0.6)),
+        tuple(radians(a) for a in (0.4, 1.6, -0.5, -0.2)),
+        59 * inch,
+    ),
+    "front": (
+        # points (4, -310, 0) and (1078, -349, -101) mm
+        (radians(4.2), atan2(0.101, 1.074), radians(5.1)),
+        (0.0, atan2(-0.039, 1.074), 0.0),
+        sqrt(1.074**2 + 0.039**2 + 0.101**2),
+        (0.004, -0.310, 0.0),
+    ),
+}
+
+
+def _of_axles(front, rear, height, wheelbase=5.2):
+    """A load known by what its axles carry, N: the centre of gravity divides them."""
+    return Load(weight=front + rear, behind=rear / (front + rear) * wheelbase, height=height)
+
+
+FRONT_TRUCK = Truck(
+    wheelbase=5.2,
+    grade=radians(4),
+    loads={
+        "curb": _of_axles(5300 * g, 5900 * g, 1.02),
+        "empty": _of_axles(15400 * g - 19100 * lbf, 19100 * lbf, 1.24),
+        "gvw": Load(31000 * g, 142 * inch, 1.61, auxiliary=((42e3, 251 * inch),)),
+    },
+    driven_front=1.0,
+    driven_rear=0.62,
+    rear_axles=1,
+    engine=((2000 * rpm, 1450),),
+    engine_brake=0.0,
+    ratios=(7.4, 4.0, 2.1, 1.0),
+    efficiency=0.96,
+    converter=1.0,
+    transfer=1.0,
+    gearbox_efficiency_j3311=0.85,  # manual
+    static_radius=0.503,
+    dynamic_radius=0.503,
+    friction=0.8,
+    springs={
+        "rear": Springs(
+            loads=(0.0, 262e3), deflections=(0.0, 1.0), per_axle=2, unsprung=950,
+            reference="curb",
+            # Hanging, 950 kg pull two springs 17.8 mm; at least an inch counts.
+            full_rebound=-1 * inch, rebound=-1 * inch, jounce=6.5 * inch,
+            link=0.655, link_angle=-0.06, pitch_rate=-0.05, windup=17500 / deg,
+        ),
+        "front": Springs(
+            loads=(0.0, 95e3 * 0.090, 95e3 * 0.090 + 150e3), deflections=(0.0, 0.090, 1.090),
+            per_axle=2, unsprung=700, reference="empty",
+            full_rebound=-700 * g / 2 / 95e3,  # it hangs: 36 mm
+            rebound=-1 * inch, jounce=0.205, link=nan, link_angle=nan, pitch_rate=nan,
+            windup=9500 / deg,
+            table=(
+                (-0.130, -0.050, 0.040, 0.120), (-0.0095, -0.0021, 0.0012, 0.0029),
+                tuple(map(radians, (1.1, 0.35, -0.4, -0.8))),
+            ),
+        ),
+    },
+    lines=(TRANSFER, REAR, FORWARD),
+    states=(
+        State("full rebound", kind="full rebound", load="empty"),
+        State("curb", kind="curb", load="curb"),
+        State("empty", kind="empty", load="empty"),
+        State("gvw", kind="gvw", load="gvw"),
+        State("overload", kind="overload", load="gvw", times=1.1),
+        State("jounce", kind="jounce", load="gvw"),
+        State("windup", kind="windup", load="gvw"),
+        State("braked", kind="windup brake", load="empty"),
+        State("half laden", kind="gvw", load="empty", speed=1210 * rpm),
+        State("creeping", kind="windup", load="gvw", pitch=radians(0.9), torque=4100,
+              speed=130 * rpm),
+        State("as measured", load="curb", slopes=_MEASURED),
+    ),
+    duty=((0.35, 5100, 300 * rpm, nan), (0.65, 1500, 1500 * rpm, nan)),
+    prime_mover=1.25,  # diesel, as nothing else is said
+    shock=1.2,
+    unbalance=False,
+    top_speed=1910 * rpm,
+    coast=1450 * lbft,
+)  # fmt: skip
+
+
 LIMITS = {  # normal, maximum in SI; or a band
     "joint_angle": (6 * deg, 9 * deg), "joint_angle_min": (0.01, None),
     "compound_angle": (None, 5 * deg), "end_angle_difference": (1 * deg, None),
@@ -401,6 +584,23 @@ LIMITS = {  # normal, maximum in SI; or a band
 """The limits of the files, all made up."""
 BAND = (0.42, 0.58)
 """Of the critical speed: the joints shake it twice a turn."""
+SHOWN = {
+    "deg": (deg, ("joint_angle", "joint_angle_min", "compound_angle", "end_angle_difference",
+                  "odd_joint_angle", "equivalent_angle")),
+    "rad/s²": (1, ("angle_for_speed", "torsional_acceleration", "inertia_drive_acceleration",
+                   "inertia_coast_acceleration")),
+    "N·m": (1, ("inertia_drive_torque", "inertia_coast_torque")),
+    "N": (1, ("centre_bearing_static", "centre_bearing_dynamic", "centre_bearing_peak",
+              "gearbox_bearing_force", "pinion_bearing_force", "spline_force")),
+    "h": (3600, ("joint_life",)),
+    "deg/min": (rpm * deg, ("n_beta",)),
+    "rpm": (rpm, ("joint_speed",)),
+    "mm": (mm, ("spline_travel_margin", "clearance")),
+    "Hz": (1, ("suspension_frequency",)),
+    "": (1, ("irregularity", "critical_speed_ratio", "half_critical_band", "joint_torque_utilisation",
+             "joint_fatigue_utilisation", "tube_shear_utilisation")),
+}  # fmt: skip
+"""Units in which readers see the quantities, and what they are worth."""
 MORE_IS_BETTER = ("joint_angle_min", "joint_life", "spline_travel_margin", "clearance")
 
 # --------------------------------------------------------------------------- 1  loads on the axles
@@ -467,13 +667,13 @@ def torques(truck, line, state, load):
     grip = truck.friction * truck.static_radius / line.axle_ratio
     slip = grip * load["drive"] / line.axle_efficiency
     slip_back = grip * load["coast"] * line.axle_efficiency
-    coast = min(held, slip_back)
+    coast = min(held, slip_back) if isnan(truck.coast) else truck.coast * line.torque_share
     if not isnan(state.torque):
         torque = state.torque * line.torque_share
     elif state.kind == "windup brake":
         torque = -coast
     else:
-        torque = min(engine, slip)
+        torque = min(t for t in (engine, slip) if not isnan(t))
     # J3311-1: LGT = T TLGR TE SR TCR C, and WST = 0.71 W RR / (11.4 AR) in lb, in and lb-ft
     case = truck.transfer * (0.95 if truck.transfer != 1 else 1.0)
     low_gear = best * truck.ratios[0] * truck.gearbox_efficiency_j3311 * truck.converter * case
@@ -493,6 +693,8 @@ def speed(truck, line, state):
     governed = truck.engine[-1][0]
     if not isnan(state.speed):
         output = state.speed
+    elif not isnan(truck.top_speed):
+        output = truck.top_speed
     elif state.kind == "windup":
         output = governed / (truck.ratios[0] * truck.transfer)
     else:
@@ -545,10 +747,15 @@ def axle_motion(truck, line, state, load, torque):
         )
     else:
         rise = 0.0 if isnan(state.travel) else state.travel
-    # The link's pivot is ahead of the axle: as the axle rises the link turns about it.
-    angle = asin(sin(springs.link_angle) - rise / springs.link)
-    rearward = springs.link * (cos(angle) - cos(springs.link_angle))
-    pitch = springs.pitch_rate * rise
+    if springs.table:
+        rises, ways, turns = springs.table
+        rearward = through(rise, rises, ways) - through(0, rises, ways)
+        pitch = through(rise, rises, turns) - through(0, rises, turns)
+    else:
+        # The link's pivot is ahead of the axle: as the axle rises the link turns about it.
+        angle = asin(sin(springs.link_angle) - rise / springs.link)
+        rearward = springs.link * (cos(angle) - cos(springs.link_angle))
+        pitch = springs.pitch_rate * rise
     through_axle = line.axle_ratio / line.axles_behind
     if state.kind == "windup":
         # The wheels push the ground back; the housing is turned nose up.
@@ -574,13 +781,13 @@ def direction(side, top):
     return unit([1.0, tan(top), -tan(side)])
 
 
-def laid_out(line, side, top, last=None):
+def laid_out(line, side, top, last=None, start=None):
     """Joint centres and directions of the members."""
     d = np.array([direction(s, t) for s, t in zip(side, top, strict=True)])
     lengths = [s.length for s in line.shafts]
     if last is not None:
         lengths[-1] = last
-    points = [np.array(line.start)]
+    points = [np.array(line.start if start is None else start)]
     for along, length in zip(d[1:-1], lengths, strict=True):
         points.append(points[-1] + length * along)
     return np.array(points), d
@@ -796,7 +1003,7 @@ def equilibrium(line, points, d, at_ends, moments):
     Unknown: F_1 ... F_n, then B_1 ... B_(n-2), three components each. A shaft feels F_k at
     its front, -F_(k+1) at its rear, what acts at its ends, the crosses' moments M_k and
     -M_(k+1), and -B_k from its bearing, which slides along it. The last shaft's two halves
-    slide on each other: no thrust between them.
+    slide on each other: no thrust between them; or, where the gearbox flange floats, that does.
 
     `at_ends` (shafts, 2, ..., 3) N, `moments` (joints, ..., 3) N m.
     """
@@ -837,11 +1044,17 @@ def equilibrium(line, points, d, at_ends, moments):
         if hung:
             A[row, bearing(k)] = along  # a bearing does not hold its shaft along it
             row += 1
-        else:
+        elif not line.floating:
             A[row, joint(k)] = along
             rhs[row] = -front @ along
             A[row + 1, joint(k + 1)] = -along
             rhs[row + 1] = -rear @ along
+            row += 2
+        else:
+            # The last shaft carries thrust; nothing holds the flange along its axis.
+            A[row, joint(k)], A[row, joint(k + 1)] = along, -along
+            rhs[row] = -(front + rear) @ along
+            A[row + 1, joint(0)] = d[0]
             row += 2
     found = np.linalg.solve(A, rhs.reshape(size, -1)).reshape(size // 3, 3, *extra)
     found = np.moveaxis(found, 1, -1)
@@ -1025,7 +1238,7 @@ def line_whirl(line, pieces=24):
         speed = 1 / sqrt(value)
         if in_rubber < 0.5:
             bends = min(bends, speed)
-        else:
+        elif RIGID not in [s.rubber for s in line.shafts]:
             bounces = min(bounces, speed)
     return bends, bounces
 
@@ -1088,7 +1301,6 @@ def one_state(truck, line, state, whirl):
     load = loads_on(truck, line, state)
     torque = torques(truck, line, state, load)
     T, w = torque["torque"], speed(truck, line, state)
-    motion = axle_motion(truck, line, state, load, torque)
     reference, d_reference = laid_out(line, line.side, line.top)
     if line.name in state.slopes:
         points, d = laid_out(line, *state.slopes[line.name])
@@ -1096,6 +1308,7 @@ def one_state(truck, line, state, whirl):
     elif line.drives == "all":  # a transfer case is held by the frame
         points, d, rise = reference, d_reference, 0.0
     else:
+        motion = axle_motion(truck, line, state, load, torque)
         points, d = ridden(line, motion)
         rise = motion[0]
     phases = [s.phase for s in line.shafts]
