@@ -51,24 +51,26 @@ class Need:
     idle: Callable[[Response], BoolArray] | None = None
 
 
-def _above_0(values: FloatArray) -> BoolArray:
-    return np.isfinite(values) & (values != 0)
-
-
 def _rated(gives: str, name: str) -> Need:
     return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
 
 
 SPEED = Need(
     gives="speed_rpm, or engine and gearbox",
-    met=lambda r: _above_0(r.demand.speed)[..., None],
+    met=lambda r: np.isfinite(r.demand.speed)[..., None],
     idle=lambda r: (r.demand.speed == 0)[..., None],
 )
 TORQUE = Need(
     gives="torque_Nm, or engine, gearbox, axle and tyre",
-    met=lambda r: _above_0(r.demand.torque)[..., None],
+    met=lambda r: np.isfinite(r.demand.torque)[..., None],
     idle=lambda r: (r.demand.torque == 0)[..., None],
 )
+LOAD = Need(
+    gives=TORQUE.gives,
+    met=TORQUE.met,
+    idle=lambda r: ((r.demand.torque == 0) & (r.gravity == 0) & (r.unbalance is None))[..., None],
+)
+"""Torque, or weight and unbalance where they count."""
 TUBES = Need(
     gives="the tube of each shaft",
     met=lambda r: np.array([[s.tube is not None for s in r.line.shafts]]),
@@ -140,6 +142,8 @@ class Quantity:
     """Whether a joint's own limit takes the place of a profile's."""
     section: Section | None = None
     """Where tables show it; None where they do not."""
+    quiet: bool = False
+    """Whether tables leave it out where it is 0 in every state."""
     methods: Mapping[str, Of] = field(default_factory=dict[str, Of])
     """The field's approximations that tables show beside it, by name."""
     study: str = ""
@@ -211,7 +215,7 @@ def of_line(value: Callable[[Response], FloatArray]) -> Of:
 
 
 __all__ = [
-    "ALL_TUBES", "BY_PART", "COAST", "DUTY", "FATIGUE_RATING", "INERTIAS", "LIFE_RATING",
+    "ALL_TUBES", "BY_PART", "COAST", "DUTY", "FATIGUE_RATING", "INERTIAS", "LIFE_RATING", "LOAD",
     "PEAK_RATING", "RIDING", "SLIDING", "SPEED", "SPRINGS", "STROKE", "TORQUE", "TUBES",
     "WRITTEN", "YIELD", "Need", "Of", "Parts", "Quantity", "Section", "centre_bearings",
     "joints", "last_shaft", "line", "of_line", "shafts",

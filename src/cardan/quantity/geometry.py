@@ -118,7 +118,7 @@ DECLARED = (
         where={"β₁": "true angle of the first joint: the others pair from the rear"},
         source=J3311,
         use="Nothing cancels what it does, so it should be small.",
-        of=lambda r: r.angles[..., :1],
+        of=lambda r: r.angles[..., : r.line.joint_count % 2],
         parts=_odd_joint,
     ),
 )

@@ -4,7 +4,7 @@ One code path serves one design and a million: the states of an application stan
 last leading axis, variants of a study on axes before it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -68,8 +68,16 @@ class Response:
 
     @property
     def duty(self) -> tuple[DutyPoint, ...]:
-        """The duty cycle of the application; empty where it has none."""
-        return self.application.duty
+        """The duty cycle as the line turns in it; empty where the application has none.
+
+        An application's cycle is that of the gearbox output, of which the line has its share.
+        """
+        installed = self.demand.installed
+        share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+        return tuple(
+            replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
+            for p in self.application.duty
+        )
 
     @cached_property
     def turn(self) -> Turn:

@@ -1,31 +1,31 @@
 """What the vehicle asks of a line: torque, speed, axle loads, where the axle is."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.part import LINE, Part
 from cardan.base.source import DERIVED, GILLESPIE, J3311, SOUZA, WONG
+from cardan.model.application import KIND_GROUPS, RIDING, Installed
+from cardan.model.vehicle import Suspension
 from cardan.quantity.declared import RIDING, SPRINGS, Quantity, line, of_line
 from cardan.quantity.response import Response
 
 
-def _moving(name: str) -> Callable[[Response], FloatArray]:
-    """Return what the suspension moves; nothing where it moves nothing in any state."""
-
-    def of(r: Response) -> FloatArray:
-        values = getattr(r.demand, name)
-        return np.where(np.any(r.demand.travel), values, np.nan)
-
-    return of
-
-
 def _suspended(r: Response) -> tuple[Part, ...]:
-    """Return the line, if its suspension is not that of a line before it."""
-    installed = r.demand.installed
-    first = installed.line.name == r.application.lines[0].line.name
-    return (LINE,) if first or installed.suspension else ()
+    """Return the line, if what carries its axle carries that of no line before it."""
+    lines = r.application.lines
+    mine = r.demand.installed
+    before = lines[: next(k for k, other in enumerate(lines) if other.line.name == mine.line.name)]
+    sprung = [_springs(r, other) for other in before]
+    own = _springs(r, mine)
+    asked = (own is None and not before) or (own is not None and all(own is not s for s in sprung))
+    return (LINE,) if asked else ()
+
+
+def _springs(r: Response, installed: Installed) -> Suspension | None:
+    """Return what carries the axle of a line; the application's springs are the rear's."""
+    rear = r.application.suspension if installed.drives == "rear" else None
+    return installed.suspension or rear
 
 
 def _suspension_frequency(r: Response) -> FloatArray:
@@ -174,7 +174,8 @@ DECLARED = (
         equation="z = spring deflection in the state − in the reference state",
         source=SOUZA.at("2.3"),
         use="Up to the frame is positive.",
-        of=of_line(_moving("travel")),
+        of=of_line(lambda r: r.demand.travel),
+        quiet=True,
         parts=line,
         section="Demand",
         contract="axle_travel_mm",
@@ -187,7 +188,8 @@ DECLARED = (
         equation="ψ = axle torque / wind-up stiffness + pitch of the linkage",
         source=DERIVED,
         use="From the reference state; the pinion's nose rising is positive.",
-        of=of_line(_moving("pitch")),
+        of=of_line(lambda r: r.demand.pitch),
+        quiet=True,
         parts=line,
         section="Demand",
     ),
@@ -203,7 +205,7 @@ DECLARED = (
         of=_suspension_frequency,
         parts=_suspended,
         needs=(SPRINGS,),
-        states=RIDING,
+        states=RIDING | KIND_GROUPS["wound up"],
         section="Demand",
     ),
 )

@@ -97,7 +97,8 @@ def line_title(response: Response, say: Language) -> str:
 
 
 def _unknown(row: Row) -> bool:
-    return bool(np.isnan(row.values).all())
+    nought = QUANTITIES[row.quantity].quiet and not row.values.any()
+    return bool(nought or np.isnan(row.values).all())
 
 
 def _rows(r: Response, title: str) -> Iterator[Row]:

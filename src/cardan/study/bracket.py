@@ -355,7 +355,7 @@ def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[f
     the bearings pull.
     """
     application = response.application
-    points, line = application.duty, response.line
+    points, line = response.duty, response.line
     if not points or line.joint_count < 3:
         return {}
     found: dict[Occasion, list[tuple[float, Case]]] = {

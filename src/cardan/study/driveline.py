@@ -80,7 +80,7 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         if not asking and not any(own):
             continue
         assert quantity.parts is not None  # of those that a line answers
-        parts, values = quantity.parts(response), quantity.values(response)
+        parts, values = quantity.parts(response), _known(quantity, response)
         rated = np.array([limit is not None for limit in own]) if own else np.array([False])
         meant = _meant(quantity, response)
         for limit in asking:
@@ -94,6 +94,15 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
 def _question(limit: Limit, parts: tuple[Part, ...], asks: BoolArray, values: FloatArray) -> Asked:
     asks = np.broadcast_to(asks, values.shape)
     return Asked(limit=limit, parts=parts, asks=asks, values=np.where(asks, values, np.nan))
+
+
+def _known(quantity: Quantity, response: Response) -> FloatArray:
+    """Return the values limits may ask about: of what stands idle in every state nobody knows."""
+    values = quantity.values(response)
+    for need in quantity.needs:
+        if need.idle is not None:
+            values = np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)
+    return values
 
 
 def _meant(quantity: Quantity, response: Response) -> BoolArray:
@@ -161,5 +170,6 @@ def _needs(response: Response, question: Asked, state: int, part: int) -> Iterat
     """Yield what an application would have to give for an answer."""
     shape = question.values.shape
     for need in ANSWERED[question.limit.quantity].needs:
-        if not np.broadcast_to(need.met(response), shape)[state, part]:
+        met = np.broadcast_to(need.met(response), shape)[state, part]
+        if not met or (need.idle is not None and need.idle(response).all()):
             yield need.gives
