@@ -171,13 +171,13 @@ def test_the_file_gives_the_curve():
 def test_cases_and_duty_know_how_long_a_pass_lasts():
     application = files.loads(TEXT)
     (response,) = assess(application).responses
-    by = {c.name.split(": ")[1]: c for c in cases_of(application.bracket, response)}
+    by = {c.what: c for c in cases_of(application.bracket, response)}
     turn = 2 * np.pi / (2400 * rpm)
     assert (by["combined"].turns, by["combined"].duration) == pytest.approx((0.5, turn / 2))
     assert (by["peak"].turns, by["peak"].duration) == pytest.approx((1, turn))
     assert not by["static"].repeats
-    ((name, parts),) = duty_of(application.bracket, response).items()
-    assert name == "duty cycle, as given"
+    ((when, parts),) = duty_of(application.bracket, response).items()
+    assert str(when) == "duty cycle, as given"
     (most, first), (rest, second) = parts
     assert (most, rest) == (0.75, 0.25)
     # At the check's own torque and speed the cycle's loads are the check's.

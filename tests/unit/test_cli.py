@@ -29,6 +29,7 @@ torque_Nm: 3000
 driveline:
   slopes: {side_deg: [4.0, 2.0, 4.0]}
   shafts: [{length_mm: 1200, tube: 100x3}]
+limits: protractor
 """
 
 
@@ -54,18 +55,23 @@ def test_check_says_the_verdict_first_and_every_number_after(small):
     result = run("check", small)
     first, *_ = result.stdout.splitlines()
     assert re.fullmatch(r"One shaft: PASS \(0 fail, 0 warn, [1-9]\d+ pass\)", first)
-    assert "limits: heavy-truck" in result.stdout
+    assert "limits: protractor" in result.stdout
     assert "Torsional equivalent angle" in result.stdout
     assert "(AE-7)" in result.stdout
     assert result.stderr == ""
     assert result.exit_code == 0
 
 
-def test_check_names_what_was_not_asked_for_want_of_data(small):
-    (line,) = [x for x in run("check", small).stdout.splitlines() if x.startswith("Not asked")]
-    assert "needle bearing life" in line
-    assert "clearance" not in line  # nothing is in the way
-    assert "centre bearing" not in line  # one shaft has none
+def test_check_names_what_has_no_answer_for_want_of_data(tmp_path):
+    """Held against a truck's profile the same file is no pass: half of it is not answered."""
+    result = run("check", written(tmp_path, SMALL.replace("protractor", "heavy-truck")))
+    assert result.exit_code == 1
+    assert result.stdout.startswith("One shaft: INCOMPLETE")
+    said = result.stdout[result.stdout.index("Without an answer") :].splitlines()
+    assert any("elastic limit" in x and "required, and needs a joint size" in x for x in said)
+    assert any("Needle bearing life" in x and "needs duty" in x for x in said)
+    assert not any("Clearance" in x for x in said)  # nothing is in the way
+    assert not any("Centre bearing" in x for x in said)  # one shaft has none
 
 
 def test_colours_are_for_terminals_alone(small):
@@ -75,10 +81,17 @@ def test_colours_are_for_terminals_alone(small):
 
 
 @pytest.mark.parametrize(
-    ("speed", "word", "code"), [(2500, "PASS", 0), (6000, "WARN", 0), (9000, "FAIL", 1)]
+    ("speed", "slope", "word", "code"),
+    [
+        (2500, 3.5, "PASS", 0),
+        (2500, 2.8, "WARN", 0),  # its needles hardly roll
+        (13000, 3.5, "FAIL", 1),
+        (0, 3.5, "INCOMPLETE", 1),
+    ],
 )
-def test_the_exit_code_is_the_verdict(tmp_path, speed, word, code):
-    file = written(tmp_path, SMALL.replace("2500", str(speed)).replace("4.0", "3.5"))
+def test_the_exit_code_is_the_verdict(tmp_path, speed, slope, word, code):
+    text = SMALL.replace("2500", str(speed)).replace("4.0", str(slope))
+    file = written(tmp_path, text)
     result = run("check", "--quiet", file)
     assert result.stdout.startswith(f"One shaft: {word} (")
     assert result.exit_code == code
@@ -455,7 +468,7 @@ def test_no_progress_where_nobody_wants_it_or_looks(stream, quiet):
 def test_searches_tell_how_far_they_are():
     application = files.read(EXAMPLES / "tandem-6x4.yaml")
     told: list[tuple[int, int]] = []
-    stability(application, tell=lambda *at: told.append(at))
+    stability(application, tell=lambda _, *at: told.append(at))
     assert told == [(0, 2), (1, 2)]
     told.clear()
     fix(files.loads(files.starter("small")), count=1, tell=lambda *at: told.append(at))

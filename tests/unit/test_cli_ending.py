@@ -11,10 +11,10 @@ import pytest
 EXAMPLE = Path(__file__).parents[2] / "examples" / "van.yaml"
 FAULTY = """\
 import sys
-from cardan.study import assess
-def faulty(*_):
+from cardan.study import approval
+def faulty(*_, **__):
     raise {error}
-assess.assess = faulty
+approval.approve = faulty
 from cardan.cli import cli
 cli(sys.argv[1:])
 """

@@ -8,10 +8,10 @@ import unicodedata
 from pathlib import Path
 
 import pytest
-from cardan.report.words import WORDS
 
 from cardan.cli.plain import SIGNS, plain
 from cardan.quantity.quantities import QUANTITIES
+from cardan.report.language import CODES, catalogue
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "refuse-collector-6x2.yaml"
 
@@ -94,8 +94,9 @@ def test_whatever_there_is_becomes_ascii():
 
 def test_whatever_the_program_says_is_readable():
     told = " ".join(
-        [*WORDS, *(t for pair in WORDS.values() for t in pair)]
-        + [" ".join((q.symbol, q.equation, q.unit_name, q.pt, q.it, *q.where, str(q.source)))
+        [t for code in CODES for (_, english), other in catalogue(code).items()
+         for t in (english, other)]
+        + [" ".join((q.name, q.symbol, q.equation, q.unit_name, *q.where, str(q.source)))
            for q in QUANTITIES.values()]
     )  # fmt: skip
     used = {c for c in told if not c.isascii()}

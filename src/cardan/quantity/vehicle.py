@@ -7,7 +7,7 @@ from cardan.base.part import LINE, Part
 from cardan.base.source import DERIVED, GILLESPIE, J3311, SOUZA, WONG
 from cardan.model.application import KIND_GROUPS, RIDING, Installed
 from cardan.model.vehicle import Suspension
-from cardan.quantity.declared import RIDING, SPRINGS, Quantity, line, of_line
+from cardan.quantity.declared import SPRINGS, Quantity, line, of_line
 from cardan.quantity.response import Response
 
 
