@@ -416,15 +416,19 @@ STEEL = {"E": 206 * GPa, "nu": 0.3, "rho": 7850, "strength": nan}
 TRANSFER = Line(
     name="transfer",
     start=(0.0, 0.0, 0.0),
-    side=tuple(map(radians, (4.1, 5.6, 3.9))),
-    top=tuple(map(radians, (0.0, -1.3, 0.2))),
+    side=tuple(map(radians, (4.1, 5.6, 4.9, 3.9))),
+    top=tuple(map(radians, (0.0, -1.3, -0.5, 0.2))),
     shafts=(
         Shaft(
-            length=32 * inch, tube=CATALOGUE_TUBE, phase=radians(2), yokes=(17 * lb, 17 * lb),
+            length=38 * inch, tube=CATALOGUE_TUBE, phase=0.0, to_bearing=38 * inch - 0.090,
+            rubber=(107e6, 107e6), yokes=(17 * lb, 17 * lb), yoke_inertia=0.02, grade=16,
+        ),
+        Shaft(
+            length=40 * inch, tube=CATALOGUE_TUBE, phase=radians(2), yokes=(17 * lb, 17 * lb),
             yoke_inertia=0.02, grade=16,
         ),
     ),
-    joints=(NOT_RATED, NOT_RATED),
+    joints=(NOT_RATED,) * 3,
     spline=Spline(plunge=inf, draw=0.030, radius=0.029, friction=0.11),
     axle_ratio=nan,
     axle_efficiency=nan,

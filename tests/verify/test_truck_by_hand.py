@@ -295,3 +295,38 @@ def test_parts_as_read(file):
             assert material.density == tube.rho
             assert shaft.mass == pytest.approx(wanted.mass, rel=1e-12)
             assert shaft.polar_inertia == pytest.approx(wanted.polar_inertia, rel=1e-12)
+
+
+def test_a_rear_line_may_have_springs_of_its_own():
+    """The bogie's springs moved into its line; the vehicle's are now others, and not its own."""
+    file, opening = "by_hand_front.yaml", "suspension:                       # of the bogie\n"
+    text = (HERE / file).read_text(encoding="utf-8")
+    before, rest = text.split(opening)
+    springs, after = rest.split("\n\n", 1)
+    own = "    suspension:\n" + "".join(f"    {row}\n" for row in springs.splitlines())
+    share = "    torque_share: 0.62\n"
+    moved = before + opening + springs.replace("[262]", "[510]") + "\n\n"
+    moved += after.replace(share, own + share)
+    found = assess(loads(moved, name=file, folder=HERE))
+    (response,) = (r for r in found.responses if r.line.name == "main")
+    frequencies = {c.state: c.value for c in found.checks
+                   if (c.quantity, c.line) == ("suspension_frequency", "main")}  # fmt: skip
+    values, _, demands, _ = by_pencil(file)
+    for s, state in enumerate(by_hand.FRONT_TRUCK.states):
+        hand = demands["main", state.name]
+        assert response.demand.travel[s] == pytest.approx(hand["travel"], rel=CLOSED, abs=1e-12)
+        assert response.demand.pitch[s] == pytest.approx(hand["pitch"], rel=CLOSED, abs=1e-12)
+        wanted = values["main", state.name].get(("suspension_frequency", "line"))
+        assert frequencies.get(state.name) == (wanted and pytest.approx(wanted, rel=CLOSED))
+
+
+def test_a_torque_of_the_application_gives_way_to_a_states_own():
+    """It stands for engine and tyres at the gearbox output, of which each line has its share."""
+    text = "torque_kNm: 5\n" + (HERE / "by_hand.yaml").read_text(encoding="utf-8")
+    found = assess(loads(text, name="by_hand.yaml", folder=HERE))
+    for response, line in zip(found.responses, by_hand.TRUCK.lines, strict=True):
+        for s, state in enumerate(by_hand.TRUCK.states):
+            if state.kind != "windup brake":
+                at_gearbox = 5000 if isnan(state.torque) else state.torque
+                wanted = pytest.approx(at_gearbox * line.torque_share, rel=CLOSED)
+                assert response.demand.torque[s] == wanted, state.name
