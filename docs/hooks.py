@@ -103,7 +103,9 @@ def keys() -> str:
 
 def contract() -> str:
     """Return every key of the JSON contract."""
-    schema = json.loads(Path("docs/contract.schema.json").read_text(encoding="utf-8"))
+    from cardan.report.contract_schema import schema as described
+
+    schema = described()
     tables = {"document": schema, **schema["$defs"]}
     tables["line_state"]["properties"] = {}
     tables["line_state"]["description"] += " The keys of a state but `name`, `line` and `lines`."

@@ -21,7 +21,7 @@ from cardan.base.units import MPa, mm, rpm
 from cardan.bracket.gauges import recover
 from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.fatigue.strength import SNCurve
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.bracket import cases_of, judge
 from cardan.study.bracket_life import Strength, endured
 

@@ -16,7 +16,7 @@ from cardan import files
 from cardan.report import story
 from cardan.report.language import CODES, Language
 from cardan.report.pdf import pages
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
 from cardan.study.stability import stability
@@ -55,7 +55,7 @@ def main() -> None:
         found = assess(files.read(path))
         helps, fixes = sensitivities(found), fix(found.application, count=2)
         for code in CODES:
-            told = story.assessment(
+            told = story.approval(
                 found, helps=helps, fixes=fixes, say=Language(code),
                 issue=story.Issue(date="2026-11-20", files=(path.name,), prints=("",)),
                 vibration=stability(found.application),

@@ -14,7 +14,7 @@ from cardan.report import story
 from cardan.report.compare import Variant
 from cardan.report.html import page
 from cardan.report.language import Language
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.sensitivity import sensitivities
 from cardan.study.stability import stability
 
@@ -50,7 +50,7 @@ def pages():
 def test_nothing_serious_and_nothing_fetched(browser, tmp_path, path, code):
     found = assess(files.read(path))
     issue = story.Issue(files=(path.name,), prints=("0",), texts=(path.read_text("utf-8"),))
-    told = story.assessment(
+    told = story.approval(
         found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue,
         vibration=stability(found.application),
     )  # fmt: skip

@@ -21,7 +21,7 @@ from cardan.model.layout import from_slopes
 from cardan.quantity.response import Response, respond
 from cardan.report.language import Language
 from cardan.report.workbook import workbook
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 
 sys.path.insert(0, str(Path(__file__).parent))
 from spreadsheet import Sheet, recalculated

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cardan.base.units import deg, kNm, mm, rpm
 from cardan.demand.axles import at_slip, axle_loads, each_axle, line_loads
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.demand.suspension import (
     axle_path,
     spring_deflection,
@@ -204,9 +204,9 @@ PER_STATE = (
 @settings(max_examples=20)
 @given(order=st.permutations(range(len(KINDS))))
 def test_reordering_states_changes_nothing(order):
-    one = demand(COLLECTOR, COLLECTOR.lines[0])
+    one = demand(resolve(COLLECTOR, COLLECTOR.lines[0]))
     shuffled = replace(COLLECTOR, states=tuple(COLLECTOR.states[k] for k in order))
-    two = demand(shuffled, COLLECTOR.lines[0])
+    two = demand(resolve(shuffled, COLLECTOR.lines[0]))
     np.testing.assert_array_equal(one.layout.points[list(order)], two.layout.points)
     np.testing.assert_array_equal(one.layout.directions[list(order)], two.layout.directions)
     for name in PER_STATE:
@@ -217,14 +217,16 @@ def test_a_mirrored_vehicle_is_asked_the_same():
     installed = COLLECTOR.lines[0]
     mirror = np.array([1.0, -1.0, 1.0])
     image = Layout(points=LAYOUT.points * mirror, directions=LAYOUT.directions * mirror)
-    one, two = (demand(COLLECTOR, i) for i in (installed, replace(installed, layout=image)))
+    one, two = (
+        demand(resolve(COLLECTOR, i)) for i in (installed, replace(installed, layout=image))
+    )
     np.testing.assert_allclose(one.layout.points * mirror, two.layout.points, atol=1e-15)
     for name in PER_STATE:
         np.testing.assert_allclose(getattr(one, name), getattr(two, name), atol=1e-14)
 
 
 def test_the_axle_climbs_from_rebound_to_jounce():
-    found = demand(COLLECTOR, COLLECTOR.lines[0])
+    found = demand(resolve(COLLECTOR, COLLECTOR.lines[0]))
     assert np.all(np.diff(found.travel[:7]) > 0)
 
 
@@ -233,6 +235,8 @@ def test_the_axle_climbs_from_rebound_to_jounce():
 def test_where_the_origin_lies_does_not_matter(shift):
     installed = COLLECTOR.lines[0]
     elsewhere = Layout(points=LAYOUT.points + shift, directions=LAYOUT.directions)
-    one, two = (demand(COLLECTOR, i) for i in (installed, replace(installed, layout=elsewhere)))
+    one, two = (
+        demand(resolve(COLLECTOR, i)) for i in (installed, replace(installed, layout=elsewhere))
+    )
     np.testing.assert_allclose(one.layout.points + shift, two.layout.points, atol=1e-14)
     np.testing.assert_allclose(one.spline_travel, two.spline_travel, atol=1e-14)

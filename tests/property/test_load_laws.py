@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cardan.kinematics.chain import turn
-from cardan.loads import Loads, loads
+from cardan.loads import Loads, loads, small_angle
 from cardan.model.layout import Layout, from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
 
@@ -208,3 +208,18 @@ def test_peaks_lie_above_every_sample_and_below_the_sum_of_the_orders(case: tupl
     # Half a degree from the crest |F|² is less by order 4 at most: (4 π/720)²/2 of it.
     assert np.all(force.peak <= sampled * (1 + 2e-4) + 1e-9)
     assert np.all(force.peak <= bound * (1 + 1e-12))
+
+
+@settings(max_examples=40, deadline=None)
+@given(case=lines(), torque=st.floats(-20e3, 20e3))
+def test_loads_are_linear_in_torque_sign_included(case: tuple[Layout, Line], torque: float):
+    """A line that holds back pulls its bearings the other way, and as hard."""
+    layout, line = case
+    one, found = carried(layout, line, torque=1.0), carried(layout, line, torque=torque)
+    for name in ("joint_forces", "joint_moments", "bearing_forces", "torques"):
+        unit, waves = getattr(one, name).waves, getattr(found, name).waves
+        rounding = 1e-13 * abs(torque) * (1 + np.abs(unit).max(initial=0.0))
+        np.testing.assert_allclose(waves, torque * unit, rtol=1e-13, atol=rounding)
+    near, far = (small_angle(layout, line, torque=t).waves for t in (1.0, torque))
+    rounding = 1e-13 * abs(torque) * np.abs(near).max(initial=0.0)
+    np.testing.assert_allclose(far, torque * near, rtol=1e-13, atol=rounding)

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from cardan.base.source import Source
 from cardan.base.units import deg, rpm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import Layout, from_joint_angles, from_points, from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Tube
 from cardan.quantity.response import Response, respond
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 
 TUBE = Tube(outer=0.1, wall=0.003)
 LIMITS = (
@@ -52,7 +52,7 @@ def application(layout: Layout, turned: np.ndarray) -> Application:
 
 def response(layout: Layout, turned: np.ndarray) -> Response:
     one = application(layout, turned)
-    return respond(one, demand(one, one.lines[0]))
+    return respond(one, demand(resolve(one, one.lines[0])))
 
 
 @given(side=slopes, top=slopes, turned=phases)
@@ -109,8 +109,8 @@ def test_loads_are_proportional_to_torque(torque, side, top):
     layout = from_slopes(side=side, top=top, lengths=[1.2, 1.5])
     one = application(layout, np.zeros(2))
     many = replace(one, torque=torque)
-    unit = respond(one, demand(one, one.lines[0])).loads.bearing_forces.static / 1000
-    found = respond(many, demand(many, many.lines[0])).loads.bearing_forces.static
+    unit = respond(one, demand(resolve(one, one.lines[0]))).loads.bearing_forces.static / 1000
+    found = respond(many, demand(resolve(many, many.lines[0]))).loads.bearing_forces.static
     assert found == pytest.approx(torque * unit, rel=1e-9, abs=1e-9)
 
 

@@ -11,11 +11,12 @@ from click.testing import CliRunner
 from cardan import files
 from cardan.cli import cli
 from cardan.report import bracket as shown
+from cardan.report.blocks import Picture, Table
 from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
-from cardan.report.story import Picture, Table
-from cardan.study.assess import assess
-from cardan.study.bracket import BracketStudy, duty_of, study
+from cardan.study.approval import Approval, assess
+from cardan.study.bracket import BracketAnswer, duty_of, study
+from cardan.study.finding import Finding
 
 pytestmark = pytest.mark.bracket
 
@@ -41,11 +42,16 @@ bracket:
 
 
 @pytest.fixture(scope="module")
-def found() -> BracketStudy:
+def found() -> BracketAnswer:
     """A study, its one solution shown as two variants: what is told needs no second solve."""
-    one = study(assess(files.loads(FILE)))
+    one = study(files.loads(FILE))
     first = one.variants[0]
     return replace(one, variants=(first, replace(first, name="reinforced")))
+
+
+def approved(found: BracketAnswer) -> Approval:
+    finding = Finding(study="bracket", answer=found)
+    return Approval(application=files.loads(FILE), findings=(finding,))
 
 
 def test_damage_follows_from_the_amplitudes_shown(found):
@@ -71,10 +77,10 @@ def test_damage_follows_from_the_amplitudes_shown(found):
 
 
 def test_terminal_and_contract_show_life(found):
-    text = "\n".join(shown.terminal(found))
+    text = "\n".join(shown.terminal(approved(found)))
     assert "original, damage" in text
     assert "duty cycle, as given" in text
-    told = json.loads(json.dumps(shown.contract(found), allow_nan=False))["variants"][0]
+    told = json.loads(json.dumps(shown.contract(approved(found)), allow_nan=False))["variants"][0]
     by = {c["name"]: c["damage"] for c in told["cases"]}
     assert by["kerb"] is None
     life = found.variants[0].duty[0]
@@ -85,15 +91,15 @@ def test_terminal_and_contract_show_life(found):
 
 @pytest.mark.parametrize("code", CODES)
 def test_the_chapter_is_told_in_every_language(found, code):
-    told = chapter(found, say=Language(code))
-    tables = [b for b in told.blocks if isinstance(b, Table)]
+    told = list(chapter(Finding(study="bracket", answer=found), Language(code)))
+    tables = [b for b in told if isinstance(b, Table)]
     assert len(tables) == 1 + 2 * 4
     for table in tables:
         assert {len(row) for row in table.rows} == {len(table.head)}
         assert not any("nan" in cell for row in table.rows for cell in row)
     words = " ".join(cell for t in tables for row in (t.head, *t.rows) for cell in row)
     assert ("combined" in words) == (code == "en")
-    (picture,) = [b for b in told.blocks if isinstance(b, Picture)]
+    (picture,) = [b for b in told if isinstance(b, Picture)]
     assert picture.png.startswith(b"\x89PNG")
     highest = found.variants[0].worst.von_mises.value / 1e6
     assert f"{highest:.1f}".replace(".", "." if code == "en" else ",") in picture.alt

@@ -10,7 +10,7 @@ from cardan.bracket.gauges import recover
 from cardan.fatigue.strength import SNCurve
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
 from cardan.model.parts import Material
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.bracket import cases_of, duty_of
 from cardan.study.bracket_life import (
     Strength,

@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 from cardan import __version__, files
 from cardan.base.errors import DesignError
 from cardan.cli import cli
-from cardan.cli.main import progress
+from cardan.cli.common import progress
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.fix import fix
 from cardan.study.stability import stability

@@ -211,12 +211,12 @@ TRUCK = Path(__file__).parents[1] / "truck.yaml"
 def test_an_application_predicts_the_second_order(parquet):
     """By the command, and by hand from the response's bearing force."""
     from cardan import files
-    from cardan.demand.states import demand
+    from cardan.demand.states import demand, resolve
     from cardan.quantity.response import respond
     from cardan.study.recorded import bearing_order2
 
     application = files.read(TRUCK)
-    asked = demand(application, application.lines[0])
+    asked = demand(resolve(application, application.lines[0]))
     row = asked.states.index("gvw")
     force = respond(application, asked).loads.bearing_forces.order(2)[row, 0]
     by_hand = abs(force[2]) * 35e-3 / asked.torque[row] * 1e3  # MPa per kN m, along z alone

@@ -10,10 +10,12 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.errors import BadFile
+from cardan.base.part import Occasion, Part
 from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.model.application import Surroundings
-from cardan.study.stability import stability
+from cardan.study.approval import approve
+from cardan.study.stability import VibrationStudy, stability
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +43,13 @@ def test_frequencies_follow_from_the_parts(truck):
 
 
 def test_a_gear_that_runs_through_a_resonance_warns(truck):
-    found = stability(files.read(truck))
-    (line,) = found.lines
+    found = approve(files.read(truck), (VibrationStudy(),))
+    (line,) = found.of("vibration").lines
     order2 = line.frequencies[0] / 2
     for check in found.checks:
-        if check.quantity != "torsional_resonance" or check.part != "mode 1, order 2":
+        if check.quantity != "torsional_resonance" or check.part != Part("mode", 1, 2):
             continue
-        low, high = line.ranges[line.gears.index(check.state)]
+        low, high = line.ranges[line.gears.index(check.when)]
         near = low / 1.1 < order2 < high / 0.9
         assert (check.grade == "warn") == near
     assert found.verdict == "warn"
@@ -78,9 +80,9 @@ def test_damping_is_what_keeps_zones_closed(truck):
     slow = replace(
         application, engine=None, gearbox=None, speed=float(damped.lines[0].frequencies[0])
     )
-    shaken = stability(slow, surroundings=Surroundings(damping_ratio=1e-5))
-    assert shaken.verdict == "fail"
-    assert stability(slow).verdict != "fail"
+    loose_study = VibrationStudy(Surroundings(damping_ratio=1e-5))
+    assert approve(slow, (loose_study,)).verdict == "fail"
+    assert approve(slow, (VibrationStudy(),)).verdict != "fail"
 
 
 def test_command_writes_contract_and_chart(truck, tmp_path):
@@ -118,7 +120,7 @@ def test_a_small_file_is_enough(tmp_path):
     file = tmp_path / "small.yaml"
     file.write_text(files.starter("small"), encoding="utf-8")
     (line,) = stability(files.read(file)).lines
-    assert line.gears == ("top speed",)
+    assert line.gears == (Occasion("speed", "top speed"),)
     assert line.ranges[0, 0] / rpm == pytest.approx(2500)
 
 

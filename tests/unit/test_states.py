@@ -9,7 +9,7 @@ from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import deg, g, inch, kNm, lbft, mm, rpm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand, moved
+from cardan.demand.states import demand, moved, resolve
 from cardan.demand.suspension import spring_deflection
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import from_slopes
@@ -69,7 +69,7 @@ TRUCK = Application(
 
 
 def asked(application=TRUCK, installed=None):
-    return demand(application, installed or application.lines[0])
+    return demand(resolve(application, installed or application.lines[0]))
 
 
 def with_states(*states, **changes):
@@ -143,7 +143,8 @@ def test_torques_and_speed_by_hand():
 def test_a_weak_engine_governs():
     weak = replace(TRUCK, engine=replace(TRUCK.engine, torque=(150, 200, 150)))
     found = asked(weak)
-    np.testing.assert_allclose(found.torque, 200 * 8 * 0.95, rtol=1e-14)
+    drives = [kind != "windup brake" for kind in KINDS]
+    np.testing.assert_allclose(found.torque[drives], 200 * 8 * 0.95, rtol=1e-14)
 
 
 def test_an_overload_state_of_its_own_counts_as_it_is():
@@ -186,10 +187,26 @@ def test_coasting_is_held_by_the_tyres_at_last():
     assert found.coast_torque[found.states.index("gvw")] == pytest.approx(expected, rel=1e-14)
 
 
+def test_in_brake_windup_the_line_carries_what_holds_back():
+    """It carried the drive torque, 6840 for -2105 N m here: the brakes wind, the gas is off."""
+    found = asked()
+    k = KINDS.index("windup brake")
+    assert found.torque[k] == -found.coast_torque[k] == pytest.approx(-250 * 8 / 0.95, rel=1e-14)
+    own = State(name="retarder", kind="windup brake", torque=900.0)
+    assert asked(with_states(own)).torque == [-900.0]
+    assert asked(with_states(own, torque=5e3, coast_torque=1e3)).torque == [-900.0]
+    back = State(name="b", kind="windup brake")
+    assert asked(with_states(back, torque=5e3, coast_torque=1e3)).torque == [-1e3]
+
+
 def test_without_an_engine_nobody_knows_what_holds_back():
     found = asked(replace(TRUCK, engine=None))
     assert np.isnan(found.coast_torque).all()
-    np.testing.assert_array_equal(found.torque, found.slip_torque)
+    np.testing.assert_array_equal(found.torque[:-1], found.slip_torque[:-1])
+    assert np.isnan(found.torque[-1])  # of brake wind-up: the tyres alone hold nothing back
+    silent = asked(replace(TRUCK, engine=replace(TRUCK.engine, brake_torque=None)))
+    assert np.isnan([*silent.coast_torque, silent.torque[-1]]).all()
+    assert np.isfinite(silent.torque[:-1]).all()
     given = asked(replace(TRUCK, engine=None, coast_torque=1500.0))
     np.testing.assert_array_equal(given.coast_torque, 1500.0)
 
@@ -420,7 +437,7 @@ def test_j3311_prints_its_own_example():
 )
 def test_what_is_missing_is_named(application, installed, message):
     with pytest.raises(DesignError, match=message):
-        demand(application, installed)
+        demand(resolve(application, installed))
 
 
 def test_a_share_of_nothing_is_refused():

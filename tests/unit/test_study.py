@@ -11,13 +11,13 @@ from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 from cardan.study.fix import adjustables, fix, margins, tried
-from cardan.study.sensitivity import STEP, sensitivities
+from cardan.study.sensitivity import sensitivities
 
 HOUSE = Source("House rules")
 
@@ -49,7 +49,7 @@ def test_a_joint_brings_its_own_limit_in_place_of_the_profiles(truck):
     sizes = (JointSize(name="slow", speed_max=100.0), None, None)
     line = replace(installed.line, joints=sizes)
     rated = replace(only(truck, profile), lines=(replace(installed, line=line),))
-    bounds = {(c.part, c.bound) for c in assess(rated).checks}
+    bounds = {(str(c.part), c.bound) for c in assess(rated).checks}
     assert bounds == {("joint 1", 100.0), ("joint 2", 1000.0), ("joint 3", 1000.0)}
 
 
@@ -82,7 +82,7 @@ def test_a_limit_above_an_angle_asks_only_there(truck):
 
 def test_variants_are_the_cases_one_by_one(truck):
     """A batch of corrections gives what each gives alone: one code path for any number."""
-    response = respond(truck, demand(truck, truck.lines[0]))
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
     movable = adjustables(response)
     amounts = np.random.default_rng(0).uniform(-0.01, 0.01, (5, len(movable)))
     batch = margins(tried(response, movable, amounts), to="normal")
@@ -91,7 +91,7 @@ def test_variants_are_the_cases_one_by_one(truck):
 
 
 def test_nothing_moved_changes_nothing(truck):
-    response = respond(truck, demand(truck, truck.lines[0]))
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
     movable = adjustables(response)
     still = tried(response, movable, np.zeros((1, len(movable))))
     assert margins(still, to="normal")[0] == pytest.approx(
@@ -122,7 +122,7 @@ def test_proposals_pay_for_what_they_cost(truck):
 
 
 def test_what_is_held_stays(truck):
-    response = respond(truck, demand(truck, truck.lines[0]))
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
     whats = {a.what for a in adjustables(response)}
     assert "shim" in whats
     for proposal in fix(only(truck, SMALLEST), hold=("shim",)):
@@ -142,7 +142,7 @@ def test_passing_states_have_no_life(truck):
     joints = (sized,) * installed.line.joint_count
     line = replace(installed.line, joints=joints)
     worn = replace(truck, duty=duty, lines=(replace(installed, line=line),))
-    response = respond(worn, demand(worn, worn.lines[0]))
+    response = respond(worn, demand(resolve(worn, worn.lines[0])))
     names = response.demand.states
     lasting = {n for n, life in zip(names, response.life[:, 0], strict=True) if not np.isnan(life)}
     assert lasting == {"empty", "gvw", "overload", "parked on a kerb"}
@@ -154,7 +154,7 @@ def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):
     application = replace(only(truck, TORSIONAL, SMALLEST, SPLINE), adjustables=(up,))
     proposal = next(p for p in fix(application) if p.moves)
     rise = proposal.moves[0].amount
-    found = demand(application, application.lines[0])
+    found = demand(resolve(application, application.lines[0]))
     shift = np.zeros((1, found.layout.points.shape[-2] - 2, 3))
     shift[..., 2] = rise
     by_hand = respond(application, found, layout=found.corrected(bearing_shift=shift))
@@ -168,7 +168,7 @@ def test_sensitivities_are_those_of_a_slope(truck):
     """Half a step gives half the change, to the curvature of one step."""
     found = [s for s in sensitivities(assess(only(truck, TORSIONAL))) if s.effects]
     worst = found[0]
-    response = respond(truck, demand(truck, truck.lines[0]))
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
     state = response.demand.states.index(worst.check.state)
     for effect in worst.effects:
         if effect.adjustable.what == "phase":
@@ -177,10 +177,6 @@ def test_sensitivities_are_those_of_a_slope(truck):
         moved = tried(response, (effect.adjustable,), half)
         low, high = moved.excitation.torsional.acceleration[:, state]
         assert high - low == pytest.approx((effect.forth - effect.back) / 2, rel=0.15)
-
-
-def test_every_step_has_a_name_that_can_move():
-    assert set(STEP) == {"bearing_height", "bearing_side", "shim", "phase"}
 
 
 def test_reordering_states_changes_nothing(truck):
@@ -210,7 +206,7 @@ def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):
     line = replace(installed.line, gearbox_bearing_spacing=0.2, gearbox_bearing_overhang=0.1)
     found = respond(
         replace(truck, lines=(replace(installed, line=line),)),
-        demand(truck, replace(installed, line=line)),
+        demand(resolve(truck, replace(installed, line=line))),
     )
     force = found.loads.gearbox_force.values(64)
     moment = found.loads.gearbox_moment.values(64)

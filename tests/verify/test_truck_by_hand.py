@@ -23,9 +23,9 @@ import numpy as np
 import pytest
 
 from cardan.files.application import loads
-from cardan.quantity.held import HELD
+from cardan.quantity.quantities import ANSWERED
 from cardan.report import contract
-from cardan.study.assess import assess
+from cardan.study.approval import assess
 
 HERE = Path(__file__).parent
 TRUCKS = {"by_hand.yaml": by_hand.TRUCK, "by_hand_front.yaml": by_hand.FRONT_TRUCK}
@@ -38,7 +38,7 @@ NOT_YET = "  - {quantity: odd_joint_angle, unit: deg, normal: 2, source: made up
 @cache
 def assessed(file):
     text = (HERE / file).read_text(encoding="utf-8")
-    if "odd_joint_angle" in HELD:
+    if "odd_joint_angle" in ANSWERED:
         text += NOT_YET
     return assess(loads(text, name=file, folder=HERE))
 
@@ -181,7 +181,7 @@ def test_verdicts(file):
 def test_checks_as_readers_see_them(file):
     worth = {q: (unit, of) for unit, (of, group) in by_hand.SHOWN.items() for q in group}
     found = assessed(file)
-    for check, row in zip(found.checks, contract.assessment(found)["checks"], strict=True):
+    for check, row in zip(found.checks, contract.approval(found)["checks"], strict=True):
         unit, factor = worth[check.quantity]
         value, limit = check.value, check.limit
         if limit.band:
@@ -213,7 +213,7 @@ def leaves(of, path=()):
 @cache
 def told(file):
     """The document's numbers by line and state."""
-    document = contract.assessment(assessed(file))
+    document = contract.approval(assessed(file))
     first, *others = (line.name for line in TRUCKS[file].lines)
     found = {}
     for state in document["states"]:

@@ -45,6 +45,19 @@ def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]
     )
 
 
+def stacked(values: Iterable[ArrayLike]) -> FloatArray:
+    """Return numbers, or arrays (...) of them, side by side on a new last axis, (..., n)."""
+    columns = [np.asarray(v, dtype=float) for v in values]
+    return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
+
+
+def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArray:
+    """Return points of numbers or arrays (...) as vectors (..., n, size)."""
+    columns = zip(*points, strict=True)
+    found = stacked([stacked(c) for c in columns])
+    return found if found.size else np.zeros((0, size))
+
+
 @contextmanager
 def single_threaded() -> Generator[None, None, None]:
     """Keep BLAS to one thread: on many small matrices its own cost far more than they bring."""

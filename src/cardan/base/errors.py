@@ -11,6 +11,9 @@ A wrong argument in code is a plain `ValueError`.
 
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 
 class CardanError(Exception):
     """Anything this package refuses, with a reason a user can act on."""
@@ -28,11 +31,23 @@ class NotInstalled(CardanError):  # noqa: N818  the name is the news
     """Something optional is needed and absent; the message says how to install it."""
 
 
+def failing(kept: npt.ArrayLike, *values: npt.ArrayLike) -> tuple[float, ...] | None:
+    """Return the values of the first case that a condition does not keep; None if it keeps all.
+
+    Conditions are comparisons that nan does not pass.
+    """
+    if np.all(kept):
+        return None
+    spread = np.broadcast_arrays(kept, *values)
+    first = np.argmin(spread[0])
+    return tuple(float(v.flat[first]) for v in spread[1:])
+
+
 def positive(part: str, **values: float | None) -> None:
     """Refuse values of a part that are not above zero; the comparison refuses nan too."""
     for name, value in values.items():
-        if value is not None and not value > 0:
-            msg = f"{name} of {part} must be above 0, got {value:g}"
+        if value is not None and (wrong := failing(value > 0, value)):
+            msg = f"{name} of {part} must be above 0, got {wrong[0]:g}"
             raise DesignError(msg)
 
 

@@ -1,25 +1,35 @@
 """A verdict: one demand held against one limit, with the reason for the limit."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite, isnan
 from typing import Literal, TypeAlias, TypeVar
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.part import Occasion, Part
 from cardan.base.source import Source
 
 Grade: TypeAlias = Literal["pass", "warn", "fail"]
+"""What one check comes to."""
+Verdict: TypeAlias = Literal["pass", "warn", "incomplete", "fail"]
+"""What many come to: incomplete where nothing fails but something required has no answer."""
 Sense: TypeAlias = Literal["<=", ">="]
 
 Value = TypeVar("Value", float, FloatArray)
 
 GRADES: tuple[Grade, ...] = ("pass", "warn", "fail")
-"""From best to worst; arrays of grades hold places in this tuple."""
+"""Of a check, from best to worst; arrays of grades hold places in this tuple."""
+VERDICTS: tuple[Verdict, ...] = ("pass", "warn", "incomplete", "fail")
+"""From best to worst."""
+
+EQUAL = 1e-9
+"""Shares of a limit this close to 0 count as equal to it, and equality passes."""
 
 
-def worst(grades: "list[Grade]") -> Grade:
-    """Return the worst of some grades; nothing held against anything passes."""
-    return GRADES[max(map(GRADES.index, grades), default=0)]
+def worst(grades: Iterable[Verdict]) -> Verdict:
+    """Return the worst of some verdicts; nothing held against anything passes."""
+    return VERDICTS[max(map(VERDICTS.index, grades), default=0)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +38,9 @@ class Limit:
 
     Past `normal` a check warns, past `maximum` it fails; either may be absent, but not
     both. A `band` is the other kind of limit: a range to keep out of, where a check
-    warns. A limit with `above_angle` asks only where a joint angle of the line exceeds it.
+    warns. A limit with `above_angle` asks only where a joint angle of the line exceeds it,
+    one with `states` only in states of these kinds. One that is `required` leaves a verdict
+    incomplete where it gets no answer.
     """
 
     quantity: str
@@ -38,6 +50,9 @@ class Limit:
     sense: Sense = "<="
     band: tuple[float, float] | None = None
     above_angle: float | None = None
+    states: frozenset[str] | None = None
+    """Kinds of state it applies to; None is all of them."""
+    required: bool = False
 
     def __post_init__(self) -> None:
         bounds = [b for b in (self.normal, self.maximum, *(self.band or ())) if b is not None]
@@ -79,15 +94,15 @@ class Limit:
         """Return pass, warn or fail. A demand that is not a number never passes."""
         if isnan(value):
             return "fail"
-        if self.maximum is not None and self.margin(value, to="maximum") < 0:
+        if self.maximum is not None and self.margin(value, to="maximum") < -EQUAL:
             return "fail"
         never_fails = self.band is not None or self.normal is not None
-        return "warn" if never_fails and self.margin(value, to="normal") < 0 else "pass"
+        return "warn" if never_fails and self.margin(value, to="normal") < -EQUAL else "pass"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One demand held against one limit, for one part of one line in one state.
+    """One demand held against one limit, for one part of one line on one occasion.
 
     Only the facts are stored, in SI. Everything else is derived from them, so a check
     cannot contradict itself.
@@ -95,10 +110,15 @@ class Check:
 
     quantity: str
     line: str
-    state: str
-    part: str
+    when: Occasion
+    part: Part
     value: float
     limit: Limit
+
+    @property
+    def state(self) -> str:
+        """The occasion as the JSON contract names it: a state, a gear, a load case."""
+        return str(self.when)
 
     @property
     def grade(self) -> Grade:
@@ -121,4 +141,21 @@ class Check:
     def margin(self) -> float:
         """Share of the deciding bound still free; negative where it is passed."""
         to = "maximum" if self.grade == "fail" else "normal"
-        return self.limit.margin(self.value, to=to)
+        margin = self.limit.margin(self.value, to=to)
+        return 0.0 if abs(margin) <= EQUAL else margin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unanswered:
+    """A limit that asked and got no number, and what the application would have to give."""
+
+    limit: Limit
+    line: str
+    when: Occasion
+    part: Part
+    needs: tuple[str, ...]
+
+    @property
+    def quantity(self) -> str:
+        """What was asked."""
+        return self.limit.quantity

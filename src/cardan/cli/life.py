@@ -1,8 +1,6 @@
 """`cardan life`: from a recording to damage, life and cause."""
 
-import json
 import math
-import sys
 from collections.abc import Callable
 from functools import partial
 from io import BytesIO
@@ -13,6 +11,19 @@ import click
 
 from cardan.base.errors import CardanError
 from cardan.base.units import GPa, MPa, deg, rpm
+from cardan.cli.common import (
+    JSON,
+    OUT,
+    OUTSIDE,
+    UNTOLD,
+    claim,
+    progress,
+    put_lines,
+    read,
+    write,
+    write_json,
+)
+from cardan.cli.ending import kindly, leave
 
 _TURN = 2 * math.pi
 _STRESS = {
@@ -148,10 +159,9 @@ def _predictions(how: dict[str, Any]) -> dict[str, float]:
             raise ValueError(msg)
         import numpy as np
 
-        from cardan import files
         from cardan.study.recorded import predicted_stress
 
-        application = files.read(how["application"])
+        application = read(how["application"], None, allow_outside=how["allow_outside"])
         for text in how["unit_stress"]:
             name, _, axes = text.rpartition("=")
             unit = np.array(_numbers(axes)) * MPa / 1e3
@@ -177,26 +187,6 @@ def _numbers(text: str) -> tuple[float, ...]:
     except ValueError:
         msg = f"expected numbers with commas between, got {text!r}"
         raise ValueError(msg) from None
-
-
-class _Bar:
-    """Progress on standard error, where somebody looks."""
-
-    def __init__(self, total: float | None) -> None:
-        self.total, self.shown = total, ""
-
-    def __call__(self, name: str, seconds: float) -> None:
-        if not sys.stderr.isatty():
-            return
-        done = f"{seconds / self.total:4.0%}" if self.total else f"{seconds:.0f} s"
-        text = f"\r{name:<8}{done}"
-        if text != self.shown:
-            click.echo(text, nl=False, err=True)
-            self.shown = text
-
-    def close(self) -> None:
-        if self.shown:
-            click.echo("\r" + " " * 20 + "\r", nl=False, err=True)
 
 
 @click.command()
@@ -320,67 +310,47 @@ class _Bar:
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
 @click.option("--target-hours", type=float, help="Exit 1 if a gauge lives shorter.")
-@click.option(
-    "--json",
-    "json_out",
-    metavar="OUT",
-    is_flag=False,
-    flag_value="-",
-    help="The JSON contract, into a file or (-, the default) on standard output.",
-)
-@click.option("--plot", type=click.Path(dir_okay=False, path_type=Path), help="A figure: svg, png.")
-@click.pass_context
-def life(context: click.Context, recording: Path, **how: Any) -> None:
+@JSON
+@click.option("--plot", type=OUT, help="A figure: svg, png.")
+@OUTSIDE
+@UNTOLD
+@kindly
+def life(recording: Path, **how: Any) -> None:
     """Damage and life at the gauges of a RECORDING, and who did it.
 
     Exit code 0, 1 where a gauge lives shorter than asked, 2 for a bad file or option.
     """
+    claim(recording, how["application"], json_out=how["json_out"], plot=how["plot"])
     try:
         lives = _run(recording, **how)
     except ImportError as error:
         extra = "report" if error.name == "matplotlib" else "fatigue,recordings"
-        click.echo(f"Error: this needs {error.name}; pip install 'cardan[{extra}]'", err=True)
-        context.exit(2)
-    except (CardanError, ValueError, OSError) as error:
-        click.echo(f"Error: {error}", err=True)
-        context.exit(2)
+        msg = f"this needs {error.name}; pip install 'cardan[{extra}]'"
+        raise CardanError(msg) from error
+    except ValueError as error:  # of an option, or of what a recording holds
+        raise CardanError(str(error)) from error
     target = how["target_hours"]
-    context.exit(1 if target and min(one.life.hours for one in lives) < target else 0)
+    leave("fail" if target and min(one.life.hours for one in lives) < target else "pass")
 
 
 def _draw(out: Path, **found: Any) -> None:
     """Draw a figure to a file whose ending says of which kind."""
     from matplotlib.figure import Figure
 
-    from cardan import files
     from cardan.report import life as report
 
     sheet = Figure(figsize=(11, 7.5), layout="constrained")
     report.figure(sheet, **found)
     drawn = BytesIO()
     sheet.savefig(drawn, format=out.suffix.removeprefix(".") or "svg")
-    files.write(out, drawn.getvalue(), replace=True)
+    write(out, drawn.getvalue())
 
 
-def _run(path: Path, **how: Any) -> list[Any]:
+def _plan(source: Any, **how: Any) -> Any:
+    """Return what is counted, and held against which strength."""
     from cardan.fatigue import conditioning, rainflow
-    from cardan.fatigue import life as room
-    from cardan.fatigue.cause import separation, suspects
-    from cardan.files.recordings import open_recording
-    from cardan.report import life as report
+    from cardan.fatigue.life import Plan
 
-    source = open_recording(path, rate=how["rate"], time=how["time"], group=how["group"])
-    if not how["gauges"] and not how["rosettes"]:
-        msg = f"name the gauges with --gauge; {path.name} has {', '.join(source.names)}"
-        raise ValueError(msg)
-    gauges = _gauges(
-        source,
-        how["gauges"],
-        how["rosettes"],
-        kind=how["rosette_kind"],
-        measure=how["measure"],
-        modulus=how["modulus"] * GPa,
-    )
     rules = {
         "half": rainflow.half_cycles, "repeat": rainflow.repeating, "discard": rainflow.discarded
     }  # fmt: skip
@@ -388,54 +358,79 @@ def _run(path: Path, **how: Any) -> list[Any]:
         "none": conditioning.no_zero, "start": conditioning.zero_at_start,
         "median": conditioning.zero_at_median, "drift": conditioning.slow_drift,
     }  # fmt: skip
-    plan = room.Plan(
+    gauges = _gauges(
+        source, how["gauges"], how["rosettes"], kind=how["rosette_kind"], measure=how["measure"],
+        modulus=how["modulus"] * GPa,
+    )  # fmt: skip
+    return Plan(
         gauges=gauges, curve=_curve(how["sn"], how["miner"], how["scatter"]),
         correction=_correction(how["mean_stress"], how["ultimate"], how["sensitivity"]),
         rule=rules[how["residue"]], baseline=zeros[how["zero"]], low_pass=how["low_pass"],
         allowed=how["allowed"], gauge_error=how["gauge_error"],
     )  # fmt: skip
-    bar = _Bar(source.samples / source.rate if source.samples else None)
-    healths = room.look(source, channels=plan.channels, progress=bar)
+
+
+def _shaft(source: Any, **how: Any) -> Any:
+    """Return the shaft's rotation: measured, counted, or found in a gauge."""
     shaft = _rotation(source, speed=how["speed"], tacho=how["tacho"], pulses=how["pulses"])
     if shaft is None and how["estimate_speed"]:
         from cardan.fatigue.orders import estimated_rotation
 
         signal = source.whole([how["estimate_speed"]])[0]
-        shaft = estimated_rotation(signal, rate=source.rate)
-    ratio, radius = how["axle_ratio"], how["radius"]
+        return estimated_rotation(signal, rate=source.rate)
+    return shaft
+
+
+def _listened(source: Any, plan: Any, tell: Callable[[str, float], None], **how: Any) -> Any:
+    """Return the lives at the gauges, and their causes where a speed tells them apart."""
+    from cardan.fatigue import life as room
+    from cardan.fatigue.cause import separation, suspects
+
+    healths = room.look(source, channels=plan.channels, progress=tell)
+    shaft, ratio, radius = _shaft(source, **how), how["axle_ratio"], how["radius"]
     distance = math.nan
     if shaft is not None and ratio and radius:
         distance = float(shaft.turns[-1] - shaft.turns[0]) / ratio * _TURN * radius
-    lives = room.life(source, plan=plan, healths=healths, distance=distance, progress=bar)
-    causes = None
-    if shaft is not None:
-        engine = _rotation(source, speed=how["engine"], tacho=None, pulses=1)
-        named = suspects(
-            shaft, joint_orders=_numbers(how["joint_orders"]), engine=engine,
-            engine_orders=_numbers(how["engine_orders"]),
-            wheel=shaft.geared(1 / ratio) if ratio else None,
-        )  # fmt: skip
-        torque = None
-        if how["torque"]:
-            channel, given = _named(how["torque"])
-            torque = (channel, _unit(source, channel, given, _TORQUE))
-        causes = room.causes(
-            source, plan=plan, healths=healths, how=separation(named, rate=source.rate),
-            torque=torque, predicted=_predictions(how), progress=bar,
-        )  # fmt: skip
-    bar.close()
-    if how["json_out"]:
-        document = report.contract(source, plan=plan, lives=lives, causes=causes)
-        text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
-        if how["json_out"] == "-":
-            click.echo(text)
-        else:
-            from cardan import files
+    lives = room.life(source, plan=plan, healths=healths, distance=distance, progress=tell)
+    if shaft is None:
+        return lives, None
+    engine = _rotation(source, speed=how["engine"], tacho=None, pulses=1)
+    named = suspects(
+        shaft, joint_orders=_numbers(how["joint_orders"]), engine=engine,
+        engine_orders=_numbers(how["engine_orders"]),
+        wheel=shaft.geared(1 / ratio) if ratio else None,
+    )  # fmt: skip
+    torque = None
+    if how["torque"]:
+        channel, given = _named(how["torque"])
+        torque = (channel, _unit(source, channel, given, _TORQUE))
+    causes = room.causes(
+        source, plan=plan, healths=healths, how=separation(named, rate=source.rate),
+        torque=torque, predicted=_predictions(how), progress=tell,
+    )  # fmt: skip
+    return lives, causes
 
-            files.write(how["json_out"], text + "\n", replace=True)
+
+def _run(path: Path, **how: Any) -> list[Any]:
+    from cardan.files.recordings import open_recording
+    from cardan.report import life as report
+
+    source = open_recording(path, rate=how["rate"], time=how["time"], group=how["group"])
+    if not how["gauges"] and not how["rosettes"]:
+        msg = f"name the gauges with --gauge; {path.name} has {', '.join(source.names)}"
+        raise ValueError(msg)
+    plan = _plan(source, **how)
+    total = source.samples / source.rate if source.samples else None
+    with progress("reading", quiet=how["quiet"]) as line:
+
+        def tell(name: str, seconds: float) -> None:
+            line.at(f"{name} {seconds / total:.0%}" if total else f"{name} {seconds:.0f} s")
+
+        lives, causes = _listened(source, plan, tell, **how)
+    if how["json_out"] is not None:
+        write_json(report.contract(source, plan=plan, lives=lives, causes=causes), how["json_out"])
     if how["json_out"] != "-":
-        for line in report.lines(source, plan=plan, lives=lives, causes=causes):
-            click.echo(line)
+        put_lines(report.lines(source, plan=plan, lives=lives, causes=causes))
     if how["plot"]:
         _draw(how["plot"], recording=source, lives=lives, causes=causes)
     return lives

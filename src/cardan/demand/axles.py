@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, floats, stacked
 from cardan.base.errors import DesignError
 from cardan.base.units import g
 from cardan.model.vehicle import Drives, LoadState, Vehicle
@@ -22,7 +22,7 @@ class AxleLoads:
     ----------
     front, rear : (...) N
         Of all front axles, and of the rear group.
-    auxiliary : (A,) N
+    auxiliary : (..., A) N
         Of each auxiliary axle on air.
     """
 
@@ -33,7 +33,7 @@ class AxleLoads:
     @property
     def total(self) -> FloatArray:
         """Load of all axles, (...) N."""
-        return self.front + self.rear + self.auxiliary.sum()
+        return self.front + self.rear + self.auxiliary.sum(-1)
 
     def scaled(self, times: float) -> "AxleLoads":
         """Return the loads of a vehicle so many times as heavy."""
@@ -50,7 +50,7 @@ class AxleLoads:
         return replace(self, front=self.front + self.rear - rear, rear=rear)
 
 
-def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: float = 0.0) -> AxleLoads:
+def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: ArrayLike = 0.0) -> AxleLoads:
     """Return the loads of a vehicle in a load state before anything is transferred, N.
 
     From mass and centre of gravity, Nr L = W cos α lf − Σ A x and Nf = W cos α − Nr − Σ A,
@@ -61,7 +61,7 @@ def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: float = 0.0) -> Axle
     ----------
     vehicle, load
         The vehicle and how it is loaded.
-    grade : rad
+    grade : (...) rad
         Slope α, up positive. The slope's own part, W sin α, acts along the ground: the
         tyres' force holds it, and `under_force` and `at_slip` move load for all of that.
 
@@ -69,29 +69,29 @@ def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: float = 0.0) -> Axle
     -----
     Source: Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 1.
     """
-    held = [(a.load, a.behind_front) for a in vehicle.auxiliary if not load.auxiliary_lifted]
-    auxiliary = np.array([a for a, _ in held], dtype=float)
-    levered = sum(a * x for a, x in held) / vehicle.wheelbase
+    held = () if load.auxiliary_lifted else vehicle.auxiliary
+    auxiliary = stacked(a.load for a in held)
+    levered = sum(a.load * a.behind_front for a in held) / vehicle.wheelbase
     front, rear = load.front_load, load.rear_load
     weight = None if load.mass is None else load.mass * g
     if weight is None:
         assert front is not None  # LoadState holds two of the three
         assert rear is not None
-        weight = front + rear + auxiliary.sum()
+        weight = front + rear + auxiliary.sum(-1)
     if rear is None:
         if front is not None:
-            rear = weight - auxiliary.sum() - front
+            rear = weight - auxiliary.sum(-1) - front
         else:
             assert load.cg_behind_front is not None
             rear = weight * load.cg_behind_front / vehicle.wheelbase - levered
     # On a slope what weight there is shrinks by cos α, but not what air holds.
     rear = (rear + levered) * np.cos(grade) - levered
-    front = weight * np.cos(grade) - auxiliary.sum() - rear
+    front = weight * np.cos(grade) - auxiliary.sum(-1) - rear
     return AxleLoads(front=np.asarray(front), rear=np.asarray(rear), auxiliary=auxiliary)
 
 
 def under_force(
-    loads: AxleLoads, force: ArrayLike, *, cg_height: float, wheelbase: float
+    loads: AxleLoads, force: ArrayLike, *, cg_height: ArrayLike, wheelbase: ArrayLike
 ) -> AxleLoads:
     """Return the loads while the tyres push the vehicle ahead with a force (...) N.
 
@@ -99,17 +99,18 @@ def under_force(
     slope's W sin α. A braking force is negative. Source: Wong, Theory of Ground Vehicles
     (2008), ch. 3.
     """
-    return loads.shifted(np.asarray(force, dtype=float) * cg_height / wheelbase)
+    _, F, h, L = floats(force, cg_height, wheelbase)
+    return loads.shifted(F * h / L)
 
 
 def at_slip(
     loads: AxleLoads,
     *,
     friction: ArrayLike,
-    cg_height: float,
-    wheelbase: float,
-    front_share: float = 0.0,
-    rear_share: float = 1.0,
+    cg_height: ArrayLike,
+    wheelbase: ArrayLike,
+    front_share: ArrayLike = 0.0,
+    rear_share: ArrayLike = 1.0,
 ) -> AxleLoads:
     r"""Return the loads while the driven wheels are about to slip.
 
@@ -127,9 +128,9 @@ def at_slip(
         Loads before transfer, `axle_loads`.
     friction : (...) 1
         Of tyre on ground; negative when the driven wheels brake.
-    cg_height, wheelbase : m
+    cg_height, wheelbase : (...) m
         Height of the centre of gravity; wheelbase.
-    front_share, rear_share
+    front_share, rear_share : (...) 1
         Share of each group's load on its driven wheels.
 
     Notes
@@ -140,11 +141,12 @@ def at_slip(
     for F holds it. Source: Gillespie (1992), ch. 2; Wong (2008), ch. 3; the form for shares
     of both groups is derived.
     """
-    lever = np.asarray(friction, dtype=float) * cg_height / wheelbase
+    _, mu, h, L, front, rear = floats(friction, cg_height, wheelbase, front_share, rear_share)
+    lever = mu * h / L
     both = loads.front + loads.rear
-    relief = 1 - lever * (rear_share - front_share)
+    relief = 1 - lever * (rear - front)
     lifted = relief <= 0
-    rear = (loads.rear + lever * front_share * both) / np.where(lifted, 1.0, relief)
+    rear = (loads.rear + lever * front * both) / np.where(lifted, 1.0, relief)
     return loads.shifted(np.where(lifted, both, rear) - loads.rear)
 
 
@@ -175,8 +177,8 @@ def line_loads(
     load: LoadState,
     *,
     drives: Drives = "rear",
-    load_share: float = 1.0,
-    friction: float = 0.0,
+    load_share: ArrayLike = 1.0,
+    friction: ArrayLike = 0.0,
     times: float = 1.0,
 ) -> LineLoads:
     """Return the loads felt by a line that drives a group of axles, N.
@@ -205,17 +207,18 @@ def line_loads(
         msg = f"a {vehicle.drive} drives no {drives} axle for a line to turn"
         raise DesignError(msg)
     level, slope = (axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade))
+    _, mu, part = floats(friction, load_share)
     driven_front, driven_rear = float(vehicle.driven_front > 0), vehicle.rear_share
 
     def driven(loads: AxleLoads) -> FloatArray:
         front, rear = driven_front * loads.front, driven_rear * loads.rear
         return {"rear": rear, "front": front, "all": front + rear}[drives]
 
-    def limit(friction: float, front_share: float, rear_share: float) -> FloatArray:
+    def limit(friction: ArrayLike, front_share: ArrayLike, rear_share: ArrayLike) -> FloatArray:
         loads = at_slip(
             slope,
             friction=friction,
-            cg_height=load.cg_height or 0.0,
+            cg_height=0.0 if load.cg_height is None else load.cg_height,
             wheelbase=vehicle.wheelbase,
             front_share=front_share,
             rear_share=rear_share,
@@ -224,10 +227,10 @@ def line_loads(
 
     return LineLoads(
         axle=driven(level) / axles,
-        rest=load_share * driven(level),
-        traction=load_share * limit(friction, driven_front, driven_rear),
-        coast=load_share * limit(-friction, driven_front, driven_rear),
-        braked=limit(-friction, 1.0, 1.0) / axles,
+        rest=part * driven(level),
+        traction=part * limit(mu, driven_front, driven_rear),
+        coast=part * limit(-mu, driven_front, driven_rear),
+        braked=limit(-mu, 1.0, 1.0) / axles,
     )
 
 
@@ -247,6 +250,6 @@ def each_axle(loads: AxleLoads, vehicle: Vehicle) -> FloatArray:
         (loads.front, vehicle.front_group),
         (loads.rear * vehicle.rear_share, driven),
         (loads.rear * (1 - vehicle.rear_share), other),
-        *((np.broadcast_to(a, loads.rear.shape), 1) for a in loads.auxiliary),
+        *((a, 1) for a in np.moveaxis(loads.auxiliary, -1, 0)),
     ]
-    return np.stack([load / n for load, n in parts for _ in range(n)], axis=-1)
+    return stacked(load / n for load, n in parts for _ in range(n))

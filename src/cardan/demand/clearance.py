@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
@@ -17,19 +17,17 @@ def clearances(
     joint centres; obstacles are capsules that follow the axle by their share of its
     `travel` (...) m, up positive. Negative is interference.
     """
-    starts = np.array([o.start for o in obstacles]).reshape(-1, 3)
-    ends = np.array([o.end for o in obstacles]).reshape(-1, 3)
-    radii = np.array([o.radius for o in obstacles])
-    rise = np.asarray(travel, dtype=float)[..., None] * np.array(
-        [o.travel_share for o in obstacles]
-    )
+    starts = vectors(o.start for o in obstacles)[..., None, :, :]
+    ends = vectors(o.end for o in obstacles)[..., None, :, :]
+    radii = stacked(o.radius for o in obstacles)[..., None, :]
+    rise = np.asarray(travel, dtype=float)[..., None] * stacked(o.travel_share for o in obstacles)
     lift = np.stack([np.zeros_like(rise), np.zeros_like(rise), rise], axis=-1)[..., None, :, :]
     points = layout.points[..., :, None, :]
     distance = segment_distance(
         points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift
     )
-    bars = np.array([s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts])
-    return distance - bars[:, None] - radii
+    bars = stacked(s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts)
+    return distance - bars[..., None] - radii
 
 
 def segment_distance(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> FloatArray:

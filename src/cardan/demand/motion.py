@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.model.layout import Layout, hung, unit
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.model.layout import Layout, hung, joined, unit
 from cardan.model.parts import Line
 
 
@@ -88,8 +88,8 @@ def moved(
     points, d = layout.points, layout.directions
     steps = np.diff(points, axis=-2)[..., :-1, :]
     lengths = np.linalg.norm(steps, axis=-1)
-    behind = [s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing]
-    back = np.asarray(behind, dtype=float) / lengths
+    behind = stacked(s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing)
+    back = behind / lengths
     bearings = points[..., 1:-1, :] - back[..., None] * steps
     front, gearbox = points[..., 0, :], d[..., 0, :]
     if first is not None:
@@ -97,6 +97,4 @@ def moved(
     axle = Ride(shift=last_shift, pitch=pinion_pitch, arm=pinion_arm)
     last, pinion = axle.carried(points[..., -1, :], d[..., -1, :])
     new = hung(front, bearings + np.asarray(bearing_shift, dtype=float), last, lengths=lengths)
-    ends = [np.broadcast_to(e[..., None, :], (*new.shape[:-2], 1, 3)) for e in (gearbox, pinion)]
-    members = np.concatenate([ends[0], unit(np.diff(new, axis=-2)), ends[1]], axis=-2)
-    return Layout(points=new, directions=members)
+    return Layout(points=new, directions=joined(gearbox, unit(np.diff(new, axis=-2)), pinion))

@@ -3,21 +3,24 @@
 Every line is seen in its own frame, x along the flow of torque. An axle moves in the
 vehicle's frame; for a line that runs forward to a front axle, fore-aft motion and pitch
 change sign on the way.
+
+All of it is array code: the states are the last leading axis, the variants of a study,
+whose numbers come as (V, 1), the one before it.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from math import isnan, nan
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError
 from cardan.demand.axles import LineLoads, driven_axles, line_loads
+from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
 from cardan.demand.suspension import (
     AT_LIMIT,
-    OVERLOAD,
     axle_path,
     carried,
     deflection,
@@ -25,40 +28,23 @@ from cardan.demand.suspension import (
     windup,
 )
 from cardan.demand.torque import (
-    DIRECT,
     Gears,
     brake_torque,
-    gears,
     governing_torque,
     low_gear_torque,
     slip_torque,
     wheel_slip_torque,
 )
-from cardan.model.application import Application, Installed, State
+from cardan.model.application import Installed, State
 from cardan.model.layout import Layout
-from cardan.model.vehicle import Linkage, Suspension, SuspensionState
+from cardan.model.vehicle import Linkage
 
-__all__ = ["Demand", "demand", "moved"]
-
-
-# A hanging axle counts as empty: it hangs for a moment, in a vehicle that still drives.
-_LOADED_AS: dict[SuspensionState, str] = {
-    "full rebound": "empty", "rebound": "empty", "curb": "curb", "empty": "empty",
-    "gvw": "gvw", "overload": "gvw", "jounce": "gvw", "windup": "gvw", "windup brake": "gvw",
-}  # fmt: skip
-
-_UNKNOWN = LineLoads(
-    axle=np.asarray(nan),
-    rest=np.asarray(nan),
-    traction=np.asarray(nan),
-    coast=np.asarray(nan),
-    braked=np.asarray(nan),
-)
+__all__ = ["Demand", "ResolvedLine", "demand", "moved", "resolve"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Demand:
-    """What one line has to bear, states first. What nothing given can tell is nan.
+    """What one line has to bear, (variants ..., states). What nothing given can tell is nan.
 
     Attributes
     ----------
@@ -66,30 +52,31 @@ class Demand:
         The line this is about.
     states
         Names of the S states.
-    layout : (S, n, 3) m
+    layout : (..., S, n, 3) m
         Where the line runs.
-    given : (S, n, 3) m
+    given : (..., S, n, 3) m
         The layouts before the suspension moved them: the reference, or a state's own.
-    ride : shift (S, 3) m, pitch (S,) rad, arm (3,) m
+    ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         How the suspension moves the axle; `corrected` repeats it beside other changes.
-    torque : (S,) N m
+    torque : (..., S) N m
         For the loads: the smaller of engine and slip torque, or as the application says.
-    engine_torque, slip_torque : (S,) N m
+        Negative where the line holds back: in brake wind-up it carries the coast torque.
+    engine_torque, slip_torque : (..., S) N m
         Of the lowest gear; at which the wheels behind this line slip.
-    coast_torque : (S,) N m
+    coast_torque : (..., S) N m
         Size of the torque with which engine brake or retarder hold back, at most wheel slip.
-    low_gear_torque, wheel_slip_torque : (S,) N m
+    low_gear_torque, wheel_slip_torque : (..., S) N m
         Engine and slip torque by J3311 (its efficiencies; the state's load as capacity).
-    speed : (S,) rad/s
+    speed : (..., S) rad/s
         Top speed of the line.
-    travel, pitch : (S,) m, rad
+    travel, pitch : (..., S) m, rad
         Rise of the axle and of the pinion's nose from the reference layout.
-    spline_travel : (S,) m
+    spline_travel : (..., S) m
         Length of the last shaft less its length in the reference layout.
-    axle_load, driven_load : (S,) N
+    axle_load, driven_load : (..., S) N
         Of the state's load: at rest, on the axle this line's pinion is part of; at the slip
         limit, on all wheels behind the line.
-    suspension_frequency : (S,) Hz
+    suspension_frequency : (..., S) Hz
         nan in states that are no equilibrium: rebound and jounce.
     gears
         Torque and speed of the line gear by gear; None without an engine.
@@ -136,16 +123,8 @@ class Demand:
         )
 
 
-def demand(application: Application, installed: Installed) -> Demand:
-    """Return what the vehicle asks of one line in each of the application's states.
-
-    Parameters
-    ----------
-    application
-        Its vehicle, engine, suspension and the like say what is asked, unless the
-        application or the state gives torque, speed or geometry itself.
-    installed
-        One of its lines.
+def demand(line: ResolvedLine) -> Demand:
+    """Return what the vehicle asks of a line in each of its states.
 
     Raises
     ------
@@ -157,296 +136,245 @@ def demand(application: Application, installed: Installed) -> Demand:
     Static loads on level ground place the axle; wind-up turns it where it is then. Source:
     Souza (2014), sections 2.3 and 2.4.
     """
-    states = application.states
-    if not states:
-        msg = f"application {application.title} has no state to check"
-        raise DesignError(msg)
-    loads = _loads(application, installed)
-    torques = _torques(application, installed, loads)
-    own = [(s.layouts or {}).get(installed.line.name) for s in states]
-    # A state's own layout is the truth about it, and a transfer case is held by the frame.
-    free = np.array([o is None and installed.drives != "all" for o in own])
-    travel, ride = _rides(application, installed, loads, torques, free=free)
-    given = _given(installed, own)
+    each = _each_loading(line)
+    loads = _of_states(each[loading.key] for loading in line.loadings)
+    torques = _torques(line, loads)
+    travel = _travel(line, {key: found.axle for key, found in each.items()})
+    ride = _ride(line, travel, torque=torques["torque"], braked=loads.braked)
+    given, installed = _given(line), line.installed
     layout = _ridden(given, installed, ride)
+    asked = torques | {
+        "speed": _speed(line),
+        "travel": np.where(line.free, travel, _rise(given) - _rise(installed.layout)),
+        "pitch": layout.side[..., -1] - installed.layout.side[..., -1],
+        "spline_travel": layout.lengths[..., -1] - installed.layout.lengths[..., -1],
+        "axle_load": loads.axle,
+        "driven_load": loads.traction,
+        "suspension_frequency": _frequency(line, loads),
+    }
+    cases = np.broadcast_shapes(layout.points.shape[:-2], *(v.shape for v in asked.values()))
     return Demand(
         installed=installed,
-        states=tuple(s.name for s in states),
-        layout=layout,
+        states=tuple(s.name for s in line.states),
+        layout=Layout(
+            points=np.broadcast_to(layout.points, (*cases, *layout.points.shape[-2:])),
+            directions=np.broadcast_to(layout.directions, (*cases, *layout.directions.shape[-2:])),
+        ),
         given=given,
         ride=ride,
-        torque=torques.torque,
-        engine_torque=torques.engine,
-        slip_torque=torques.slip,
-        coast_torque=torques.coast,
-        low_gear_torque=torques.low_gear,
-        wheel_slip_torque=torques.wheel_slip,
-        speed=_speed(application, installed),
-        travel=np.where(free, travel, _rise(given) - _rise(installed.layout)),
-        pitch=layout.side[..., -1] - installed.layout.side[-1],
-        spline_travel=layout.lengths[..., -1] - installed.layout.lengths[-1],
-        axle_load=loads.axle,
-        driven_load=loads.traction,
-        suspension_frequency=_frequency(application, installed, loads),
-        gears=_gears(application, installed),
+        gears=line.gears,
+        **{name: np.broadcast_to(value, cases) for name, value in asked.items()},
     )
 
 
-def _suspension(application: Application, installed: Installed) -> Suspension | None:
-    """Return what moves the line's axle; the application's springs are those of the rear."""
-    if installed.suspension or installed.drives != "rear":
-        return installed.suspension
-    return application.suspension
+def _by_state(values: Iterable[ArrayLike | None]) -> FloatArray:
+    """Return numbers of the states one by one, (..., 1) each, as (..., S); None is nan."""
+    columns = [np.atleast_1d(np.asarray(v, dtype=float)) for v in values]
+    return np.concatenate(np.broadcast_arrays(*columns), axis=-1)
 
 
-def _share(installed: Installed) -> float:
-    """Torque of the line over that of the gearbox output."""
-    return installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+def _first(*values: ArrayLike | None) -> ArrayLike | None:
+    """Return the first value that is given."""
+    return next((v for v in values if v is not None), None)
 
 
-def _gears(application: Application, installed: Installed) -> Gears | None:
-    """Torque and speed of the line gear by gear."""
-    if application.engine is None:
-        return None
-    return gears(
-        application.engine,
-        application.gearbox or DIRECT,
-        torque_ratio=_share(installed),
-        speed_ratio=installed.speed_ratio,
-    )
+# --------------------------------------------------------------------------- loads
 
 
-def _first(*values: float | None) -> float:
-    """Return the first value that is given; nan if none is."""
-    return next((v for v in values if v is not None), np.nan)
+def _each_loading(line: ResolvedLine) -> dict[tuple[str, float], LineLoads]:
+    """Return the loads that a line feels under each loading of the vehicle, by its key."""
+    every = {loading.key: loading for loading in (*line.loadings, line.reference_loading)}
+    return {key: _line_loads(line, loading) for key, loading in every.items()}
 
 
-def _speed(application: Application, installed: Installed) -> FloatArray:
-    """Top speed of the line in each state, (S,) rad/s.
-
-    The torque that winds an axle up is that of the lowest gear, and so is the speed.
-    """
-    table = _gears(application, installed)
-    top = low = None
-    if table is not None:
-        top = table.speed.max() / installed.speed_ratio
-        low = table.speed[np.argmax(table.peak)].max() / installed.speed_ratio
-    given = [
-        _first(s.speed, application.speed, low if s.kind == "windup" else top)
-        for s in application.states
-    ]
-    return installed.speed_ratio * np.array(given)
-
-
-def _load_name(application: Application, state: State) -> tuple[str, float]:
-    """Name of the load state that counts in a state, and how many times over."""
-    names = [load.name for load in application.vehicle.loads] if application.vehicle else []
-    if state.load is not None and state.load not in names:
-        msg = f"state {state.name} has no load state {state.load}; there are: {', '.join(names)}"
-        raise DesignError(msg)
-    kind = state.kind or "gvw"
-    name = state.load or (kind if kind in names else _LOADED_AS[kind])
-    return name, OVERLOAD if kind == "overload" and name != "overload" else 1.0
-
-
-def _line_loads(application: Application, installed: Installed, state: State) -> LineLoads:
-    """Return the loads that count for a line in a state; nan where none are given."""
-    vehicle, tyre = application.vehicle, application.tyre
-    name, times = _load_name(application, state)
-    load = next((w for w in vehicle.loads if w.name == name), None) if vehicle else None
-    if vehicle is None or load is None:
-        return _UNKNOWN
+def _line_loads(line: ResolvedLine, loading: Loading) -> LineLoads:
+    """Return the loads that a line feels under a loading, (...) N; nan where none is given."""
+    if line.vehicle is None or loading.load is None:
+        return LineLoads(**dict.fromkeys((f.name for f in fields(LineLoads)), np.asarray(np.nan)))
     return line_loads(
-        vehicle,
-        load,
-        drives=installed.drives,
-        load_share=installed.load_share,
-        friction=tyre.friction if tyre else 0.0,
-        times=times,
+        line.vehicle,
+        loading.load,
+        drives=line.installed.drives,
+        load_share=line.installed.load_share,
+        friction=line.tyre.friction if line.tyre else 0.0,
+        times=loading.times,
     )
 
 
-def _loads(application: Application, installed: Installed) -> LineLoads:
-    """Return the loads that count for a line in each state, (S,) N."""
-    each = [_line_loads(application, installed, s) for s in application.states]
+def _of_states(each: Iterable[LineLoads]) -> LineLoads:
+    """Return the loads of the states one by one as loads (..., S) of all of them."""
+    loads = list(each)
     return LineLoads(
-        axle=np.array([o.axle for o in each]),
-        rest=np.array([o.rest for o in each]),
-        traction=np.array([o.traction for o in each]),
-        coast=np.array([o.coast for o in each]),
-        braked=np.array([o.braked for o in each]),
+        **{f.name: _by_state(getattr(o, f.name) for o in loads) for f in fields(LineLoads)}
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Torques:
-    """Torques of a line in each state, (S,) N m, as in `Demand`."""
-
-    torque: FloatArray
-    engine: FloatArray
-    slip: FloatArray
-    coast: FloatArray
-    low_gear: FloatArray
-    wheel_slip: FloatArray
+# --------------------------------------------------------------------------- torque and speed
 
 
-def _torques(application: Application, installed: Installed, loads: LineLoads) -> _Torques:
-    """Torques of a line in each state: what is given, or the smaller of engine and slip."""
-    every, share = np.ones(len(application.states)), _share(installed)
-    engine = held = low_gear = slip = slip_back = wheel_slip = np.nan * every
-    if application.engine:
-        gearbox = application.gearbox or DIRECT
-        engine = gears(application.engine, gearbox).peak.max() * share * every
-        held = brake_torque(application.engine, gearbox) * share * every
-        low_gear = low_gear_torque(
-            max(application.engine.torque),
-            ratio=max(gearbox.ratios),
-            efficiency=0.85 if gearbox.converter_ratio == 1 else 0.80,
-            stall_ratio=gearbox.converter_ratio,
-            transfer_ratio=gearbox.transfer_ratio,
-            transfer_efficiency=1.0 if gearbox.transfer_ratio == 1 else 0.95,
-        ) * (share * every)
-    axle, tyre = installed.axle, application.tyre
+def _torques(line: ResolvedLine, loads: LineLoads) -> dict[str, FloatArray]:
+    """Return the torques of `Demand`, by name: as given, or the smaller of engine and slip."""
+    engine, held, low_gear = _engine_torques(line)
+    slip = slip_back = wheel_slip = np.asarray(np.nan)
+    axle, tyre = line.axle, line.tyre
     if axle and tyre:
         grip = partial(
             slip_torque, friction=tyre.friction, radius=tyre.static_radius, ratio=axle.ratio
         )
         slip = grip(loads.traction, efficiency=axle.efficiency)
         slip_back = grip(loads.coast, efficiency=1 / axle.efficiency)
-        rolling = tyre.dynamic_radius or tyre.static_radius
+        rolling = tyre.static_radius if tyre.dynamic_radius is None else tyre.dynamic_radius
         wheel_slip = wheel_slip_torque(loads.rest, radius=rolling, ratio=axle.ratio)
-    given = share * np.array([_first(s.torque, application.torque) for s in application.states])
-    given_back = share * _first(application.coast_torque) * every
+    own = line.share * _by_state(s.torque for s in line.states)
+    given = line.share * _by_state(_first(s.torque, line.torque) for s in line.states)
+    drive = np.where(np.isnan(given), governing_torque(engine, slip), given)
     # Nobody knows what holds back until a brake is given, not even that the tyres slip.
     back = np.where(np.isnan(held), held, governing_torque(held, slip_back))
-    return _Torques(
-        torque=np.where(np.isnan(given), governing_torque(engine, slip), given),
-        engine=engine,
-        slip=slip,
-        coast=np.where(np.isnan(given_back), back, given_back),
-        low_gear=low_gear,
-        wheel_slip=wheel_slip,
+    given_back = line.share * np.asarray(_first(line.coast_torque), dtype=float)
+    coast = np.where(np.isnan(given_back), back, given_back)
+    # From 0, so that no torque at all is not a negative zero.
+    coasting = 0.0 - np.where(np.isnan(own), coast, own)
+    return {
+        "torque": np.where(line.winds("windup brake"), coasting, drive),
+        "engine_torque": engine,
+        "slip_torque": slip,
+        "coast_torque": coast,
+        "low_gear_torque": low_gear,
+        "wheel_slip_torque": wheel_slip,
+    }
+
+
+def _engine_torques(line: ResolvedLine) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the line's engine torque, brake torque, and low gear torque by J3311, (...) N m."""
+    engine, gearbox = line.engine, line.gearbox
+    if engine is None or line.gears is None:
+        return np.asarray(np.nan), np.asarray(np.nan), np.asarray(np.nan)
+    low = np.asarray(gearbox.transfer_ratio)
+    by_j3311 = low_gear_torque(
+        stacked(engine.torque).max(-1),
+        ratio=stacked(gearbox.ratios).max(-1),
+        efficiency=np.where(np.asarray(gearbox.converter_ratio) == 1, 0.85, 0.80),
+        stall_ratio=gearbox.converter_ratio,
+        transfer_ratio=low,
+        transfer_efficiency=np.where(low == 1, 1.0, 0.95),
+    )
+    strongest, _ = line.gears.strongest
+    return strongest, line.share * brake_torque(engine, gearbox), line.share * by_j3311
+
+
+def _speed(line: ResolvedLine) -> FloatArray:
+    """Top speed of the line in each state, (..., S) rad/s.
+
+    The torque that winds an axle up is that of the lowest gear, and so is the speed.
+    """
+    ratio = np.asarray(line.installed.speed_ratio, dtype=float)
+    given = ratio * _by_state(_first(s.speed, line.speed) for s in line.states)
+    if line.gears is None:
+        return given
+    _, low = line.gears.strongest
+    geared = np.where(line.winds("windup"), low, line.gears.top_speed)
+    return np.where(np.isnan(given), geared, given)
+
+
+# --------------------------------------------------------------------------- places
+
+
+def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
+    """Rise of the axle from the reference layout in each state, (..., S) m; 0 where held."""
+    at_rest = height(line.reference, line.reference_loading)
+
+    def rise(state: State, loading: Loading, *, free: bool) -> ArrayLike:
+        if not free or state.kind is None or state.travel is not None:
+            return state.travel if free and state.travel is not None else 0.0
+        if height(state, loading) == at_rest:
+            return 0.0
+        if line.suspension is None:
+            msg = (
+                f"state {state.name} cannot place the {line.installed.drives} axle of line "
+                f"{line.line.name}: give that axle a suspension, or the state a travel"
+            )
+            raise DesignError(msg)
+        start = axle_loads[line.reference_loading.key]
+        reference = deflection(line.suspension, line.suspension.reference, axle_load=start)
+        load = axle_loads[loading.key]
+        return deflection(line.suspension, state.kind, axle_load=load) - reference
+
+    return _by_state(
+        rise(s, loading, free=free)
+        for s, loading, free in zip(line.states, line.loadings, line.free, strict=True)
     )
 
 
-def _frequency(application: Application, installed: Installed, loads: LineLoads) -> FloatArray:
-    """Natural frequency on the springs in each state, (S,) Hz; nan where there is none."""
-    suspension = _suspension(application, installed)
-    if suspension is None:
-        return np.full(len(application.states), np.nan)
-    rests = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in application.states])
-    load = carried(suspension, loads.axle)
-    return natural_frequency(suspension.spring, np.where(rests & (load > 0), load, np.nan))
-
-
-def _height(application: Application, state: State) -> object:
-    """Return what places the axle in a state: states alike in it are equally high."""
-    return state.kind if state.kind in AT_LIMIT else _load_name(application, state)
-
-
-def _travel(application: Application, installed: Installed, state: State) -> float:
-    """Rise of the axle from the reference layout in a state, m."""
-    if state.travel is not None or state.kind is None:
-        return state.travel or 0.0
-    suspension = _suspension(application, installed)
-    kind = suspension.reference if suspension else "gvw"
-    reference = State(name="reference", kind=kind)
-    if _height(application, state) == _height(application, reference):
-        return 0.0
-    if suspension is None:
-        msg = (
-            f"state {state.name} cannot place the {installed.drives} axle of line "
-            f"{installed.line.name}: give that axle a suspension, or the state a travel"
-        )
-        raise DesignError(msg)
-    load, reference_load = (
-        float(_line_loads(application, installed, s).axle) for s in (state, reference)
-    )
-    return deflection(suspension, state.kind, axle_load=load) - deflection(
-        suspension, kind, axle_load=reference_load
+def _ride(
+    line: ResolvedLine, travel: FloatArray, *, torque: FloatArray, braked: FloatArray
+) -> Ride:
+    """Ride of the axle in the line's frame, (..., S); none in states that are not free."""
+    free, states = line.free, line.states
+    dx, pitch = axle_path(line.suspension.linkage if line.suspension else Linkage(), travel)
+    turned = _by_state(s.pitch if f else 0.0 for s, f in zip(states, free, strict=True))
+    asks = free & np.array([s.pitch is None for s in states])
+    wound = _windup(line, torque=torque, braked=braked, asks=asks)
+    pitch = np.where(asks, pitch + wound, turned)
+    ahead = -1.0 if line.installed.drives == "front" else 1.0
+    x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
+    return Ride(
+        shift=stacked((ahead * dx, 0.0, travel)), pitch=ahead * pitch, arm=stacked((x, 0.0, z))
     )
 
 
 def _windup(
-    application: Application,
-    installed: Installed,
-    state: State,
-    *,
-    torque: float,
-    coast: float,
-    braked: float,
-) -> float:
-    """Wind-up of the line's axle in a state, rad about the vehicle's y.
+    line: ResolvedLine, *, torque: FloatArray, braked: FloatArray, asks: BoolArray
+) -> FloatArray:
+    """Wind-up of the axle, (..., S) rad about the vehicle's y, in wind-up states that ask.
 
     The line's torque splits between the axles it drives. Brakes and coasting together
     hold no more than the tyres do.
     """
-    if state.kind not in ("windup", "windup brake"):
-        return 0.0
-    suspension, axle = _suspension(application, installed), installed.axle
-    vehicle, tyre = application.vehicle, application.tyre
-    behind = driven_axles(vehicle, drives=installed.drives) * installed.load_share if vehicle else 1
-    ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (nan, 1.0)
-    if state.kind == "windup":
-        on_axle = torque * ratio * efficiency
-    else:
-        brakes = suspension.brake_torque if suspension else 0.0
-        held = brakes + np.nan_to_num(coast * ratio / efficiency) if brakes else nan
-        grip = tyre.friction * tyre.static_radius * braked if tyre else nan
-        on_axle = -float(np.fmin(held, grip))
-    if suspension is None or suspension.windup_stiffness is None or isnan(on_axle):
-        msg = (
-            f"state {state.name} of line {installed.line.name} needs a windup_stiffness, the "
-            "axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
-        )
-        raise DesignError(msg)
-    return float(windup(on_axle, stiffness=suspension.windup_stiffness))
-
-
-def _rides(
-    application: Application,
-    installed: Installed,
-    loads: LineLoads,
-    torques: _Torques,
-    *,
-    free: BoolArray,
-) -> tuple[FloatArray, Ride]:
-    """Rise of the axle (S,) m, and its ride in the line's frame; none in states not `free`."""
-    travel, turned, wound = np.zeros((3, len(application.states)))
-    for k in np.flatnonzero(free):
-        state = application.states[k]
-        travel[k], turned[k] = _travel(application, installed, state), _first(state.pitch)
-        if state.pitch is None:
-            wound[k] = _windup(
-                application,
-                installed,
-                state,
-                torque=torques.torque[k],
-                coast=torques.coast[k],
-                braked=loads.braked[k],
+    driven, braking = (line.winds(kind) & asks for kind in ("windup", "windup brake"))
+    if not (driven | braking).any():
+        return np.zeros(asks.shape)
+    suspension, axle, tyre, vehicle = line.suspension, line.axle, line.tyre, line.vehicle
+    behind = 1.0
+    if vehicle:
+        behind = line.installed.load_share * driven_axles(vehicle, drives=line.installed.drives)
+    ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (np.nan, 1.0)
+    brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
+    held = np.where(brakes > 0, brakes + np.nan_to_num(-torque * ratio / efficiency), np.nan)
+    grip = tyre.friction * tyre.static_radius * braked if tyre else np.nan
+    on_axle = np.where(driven, torque * ratio * efficiency, -np.fmin(held, grip))
+    stiffness = suspension.windup_stiffness if suspension else None
+    unknown = np.isnan(on_axle) if stiffness is not None else np.ones(on_axle.shape, dtype=bool)
+    for k in np.flatnonzero(driven | braking):
+        if unknown[..., k].any():
+            msg = (
+                f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
+                "the axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
             )
-    suspension = _suspension(application, installed)
-    dx, pitch = axle_path(suspension.linkage if suspension else Linkage(), travel)
-    pitch = np.where(np.isnan(turned), pitch + wound, turned)
-    ahead = -1.0 if installed.drives == "front" else 1.0
-    x, z = installed.axle.pinion_joint if installed.axle else (0.0, 0.0)
-    shift = np.stack([ahead * dx, np.zeros_like(dx), travel], axis=-1)
-    return travel, Ride(shift=shift, pitch=ahead * pitch, arm=(x, 0.0, z))
+            raise DesignError(msg)
+    assert stiffness is not None  # else all was unknown
+    return np.where(driven | braking, windup(on_axle, stiffness=stiffness), 0.0)
 
 
-def _given(installed: Installed, own: list[Layout | None]) -> Layout:
-    """Layouts (S, n, 3) before anything moves: a state's own, or the reference."""
-    layouts = [o or installed.layout for o in own]
-    shapes = {o.points.shape for o in layouts}
-    if shapes != {installed.layout.points.shape}:
-        msg = (
-            f"line {installed.line.name} has {installed.line.joint_count} joints in every "
-            "state; a state gives it another number"
-        )
-        raise DesignError(msg)
+def _frequency(line: ResolvedLine, loads: LineLoads) -> FloatArray:
+    """Natural frequency on the springs in each state, (..., S) Hz; nan where there is none."""
+    if line.suspension is None:
+        return np.full(len(line.states), np.nan)
+    rests = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in line.states])
+    load = carried(line.suspension, loads.axle)
+    return natural_frequency(line.suspension.spring, np.where(rests & (load > 0), load, np.nan))
+
+
+def _given(line: ResolvedLine) -> Layout:
+    """Layouts (..., S, n, 3) before anything moves: a state's own, or the reference."""
+    layouts = [o or line.installed.layout for o in line.own]
+
+    def side_by_side(vectors: list[FloatArray]) -> FloatArray:
+        each = [v if v.ndim > 2 else v[None] for v in vectors]
+        return np.concatenate(np.broadcast_arrays(*each), axis=-3)
+
     return Layout(
-        points=np.stack([o.points for o in layouts]),
-        directions=np.stack([o.directions for o in layouts]),
+        points=side_by_side([o.points for o in layouts]),
+        directions=side_by_side([o.directions for o in layouts]),
     )
 
 
@@ -472,5 +400,5 @@ def _ridden(
         last_shift=ride.shift,
         pinion_pitch=np.asarray(ride.pitch) + np.asarray(shim),
         pinion_arm=ride.arm,
-        first=None if first is None else replace(ride, arm=(first[0], 0.0, first[1])),
+        first=None if first is None else replace(ride, arm=stacked((first[0], 0.0, first[1]))),
     )

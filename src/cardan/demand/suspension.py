@@ -4,12 +4,12 @@ Deflection counts from the free spring, in its direction of load; the axle rises
 towards the frame. Motions are in the vehicle's frame: x rearward, z up, pitch about y.
 """
 
-from math import isnan, nan
+from math import nan
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.errors import DesignError, failing
 from cardan.base.units import g, inch, mm
 from cardan.model.vehicle import Linkage, Spring, Suspension, SuspensionState
 
@@ -24,36 +24,43 @@ AT_LIMIT = ("full rebound", "rebound", "jounce")
 
 
 def _through(x: ArrayLike, xs: ArrayLike, ys: ArrayLike) -> FloatArray:
-    """Values (...) at x of a table joined by straight lines, its outer slopes going on."""
+    """Values (...) at x of tables (..., points) joined by straight lines.
+
+    Their outer slopes go on beyond their ends.
+    """
     x, xs, ys = (np.asarray(a, dtype=float) for a in (x, xs, ys))
-    k = np.clip(np.searchsorted(xs, x) - 1, 0, len(xs) - 2)
-    return ys[k] + (ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]) * (x - xs[k])
+    widths = np.diff(xs)
+    # How far x has come along each line; the outer lines have no outer end.
+    low, high = np.zeros_like(widths), widths.copy()
+    low[..., 0], high[..., -1] = -np.inf, np.inf
+    along = np.clip(x[..., None] - xs[..., :-1], low, high)
+    return ys[..., 0] + (np.diff(ys) / widths * along).sum(-1)
 
 
 def spring_load(spring: Spring, deflection: ArrayLike) -> FloatArray:
     """Load of one spring, (...) N, at deflections (...) m; negative where it is pulled."""
-    return _through(deflection, spring.deflection, spring.load)
+    return _through(deflection, stacked(spring.deflection), stacked(spring.load))
 
 
 def spring_deflection(spring: Spring, load: ArrayLike) -> FloatArray:
     """Deflection of one spring, (...) m, under loads (...) N."""
-    return _through(load, spring.load, spring.deflection)
+    return _through(load, stacked(spring.load), stacked(spring.deflection))
 
 
 def table_rates(spring: Spring) -> FloatArray:
-    """Rate of a spring between the points of its table, (points - 1,) N/m."""
-    return np.diff(spring.load) / np.diff(spring.deflection)
+    """Rate of a spring between the points of its table, (..., points - 1) N/m."""
+    return np.diff(stacked(spring.load)) / np.diff(stacked(spring.deflection))
 
 
 def rate_mismatch(spring: Spring) -> FloatArray:
-    """Stated rates over those of the spring's own table, less 1, (stated,) 1.
+    """Stated rates over those of the spring's own table, less 1, (..., stated) 1.
 
     The first stated rate belongs to the table's first slope and the last to its last; those
     between are spread over the slopes between. The table is what counts.
     """
-    rates, stated = table_rates(spring), np.asarray(spring.stated_rates, dtype=float)
-    places = np.linspace(0, len(rates) - 1, len(stated)).round().astype(int)
-    return stated / rates[places] - 1
+    rates, stated = table_rates(spring), stacked(spring.stated_rates)
+    places = np.linspace(0, rates.shape[-1] - 1, stated.shape[-1]).round().astype(int)
+    return stated / rates[..., places] - 1
 
 
 def spring_rate(spring: Spring, deflection: ArrayLike, *, amplitude: float = 1 * mm) -> FloatArray:
@@ -88,8 +95,10 @@ def carried(suspension: Suspension, axle_load: ArrayLike) -> FloatArray:
     return (axle_load - suspension.unsprung_mass * g) / suspension.springs_per_axle
 
 
-def deflection(suspension: Suspension, state: SuspensionState, *, axle_load: float = nan) -> float:
-    """Deflection of the springs in a named state, m.
+def deflection(
+    suspension: Suspension, state: SuspensionState, *, axle_load: ArrayLike = nan
+) -> FloatArray:
+    """Deflection of the springs in a named state, (...) m.
 
     Parameters
     ----------
@@ -100,7 +109,7 @@ def deflection(suspension: Suspension, state: SuspensionState, *, axle_load: flo
         rebound at least. Rebound: spring free, and one inch more. Jounce: the end of the
         spring's table, metal to metal. Curb, empty, gvw, overload: under the axle's load.
         Wind-up: as high as its load state has it.
-    axle_load : N
+    axle_load : (...) N
         Load of the axle on the ground (overload included); unused in `AT_LIMIT` states.
 
     Raises
@@ -115,17 +124,17 @@ def deflection(suspension: Suspension, state: SuspensionState, *, axle_load: flo
     spring = suspension.spring
     if state == "jounce":
         given = suspension.jounce_deflection
-        return spring.deflection[-1] if given is None else given
-    inch_more = float(spring_deflection(spring, 0.0)) - inch
+        return np.asarray(spring.deflection[-1] if given is None else given)
     if state in AT_LIMIT:
-        hanging = float(spring_deflection(spring, carried(suspension, 0.0)))
+        inch_more = spring_deflection(spring, 0.0) - inch
+        hanging = spring_deflection(spring, carried(suspension, 0.0))
         given = suspension.full_rebound_deflection
-        lowest = min(hanging, inch_more) if given is None else given
-        return lowest if state == "full rebound" else max(inch_more, lowest)
-    if isnan(axle_load):
+        lowest = np.minimum(hanging, inch_more) if given is None else np.asarray(given)
+        return lowest if state == "full rebound" else np.maximum(inch_more, lowest)
+    if np.isnan(axle_load).any():
         msg = f"suspension state {state} needs the axle's load: give the vehicle a load state"
         raise DesignError(msg)
-    return float(spring_deflection(spring, carried(suspension, axle_load)))
+    return spring_deflection(spring, carried(suspension, axle_load))
 
 
 def leaf_link(front_half: float, *, camber: float = 0.0, pitch_rate: float = 0.0) -> Linkage:
@@ -174,8 +183,9 @@ def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArr
     """
     travel = np.asarray(travel, dtype=float)
     if linkage.travel:
+        rises = stacked(linkage.travel)
         dx, pitch = (
-            _through(travel, linkage.travel, column) - _through(0.0, linkage.travel, column)
+            _through(travel, rises, stacked(column)) - _through(0.0, rises, stacked(column))
             if column
             else np.zeros_like(travel)
             for column in (linkage.dx, linkage.pitch)
@@ -185,16 +195,16 @@ def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArr
     if linkage.radius is None:
         return np.zeros_like(travel), pitch
     sine = np.sin(linkage.angle) - travel / linkage.radius
-    if not np.all(np.abs(sine) <= 1):
+    if wrong := failing(np.abs(sine) <= 1, linkage.radius, travel):
         msg = (
-            f"a link of radius {linkage.radius / mm:g} mm cannot follow an axle travel of "
-            f"{travel.flat[np.argmax(np.abs(sine))] / mm:g} mm"
+            f"a link of radius {wrong[0] / mm:g} mm cannot follow an axle travel of "
+            f"{wrong[1] / mm:g} mm"
         )
         raise DesignError(msg)
     return linkage.radius * (np.sqrt(1 - sine**2) - np.cos(linkage.angle)), pitch
 
 
-def windup(torque: ArrayLike, *, stiffness: float) -> FloatArray:
+def windup(torque: ArrayLike, *, stiffness: ArrayLike) -> FloatArray:
     """Pitch (...) rad of an axle under torques (...) N m on its housing, about y.
 
     Rolling ahead the wheels turn about -y, so traction turns the housing about +y: a pinion
@@ -207,4 +217,4 @@ def windup(torque: ArrayLike, *, stiffness: float) -> FloatArray:
     -----
     Quasi-static, springs linear in wind-up. Derived: moments on the housing.
     """
-    return np.asarray(torque, dtype=float) / stiffness
+    return np.asarray(torque, dtype=float) / np.asarray(stiffness)

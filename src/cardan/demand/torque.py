@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, floats, stacked
 from cardan.model.vehicle import Engine, Gearbox
 
 DIRECT = Gearbox(ratios=(1.0,))
@@ -15,15 +15,17 @@ DIRECT = Gearbox(ratios=(1.0,))
 class Gears:
     """What a line gets in every gear, lowest first; a transfer case's low range follows.
 
+    Leading axes are those of the numbers it follows from.
+
     Attributes
     ----------
     names
         "1", "2", ... and "low 1", "low 2", ... where there is a low range.
-    ratios : (G,) 1
+    ratios : (..., G) 1
         Engine speed over line speed.
-    speed : (G, E) rad/s
+    speed : (..., G, E) rad/s
         Line speed at each point of the engine's curve, a converter locked.
-    torque : (G, E) N m
+    torque : (..., G, E) N m
         Line torque at full load, a converter stalled.
     """
 
@@ -34,12 +36,25 @@ class Gears:
 
     @property
     def peak(self) -> FloatArray:
-        """Largest torque in each gear, (G,) N m."""
+        """Largest torque in each gear, (..., G) N m."""
         return self.torque.max(axis=-1)
 
     @property
+    def top_speed(self) -> FloatArray:
+        """Highest line speed in any gear, (...) rad/s."""
+        return self.speed.max((-2, -1))
+
+    @property
+    def strongest(self) -> tuple[FloatArray, FloatArray]:
+        """Largest torque in any gear, and the highest speed in that gear, (...) N m, rad/s."""
+        gear = self.peak.argmax(-1)[..., None]
+        fastest = self.speed.max(-1)
+        fastest = np.broadcast_to(fastest, (*gear.shape[:-1], fastest.shape[-1]))
+        return self.peak.max(-1), np.take_along_axis(fastest, gear, axis=-1)[..., 0]
+
+    @property
     def speed_range(self) -> FloatArray:
-        """Lowest and highest line speed in each gear, (G, 2) rad/s."""
+        """Lowest and highest line speed in each gear, (..., G, 2) rad/s."""
         return np.stack([self.speed.min(axis=-1), self.speed.max(axis=-1)], axis=-1)
 
 
@@ -47,8 +62,8 @@ def gears(
     engine: Engine,
     gearbox: Gearbox = DIRECT,
     *,
-    torque_ratio: float = 1.0,
-    speed_ratio: float = 1.0,
+    torque_ratio: ArrayLike = 1.0,
+    speed_ratio: ArrayLike = 1.0,
 ) -> Gears:
     """Torque and speed of a line in every gear and at every point of the engine's curve.
 
@@ -59,7 +74,7 @@ def gears(
     ----------
     engine, gearbox
         The engine, and what stands between it and the line.
-    torque_ratio, speed_ratio
+    torque_ratio, speed_ratio : (...) 1
         Torque and speed of the line over those of the gearbox output.
 
     Notes
@@ -68,28 +83,42 @@ def gears(
     gear and at every speed it is an upper bound. The low range counts for torque; the
     gearbox's own speeds stand in the high range. Source: Souza (2014), eq. 1.
     """
-    ranges = {"": 1.0} if gearbox.transfer_ratio == 1 else {"": 1.0, "low ": gearbox.transfer_ratio}
-    ratios = np.multiply.outer(list(ranges.values()), gearbox.ratios).ravel()
-    gain = gearbox.efficiency * gearbox.converter_ratio * torque_ratio
+    low = gearbox.transfer_ratio
+    ranges = {"": 1.0} if np.all(np.asarray(low) == 1) else {"": 1.0, "low ": low}
+    ratios = stacked(low * ratio for low in ranges.values() for ratio in gearbox.ratios)
+    _, pace, share, eta, stall = floats(
+        speed_ratio, torque_ratio, gearbox.efficiency, gearbox.converter_ratio
+    )
+    pace, gain = pace[..., None], (eta * stall * share)[..., None, None]
     return Gears(
         names=tuple(f"{low}{k + 1}" for low in ranges for k in range(len(gearbox.ratios))),
-        ratios=ratios / speed_ratio,
-        speed=speed_ratio * np.asarray(engine.speed) / ratios[:, None],
-        torque=gain * ratios[:, None] * np.asarray(engine.torque),
+        ratios=ratios / pace,
+        speed=pace[..., None] * stacked(engine.speed)[..., None, :] / ratios[..., None],
+        torque=gain * ratios[..., None] * stacked(engine.torque)[..., None, :],
     )
 
 
-def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> float:
-    """Torque at the gearbox output that engine brake or retarder hold, in the lowest gear, N m.
+def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> FloatArray:
+    """Torque at the gearbox output that engine brake or retarder hold, in the lowest gear.
 
-    T = Tb i / η: what gears lose helps to brake. Derived from Souza (2014), eq. 1.
+    (...) N m.
+
+    T = Tb i / η: what gears lose helps to brake; nan where nobody knows Tb. Derived from
+    Souza (2014), eq. 1.
     """
-    lowest = max(gearbox.ratios) * max(gearbox.transfer_ratio, 1.0)
+    if engine.brake_torque is None:
+        return np.asarray(np.nan)
+    lowest = stacked(gearbox.ratios).max(-1) * np.maximum(gearbox.transfer_ratio, 1.0)
     return engine.brake_torque * lowest / gearbox.efficiency
 
 
 def slip_torque(
-    load: ArrayLike, *, friction: float, radius: float, ratio: float, efficiency: float = 1.0
+    load: ArrayLike,
+    *,
+    friction: ArrayLike,
+    radius: ArrayLike,
+    ratio: ArrayLike,
+    efficiency: ArrayLike = 1.0,
 ) -> FloatArray:
     """Torque of a line at which its wheels slip, (...) N m.
 
@@ -99,10 +128,10 @@ def slip_torque(
     ----------
     load : (...) N
         Load N on all wheels behind the line.
-    friction, ratio, efficiency
+    friction, ratio, efficiency : (...) 1
         Of tyre on ground; of the axle, pinion over wheel speed; of the axle. When the
         wheels drive the line (coast), power runs the other way: give 1/η.
-    radius : m
+    radius : (...) m
         Static loaded radius.
 
     Notes
@@ -114,7 +143,8 @@ def slip_torque(
     >>> slip_torque(100e3, friction=0.8, radius=0.5, ratio=4.0, efficiency=0.95).round(1)
     np.float64(10526.3)
     """
-    return friction * np.asarray(load, dtype=float) * radius / (ratio * efficiency)
+    _, N, mu, r, i, eta = floats(load, friction, radius, ratio, efficiency)
+    return mu * N * r / (i * eta)
 
 
 def governing_torque(engine: ArrayLike, slip: ArrayLike) -> FloatArray:
@@ -129,11 +159,11 @@ def governing_torque(engine: ArrayLike, slip: ArrayLike) -> FloatArray:
 def low_gear_torque(
     torque: ArrayLike,
     *,
-    ratio: float,
-    efficiency: float = 0.85,
-    stall_ratio: float = 1.0,
-    transfer_ratio: float = 1.0,
-    transfer_efficiency: float = 1.0,
+    ratio: ArrayLike,
+    efficiency: ArrayLike = 0.85,
+    stall_ratio: ArrayLike = 1.0,
+    transfer_ratio: ArrayLike = 1.0,
+    transfer_efficiency: ArrayLike = 1.0,
 ) -> FloatArray:
     """J3311's low gear torque LGT of net engine torque (...), in its unit.
 
@@ -157,11 +187,13 @@ def low_gear_torque(
     >>> low_gear_torque(1567.5, ratio=10.96).round()
     np.float64(14603.0)
     """
-    gain = ratio * efficiency * stall_ratio * transfer_ratio * transfer_efficiency
-    return np.asarray(torque, dtype=float) * gain
+    _, T, i, eta, stall, low, C = floats(
+        torque, ratio, efficiency, stall_ratio, transfer_ratio, transfer_efficiency
+    )
+    return T * (i * eta * stall * low * C)
 
 
-def wheel_slip_torque(load: ArrayLike, *, radius: float, ratio: float) -> FloatArray:
+def wheel_slip_torque(load: ArrayLike, *, radius: ArrayLike, ratio: ArrayLike) -> FloatArray:
     """J3311's wheel slip torque WST of axle capacity (...) N, in N m.
 
     WST = 0.71 W RR / (11.4 AR) lb-ft with RR in inches: 11.4 is 12 in/ft times 0.95, so it
@@ -171,9 +203,9 @@ def wheel_slip_torque(load: ArrayLike, *, radius: float, ratio: float) -> FloatA
     ----------
     load : (...) N
         Capacity W of the axles behind the line.
-    radius : m
+    radius : (...) m
         Rolling radius RR of the tyre.
-    ratio
+    ratio : (...) 1
         Axle ratio AR.
 
     Notes

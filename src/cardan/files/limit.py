@@ -11,14 +11,12 @@ from cardan.base.verdict import Limit
 from cardan.border import measure
 from cardan.border.document import parse, text_of
 from cardan.border.table import Enough, Here, ListOf, Number, Reading, Spoilt, Table, key, nearest
+from cardan.model.application import KIND_GROUPS, STATE_KINDS
 from cardan.quantity.declared import WRITTEN
-from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.quantities import LIMITABLE, QUANTITIES
 
 DEFAULT = "heavy-truck"
 """The profile of an application that names none."""
-
-AT_LEAST = ("joint_angle_min", "joint_life", "spline_travel_margin", "clearance")
-"""Quantities of which more is better."""
 
 _ALIKE = (
     measure.LENGTHS, measure.TORQUES, measure.MASSES, measure.FORCES, measure.ANGLES,
@@ -42,20 +40,27 @@ class LimitTable(Table):
         "range to keep out of", default=None
     )
     above_angle: float | None = key("asked only above this joint angle, deg", default=None)
+    states: tuple[str, ...] | None = key(
+        "kinds of state it applies to, or groups of them: riding, stops, wound up; by default all",
+        default=None,
+    )
+    required: bool = key("whether a verdict is incomplete where nothing answers it", default=False)
     source: str = key("who says so")
 
     def build(self) -> Limit:
         """Return the limit in SI."""
         quantity = QUANTITIES.get(self.quantity)
         if quantity is None:
-            hint = nearest(self.quantity, list(QUANTITIES))
+            hint = nearest(self.quantity, LIMITABLE)
             self.at("quantity").refuse("unknown quantity", hint, got=self.quantity)
+        if self.quantity not in LIMITABLE:
+            self.at("quantity").refuse("nothing answers a limit of this", got=self.quantity)
         alike = next((a for a in _ALIKE if quantity.unit in a), (quantity.unit,))
         unit = quantity.unit if self.unit is None else _unit(self.unit)
         if unit not in alike:
             message = f"{self.quantity} is limited in {' or '.join(alike)}"
             self.at("unit").refuse(message, got=self.unit or "")
-        sense = self.sense or (">=" if self.quantity in AT_LEAST else "<=")
+        sense = self.sense or quantity.sense
         self._order(sense)
         worth, band = UNITS[unit], self.band
         return Limit(
@@ -66,7 +71,21 @@ class LimitTable(Table):
             sense=sense,
             band=None if band is None else (band[0] * worth, band[1] * worth),
             above_angle=None if self.above_angle is None else self.above_angle * deg,
+            states=self._kinds(),
+            required=self.required,
         )
+
+    def _kinds(self) -> frozenset[str] | None:
+        """Return the kinds of state it applies to; None for all."""
+        if self.states is None:
+            return None
+        found: set[str] = set()
+        for k, name in enumerate(self.states, 1):
+            if name not in (*KIND_GROUPS, *STATE_KINDS):
+                hint = nearest(name, (*KIND_GROUPS, *STATE_KINDS))
+                self.at("states", k).refuse("no kind of state", hint, got=name)
+            found |= KIND_GROUPS.get(name, {name})
+        return frozenset(found)
 
     def _order(self, sense: str) -> None:
         """Refuse a warning that would come after the failure."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import isclose, pi
 from typing import Annotated, Any, Literal, TypeAlias
 
-from cardan.base.units import deg, mm
+from cardan.base.units import deg
 from cardan.border import measure
 from cardan.border.document import Scalar, number
 from cardan.border.measure import (
@@ -40,6 +40,7 @@ from cardan.files.geometry import GeometryTable
 from cardan.files.vehicle import AnAxle, APlace, ASuspension
 from cardan.model.application import Adjustable, Installed
 from cardan.model.layout import Layout
+from cardan.model.movable import MOVABLES, Movable
 from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Spline
 from cardan.model.vehicle import Axle, Drives
 
@@ -164,13 +165,13 @@ class ShaftTable(Table):
         )
 
 
-_LENGTHS = ListOf(Number(*measure.LENGTHS), "lowest", "highest")
-_ANGLES = ListOf(Number(*measure.ANGLES), "lowest", "highest")
+_RANGES = {
+    "length": ListOf(Number(*measure.LENGTHS), "lowest", "highest"),
+    "angle": ListOf(Number(*measure.ANGLES), "lowest", "highest"),
+}
 Range: TypeAlias = tuple[float, float]
 Ranges: TypeAlias = Range | dict[int, Range]
 """One range for all parts, or a range for each part that may move."""
-Moves: TypeAlias = Annotated[Ranges, OneOf(_LENGTHS, MapOf(Whole(), _LENGTHS))]
-Turns: TypeAlias = Annotated[Ranges, OneOf(_ANGLES, MapOf(Whole(), _ANGLES))]
 
 
 class AdjustTable(Table):
@@ -179,10 +180,6 @@ class AdjustTable(Table):
     A range alone is for every bearing or shaft; {1: [-20, 30]} is for the first alone.
     """
 
-    bearing_height: Moves | None = key("centre bearings, up positive", default=None)
-    bearing_side: Moves | None = key("centre bearings, to the right positive", default=None)
-    shim: Annotated[Range, _ANGLES] | None = key("axle, pinion nose up positive", default=None)
-    phase: Turns | None = key("yoke phases, counted from those installed", default=None)
     hold: tuple[str, ...] = key(
         "what stays for now, though it has a range: shim, bearing_height 1", default=()
     )
@@ -198,33 +195,37 @@ class AdjustTable(Table):
         return found
 
     def _found(self, line: Line) -> Iterator[Adjustable]:
-        counts = {
-            "bearing_height": len(line.shafts) - 1, "bearing_side": len(line.shafts) - 1,
-            "shim": 1, "phase": len(line.shafts),
-        }  # fmt: skip
-        for what, count in counts.items():
-            given: Ranges | None = getattr(self, what)
-            ranges = given if isinstance(given, dict) else dict.fromkeys(range(1, count + 1), given)
+        for movable in MOVABLES.values():
+            given: Ranges | None = getattr(self, movable.key)
+            every = range(1, movable.count(line) + 1)
+            ranges = given if isinstance(given, dict) else dict.fromkeys(every, given)
             for part, moves in ranges.items():
                 if moves is not None:
-                    yield from self._one(what, part, moves, count=count, line=line.name)
+                    yield from self._one(movable, part, moves, line)
 
-    def _one(
-        self, what: Any, part: int, moves: Range, *, count: int, line: str
-    ) -> Iterator[Adjustable]:
-        low, high = moves
+    def _one(self, movable: Movable, part: int, moves: Range, line: Line) -> Iterator[Adjustable]:
+        (low, high), what, count = moves, movable.key, movable.count(line)
         if part > count:
-            of = "shaft" if what == "phase" else "centre bearing"
-            self.at(what).note(f"line {line} has no {of} {part}", f"its last is {of} {count}")
+            self.at(what).note(
+                f"line {line.name} has no {movable.of} {part}", f"its last is {movable.of} {count}"
+            )
         elif not low <= 0 <= high or low == high:
-            worth = deg if what in ("shim", "phase") else mm
+            worth = movable.worth
             self.at(what).note(
                 "must reach from 0 or less to 0 or more: ranges count from where the part is",
                 got=f"[{low / worth:g}, {high / worth:g}]",
             )
         else:
             held = bool({what, f"{what} {part}"} & set(self.hold))
-            yield Adjustable(what=what, part=part, low=low, high=high, line=line, hold=held)
+            yield Adjustable(what=what, part=part, low=low, high=high, line=line.name, hold=held)
+
+
+# What may move is declared once, in the model: each kind is an entry of the table.
+for _movable in MOVABLES.values():
+    _range = _RANGES[_movable.measure]
+    _ranges = _range if _movable.of == "axle" else OneOf(_range, MapOf(Whole(), _range))
+    AdjustTable.__annotations__[_movable.key] = Annotated[Any, _ranges]
+    setattr(AdjustTable, _movable.key, key(_movable.says, default=None))
 
 
 class LineTable(GeometryTable):

@@ -86,7 +86,7 @@ class EquivalentJoint:
     Attributes
     ----------
     angle : (...) rad
-        Equivalent angle, 2 √A₂ with A₂ the order 2 amplitude of what it stands for.
+        Equivalent angle, 2 atan √|E| with E the phasor, or sum of phasors, it stands for.
     acceleration : (...) rad/s²
         Largest angular acceleration over a turn.
     """
@@ -145,7 +145,7 @@ def excitation(turn: Turn, *, speed: ArrayLike, inertias: ArrayLike | None = Non
     released = (shafts - pinion[..., None]) / (1 - shafts * xp.conj(pinion[..., None]))
 
     def inertia(phasors: ComplexArray) -> tuple[EquivalentJoint, FloatArray | None]:
-        angle = 2 * xp.sqrt(xp.abs(xp.sum(phasors, axis=-1)))
+        angle = _angle(xp.abs(xp.sum(phasors, axis=-1)))
         acceleration = speed**2 * _largest_sum(phasors, xp.ones(phasors.shape[-1]))
         joint = EquivalentJoint(angle=angle, acceleration=acceleration)
         if inertias is None:
@@ -155,16 +155,21 @@ def excitation(turn: Turn, *, speed: ArrayLike, inertias: ArrayLike | None = Non
 
     drive, drive_torque = inertia(shafts)
     coast, coast_torque = inertia(released)
-    root = xp.sqrt(xp.abs(pinion))
-    joint = 2 * xp.atan(root)
+    joint = _angle(xp.abs(pinion))
     return Excitation(
-        torsional=EquivalentJoint(angle=2 * root, acceleration=speed**2 * max_acceleration(joint)),
+        torsional=EquivalentJoint(angle=joint, acceleration=speed**2 * max_acceleration(joint)),
         drive=drive,
         coast=coast,
         drive_torque=drive_torque,
         coast_torque=coast_torque,
         irregularity=irregularity(joint),
     )
+
+
+def _angle(size: FloatArray) -> FloatArray:
+    """Return the angle (...) rad of the joint whose phasor has a size, tan²(β/2) (...)."""
+    xp = namespace(size)
+    return 2 * xp.atan(xp.sqrt(size))
 
 
 def ae7(

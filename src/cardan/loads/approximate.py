@@ -13,7 +13,7 @@ is that couple as a force i T q_k / 2 at either end of shaft k, whose yoke phase
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike
+from cardan.base.arrays import ArrayLike, ComplexArray, stacked
 from cardan.loads.cycle import Cycle
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
@@ -48,22 +48,25 @@ def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
     changes is of second order. Source: derived from first principles.
     """
     bend = np.diff(layout.top - 1j * layout.side, axis=-1)
-    s = np.cumprod(np.concatenate([np.ones(1), -np.exp(2j * np.asarray(line.phases))]))
+    steps = -np.exp(2j * stacked(line.phases))
+    s = np.cumprod(np.concatenate([np.ones_like(steps[..., :1]), steps], axis=-1), axis=-1)
     turning = s * bend.conj()
     mean, swing = bend[..., :-1] + bend[..., 1:], turning[..., :-1] - turning[..., 1:]
     lengths = layout.lengths[..., None]
     # The two columns are factors of 1 and of e^{2iθ}.
     force = 0.5j * np.asarray(torque, dtype=float)[..., None, None] / lengths
     couple = force * np.stack([mean, swing], axis=-1)
+    overhangs = stacked(
+        s.centre_bearing.from_rear_joint if s.centre_bearing else 0.0 for s in line.shafts
+    )[..., None]
     joint, bearings = couple[..., -1, :], []
     for k in reversed(range(len(line.shafts) - 1)):
-        bearing = line.shafts[k].centre_bearing
-        overhang = bearing.from_rear_joint if bearing else 0.0
         length = lengths[..., k, :]
-        force = length / (length - overhang) * (couple[..., k, :] - joint)
+        force = length / (length - overhangs[..., k, :]) * (couple[..., k, :] - joint)
         joint = joint + force
         bearings.append(force)
-    across = np.stack([joint, *bearings][::-1], axis=-2)[..., :-1, :]
+    across: ComplexArray = np.stack(np.broadcast_arrays(joint, *bearings)[::-1], axis=-2)
+    across = across[..., :-1, :]
     # y + i z as vectors: the mean lies still, the swing goes round with θ.
     mean, swing = across[..., 0], across[..., 1]
     still = np.stack([0 * mean, mean.real, mean.imag], axis=-1)

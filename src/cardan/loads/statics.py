@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, floats, namespace
+from cardan.base.arrays import ArrayLike, FloatArray, floats, namespace, stacked, vectors
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, dot
 from cardan.loads.cycle import Cycle, major_axis
@@ -144,7 +144,7 @@ def loads(
         layout,
         line,
         moments.waves,
-        ends=(weights[:, 0, ...], weights[:, 1, ...]),
+        ends=(weights[..., 0, :, :], weights[..., 1, :, :]),
         thrust=thrust[..., None, None] * steady,
     )
     return Loads(
@@ -186,21 +186,19 @@ def _spent(turn: Turn, inertias: FloatArray, accelerations: FloatArray) -> Float
 
 
 def _end_masses(line: Line) -> FloatArray:
-    """Mass that weighs on the front and rear end of each shaft, (n-1, 2) kg.
+    """Mass that weighs on the front and rear end of each shaft, (..., n-1, 2) kg.
 
     Half the tube, the end's own yoke, and the spline by its place between the joints.
     """
-    masses: list[list[float]] = []
+    masses: list[tuple[float, float]] = []
     for shaft in line.shafts:
         spline, at = 0.0, 0.0
         if shaft.spline:
             spline, at = shaft.spline.mass, shaft.spline.from_front_joint / shaft.length
         tube = shaft.mass - sum(shaft.yoke_mass) - spline
-        shares = (1 - at, at)
-        masses.append(
-            [tube / 2 + y + spline * s for y, s in zip(shaft.yoke_mass, shares, strict=True)]
-        )
-    return np.array(masses)
+        front, rear = shaft.yoke_mass
+        masses.append((tube / 2 + front + spline * (1 - at), tube / 2 + rear + spline * at))
+    return vectors(masses, size=2)
 
 
 def _carried(
@@ -238,21 +236,30 @@ def _held(
     along = layout.directions[..., 1:-1, None, :]
     steps = (layout.points[..., 1:, :] - layout.points[..., :-1, :])[..., None, :]
     lengths = xp.sqrt(dot(steps, steps))[..., None]
+    overhangs = xp.asarray(_overhangs(line))[..., None, None]
     front, rear = ends
     behind = -couples[..., -1, :, :] / lengths[..., -1, :, :] - tension * along[..., -1, :, :]
     joints = [behind + rear[..., -1, :, :], behind - front[..., -1, :, :]]
     bearings: list[Any] = []
     for k in reversed(range(len(line.shafts) - 1)):
         d, length = along[..., k, :, :], lengths[..., k, :, :]
-        bearing = line.shafts[k].centre_bearing
-        arm = length - bearing.from_rear_joint if bearing else length
+        arm = length - overhangs[..., k, :, :]
         behind = joints[-1] - rear[..., k, :, :]
         across = behind - dot(behind, d)[..., None] * d
         held = (couples[..., k, :, :] + length * across) / arm
         joints.append(behind - held - front[..., k, :, :])
         bearings.append(-held)
-    on_bearings = xp.stack([joints[0], *bearings[::-1]], axis=-3)[..., 1:, :, :]
-    return xp.stack(joints[::-1], axis=-3), on_bearings
+    # The front ones may have more variants than the rear ones: of the bearings' places.
+    last, *others = xp.broadcast_arrays(*joints, *bearings)
+    behind, held = others[: len(bearings) + 1], others[len(bearings) + 1 :]
+    on_bearings = xp.stack([last, *held[::-1]], axis=-3)[..., 1:, :, :]
+    return xp.stack([*behind[::-1], last], axis=-3), on_bearings
+
+
+def _overhangs(line: Line) -> FloatArray:
+    """Rear joint of each shaft behind its bearing, (..., n-1) m."""
+    bearings = [s.centre_bearing for s in line.shafts]
+    return stacked(b.from_rear_joint if b else 0.0 for b in bearings)
 
 
 def slip_force(torque: ArrayLike, *, friction: ArrayLike, mean_radius: ArrayLike) -> FloatArray:
@@ -319,8 +326,8 @@ def unbalance(
     """
     speed = np.asarray(speed, dtype=float)
     pace = speed if balanced_at is None else speed**2 / np.asarray(balanced_at, dtype=float)
-    grades = np.array([grade if s.balance_grade is None else s.balance_grade for s in line.shafts])
-    masses = np.array([s.mass for s in line.shafts])
+    grades = stacked(grade if s.balance_grade is None else s.balance_grade for s in line.shafts)
+    masses = stacked(s.mass for s in line.shafts)
     force = masses / 2 * grades * mm * pace[..., None]
     d = layout.directions[..., 1:-1, :]
     side = unit(cross(d, np.array([0.0, 0.0, 1.0])))

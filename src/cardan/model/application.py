@@ -1,9 +1,9 @@
 """An application: lines in a vehicle, the states to check, what is in the way, the limits."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import get_args
 
-from cardan.base.errors import DesignError, Problem
+from cardan.base.errors import DesignError, Problem, failing
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.bracket import Bracket
@@ -19,6 +19,18 @@ from cardan.model.vehicle import (
     Tyre,
     Vehicle,
 )
+
+GIVEN = "given"
+"""The kind of a state whose geometry is given: nothing else says what it is like."""
+
+KIND_GROUPS: dict[str, frozenset[str]] = {
+    "riding": frozenset({"curb", "empty", "gvw", "overload", GIVEN}),
+    "stops": frozenset({"full rebound", "rebound", "jounce"}),
+    "wound up": frozenset({"windup", "windup brake"}),
+}
+"""Kinds of state that go together: the axle under its load, at the end of its travel, turned."""
+RIDING = KIND_GROUPS["riding"]
+STATE_KINDS = (*get_args(SuspensionState), GIVEN)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +53,11 @@ class State:
     torque: NewtonMetre | None = None
     speed: RadianPerSecond | None = None
     layouts: dict[str, Layout] | None = None
+
+    @property
+    def counts_as(self) -> str:
+        """The kind of state that limits know it as: its kind, or what its name says."""
+        return self.kind or (self.name if self.name in STATE_KINDS else GIVEN)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,11 +91,11 @@ class DutyPoint:
 class Adjustable:
     """Something `fix` may move, and how far: value range around what is installed.
 
-    `what` is one of bearing height (z), bearing side (y), shim (axle pinion pitch), phase.
-    `part` counts from 1 (bearing or shaft). `hold` keeps it where it is.
+    `what` is a key of `cardan.model.movable.MOVABLES`. `part` counts from 1 (bearing or
+    shaft). `hold` keeps it where it is.
     """
 
-    what: Literal["bearing_height", "bearing_side", "shim", "phase"]
+    what: str
     part: int
     low: float
     high: float
@@ -119,10 +136,11 @@ class Installed:
                 f"{self.layout.points.shape[-2]}"
             )
             raise DesignError(msg)
-        if not 0 < self.load_share <= 1:
+        share = self.load_share
+        if wrong := failing((share > 0) & (share <= 1), share):
             msg = (
                 f"load_share of line {self.line.name} must be above 0 and at most 1, got "
-                f"{self.load_share:g}"
+                f"{wrong[0]:g}"
             )
             raise DesignError(msg)
 

@@ -71,7 +71,7 @@ def from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layou
     directions = direction(side=side, top=top)
     lengths = np.asarray(lengths, dtype=float)
     steps = lengths[..., None] * directions[..., 1:-1, :]
-    start = np.zeros_like(directions[..., :1, :])
+    start = np.zeros_like(steps[..., :1, :])
     return Layout(
         points=np.concatenate([start, np.cumsum(steps, axis=-2)], axis=-2), directions=directions
     )
@@ -95,10 +95,14 @@ def from_points(points: ArrayLike, *, gearbox: ArrayLike, pinion: ArrayLike) -> 
     `gearbox` and `pinion` are vectors (..., 3) along the flanges, pointing rearward.
     """
     points = np.asarray(points, dtype=float)
-    ends = [np.broadcast_to(unit(end), points[..., 0, :].shape) for end in (gearbox, pinion)]
-    shafts = unit(np.diff(points, axis=-2))
-    directions = np.concatenate([ends[0][..., None, :], shafts, ends[1][..., None, :]], axis=-2)
-    return Layout(points=points, directions=directions)
+    members = joined(unit(gearbox), unit(np.diff(points, axis=-2)), unit(pinion))
+    return Layout(points=points, directions=members)
+
+
+def joined(gearbox: FloatArray, shafts: FloatArray, pinion: FloatArray) -> FloatArray:
+    """Return the directions of all members (..., n+1, 3) of shafts (..., n-1, 3) and ends."""
+    members = [gearbox, *np.moveaxis(shafts, -2, 0), pinion]
+    return np.stack(np.broadcast_arrays(*members), axis=-2)
 
 
 def hung(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Literal
 
-from cardan.base.errors import DesignError, positive
+from cardan.base.errors import DesignError, failing, positive
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
 
@@ -50,10 +50,12 @@ class Tube:
     material: Material = STEEL
 
     def __post_init__(self) -> None:
-        if not 0 < self.wall <= self.outer / 2:
+        half = self.outer / 2
+        if wrong := failing((self.wall > 0) & (self.wall <= half), half, self.wall):
+            most, wall = wrong
             msg = (
                 f"wall of a tube must be above 0 and at most half its outside diameter, "
-                f"{self.outer / 2 / mm:g} mm, got {self.wall / mm:g} mm"
+                f"{most / mm:g} mm, got {wall / mm:g} mm"
             )
             raise DesignError(msg)
 
@@ -128,10 +130,10 @@ class CentreBearing:
     stiffness: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not self.from_rear_joint >= 0:
+        if wrong := failing(self.from_rear_joint >= 0, self.from_rear_joint):
             msg = (
                 "a centre bearing sits ahead of its rear joint: from_rear_joint must be 0 or "
-                f"more, got {self.from_rear_joint / mm:g} mm"
+                f"more, got {wrong[0] / mm:g} mm"
             )
             raise DesignError(msg)
         if self.stiffness is not None:
@@ -183,10 +185,13 @@ class Shaft:
     def __post_init__(self) -> None:
         positive("a shaft", length=self.length, polar_inertia=self.polar_inertia_given)
         bearing = self.centre_bearing
-        if bearing and not bearing.from_rear_joint < self.length:
+        if bearing is None:
+            return
+        place = bearing.from_rear_joint
+        if wrong := failing(place < self.length, self.length, place):
             msg = (
                 f"a centre bearing must sit on its shaft: from_rear_joint must be below its "
-                f"length {self.length / mm:g} mm, got {bearing.from_rear_joint / mm:g} mm"
+                f"length {wrong[0] / mm:g} mm, got {wrong[1] / mm:g} mm"
             )
             raise DesignError(msg)
 

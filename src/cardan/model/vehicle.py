@@ -4,7 +4,9 @@ import itertools
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
-from cardan.base.errors import DesignError, positive
+import numpy as np
+
+from cardan.base.errors import DesignError, failing, positive
 from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
@@ -20,7 +22,7 @@ SuspensionState: TypeAlias = Literal[
 def _rising(part: str, **columns: tuple[float, ...]) -> None:
     """Refuse columns of a table that do not rise; a nan does not rise either."""
     for name, values in columns.items():
-        if any(not b > a for a, b in itertools.pairwise(values)):
+        if not all(np.all(b > a) for a, b in itertools.pairwise(values)):
             msg = f"the {name} of {part} must rise"
             raise DesignError(msg)
 
@@ -31,8 +33,8 @@ class Engine:
 
     speed: tuple[RadianPerSecond, ...]
     torque: tuple[NewtonMetre, ...]
-    brake_torque: NewtonMetre = 0.0
-    """Engine brake or retarder torque at the crankshaft; coast."""
+    brake_torque: NewtonMetre | None = None
+    """Engine brake or retarder torque at the crankshaft, for coast; None where not known."""
 
     def __post_init__(self) -> None:
         if len(self.speed) != len(self.torque) or not self.speed:
@@ -165,17 +167,20 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         positive("a vehicle", wheelbase=self.wheelbase)
-        if self.driven_share is not None and not 0 <= self.driven_share <= 1:
-            msg = f"driven_share of a vehicle must be within 0 and 1, got {self.driven_share:g}"
+        share = self.driven_share
+        if share is not None and (wrong := failing((share >= 0) & (share <= 1), share)):
+            msg = f"driven_share of a vehicle must be within 0 and 1, got {wrong[0]:g}"
             raise DesignError(msg)
         if self.rear_group < 1:
             msg = f"a {self.drive} with {len(self.auxiliary)} auxiliary axles has no rear axle left"
             raise DesignError(msg)
         fixed = {0: 0.0, self.rear_group: 1.0}.get(self.driven_rear)
-        if self.driven_share is not None and fixed not in (None, self.driven_share):
+        if share is None or fixed is None:
+            return
+        if wrong := failing(share == fixed, share):
             msg = (
                 f"driven_share of a {self.drive} whose rear group has {self.driven_rear} of "
-                f"{self.rear_group} axles driven must be {fixed:g}, got {self.driven_share:g}"
+                f"{self.rear_group} axles driven must be {fixed:g}, got {wrong[0]:g}"
             )
             raise DesignError(msg)
 
@@ -293,8 +298,8 @@ class Suspension:
             "a suspension",
             springs_per_axle=self.springs_per_axle, windup_stiffness=self.windup_stiffness,
         )  # fmt: skip
-        if not self.unsprung_mass >= 0:
-            msg = f"unsprung_mass of a suspension must be 0 or more, got {self.unsprung_mass:g}"
+        if wrong := failing(self.unsprung_mass >= 0, self.unsprung_mass):
+            msg = f"unsprung_mass of a suspension must be 0 or more, got {wrong[0]:g}"
             raise DesignError(msg)
         fit = [s for s in get_args(SuspensionState) if not s.startswith("windup")]
         if self.reference not in fit:

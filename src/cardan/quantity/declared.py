@@ -1,9 +1,34 @@
-"""What a quantity is: its one declaration, which every table, page and file reads."""
+"""What a quantity is: its one declaration, with how a line answers it.
 
+Limits, tables, the JSON contract, the schema, `explain`, workbooks and documentation read
+these declarations, so a quantity has one name, one unit and one value wherever it appears.
+What it is called in other languages stands in the catalogues of `cardan.report.text`.
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
 
+import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.part import LINE, Part
 from cardan.base.source import Source
 from cardan.base.units import UNITS
+from cardan.base.verdict import Limit, Sense
+from cardan.model.application import RIDING
+from cardan.quantity.response import Response
+
+Of: TypeAlias = Callable[[Response], FloatArray]
+"""Computes a quantity of a line, (..., states, parts) SI; nan where nothing is known."""
+Parts: TypeAlias = Callable[[Response], tuple[Part, ...]]
+Section: TypeAlias = Literal[
+    "Demand", "Joints", "Excitation", "Centre bearings", "Gearbox, axle and spline",
+    "Speed and strength", "Room",
+]  # fmt: skip
+
+BY_PART = ("Joints", "Centre bearings")
+"""Sections that tell all of one part before the next; the others go by quantity."""
 
 WRITTEN = {
     "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
@@ -13,18 +38,90 @@ WRITTEN = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Need:
+    """Something an answer stands on.
+
+    `met` tells where a line has it, (..., states, parts) or what broadcasts to that, and
+    `idle` where the application says there is nothing to ask: a line that stands still.
+    """
+
+    gives: str
+    """What an application gives to have it, by its keys."""
+    met: Callable[[Response], BoolArray]
+    idle: Callable[[Response], BoolArray] | None = None
+
+
+def _rated(gives: str, name: str) -> Need:
+    return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
+
+
+SPEED = Need(
+    gives="speed_rpm, or engine and gearbox",
+    met=lambda r: np.isfinite(r.demand.speed)[..., None],
+    idle=lambda r: (r.demand.speed == 0)[..., None],
+)
+TORQUE = Need(
+    gives="torque_Nm, or engine, gearbox, axle and tyre",
+    met=lambda r: np.isfinite(r.demand.torque)[..., None],
+    idle=lambda r: (r.demand.torque == 0)[..., None],
+)
+LOAD = Need(
+    gives=TORQUE.gives,
+    met=TORQUE.met,
+    idle=lambda r: ((r.demand.torque == 0) & (r.gravity == 0) & (r.unbalance is None))[..., None],
+)
+"""Torque, or weight and unbalance where they count."""
+TUBES = Need(
+    gives="the tube of each shaft",
+    met=lambda r: np.array([[s.tube is not None for s in r.line.shafts]]),
+)
+ALL_TUBES = Need(
+    gives="the tube of each shaft",
+    met=lambda r: np.array([[all(s.tube is not None for s in r.line.shafts)]]),
+)
+INERTIAS = Need(
+    gives="the tube or polar_inertia_kgm2 of each shaft",
+    met=lambda r: np.array([[r.inertias is not None]]),
+)
+YIELD = Need(
+    gives="a tube material with its yield strength",
+    met=lambda r: np.array(
+        [[bool(s.tube and s.tube.material.yield_strength) for s in r.line.shafts]]
+    ),
+)
+PEAK_RATING = _rated("a joint size with its peak torque", "peak_torque")
+FATIGUE_RATING = _rated("a joint size with its reversing torque", "reversing_torque")
+COAST = Need(
+    gives="coast_torque_Nm, or the brake torque of the engine",
+    met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
+)
+LIFE_RATING = Need(
+    gives="a joint size with its life rating Td", met=lambda r: np.isfinite(r.life_ratings)
+)
+DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
+STROKE = Need(
+    gives="spline plunge_mm and draw_mm",
+    met=lambda r: np.isfinite(r.spline_travel_margin)[..., None],
+)
+SLIDING = Need(gives="spline mean_radius_mm", met=lambda r: np.isfinite(r.spline_force)[..., None])
+SPRINGS = Need(
+    gives="a suspension, and the axle loads of the state",
+    met=lambda r: np.isfinite(r.demand.suspension_frequency)[..., None],
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
     """A quantity of the field, declared once.
 
     `unit` is the unit it is shown in, a name of `cardan.base.units.UNITS`; inside the
     program its values are SI. `equation` is plain text that a terminal can print, and
-    `where` says what its symbols mean.
+    `where` says what its symbols mean. `of` computes it for the `parts` of a line that have
+    it; a quantity without is answered by another study than that of the driveline.
     """
 
     key: str
     name: str
-    pt: str
-    it: str
     symbol: str
     unit: str
     equation: str
@@ -32,6 +129,27 @@ class Quantity:
     where: dict[str, str] = field(default_factory=dict[str, str])
     use: str = ""
     """Limits of use: when the number can be trusted."""
+    sense: Sense = "<="
+    """Which side of a limit is safe."""
+    parts: Parts | None = None
+    of: Of | None = None
+    needs: tuple[Need, ...] = ()
+    states: frozenset[str] | None = None
+    """Kinds of state in which it means anything; None is all."""
+    rating: str = ""
+    """Where a catalogue's joint brings a limit of its own, beside a profile's."""
+    own_first: bool = False
+    """Whether a joint's own limit takes the place of a profile's."""
+    section: Section | None = None
+    """Where tables show it; None where they do not."""
+    quiet: bool = False
+    """Whether tables leave it out where it is 0 in every state."""
+    methods: Mapping[str, Of] = field(default_factory=dict[str, Of])
+    """The field's approximations that tables show beside it, by name."""
+    study: str = ""
+    """The study that answers it, where that is not the driveline in its states."""
+    contract: str = ""
+    """Where the JSON contract holds it in a state: `joints.angle_deg`; "" where it does not."""
 
     @property
     def factor(self) -> float:
@@ -43,6 +161,62 @@ class Quantity:
         """The display unit as people write it: rad/s², N·m."""
         return WRITTEN.get(self.unit, self.unit)
 
-    def named(self, language: str) -> str:
-        """Return the name in `en`, `pt` or `it`."""
-        return {"en": self.name, "pt": self.pt, "it": self.it}[language]
+    def own(self, r: Response) -> tuple[Limit | None, ...]:
+        """Return the limit that each joint's catalogue brings, None where it has none."""
+        if not self.rating:
+            return ()
+        return tuple(
+            Limit(quantity=self.key, maximum=value, source=size.source)
+            if size and (value := getattr(size, self.rating))
+            else None
+            for size in r.sizes
+        )
+
+    def values(self, r: Response) -> FloatArray:
+        """Return its values, (..., states, parts) SI; nan where a need is not met."""
+        assert self.of is not None  # asked of the driveline's own quantities
+        values = self.of(r)
+        for need in self.needs:
+            values = np.where(need.met(r), values, np.nan)
+        if self.states is None:
+            return values
+        meant = np.array([[kind in self.states] for kind in r.kinds])
+        return np.where(meant, values, np.nan)
+
+
+def line(_: Response) -> tuple[Part, ...]:
+    """Return the line as a whole."""
+    return (LINE,)
+
+
+def joints(r: Response) -> tuple[Part, ...]:
+    """Return the joints, gearbox first."""
+    return tuple(Part("joint", k) for k in range(1, r.line.joint_count + 1))
+
+
+def shafts(r: Response) -> tuple[Part, ...]:
+    """Return the shafts, gearbox first."""
+    return tuple(Part("shaft", k) for k in range(1, r.line.joint_count))
+
+
+def last_shaft(r: Response) -> tuple[Part, ...]:
+    """Return the last shaft, which holds the spline."""
+    return shafts(r)[-1:]
+
+
+def centre_bearings(r: Response) -> tuple[Part, ...]:
+    """Return the centre bearings, gearbox first."""
+    return tuple(Part("centre bearing", k) for k in range(1, r.line.joint_count - 1))
+
+
+def of_line(value: Callable[[Response], FloatArray]) -> Of:
+    """Return how to compute a quantity of the line as a whole from values (..., states)."""
+    return lambda r: value(r)[..., None]
+
+
+__all__ = [
+    "ALL_TUBES", "BY_PART", "COAST", "DUTY", "FATIGUE_RATING", "INERTIAS", "LIFE_RATING", "LOAD",
+    "PEAK_RATING", "RIDING", "SLIDING", "SPEED", "SPRINGS", "STROKE", "TORQUE", "TUBES",
+    "WRITTEN", "YIELD", "Need", "Of", "Parts", "Quantity", "Section", "centre_bearings",
+    "joints", "last_shaft", "line", "of_line", "shafts",
+]  # fmt: skip

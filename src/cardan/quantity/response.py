@@ -4,16 +4,15 @@ One code path serves one design and a million: the states of an application stan
 last leading axis, variants of a study on axes before it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre, g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
-from cardan.demand.suspension import AT_LIMIT
 from cardan.kinematics import equivalent
 from cardan.kinematics.chain import Turn, joint_angles, turn
 from cardan.kinematics.equivalent import Excitation
@@ -26,17 +25,13 @@ from cardan.loads import (
     small_angle,
     unbalance,
 )
-from cardan.model.application import Application, Obstacle
+from cardan.model.application import RIDING, Application, DutyPoint, Obstacle
 from cardan.model.layout import Layout
 from cardan.model.parts import JointSize, Line
 from cardan.shaft import beams, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
-
-
-PASSING = (*AT_LIMIT, "windup", "windup brake")
-"""Suspension states nobody drives in for long."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +56,29 @@ class Response:
         """The catalogue's size of each joint, None where it is not given."""
         return self.line.joints or (None,) * self.line.joint_count
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What kind of state each is, as limits know it."""
+        return tuple(s.counts_as for s in self.application.states)
+
+    @property
+    def lasting(self) -> BoolArray:
+        """Which states are driven in for long, (states,): the axle rides under its load."""
+        return np.array([kind in RIDING for kind in self.kinds])
+
+    @property
+    def duty(self) -> tuple[DutyPoint, ...]:
+        """The duty cycle as the line turns in it; empty where the application has none.
+
+        An application's cycle is that of the gearbox output, of which the line has its share.
+        """
+        installed = self.demand.installed
+        share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+        return tuple(
+            replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
+            for p in self.application.duty
+        )
+
     @cached_property
     def turn(self) -> Turn:
         """The exact turn of the chain."""
@@ -70,6 +88,28 @@ class Response:
     def angles(self) -> FloatArray:
         """True joint angles, (..., n) rad."""
         return joint_angles(self.layout.directions)
+
+    @property
+    def pairs(self) -> tuple[int, ...]:
+        """Shafts, from 0, whose two joints are there to cancel: every other, from the rear.
+
+        With an odd number of joints the first stands alone, as service procedures have it.
+        """
+        return tuple(range(self.line.joint_count - 2, -1, -2))[::-1]
+
+    @cached_property
+    def pair_differences(self) -> FloatArray:
+        """What is left of each pair's two angles, yoke phase considered, (..., pairs) rad.
+
+        |D_k² - e^{2iε} D_{k+1}²| / (|D_k| + |D_{k+1}|): the difference of the two angles
+        where both lie in one plane and the yokes are in line.
+        """
+        bend = self.angles * np.exp(1j * self.positions)
+        k = list(self.pairs)
+        front, rear = bend[..., k], bend[..., [j + 1 for j in k]]
+        left = np.abs(front**2 - np.exp(2j * self.phases[..., k]) * rear**2)
+        both = np.abs(front) + np.abs(rear)
+        return np.divide(left, both, out=np.zeros_like(left), where=both > 0)
 
     @cached_property
     def side_angles(self) -> FloatArray:
@@ -219,10 +259,13 @@ class Response:
     def sizing_torque(self) -> FloatArray:
         """Largest torque round a turn at each joint, (..., n) N m, for the joints' size.
 
-        From the engine where it is known, times the application's shock factor.
+        From the engine where it is known, times the application's shock factor; where
+        brakes wind the axle up, what the line itself carries.
         """
         demand = self.demand
-        asked = np.where(np.isnan(demand.engine_torque), demand.torque, demand.engine_torque)
+        braked = np.array([kind == "windup brake" for kind in self.kinds])
+        own = np.isnan(demand.engine_torque) | braked
+        asked = np.where(own, demand.torque, demand.engine_torque)
         uneven = np.abs(self.turn.phasors[..., :-1])
         uneven = np.concatenate([np.zeros_like(uneven[..., :1]), uneven], axis=-1)
         return (
@@ -232,7 +275,7 @@ class Response:
     @property
     def joint_torque_utilisation(self) -> FloatArray:
         """Largest torque at each joint over its elastic limit, (..., n); nan where not known."""
-        return self.sizing_torque / self._rating("peak_torque")
+        return self.sizing_torque / self.rating("peak_torque")
 
     @cached_property
     def joint_fatigue_utilisation(self) -> FloatArray:
@@ -241,15 +284,15 @@ class Response:
         Every state's torques taken as a swing that comes back for ever; nan where the
         catalogue has no reversing torque.
         """
-        reversing, pulsating = self._rating("reversing_torque"), self._rating("pulsating_torque")
+        reversing, pulsating = self.rating("reversing_torque"), self.rating("pulsating_torque")
         return strength.joint_fatigue_utilisation(
-            self.demand.torque[..., None],
+            np.maximum(self.demand.torque, 0.0)[..., None],  # where it coasts: from 0
             lowest=-np.nan_to_num(self.demand.coast_torque)[..., None],
             reversing=reversing,
             pulsating=np.where(np.isnan(pulsating), reversing, pulsating),
         )
 
-    def _rating(self, name: str) -> FloatArray:
+    def rating(self, name: str) -> FloatArray:
         """Return a rating of every joint, (n,); nan where the catalogue has none."""
         values = [getattr(s, name) if s else None for s in self.sizes]
         return np.array([np.nan if v is None else v for v in values])
@@ -288,38 +331,34 @@ class Response:
         ]
         return np.stack(used, axis=-1)
 
+    @property
+    def life_ratings(self) -> FloatArray:
+        """Torque Td of each joint for its rated life, (n,) N m; nan where not published."""
+        found = (life.life_rating(size) if size else None for size in self.sizes)
+        return np.array([np.nan if rating is None else rating for rating in found])
+
     @cached_property
     def life(self) -> FloatArray:
         """Life of each joint's needle bearings, (..., n) s; nan where not known.
 
-        Over the duty cycle where there is one, at the joint angles of each state unless
-        the cycle gives its own; otherwise at a torque and speed that the application
-        itself states. Worst-case torque and top speed of a vehicle never meet, so they
-        make no life; neither does a moment on a stop or in wind-up.
+        Over the duty cycle, at the joint angles of each state that lasts unless the cycle
+        gives its own. Worst torque and top speed of a vehicle never meet, so without a
+        cycle there is no life.
         """
-        application = self.application
-        ratings = (life.life_rating(size) if size else None for size in self.sizes)
-        rated = np.array([np.nan if r is None else r for r in ratings])[:, None]
-        duty = application.duty
+        duty = self.duty
         if not duty:
-            given = application.engine is None
-            torque = np.where(given, self.demand.torque, np.nan)[..., None, None]
-            speed, angle = self.demand.speed[..., None, None], self.angles[..., None]
-            shares = np.ones(1)
-        else:
-            torque, speed = (np.array([getattr(p, v) for p in duty]) for v in ("torque", "speed"))
-            fixed = np.array([np.nan if p.angle is None else p.angle for p in duty])
-            angle = np.where(np.isnan(fixed), self.angles[..., None], fixed)
-            shares = np.array([p.share for p in duty])
+            return np.full(self.angles.shape, np.nan)
+        torque, speed = (np.array([getattr(p, v) for p in duty]) for v in ("torque", "speed"))
+        fixed = np.array([np.nan if p.angle is None else p.angle for p in duty])
         wear = life.wear(
             torque,
             speed=speed,
-            angle=angle,
-            rated_torque=rated,
-            prime_mover_factor=application.prime_mover_factor,
+            angle=np.where(np.isnan(fixed), self.angles[..., None], fixed),
+            rated_torque=self.life_ratings[:, None],
+            prime_mover_factor=self.application.prime_mover_factor,
         )
-        lasts = [[s.kind not in PASSING] for s in application.states]
-        return np.where(lasts, life.joint_life(wear, shares=shares), np.nan)
+        hours = life.joint_life(wear, shares=np.array([p.share for p in duty]))
+        return np.where(self.lasting[:, None], hours, np.nan)
 
     @cached_property
     def spline_travel_margin(self) -> FloatArray:

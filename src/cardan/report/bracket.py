@@ -8,15 +8,16 @@ from typing import Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from cardan import __version__
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
+from cardan.report.contract import CONTRACT, check, coverage, plain
 from cardan.report.language import EN, Language
-from cardan.report.terminal import BOLD, PLAIN
-from cardan.study.bracket import DUTY, BracketStudy, Found, Judged, Outcome
+from cardan.report.terminal import BOLD, PLAIN, checks, summary
+from cardan.study.approval import Approval
+from cardan.study.bracket import NAME, BracketAnswer, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 
 MICRO = 1e-6
@@ -24,26 +25,17 @@ SETTLED = 0.05
 """Share of a stress its error may be, before a report says that it is not known."""
 
 
-def case_name(name: str, say: Language) -> str:
-    """Return the name of a load case in a language: the user's own as it is."""
-    if name.startswith(DUTY):
-        return f"{say('duty cycle')}, {say.given(name.removeprefix(DUTY))}"
-    state, colon, part = name.rpartition(": ")
-    parts = {
-        "static": say("static"),
-        "order 2": say("order 2"),
-        "combined": say("combined"),
-        "peak": say("peak"),
-    }
-    return f"{say.given(state)}: {parts[part]}" if colon and part in parts else say.given(name)
-
-
 # --------------------------------------------------------------------------- terminal
 
 
-def terminal(of: BracketStudy) -> Iterator[str]:
-    """Yield a bracket study line by line of text."""
+def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
+    """Yield the verdict and a bracket's numbers, line by line of text."""
+    of: BracketAnswer = approval.of(NAME)
     bracket = of.bracket
+    yield from summary(approval, say)
+    yield say("limits: {profile}", profile=approval.application.profile)
+    yield from checks(approval, say)
+    yield ""
     yield f"{BOLD}{of.title}: bracket of line {bracket.line}, bearing {bracket.bearing}{PLAIN}"
     yield f"material {bracket.material.name}, {bracket.material.source}"
     yield ""
@@ -98,8 +90,9 @@ def _stresses(v: Judged) -> Iterator[str]:
             for h, e in zip(o.hot, o.error, strict=True)
         )
         yield (
-            f"{o.case.name[:29]:<30}{o.von_mises.value / MPa:>10.1f}{o.highest.value / MPa:>10.1f}"
-            f"{o.lowest.value / MPa:>10.1f}{hot}{o.on_edge.value / MPa:>12.1f}"
+            f"{str(o.case.when)[:29]:<30}{o.von_mises.value / MPa:>10.1f}"
+            f"{o.highest.value / MPa:>10.1f}{o.lowest.value / MPa:>10.1f}{hot}"
+            f"{o.on_edge.value / MPa:>12.1f}"
         )
     for name, point in zip(spots, v.hot_spots.points, strict=True):
         yield f"  {name} at {_place(tuple(point.tolist()))} mm"
@@ -123,7 +116,7 @@ def _readings(v: Judged, names: list[str]) -> Iterator[str]:
         yield f"{'per kN of ' + unit:<30}{cells}"
     for o in v.outcomes:
         cells = "".join(f"{span(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist())
-        yield f"{o.case.name[:29]:<30}{cells}"
+        yield f"{str(o.case.when)[:29]:<30}{cells}"
     yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
 
 
@@ -132,7 +125,7 @@ def lives(v: Judged) -> list[Endured]:
     return [o.life for o in v.outcomes if o.life is not None] + list(v.duty)
 
 
-def _lives(of: BracketStudy, v: Judged) -> Iterator[str]:
+def _lives(of: BracketAnswer, v: Judged) -> Iterator[str]:
     """Yield damage and life of one variant; nothing without an S-N curve."""
     if not lives(v):
         return
@@ -143,7 +136,7 @@ def _lives(of: BracketStudy, v: Judged) -> Iterator[str]:
         numbers = (e.per_turn, e.per_hour, e.hours)
         cells = "".join(f"{EN.number(x) if x > 1e9 else f'{x:.3g}':>12}" for x in numbers)
         where = f"H{int(e.spots.argmax()) + 1}" if e.worst > 0 else ""
-        yield f"{e.name[:29]:<30}{cells}{where:>12}"
+        yield f"{str(e.when)[:29]:<30}{cells}{where:>12}"
     mean = "Goodman" if of.bracket.material.ultimate_strength else "not counted"
     yield f"  Rainflow, Miner with 2k - 1 beyond the knee, mean stress: {mean}; 1 is failure."
 
@@ -154,7 +147,7 @@ def span(low: float, high: float) -> str:
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 
 
-def _compared(of: BracketStudy) -> Iterator[str]:
+def _compared(of: BracketAnswer) -> Iterator[str]:
     """Yield what the reinforcement changes."""
     before, after = of.variants[0], of.variants[1]
     old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
@@ -173,22 +166,29 @@ def _place(point: tuple[float, ...]) -> str:
 # --------------------------------------------------------------------------- contract
 
 
-def contract(of: BracketStudy) -> dict[str, Any]:
+def contract(approval: Approval) -> dict[str, Any]:
     """Return a bracket study as the JSON contract's document."""
+    of: BracketAnswer = approval.of(NAME)
     bracket = of.bracket
-    return {
-        "cardan": ".".join(__version__.split(".")[:2]),
-        "application": of.title,
-        "line": bracket.line,
-        "bearing": bracket.bearing,
-        "material": bracket.material.name,
-        "carried_mass_kg": bracket.carried_mass,
-        "top_speed_rpm": of.top_speed / rpm if np.isfinite(of.top_speed) else None,
-        "variants": [_variant(of, v) for v in of.variants],
-    }
+    return plain(
+        {
+            "cardan": CONTRACT,
+            "application": of.title,
+            "verdict": approval.verdict,
+            "profile": approval.application.profile,
+            "checks": [check(c) for c in approval.checks],
+            "coverage": coverage(approval.coverage),
+            "line": bracket.line,
+            "bearing": bracket.bearing,
+            "material": bracket.material.name,
+            "carried_mass_kg": bracket.carried_mass,
+            "top_speed_rpm": of.top_speed / rpm if np.isfinite(of.top_speed) else None,
+            "variants": [_variant(of, v) for v in of.variants],
+        }
+    )
 
 
-def _variant(of: BracketStudy, v: Judged) -> dict[str, Any]:
+def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
     spots = v.hot_spots.points.tolist()
     return {
         "name": v.name,
@@ -227,12 +227,12 @@ def _variant(of: BracketStudy, v: Judged) -> dict[str, Any]:
     }
 
 
-def _life(of: BracketStudy, e: Endured) -> dict[str, Any]:
+def _life(of: BracketAnswer, e: Endured) -> dict[str, Any]:
     def known(value: float) -> float | None:
         return value if np.isfinite(value) else None
 
     return {
-        "name": e.name,
+        "name": str(e.when),
         "turns": known(e.turns),
         "duration_s": known(e.duration),
         "hot_spots": e.spots.tolist(),
@@ -243,12 +243,12 @@ def _life(of: BracketStudy, e: Endured) -> dict[str, Any]:
     }
 
 
-def _case(of: BracketStudy, o: Outcome) -> dict[str, Any]:
+def _case(of: BracketAnswer, o: Outcome) -> dict[str, Any]:
     def found(f: Found) -> dict[str, Any]:
         return {"value_MPa": f.value / MPa, "point_mm": [x / mm for x in f.point]}
 
     return {
-        "name": o.case.name,
+        "name": str(o.case.when),
         "von_mises": found(o.von_mises),
         "max_principal": found(o.highest),
         "min_principal": found(o.lowest),
@@ -307,8 +307,8 @@ def vtu(v: Judged) -> str:
     fields: list[str] = []
     for o in v.outcomes:
         u, mises = peak_fields(v, o)
-        fields.append(_array(f"{o.case.name}: displacement", u.astype("<f4"), components=3))
-        fields.append(_array(f"{o.case.name}: von Mises", mises.astype("<f4")))
+        fields.append(_array(f"{o.case.when}: displacement", u.astype("<f4"), components=3))
+        fields.append(_array(f"{o.case.when}: von Mises", mises.astype("<f4")))
     offsets = np.arange(1, cells + 1, dtype="<i8") * 10
     return "\n".join([
         '<?xml version="1.0"?>',
@@ -345,7 +345,7 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 # --------------------------------------------------------------------------- picture
 
 
-def picture(of: BracketStudy, path: Path | BinaryIO, *, say: Language = EN) -> None:
+def picture(of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
     Raises
@@ -366,8 +366,8 @@ def picture(of: BracketStudy, path: Path | BinaryIO, *, say: Language = EN) -> N
 
     figure: Any = Figure(figsize=(6.5 * len(of.variants), 6), layout="constrained")
     FigureCanvasAgg(figure)
-    case = of.variants[0].worst.case.name
-    shown = [next(o for o in v.outcomes if o.case.name == case) for v in of.variants]
+    case = of.variants[0].worst.case.when
+    shown = [next(o for o in v.outcomes if o.case.when == case) for v in of.variants]
     top = max(o.von_mises.value for o in shown)
     scale = Normalize(0, top / MPa)
     colours: Any = colormaps["turbo"]
@@ -395,7 +395,7 @@ def picture(of: BracketStudy, path: Path | BinaryIO, *, say: Language = EN) -> N
         axis.autoscale_view()
         axis.set_axis_off()
         deformed = say("deformed {times} times", times=f"{exaggeration:.0f}")
-        axis.set_title(f"{say(v.name)}: {case_name(case, say)}\n{deformed}")
+        axis.set_title(f"{say(v.name)}: {say.occasion(case)}\n{deformed}")
     bar = ScalarMappable(norm=scale, cmap=colours)
     figure.colorbar(bar, ax=list(axes), label=say("von Mises stress, MPa"), shrink=0.8)
     figure.savefig(path, dpi=130, format="png")

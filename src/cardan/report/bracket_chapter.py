@@ -4,34 +4,39 @@ from collections.abc import Iterator
 from io import BytesIO
 
 from cardan.base.units import MPa, N, mm, rpm
-from cardan.report.bracket import MICRO, case_name, lives, picture, span
+from cardan.report.blocks import Block, Picture, Table, Text
+from cardan.report.bracket import MICRO, lives, picture, span
 from cardan.report.bracket_scene import scene
 from cardan.report.language import Language
-from cardan.report.story import Block, Chapter, Picture, Table, Text
-from cardan.study.bracket import BracketStudy, Judged
+from cardan.study.bracket import BracketAnswer, Judged
+from cardan.study.finding import Finding
 
 
-def chapter(of: BracketStudy, *, say: Language) -> Chapter:
-    """Return what a study of a bracket found, original beside reinforced.
+def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
+    """Yield what a study of a bracket found, original beside reinforced.
 
     Raises
     ------
     NotInstalled
         Without matplotlib.
     """
-    blocks: list[Block] = [_compared(of, say), Text(paragraphs=tuple(_crossings(of, say)))]
+    of = found.answer
+    assert of is not None  # of a study that answered
+    yield Text(paragraphs=(say("The bracket of bearing {bearing}", bearing=of.bracket.bearing),))
+    yield _compared(of, say)
+    yield Text(paragraphs=tuple(_crossings(of, say)))
     for v in of.variants:
-        blocks += [_stresses(v, say), _places(v, say)]
+        yield _stresses(v, say)
+        yield _places(v, say)
         if of.bracket.gauges:
-            blocks.append(_readings(of, v, say))
+            yield _readings(of, v, say)
         if lives(v):
-            blocks.append(_damage(v, say))
-    blocks += [Text(paragraphs=tuple(_notes(of, say))), _picture(of, say)]
-    return Chapter(title=say("The bracket of bearing {bearing}", bearing=of.bracket.bearing),
-                   blocks=tuple(blocks))  # fmt: skip
+            yield _damage(v, say)
+    yield Text(paragraphs=tuple(_notes(of, say)))
+    yield _picture(of, say)
 
 
-def _compared(of: BracketStudy, say: Language) -> Table:
+def _compared(of: BracketAnswer, say: Language) -> Table:
     """Return the variants side by side."""
     rows = [(say("mass, kg"), [v.mass for v in of.variants])]
     rows += [
@@ -66,7 +71,7 @@ def _compared(of: BracketStudy, say: Language) -> Table:
     )  # fmt: skip
 
 
-def _crossings(of: BracketStudy, say: Language) -> Iterator[str]:
+def _crossings(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield where orders meet natural frequencies."""
     for v in of.variants:
         met = [c for c in v.crossings if c.in_range]
@@ -100,7 +105,7 @@ def _stresses(v: Judged, say: Language) -> Table:
         ),
         rows=tuple(
             (
-                case_name(o.case.name, say),
+                say.occasion(o.case.when),
                 one(o.von_mises.value),
                 one(o.highest.value),
                 one(o.lowest.value),
@@ -123,14 +128,14 @@ def _places(v: Judged, say: Language) -> Table:
     )
 
 
-def _readings(of: BracketStudy, v: Judged, say: Language) -> Table:
+def _readings(of: BracketAnswer, v: Judged, say: Language) -> Table:
     """Return what the gauges read, lowest and highest."""
     return Table(
         caption=say("Gauges, microstrain: {name}", name=say(v.name)),
         head=(say("case"), *(gauge.name for gauge in of.bracket.gauges)),
         rows=tuple(
             (
-                case_name(o.case.name, say),
+                say.occasion(o.case.when),
                 *(say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()),
             )
             for o in v.outcomes
@@ -153,13 +158,13 @@ def _damage(v: Judged, say: Language) -> Table:
             say("hours to failure"),
         ),
         rows=tuple(
-            (case_name(e.name, say), small(e.per_turn), small(e.per_hour), small(e.hours))
+            (say.occasion(e.when), small(e.per_turn), small(e.per_hour), small(e.hours))
             for e in lives(v)
         ),
     )
 
 
-def _notes(of: BracketStudy, say: Language) -> Iterator[str]:
+def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what a reader of the numbers should know."""
     yield say(
         "Stresses leave out what lies within 1.5 thicknesses of a sharp edge or a clamp, where "
@@ -174,12 +179,12 @@ def _notes(of: BracketStudy, say: Language) -> Iterator[str]:
         )
 
 
-def _picture(of: BracketStudy, say: Language) -> Picture:
+def _picture(of: BracketAnswer, say: Language) -> Picture:
     """Return the variants under the original's worst case, still and to be turned about."""
     drawn = BytesIO()
     picture(of, drawn, say=say)
     first = of.variants[0]
-    case = case_name(first.worst.case.name, say)
+    case = say.occasion(first.worst.case.when)
     found = next(o for o in first.outcomes if o is first.worst).von_mises
     alt = say(
         "The bracket deformed under {case}, coloured by von Mises stress; the highest, "

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cardan.base.units import MPa
-from cardan.report.bracket import case_name, peak_fields
+from cardan.report.bracket import peak_fields
 from cardan.report.language import EN, Language
-from cardan.study.bracket import BracketStudy, Judged
+from cardan.study.bracket import BracketAnswer, Judged
 
 
-def page(of: BracketStudy) -> str:
+def page(of: BracketAnswer) -> str:
     """Return a page with the scene of a study."""
     title = escape(f"{of.title}: bracket")
     return (
@@ -24,7 +24,7 @@ def page(of: BracketStudy) -> str:
     )
 
 
-def scene(of: BracketStudy, *, say: Language = EN) -> str:
+def scene(of: BracketAnswer, *, say: Language = EN) -> str:
     """Return a fragment of HTML: the mesh, each case's stress, deformation, gauges, hot spots.
 
     Drag to turn, wheel to zoom; the deformation runs from none to plenty.
@@ -55,7 +55,7 @@ def _variant(v: Judged, say: Language) -> dict[str, Any]:
     for o in v.outcomes:
         u, mises = peak_fields(v, o)
         cases.append({
-            "name": case_name(o.case.name, say),
+            "name": say.occasion(o.case.when),
             "u": _packed(u[kept].astype("<f4")),
             "s": _packed((mises[kept] / MPa).astype("<f4")),
             "top": o.von_mises.value / MPa,

@@ -8,7 +8,7 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.wording import badness
-from cardan.study.assess import Assessment
+from cardan.study.approval import Approval
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,7 +16,7 @@ class Variant:
     """One application among several, and how it is called beside the others."""
 
     name: str
-    assessment: Assessment
+    approval: Approval
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ def differences(of: Sequence[Variant], say: Language) -> tuple[Compared, ...]:
 def _said(of: Variant, say: Language) -> dict[tuple[str, str], str]:
     """Return what a variant says by group and name; what it says twice as one value."""
     found: dict[tuple[str, str], str] = {}
-    for i in inputs(of.assessment.application, say):
+    for i in inputs(of.approval.application, say):
         key = (i.group, i.name)
         found[key] = f"{found[key]}; {i.value}" if key in found else i.value
     return found
@@ -62,11 +62,11 @@ def effects(of: Sequence[Variant], say: Language) -> tuple[Compared, ...]:
     worst: list[dict[tuple[str, str, str], Check]] = []
     for v in of:
         mine: dict[tuple[str, str, str], Check] = {}
-        for c in sorted(v.assessment.checks, key=badness):
+        for c in sorted(v.approval.checks, key=badness):
             mine.setdefault((c.quantity, c.line, c.limit.sense), c)
         worst.append(mine)
     keys = dict.fromkeys(key for mine in worst for key in mine)
-    several = any(len(v.assessment.responses) > 1 for v in of)
+    several = any(len(v.approval.responses) > 1 for v in of)
     ranked = sorted(keys, key=lambda k: min(badness(m[k]) for m in worst if k in m))
     return tuple(
         _compared(key, [m.get(key) for m in worst], say, several=several) for key in ranked

@@ -1,6 +1,8 @@
-"""The JSON contract: an assessment as numbers with units in their keys, versioned.
+"""The JSON contract: an approval as numbers with units in their keys, versioned.
 
-Keys are added, never renamed or removed. What could not be computed is null.
+Keys are added, never renamed or removed. What could not be computed is null. What a
+quantity declares as its place in a state is filled in from the declaration; vectors, orders
+and approximations stand beside.
 """
 
 from math import isfinite
@@ -9,26 +11,32 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
-from cardan.base.units import deg, hour, mm, rpm
-from cardan.base.verdict import Check
+from cardan.base.part import Occasion, Part
+from cardan.base.units import deg
+from cardan.base.verdict import Check, Unanswered
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
-from cardan.quantity.quantities import QUANTITIES
+from cardan.model.movable import MOVABLES
+from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
-from cardan.study.assess import Assessment
+from cardan.study.approval import Approval, Coverage
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
 
 CONTRACT = ".".join(__version__.split(".")[:2])
 
+DIGITS = 12
+"""Significant digits of a number: what is left of it on every machine."""
 
-def assessment(of: Assessment) -> dict[str, Any]:
-    """Return an assessment as the contract's document."""
+
+def approval(of: Approval) -> dict[str, Any]:
+    """Return an approval as the contract's document."""
     main, *others = of.responses
+    each = {r.line.name: _states(r) for r in of.responses}
     states: list[dict[str, Any]] = []
     for s, name in enumerate(main.demand.states):
-        state = {"name": name, "line": main.line.name, **_state(main, s)}
+        state = {"name": name, "line": main.line.name, **each[main.line.name][s]}
         if others:
-            state["lines"] = {r.line.name: _state(r, s) for r in others}
+            state["lines"] = {r.line.name: each[r.line.name][s] for r in others}
         states.append(state)
     document = {
         "cardan": CONTRACT,
@@ -37,10 +45,16 @@ def assessment(of: Assessment) -> dict[str, Any]:
         "profile": of.application.profile,
         "states": states,
         "checks": [check(c) for c in of.checks],
+        "coverage": coverage(of.coverage),
+        "studies": list(of.studies),
         "not_asked": list(of.unasked()),
         "notes": list(of.notes),
+        "warnings": [
+            {"line": p.line, "column": p.column, "key": p.key, "message": p.message, "hint": p.hint}
+            for p in of.application.warnings
+        ],
     }
-    return _plain(document)
+    return plain(document)
 
 
 def check(of: Check) -> dict[str, Any]:
@@ -49,8 +63,7 @@ def check(of: Check) -> dict[str, Any]:
     return {
         "quantity": of.quantity,
         "line": of.line,
-        "state": of.state,
-        "part": of.part,
+        **_where(of.when, of.part),
         "value": of.value / quantity.factor,
         "limit": of.bound / quantity.factor,
         "sense": "outside" if of.limit.band else of.limit.sense,
@@ -61,9 +74,39 @@ def check(of: Check) -> dict[str, Any]:
     }
 
 
+def coverage(of: Coverage) -> dict[str, Any]:
+    """Return what was asked, and what got no answer, with what it needs."""
+    return {
+        "asked": of.asked,
+        "answered": of.answered,
+        "unanswered": [unanswered(u) for u in of.unanswered],
+    }
+
+
+def unanswered(of: Unanswered) -> dict[str, Any]:
+    """Return one limit that asked and got no number."""
+    return {
+        "quantity": of.quantity,
+        "line": of.line,
+        **_where(of.when, of.part),
+        "needs": list(of.needs),
+        "required": of.limit.required,
+    }
+
+
+def _where(when: Occasion, part: Part) -> dict[str, Any]:
+    """Return when and of what, in words and as what they are."""
+    return {
+        "state": str(when),
+        "part": str(part),
+        "when": {"kind": when.kind, "name": when.name, "what": when.what},
+        "of": {"kind": part.kind, "number": part.number, "other": part.other},
+    }
+
+
 def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
     """Return corrections, with what they move in mm and deg and the verdict each gives."""
-    return _plain(
+    return plain(
         [
             {
                 "line": p.line,
@@ -75,15 +118,13 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
                     {
                         "what": m.adjustable.what,
                         "part": m.adjustable.part,
-                        **(
-                            {"amount_mm": m.amount / mm}
-                            if m.adjustable.what.startswith("bearing")
-                            else {"amount_deg": m.amount / deg}
-                        ),
+                        f"amount_{movable.unit}": m.amount / movable.worth,
                     }
                     for m in p.moves
+                    for movable in (MOVABLES[m.adjustable.what],)
                 ],
                 "checks": [check(c) for c in p.checks],
+                "unanswered": [unanswered(u) for u in p.unanswered],
             }
             for p in of
         ]
@@ -92,7 +133,7 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
 
 def published(of: tuple[Published, ...]) -> list[dict[str, Any]]:
     """Return published cases with what this machine computes."""
-    return _plain(
+    return plain(
         [
             {
                 "case": c.title,
@@ -107,41 +148,57 @@ def published(of: tuple[Published, ...]) -> list[dict[str, Any]]:
     )
 
 
-def _state(r: Response, s: int) -> dict[str, Any]:
-    """Return what a line does in its state number s."""
-    demand, forces = r.demand, r.loads
-    bearings = forces.bearing_forces
-    static, dynamic = bearings.static[s], bearings.dynamic[s]
+def _states(r: Response) -> list[dict[str, Any]]:
+    """Return what a line does in each of its states."""
+    found = [_beside(r, s) for s in range(len(r.demand.states))]
+    for quantity in ANSWERED.values():
+        if not quantity.contract or quantity.parts is None:
+            continue
+        values = quantity.values(r) / quantity.factor
+        for state, row in zip(found, values, strict=True):
+            for k, (part, value) in enumerate(zip(quantity.parts(r), row, strict=True)):
+                _put(state, quantity.contract.split("."), part, k, value)
+    return found
+
+
+def _put(inside: Any, path: list[str], part: Part, place: int, value: float) -> None:
+    """Put a value where a contract's path says: into tables, and lists of parts.
+
+    A path's key of a list leads to the entry of the part; one that ends in [] is a list of
+    the values themselves, and one that ends in {} a table of them by obstacle or letter, the
+    smallest of each.
+    """
+    key, *rest = path
+    if key.endswith("[]"):
+        inside.setdefault(key.removesuffix("[]"), []).append(value)
+    elif key.endswith("{}"):
+        table = inside.setdefault(key.removesuffix("{}"), {})
+        name = str(part.other or part.number)
+        table[name] = min(value, table.get(name, value))
+    elif not rest:
+        inside[key] = value
+    elif isinstance(inside.get(key), list):
+        _put(inside[key][place], rest, part, place, value)
+    else:
+        _put(inside.setdefault(key, {}), rest, part, place, value)
+
+
+def _beside(r: Response, s: int) -> dict[str, Any]:
+    """Return what no single quantity holds: vectors, orders, the field's approximations."""
+    bearings, forces = r.loads.bearing_forces, r.loads.joint_forces
     small_static, small_dynamic = (f[s] for f in r.small_angle_bearings)
     orders = {k: bearings.amplitude(k)[s] for k in (1, 2, 4)}
     if r.unbalance:
         orders[1] = orders[1] + r.unbalance.bearing_forces[s]
+    peaks = forces.peak[s]
     return {
-        "torque_Nm": demand.torque[s],
-        "engine_torque_Nm": demand.engine_torque[s],
-        "slip_torque_Nm": demand.slip_torque[s],
-        "coast_torque_Nm": demand.coast_torque[s],
-        "speed_rpm": demand.speed[s] / rpm,
-        "axle_travel_mm": demand.travel[s] / mm,
-        "joints": [
-            {
-                "angle_deg": r.angles[s, k] / deg,
-                "position_deg": r.positions[s, k] / deg,
-                "side_deg": r.side_angles[s, k] / deg,
-                "top_deg": r.top_angles[s, k] / deg,
-                "force_N": forces.joint_forces.peak[s, k],
-                "life_h": r.life[s, k] / hour,
-            }
-            for k in range(r.line.joint_count)
-        ],
-        **_excitation(r.excitation, s),
+        "joints": [{"force_N": peak} for peak in peaks],
+        **_angles(r.excitation, s),
         "approximations": {n: _excitation(e, s) for n, e in r.approximations.items()},
         "centre_bearings": [
             {
                 "shaft": k + 1,
-                "static_N": static[k].tolist(),
-                "dynamic_N": dynamic[k],
-                "peak_N": r.bearing_peaks[s, k],
+                "static_N": bearings.static[s, k].tolist(),
                 "orders": {str(o): f[k] for o, f in orders.items()},
                 "approximations": {
                     "small_angle": {
@@ -153,24 +210,24 @@ def _state(r: Response, s: int) -> dict[str, Any]:
             for k in range(r.line.joint_count - 2)
         ],
         "joint_forces": [
-            {"joint": k + 1, "mean_N": mean.tolist(), "peak_N": peak}
-            for k, (mean, peak) in enumerate(
-                zip(forces.joint_forces.static[s], forces.joint_forces.peak[s], strict=True)
-            )
+            {"joint": k + 1, "mean_N": mean.tolist()} for k, mean in enumerate(forces.static[s])
         ],
-        "critical_speeds_rpm": (r.critical_speeds[s] / rpm).tolist(),
-        "line_critical_speed_rpm": r.line_critical_speed / rpm,
-        "spline_travel_mm": r.spline_travel[s] / mm,
-        "end_bearings_N": {letter: force[s] for letter, force in r.end_bearings.items()},
-        "spline_force_N": r.spline_force[s],
-        "clearances_mm": {
-            o.name: r.clearances[s, :, k].min() / mm for k, o in enumerate(r.obstacles)
-        },
+        "clearances_mm": {},
+        "end_bearings_N": {},
+    }
+
+
+def _angles(e: Excitation, s: int) -> dict[str, Any]:
+    """Return the equivalent angles of drive and coast, which no limit asks about."""
+    return {
+        "torsional": {},
+        "drive": {"equivalent_angle_deg": e.drive.angle[s] / deg},
+        "coast": {"equivalent_angle_deg": e.coast.angle[s] / deg},
     }
 
 
 def _excitation(e: Excitation, s: int) -> dict[str, Any]:
-    """Return torsional, drive and coast excitation of one state."""
+    """Return torsional, drive and coast excitation of one state by an approximation."""
 
     def joint(of: EquivalentJoint) -> dict[str, Any]:
         return {
@@ -188,12 +245,15 @@ def _excitation(e: Excitation, s: int) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
-    """Return a document of Python's own types, with null for what is not a number."""
+def plain(value: Any) -> Any:
+    """Return a document of Python's own types, with null for what is not a number.
+
+    Numbers keep as many digits as are the same on every machine.
+    """
     if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
+        return {k: plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if isinstance(value, float | np.floating):
-        return float(value) if isfinite(value) else None
+        return float(f"{value:.{DIGITS}g}") if isfinite(value) else None
     return value.item() if isinstance(value, np.generic) else value

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.part import Part
 from cardan.base.units import deg, mm
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Obstacle
@@ -89,7 +90,8 @@ def view(response: Response, say: Language, *, name: str) -> Figure:
     else:
         scale = say("to scale, exaggerated {times} times across", times=page.exaggeration)
     alt = f"{title}, {scale}. " + "; ".join(
-        f"{say.part(f'joint {k}')}: {say.short(a / deg, 3)} deg" for k, a in enumerate(angles, 1)
+        f"{say.part(Part('joint', k))}: {say.short(a / deg, 3)} deg"
+        for k, a in enumerate(angles, 1)
     )
     drawn = [
         *(_obstacle(o, page, c, say, response) for o in response.obstacles),
@@ -154,7 +156,7 @@ def _ends(layout: Layout) -> FloatArray:
 def _states(response: Response, page: _Page, c: int, say: Language) -> Iterator[str]:
     """Yield every state as a light line, and names with leaders beside their pinions."""
     lines = _ends(response.layout)
-    names = [say.given(s) for s in response.demand.states]
+    names = [say.state(s) for s in response.demand.states]
     ends: dict[tuple[float, float], list[str]] = {}
     for points, name in zip(lines, names, strict=True):
         x, y = [page.x(p) for p in points[:, 0]], [page.y(p) for p in points[:, c]]
@@ -216,7 +218,7 @@ def _bearings(
         yield svg.rect(x - 5, y - 13, 10, 26, fill="none", stroke=GRADED["pass"], stroke_width=2)
         yield svg.line(x, y - 13, x, y - 30, stroke=GRADED["pass"], stroke_width=2)
         yield svg.line(x - 11, y - 30, x + 11, y - 30, stroke=GRADED["pass"], stroke_width=2)
-        said = say.part(f"bearing {k + 1}")
+        said = say.part(Part("centre bearing", k + 1))
         yield svg.text(x, y - 35, said, anchor="middle", font_size=11, fill=GRADED["pass"])
 
 
@@ -250,7 +252,7 @@ def _obstacle(o: Obstacle, page: _Page, c: int, say: Language, response: Respons
     least = say(
         "{room} mm in {state}",
         room=say.short(free[s] / mm, 4),
-        state=say.given(response.demand.states[s]),
+        state=say.state(response.demand.states[s]),
     )
     # Beside it, and inside the page where it reaches beyond.
     x = page.x(max(x1, x2) + o.radius) + 6
@@ -284,9 +286,9 @@ def phasing(response: Response, say: Language) -> Figure:
         x = 10 + (k % 3) * (each + 20)
         y = 20 + (k // 3) * 190
         said = _phase_said(shaft.phase, say)
-        words.append(f"{say.part(f'shaft {k + 1}')}: {said}")
+        words.append(f"{say.part(Part('shaft', k + 1))}: {said}")
         drawn += [
-            svg.text(x, y, f"{say.part(f'shaft {k + 1}')}: {said}", font_weight="bold"),
+            svg.text(x, y, f"{say.part(Part('shaft', k + 1))}: {said}", font_weight="bold"),
             *_forks(x, y + 55, each, shaft.phase),
             *_dial(x + each / 2, y + 128, shaft.phase, say),
         ]
@@ -411,7 +413,7 @@ def joint_planes(response: Response, say: Language) -> Figure:
             ),
             k,
         )
-    title = say("Joint planes in {state}", state=say.given(response.demand.states[s]))
+    title = say("Joint planes in {state}", state=say.state(response.demand.states[s]))
     alt = f"{title}. " + "; ".join(
         _joint_said(response, s, k, say) for k in range(response.line.joint_count)
     )
@@ -425,7 +427,7 @@ def joint_planes(response: Response, say: Language) -> Figure:
 def _joint_said(response: Response, s: int, k: int, say: Language) -> str:
     """Return a joint with angle and position."""
     angle, position = response.angles[s, k] / deg, response.positions[s, k] / deg
-    part = say.part(f"joint {k + 1}")
+    part = say.part(Part("joint", k + 1))
     return f"{part}: β {say.short(angle, 3)}°, φ {say.short(position, 4)}°"
 
 
@@ -478,7 +480,7 @@ def phasors(response: Response, say: Language) -> Figure:
                 (x1 + x2) / 2, (y1 + y2) / 2 - 4, str(k + 1), font_size=11, fill=PALETTE[k % 7]
             )
         )
-        chart.key(say.part(f"joint {k + 1}"), k)
+        chart.key(say.part(Part("joint", k + 1)), k)
     chart.put(
         svg.arrow(
             *chart.spot(0, 0),
@@ -488,7 +490,7 @@ def phasors(response: Response, say: Language) -> Figure:
             size=12,
         )
     )
-    state = say.given(response.demand.states[s])
+    state = say.state(response.demand.states[s])
     title = say("How the joints add up in {state}", state=state)
     angle = say.number(float(np.sqrt(abs(total))))
     note = say(

@@ -5,9 +5,9 @@ from base64 import b64encode
 from hashlib import sha256
 from importlib.resources import files
 
+from cardan.report.blocks import Block, Picture, Story
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.story import Block, Picture, Story
 
 MARKS = {"pass": "✓", "warn": "△", "fail": "✗"}
 """Signs of the verdicts, for whoever does not see their colours."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cardan.base.part import Part
 from cardan.base.units import N, deg, kg, kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.model.application import Application, Installed, State
@@ -95,7 +96,7 @@ def _vehicle(a: Application, say: Language) -> Iterator[tuple[str, str]]:
         yield say("share of the rear load that is driven"), _q(v.driven_share, 0.01, "%", say)
         yield say("grade"), _q(v.grade, deg, "deg", say)
         for load in v.loads:
-            yield say("load {name}", name=say.given(load.name)), _load(load, say)
+            yield say("load {name}", name=say.state(load.name)), _load(load, say)
         for k, axle in enumerate(v.auxiliary, 1):
             said = say.list(_q(axle.load, kN, "kN", say), _q(axle.behind_front, mm, "mm", say))
             yield say("auxiliary axle {number}", number=k), said
@@ -141,7 +142,7 @@ def _suspension(s: Suspension | None, say: Language) -> Iterator[tuple[str, str]
     yield say("linkage table, travel"), _each(s.linkage.travel, mm, "mm", say)
     yield say("wind-up stiffness"), _q(s.windup_stiffness, 1e3 / deg, "kN·m/deg", say)
     yield say("brake torque on the axle"), _q(s.brake_torque or None, 1, "N·m", say)
-    yield say("reference state"), say.given(s.reference)
+    yield say("reference state"), say.state(s.reference)
     yield say("deflection at full rebound"), _q(s.full_rebound_deflection, mm, "mm", say)
     yield say("deflection at jounce"), _q(s.jounce_deflection, mm, "mm", say)
 
@@ -159,7 +160,7 @@ def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
     joints = [j.name if j else "-" for j in line.joints]
     yield say("joints"), joints[0] if len(set(joints)) == 1 else say.list(*joints)
     for k, shaft in enumerate(line.shafts):
-        part = say.part(f"shaft {k + 1}")
+        part = say.part(Part("shaft", k + 1))
         for name, value in _shaft(shaft, float(layout.lengths[k]), say):
             yield f"{part}, {name}", value
 
@@ -190,7 +191,7 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
 
 def _states(a: Application, say: Language) -> Iterator[tuple[str, str]]:
     for s in a.states:
-        yield say.given(s.name), _state(s, say) or say("as given")
+        yield say.state(s.name), _state(s, say) or say("as given")
 
 
 def _state(s: State, say: Language) -> str:
@@ -203,7 +204,7 @@ def _state(s: State, say: Language) -> str:
     said = [f"{say(n)} {_q(v, u, w, say)}" for n, v, u, w in rows if v is not None]
     placed = [say("placed by the suspension")] if s.kind else []
     own = [say("own geometry")] if s.layouts else []
-    load = [say("load {name}", name=say.given(s.load))] if s.load else []
+    load = [say("load {name}", name=say.state(s.load))] if s.load else []
     return "; ".join([*placed, *load, *said, *own])
 
 

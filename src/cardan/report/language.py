@@ -1,20 +1,66 @@
-"""Languages: what a report says, and how it writes a number, in English, Portuguese, Italian.
+"""Languages: what a report says, and how it writes a number.
 
-Names of quantities stand with their declaration; every other sentence is looked up by its
-English wording, so the code that prints it can be read.
+Every text is looked up by its English wording in a catalogue of `cardan.report.text`, names
+of quantities too, so the code that prints it can be read. A catalogue is all that a language
+needs: its file names it, and its head says which decimal sign it writes.
 """
 
+import json
 import math
-import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import get_args
 
+from cardan.base.part import Occasion, Part
+from cardan.model.vehicle import SuspensionState
 from cardan.quantity.quantities import QUANTITIES
-from cardan.report.words import WORDS
 
-CODES = ("en", "pt", "it")
-"""The languages: English, Portuguese of Brazil, Italian."""
+_FOLDER = files("cardan.report.text")
 
-_PART = re.compile(r"(joint|shaft|bearing|centre bearing) (\d+|[ABEF])(?: to (.+))?")
+CODES = ("en", *sorted(p.name.removesuffix(".po") for p in _FOLDER.iterdir()
+                       if p.name.endswith(".po")))  # fmt: skip
+"""The languages by code: English, and one for each catalogue."""
+
+_STATES = frozenset(get_args(SuspensionState))
+
+Key = tuple[str, str]
+"""Context, "" for most, and English wording."""
+
+
+@cache
+def catalogue(code: str) -> Mapping[Key, str]:
+    """Return the texts of a language by context and English wording; its head by ("", "").
+
+    English has none: it says what it is given.
+    """
+    if code == "en":
+        return {}
+    return dict(_entries(_FOLDER.joinpath(f"{code}.po").read_text(encoding="utf-8")))
+
+
+def _entries(text: str) -> Iterator[tuple[Key, str]]:
+    """Yield what a .po file translates. Its strings are escaped as JSON's are."""
+    for block in text.split("\n\n"):
+        parts: dict[str, str] = {}
+        name = ""
+        for line in block.splitlines():
+            if line.startswith("#") or not line.strip():
+                continue
+            word, quote, rest = line.partition('"')
+            name = word.strip() or name
+            parts[name] = parts.get(name, "") + json.loads(quote + rest)
+        if "msgid" in parts:
+            yield (parts.get("msgctxt", ""), parts["msgid"]), parts["msgstr"]
+
+
+@cache
+def _decimal(code: str) -> str:
+    """Return the decimal sign that a catalogue's head names; a point where it names none."""
+    head = catalogue(code).get(("", ""), "")
+    fields = dict(line.split(": ", 1) for line in head.splitlines() if ": " in line)
+    return fields.get("X-Decimal", ".")
 
 
 @dataclass(frozen=True)
@@ -37,25 +83,54 @@ class Language:
             If the catalogue has no translation.
         """
         if self.code != "en":
-            said = WORDS[said][CODES.index(self.code) - 1]
+            said = catalogue(self.code)["", said]
         return said.format(**values) if values else said
 
     def given(self, said: str) -> str:
-        """Return a text that may be the user's own: translated where the catalogue has it."""
-        return self(said) if said in WORDS else said
+        """Return a text that is ours or a publication's: translated where it is ours."""
+        return catalogue(self.code).get(("", said), said)
 
     def name(self, quantity: str) -> str:
         """Return the name of a quantity."""
-        return QUANTITIES[quantity].named(self.code)
+        english = QUANTITIES[quantity].name
+        return english if self.code == "en" else catalogue(self.code)["quantity", english]
 
-    def part(self, part: str) -> str:
-        """Return a part of a line, "joint 2", in the language."""
-        found = _PART.fullmatch(part)
-        if not found:
-            return self.given(part)
-        kind, number, other = found.groups()
-        said = f"{self(kind)} {number}"
-        return self("{part} to {other}", part=said, other=other) if other else said
+    def part(self, part: Part) -> str:
+        """Return what a number is of; what the user named keeps its name."""
+        match part.kind:
+            case "line":
+                return self("line")
+            case "clearance":
+                shaft = self.part(Part("shaft", part.number))
+                return self("{part} to {other}", part=shaft, other=part.other)
+            case "mode":
+                return self("mode {mode}, order {order}", mode=part.number, order=part.other)
+            case "zone" if part.number == part.other:
+                return self("zone of mode {mode}", mode=part.number)
+            case "zone":
+                return self("zone of modes {mode} + {other}", mode=part.number, other=part.other)
+            case "gauge":
+                return str(part.other)
+            case kind:
+                return f"{self(kind)} {part.number}"
+
+    def occasion(self, when: Occasion) -> str:
+        """Return when a number was asked for; a state that the user named keeps its name."""
+        match when.kind:
+            case "gear":
+                return self("gear {gear}", gear=when.name)
+            case "speed":
+                return self(when.name)
+            case "duty":
+                return self("duty cycle, {state}", state=self.state(when.name))
+            case "state":
+                return self.state(when.name)
+            case _:
+                return f"{self.state(when.name)}: {self(when.what)}" if when.what else when.name
+
+    def state(self, name: str) -> str:
+        """Return a state's name: one of the suspension's in the language, else as it is."""
+        return self(name) if name in _STATES or name == "as given" else name
 
     def number(self, value: float) -> str:
         """Return a number as an engineer writes it down: four figures."""
@@ -82,7 +157,8 @@ class Language:
 
     def pointed(self, number: str) -> str:
         """Return a number with the language's decimal sign."""
-        return number if self.code == "en" else number.replace(".", ",")
+        return number.replace(".", _decimal(self.code))
 
 
 EN = Language("en")
+"""English, which everything is written in first."""

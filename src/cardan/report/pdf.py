@@ -6,9 +6,9 @@ from dataclasses import asdict
 from importlib.resources import files
 from typing import Any
 
+from cardan.report.blocks import Figures, Picture, Story
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.story import Figures, Picture, Story
 
 FONT = "Libertinus Serif"
 """The typesetter brings it along; drawings are set in it too."""

@@ -11,9 +11,10 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.part import Part
 from cardan.base.units import kN, mm, rpm
 from cardan.base.verdict import Limit
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
@@ -64,7 +65,7 @@ def round_the_turn(r: Response, say: Language) -> Iterator[Figure]:
     s = worst_state(r)
     one = turn(r.layout.directions[s], phases=r.phases, samples=ROUND - 1)
     theta = np.linspace(0, 360, ROUND)
-    state, w = say.given(r.demand.states[s]), float(r.demand.speed[s])
+    state, w = say.state(r.demand.states[s]), float(r.demand.speed[s])
     names = _members(r, say)
 
     def closed(values: FloatArray) -> FloatArray:
@@ -116,7 +117,7 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
             if bound is not None and bound < 2.5 * top:
                 top = max(top, bound * 1.12)
     bands = limit_bands(limits, factor=q.factor, top=10 * top)
-    names = tuple(say.given(s) for s in r.demand.states)
+    names = tuple(say.state(s) for s in r.demand.states)
     title = say("{quantity} by state", quantity=say.name(quantity))
     said = say.list(*(f"{n} {say.number(v)}" for n, v in zip(names, values, strict=True)))
     alt = f"{title}, {q.unit_name}: {said}"
@@ -168,11 +169,11 @@ def bearing_ellipse(r: Response, say: Language, *, bearing: int) -> Figure:
     values = r.loads.bearing_forces.values(ROUND - 1)[:, bearing]
     values = np.concatenate([values, values[:, :1]], axis=1)
     mean = r.loads.bearing_forces.static[:, bearing]
-    names = [say.given(s) for s in r.demand.states]
+    names = [say.state(s) for s in r.demand.states]
     series = [
         Series(name=name, x=v[:, 1], y=v[:, 2]) for name, v in zip(names, values, strict=True)
     ]
-    part = say.part(f"bearing {bearing + 1}")
+    part = say.part(Part("centre bearing", bearing + 1))
     title = say("Force on {part} round the turn", part=part)
     peaks = r.bearing_peaks[:, bearing]
     alt = (
@@ -209,8 +210,8 @@ def bearing_orders(r: Response, say: Language, *, bearing: int) -> Figure:
             force = force + r.unbalance.bearing_forces[:, bearing]
         if force.max() > 0.01:
             orders.append((say("order {order}", order=k), force))
-    names = tuple(say.given(s) for s in r.demand.states)
-    title = say("Force on {part} by order", part=say.part(f"bearing {bearing + 1}"))
+    names = tuple(say.state(s) for s in r.demand.states)
+    title = say("Force on {part} by order", part=say.part(Part("centre bearing", bearing + 1)))
     alt = (
         title
         + ". "
@@ -242,7 +243,7 @@ def torque_by_gear(r: Response, say: Language) -> Figure:
     slip = r.demand.slip_torque
     levels = [
         Level(value=float(value), name=say("tyres slip, {states}", states=say.list(*states)))
-        for value, states in _alike(slip, [say.given(s) for s in r.demand.states])
+        for value, states in _alike(slip, [say.state(s) for s in r.demand.states])
     ]
     title = say("Torque by gear, engine against slip")
     peaks = say.list(
@@ -265,7 +266,7 @@ def torque_by_gear(r: Response, say: Language) -> Figure:
 def critical_speeds(r: Response, say: Language) -> Figure:
     """Return critical speeds of shafts and line, with what to keep out of, against the speed."""
     lowest = np.nanmin(r.critical_speeds, axis=0) / rpm
-    rows = [(say.part(f"shaft {k}"), n) for k, n in enumerate(lowest, 1) if np.isfinite(n)]
+    rows = [(say.part(Part("shaft", k)), n) for k, n in enumerate(lowest, 1) if np.isfinite(n)]
     if np.isfinite(r.line_critical_speed):
         rows.append((say("line, as beams"), r.line_critical_speed / rpm))
     if np.isfinite(r.bearing_resonance):
@@ -324,7 +325,7 @@ def spring_curve(r: Response, say: Language) -> Figure:
     deflection, load = np.array(spring.deflection) / mm, np.array(spring.load) / kN
     # States that rest on the spring say where the others are: travel is counted from one of them.
     rests = np.isfinite(r.demand.suspension_frequency)
-    names = [say.given(s) for s in r.demand.states]
+    names = [say.state(s) for s in r.demand.states]
     loads = np.where(rests, carried(suspension, r.demand.axle_load), np.nan)
     x = spring_deflection(spring, loads)
     offset = np.nanmedian(x - r.demand.travel) if rests.any() else np.nan
@@ -356,7 +357,7 @@ def spring_curve(r: Response, say: Language) -> Figure:
 
 def _members(r: Response, say: Language) -> list[str]:
     """Return the names of the members behind the joints."""
-    shafts = [say.part(f"shaft {k}") for k in range(1, r.line.joint_count)]
+    shafts = [say.part(Part("shaft", k)) for k in range(1, r.line.joint_count)]
     return [*shafts, say("pinion")]
 
 
@@ -383,7 +384,7 @@ def _ride(r: Response) -> tuple[FloatArray, Response] | None:
     )
     try:
         application = replace(r.application, states=states)
-        return places / mm, respond(application, demand(application, r.demand.installed))
+        return places / mm, respond(application, demand(resolve(application, r.demand.installed)))
     except DesignError:
         return None
 

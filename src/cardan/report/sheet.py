@@ -1,32 +1,39 @@
 """A sheet: the numbers of a line as rows over its states, before any medium shapes them.
 
 Terminal, pages and workbook all print these rows, so they cannot disagree about what a
-number is called, which unit it has or in which order it comes.
+number is called, which unit it has or in which order it comes. What is shown, and where,
+stands with each quantity's declaration.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.kinematics.equivalent import Excitation
-from cardan.quantity.quantities import QUANTITIES
+from cardan.base.arrays import FloatArray
+from cardan.base.part import LINE, Part
+from cardan.quantity.declared import BY_PART, Quantity
+from cardan.quantity.declared import Section as Heading
+from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.language import Language
+
+MET_BY_OTHERS = {"joint_angle": ("joint_angle", "joint_angle_min", "odd_joint_angle")}
+"""Rows that limits on other quantities ask about too."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
     """One number for each state, in the unit its quantity is shown in.
 
-    `part` says of what ("joint 2"), `method` by which approximation; an exact value has
-    none. nan is what could not be computed.
+    `part` says of what, `method` by which approximation; an exact value has none. nan is
+    what could not be computed.
     """
 
     quantity: str
     values: FloatArray
-    part: str = ""
+    part: Part = LINE
     method: str = ""
 
     @property
@@ -34,11 +41,24 @@ class Row:
         """Unit of the values as people write it."""
         return QUANTITIES[self.quantity].unit_name
 
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """The quantities whose limits ask about this row."""
+        return MET_BY_OTHERS.get(self.quantity, (self.quantity,))
+
     def label(self, say: Language) -> str:
         """Return the row's name with its part or, in brackets, its approximation."""
         if self.method:
             return f"  ({say(METHODS.get(self.method, self.method))})"
-        return say.list(say.name(self.quantity), say.part(self.part))
+        if self.part.kind == "clearance":
+            return say.list(say.name(self.quantity), str(self.part.other))
+        part = "" if self.part == LINE or (self.part.kind == "shaft" and self.alone) else self.part
+        return say.list(say.name(self.quantity), say.part(part) if part else "")
+
+    @property
+    def alone(self) -> bool:
+        """Whether only one part of a line has this, so that it need not be said."""
+        return self.quantity in ("spline_travel", "spline_travel_margin", "spline_force")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,18 +78,9 @@ METHODS = {
 
 def sections(response: Response) -> tuple[Section, ...]:
     """Return everything a line does, state by state, without what nothing is known of."""
-    parts = (
-        ("Demand", _demand(response)),
-        ("Joints", _joints(response)),
-        ("Excitation", _excitation(response)),
-        ("Centre bearings", _bearings(response)),
-        ("Gearbox, axle and spline", _ends(response)),
-        ("Speed and strength", _strength(response)),
-        ("Room", _room(response)),
-    )
     kept = (
-        Section(title=title, rows=tuple(r for r in rows if not np.isnan(r.values).all()))
-        for title, rows in parts
+        Section(title=title, rows=tuple(r for r in _rows(response, title) if not _unknown(r)))
+        for title in get_args(Heading)
     )
     return tuple(s for s in kept if s.rows)
 
@@ -85,95 +96,39 @@ def line_title(response: Response, say: Language) -> str:
     return say(said, line=response.line.name, shafts=shafts, joints=shafts + 1)
 
 
-def _row(quantity: str, values: ArrayLike, *, part: str = "", method: str = "") -> Row:
-    """Return a row of SI values."""
-    shown = np.asarray(values, dtype=float) / QUANTITIES[quantity].factor
-    return Row(quantity=quantity, values=shown, part=part, method=method)
+def _unknown(row: Row) -> bool:
+    nought = QUANTITIES[row.quantity].quiet and not row.values.any()
+    return bool(nought or np.isnan(row.values).all())
 
 
-def _each(quantity: str, kind: str, values: FloatArray) -> Iterator[Row]:
-    """Yield a row for each part of values (S, parts)."""
-    for k, column in enumerate(values.T, 1):
-        yield _row(quantity, column, part=f"{kind} {k}")
+def _rows(r: Response, title: str) -> Iterator[Row]:
+    """Yield the rows of a section, by quantity or all of one part before the next."""
+    rows = [row for q in ANSWERED.values() if q.section == title for row in _of(q, r)]
+    if title in BY_PART:
+        order = list(dict.fromkeys(row.part for row in rows))
+        rows.sort(key=lambda row: order.index(row.part))
+    yield from rows
 
 
-def _demand(r: Response) -> Iterator[Row]:
-    yield _row("torque", r.demand.torque)
-    yield _row("engine_torque", r.demand.engine_torque)
-    yield _row("slip_torque", r.demand.slip_torque)
-    yield _row("coast_torque", r.demand.coast_torque)
-    yield _row("speed", r.demand.speed)
-    if r.demand.travel.any():
-        yield _row("axle_travel", r.demand.travel)
-        yield _row("pinion_pitch", r.demand.pitch)
-    yield _row("suspension_frequency", r.demand.suspension_frequency)
+def _of(q: Quantity, r: Response) -> Iterator[Row]:
+    """Yield the rows of a quantity, each followed by its approximations."""
+    assert q.parts is not None
+    others = {name: of(r) / q.factor for name, of in q.methods.items()}
+    for part, places in _groups(q.parts(r)).items():
+        values = (q.values(r) / q.factor)[:, places].min(axis=-1)
+        yield Row(quantity=q.key, values=values, part=part)
+        for name, by_method in others.items():
+            yield Row(quantity=q.key, values=by_method[:, places[0]], part=part, method=name)
 
 
-def _joints(r: Response) -> Iterator[Row]:
-    columns = zip(r.angles.T, r.positions.T, r.side_angles.T, r.top_angles.T, strict=True)
-    for k, (angle, position, side, top) in enumerate(columns, 1):
-        part = f"joint {k}"
-        yield _row("joint_angle", angle, part=part)
-        yield _row("joint_position", position, part=part)
-        yield _row("side_angle", side, part=part)
-        yield _row("top_angle", top, part=part)
+def _groups(parts: tuple[Part, ...]) -> dict[Part, list[int]]:
+    """Return the places of each part to show: of an obstacle, the nearest shaft is enough."""
+    found: dict[Part, list[int]] = {}
+    for k, part in enumerate(parts):
+        found.setdefault(shown_as(part), []).append(k)
+    return found
 
 
-def _excitation(r: Response) -> Iterator[Row]:
-    exact, others = r.excitation, r.approximations
-
-    def with_others(
-        quantity: str, of: Callable[[Excitation], FloatArray], *names: str
-    ) -> Iterator[Row]:
-        yield _row(quantity, of(exact))
-        for name in names:
-            yield _row(quantity, of(others[name]), method=name)
-
-    yield from with_others("equivalent_angle", lambda e: e.torsional.angle, "ae7", "in_plane")
-    yield from with_others(
-        "torsional_acceleration", lambda e: e.torsional.acceleration, "ae7", "in_plane"
-    )
-    yield from with_others("inertia_drive_acceleration", lambda e: e.drive.acceleration, "ae7")
-    yield from with_others("inertia_coast_acceleration", lambda e: e.coast.acceleration, "ae7")
-    if exact.drive_torque is not None and exact.coast_torque is not None:
-        yield _row("inertia_drive_torque", exact.drive_torque)
-        yield _row("inertia_coast_torque", exact.coast_torque)
-    yield _row("irregularity", exact.irregularity)
-
-
-def _bearings(r: Response) -> Iterator[Row]:
-    cycle = r.loads.bearing_forces
-    static, dynamic, peak = np.linalg.norm(cycle.static, axis=-1), cycle.dynamic, r.bearing_peaks
-    small_static, small_dynamic = r.small_angle_bearings
-    small_static = np.linalg.norm(small_static, axis=-1)
-    for k in range(static.shape[-1]):
-        part = f"bearing {k + 1}"
-        yield _row("centre_bearing_static", static[:, k], part=part)
-        yield _row("centre_bearing_static", small_static[:, k], part=part, method="small_angle")
-        yield _row("centre_bearing_dynamic", dynamic[:, k], part=part)
-        yield _row("centre_bearing_dynamic", small_dynamic[:, k], part=part, method="small_angle")
-        yield _row("centre_bearing_peak", peak[:, k], part=part)
-
-
-def _ends(r: Response) -> Iterator[Row]:
-    for letter, force in r.end_bearings.items():
-        end = "gearbox" if letter in "AB" else "pinion"
-        yield _row(f"{end}_bearing_force", force, part=f"bearing {letter}")
-    yield _row("spline_force", r.spline_force)
-
-
-def _strength(r: Response) -> Iterator[Row]:
-    yield from _each("critical_speed", "shaft", r.critical_speeds)
-    states = len(r.demand.states)
-    yield _row("line_critical_speed", np.full(states, r.line_critical_speed))
-    yield from _each("tube_shear_utilisation", "shaft", r.tube_shear_utilisation)
-    yield from _each("joint_torque_utilisation", "joint", r.joint_torque_utilisation)
-    yield from _each("joint_fatigue_utilisation", "joint", r.joint_fatigue_utilisation)
-    yield from _each("joint_life", "joint", r.life)
-    yield from _each("joint_force", "joint", r.loads.joint_forces.peak)
-
-
-def _room(r: Response) -> Iterator[Row]:
-    yield _row("spline_travel", r.spline_travel)
-    for k, obstacle in enumerate(r.obstacles):
-        yield _row("clearance", r.clearances[..., k].min(-1), part=obstacle.name)
+def shown_as(part: Part) -> Part:
+    """Return the part whose row shows a part: an obstacle's, for the shafts that clear it."""
+    return Part("clearance", 0, part.other) if part.kind == "clearance" else part

@@ -1,6 +1,5 @@
 """Show a line's vibration: terminal, JSON, and the chart of speeds against frequencies."""
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
@@ -9,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
+from cardan.base.part import Part
 from cardan.base.units import rpm
-from cardan.base.verdict import GRADES, Check
+from cardan.base.verdict import GRADES, Check, Grade
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import svg
 from cardan.report.chart import Chart, Level, Series, plot
-from cardan.report.contract import check
+from cardan.report.contract import CONTRACT, check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.svg import GRADED, INK, PALETTE, Figure
-from cardan.report.terminal import BOLD, COLOURS, PLAIN
-from cardan.study.stability import ORDERS, Stability, Vibration
+from cardan.report.terminal import BOLD, COLOURS, PLAIN, summary
+from cardan.study.approval import Approval
+from cardan.study.stability import NAME, ORDERS, LineVibration, Stability
 
 KEYS = {
     "axle_inertia": "axle_inertia_kgm2",
@@ -32,79 +32,89 @@ KEYS = {
 """What the document calls what turns with the lines."""
 
 
-def text(of: Stability, *, every: bool = False) -> Iterator[str]:
+def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[str]:
     """Yield the verdict, the worst check of each part and each line's numbers.
 
     With `every` each check has its row.
     """
-    counts = ", ".join(f"{sum(c.grade == g for c in of.checks)} {g}" for g in reversed(GRADES))
-    yield f"{BOLD}{of.application.title}{PLAIN}: stability {_coloured(of.verdict)} ({counts})"
-    yield from basis(of, EN)
+    found: Stability = of.of(NAME)
+    yield from summary(of, say)
+    yield say("limits: {profile}", profile=of.application.profile)
+    yield from basis(found, say)
     rows = list(of.checks) if every else list(worst_of_parts(of.checks))
     yield ""
     yield (
-        f"{BOLD}{'':6}{'quantity':<34}{'part':<24}{'where it is worst':<24}"
-        f"{'value':>9}  {'limit':<12}{PLAIN}"
+        f"{BOLD}{'':6}{say('quantity'):<34}{say('part'):<24}{say('where it is worst'):<24}"
+        f"{say('value'):>9}  {say('limit'):<12}{PLAIN}"
     )
     for c in sorted(rows, key=lambda c: (-GRADES.index(c.grade), c.quantity, c.margin)):
         q = QUANTITIES[c.quantity]
-        sense = "outside" if c.limit.band else c.limit.sense
+        sense = say("outside") if c.limit.band else c.limit.sense
         yield (
-            f"{_coloured(c.grade, 6)}{q.name:<34.33}{c.part:<24.23}{c.state:<24.23}"
-            f"{EN.number(c.value / q.factor):>9}  {sense} {EN.number(c.bound / q.factor)} "
+            f"{_coloured(c.grade, say, 6)}{say.name(c.quantity):<34.33}"
+            f"{say.part(c.part):<24.23}{say.occasion(c.when):<24.23}"
+            f"{say.number(c.value / q.factor):>9}  {sense} {say.number(c.bound / q.factor)} "
             f"{q.unit_name}"
         )
-    for line in of.lines:
-        yield from _line(line)
+    for line in found.lines:
+        yield from _line(line, say)
 
 
-def document(of: Stability) -> dict[str, Any]:
+def document(of: Approval) -> dict[str, Any]:
     """Return the JSON document: verdict, checks and each line's numbers, units in the keys."""
-    s = of.surroundings
-    return {
-        "cardan": ".".join(__version__.split(".")[:2]),
-        "application": of.application.title,
-        "verdict": of.verdict,
-        "given": {key: getattr(s, name) for name, key in KEYS.items() if name in of.given},
-        "assumed": {key: getattr(s, name) for name, key in KEYS.items() if name not in of.given},
-        "lines": [
-            {
-                "name": v.line.name,
-                "torsional_frequencies_Hz": (v.frequencies / (2 * pi)).tolist(),
-                "gears": [
-                    {"name": name, "speed_rpm": (between / rpm).tolist()}
-                    for name, between in zip(v.gears, v.ranges, strict=True)
-                ],
-                "zones": [
-                    {
-                        "modes": list(z.modes),
-                        "speed_rpm": z.speed / rpm,
-                        "growth_per_s": dict(zip(v.states, z.growth.tolist(), strict=True)),
-                    }
-                    for z in v.zones
-                ],
-                "forced": {
-                    "speed_rpm": (v.speeds / rpm).tolist(),
-                    "torque_Nm": {
-                        state: {
-                            f"order {o}": v.amplitudes[s, k].tolist() for k, o in enumerate(ORDERS)
+    found: Stability = of.of(NAME)
+    s = found.surroundings
+    return plain(
+        {
+            "cardan": CONTRACT,
+            "application": of.application.title,
+            "verdict": of.verdict,
+            "profile": of.application.profile,
+            "given": {key: getattr(s, name) for name, key in KEYS.items() if name in found.given},
+            "assumed": {
+                key: getattr(s, name) for name, key in KEYS.items() if name not in found.given
+            },
+            "lines": [
+                {
+                    "name": v.line.name,
+                    "torsional_frequencies_Hz": (v.frequencies / (2 * pi)).tolist(),
+                    "gears": [
+                        {"name": str(gear), "speed_rpm": (between / rpm).tolist()}
+                        for gear, between in zip(v.gears, v.ranges, strict=True)
+                    ],
+                    "zones": [
+                        {
+                            "modes": list(z.modes),
+                            "speed_rpm": z.speed / rpm,
+                            "growth_per_s": dict(zip(v.states, z.growth.tolist(), strict=True)),
                         }
-                        for s, state in enumerate(v.states)
+                        for z in v.zones
+                    ],
+                    "forced": {
+                        "speed_rpm": (v.speeds / rpm).tolist(),
+                        "torque_Nm": {
+                            state: {
+                                f"order {o}": v.amplitudes[s, k].tolist()
+                                for k, o in enumerate(ORDERS)
+                            }
+                            for s, state in enumerate(v.states)
+                        },
                     },
-                },
-            }
-            for v in of.lines
-        ],
-        "checks": [check(c) for c in of.checks],
-    }
+                }
+                for v in found.lines
+            ],
+            "checks": [check(c) for c in of.checks],
+            "coverage": coverage(of.coverage),
+        }
+    )
 
 
-def chart(of: Vibration) -> str:
+def chart(of: LineVibration) -> str:
     """Return the Campbell diagram of a line's torsion as an SVG that stands alone."""
     return campbell(of, EN).svg.replace("<svg ", '<svg font-family="sans-serif" ', 1) + "\n"
 
 
-def campbell(of: Vibration, say: Language) -> Figure:
+def campbell(of: LineVibration, say: Language) -> Figure:
     """Return the diagram of a line's speeds against its torsional frequencies.
 
     Slanted are the orders the joints excite, level the frequencies; where they cross is
@@ -119,13 +129,15 @@ def campbell(of: Vibration, say: Language) -> Figure:
     for k, order in enumerate(ORDERS):
         x = np.array([0.0, top])
         frame.series(Series(name=say("order {order}", order=order), x=x, y=order * x / 60), k)
-    for k, (name, (low, high)) in enumerate(zip(of.gears, of.ranges / rpm, strict=True)):
+    for k, (gear, (low, high)) in enumerate(zip(of.gears, of.ranges / rpm, strict=True)):
         x1, y = frame.spot(float(low), 0.0)
         x2, _ = frame.spot(float(high), 0.0)
         y -= 13 + 8 * k
         frame.put(
             svg.rect(x1, y, max(x2 - x1, 3.0), 4, fill=PALETTE[3], fill_opacity=0.55),
-            svg.text(x1 - 4, y + 5, named(name, say), anchor="end", font_size=8.5, fill=PALETTE[3]),
+            svg.text(
+                x1 - 4, y + 5, say.occasion(gear), anchor="end", font_size=8.5, fill=PALETTE[3]
+            ),
         )
     for k, frequency in enumerate(of.frequencies / (2 * pi), 1):
         said = say("mode {mode}, {frequency} Hz", mode=k, frequency=say.pointed(f"{frequency:.1f}"))
@@ -154,7 +166,7 @@ def campbell(of: Vibration, say: Language) -> Figure:
     )
 
 
-def forced(of: Vibration, say: Language) -> Figure:
+def forced(of: LineVibration, say: Language) -> Figure:
     """Return the largest torque of each order in the line against speed, in the worst state."""
     title = say("Torque of forced torsional vibration")
     worst = of.amplitudes.max(0)
@@ -179,22 +191,6 @@ def forced(of: Vibration, say: Language) -> Figure:
     )
 
 
-def named(said: str, say: Language) -> str:
-    """Return the name of a speed range or of what it may meet, in the language."""
-    for pattern, text in _NAMES.items():
-        if found := re.fullmatch(pattern, said):
-            return say(text, **found.groupdict())
-    return say.part(said)
-
-
-_NAMES = {
-    r"gear (?P<gear>.+)": "gear {gear}",
-    r"mode (?P<mode>\d+), order (?P<order>\d+)": "mode {mode}, order {order}",
-    r"zone of mode (?P<mode>\d+)": "zone of mode {mode}",
-    r"zone of modes (?P<mode>\d+) \+ (?P<other>\d+)": "zone of modes {mode} + {other}",
-}
-
-
 @dataclass(frozen=True, kw_only=True)
 class Distance:
     """How far the ranges of speed stay from a resonance or zone, as shares of its speed.
@@ -202,24 +198,24 @@ class Distance:
     `speed` is in rad/s; `shares` (gears,) are 0 where a gear runs through it.
     """
 
-    part: str
+    part: Part
     speed: float
     shares: tuple[float, ...]
     grades: tuple[str, ...]
 
 
-def distances(of: Vibration, checks: Iterable[Check]) -> Iterator[Distance]:
+def distances(of: LineVibration, checks: Iterable[Check]) -> Iterator[Distance]:
     """Yield the distance of each resonance and zone of a line from every range of speed."""
     mine = [c for c in checks if c.line == of.line.name]
-    graded = {(c.part, c.state): c.grade for c in mine if c.quantity == "torsional_resonance"}
+    graded = {(c.part, c.when): c.grade for c in mine if c.quantity == "torsional_resonance"}
     grown = {c.part for c in mine if c.quantity == "torsional_growth" and c.grade != "pass"}
     met = [
         *(
-            (f"mode {i}, order {o}", float(w) / o)
+            (Part("mode", i, o), float(w) / o)
             for i, w in enumerate(of.frequencies, 1)
             for o in ORDERS
         ),
-        *((z.name, z.speed) for z in of.zones),
+        *((z.part, z.speed) for z in of.zones),
     ]
     for part, speed in met:
         shares = np.clip(speed, of.ranges[:, 0], of.ranges[:, 1]) / speed - 1
@@ -261,21 +257,32 @@ def basis(of: Stability, say: Language) -> Iterator[str]:
         yield say("Assumed: {values}.", values=assumed)
 
 
-def _line(of: Vibration) -> Iterator[str]:
+def _line(of: LineVibration, say: Language) -> Iterator[str]:
     """Yield a line's frequencies, resonances and largest torques."""
     yield ""
-    yield f"{BOLD}Line {of.line.name}{PLAIN}"
+    yield f"{BOLD}{say('Line {line}', line=of.line.name)}{PLAIN}"
     for k, w in enumerate(of.frequencies, 1):
-        at = ", ".join(f"order {o} at {EN.number(float(w) / o / rpm)} rpm" for o in ORDERS)
-        yield f"  mode {k}: {EN.number(float(w) / (2 * pi))} Hz; {at}"
+        at = ", ".join(
+            say("order {order} at {speed} rpm", order=o, speed=say.number(float(w) / o / rpm))
+            for o in ORDERS
+        )
+        frequency = say.number(float(w) / (2 * pi))
+        yield "  " + say("mode {mode}: {frequency} Hz; {at}", mode=k, frequency=frequency, at=at)
     for z in of.zones:
-        rate = EN.number(float(z.growth.max()))
-        yield f"  {z.name}: at {EN.number(z.speed / rpm)} rpm, largest growth {rate} 1/s"
+        yield "  " + say(
+            "{zone}: at {speed} rpm, largest growth {rate} 1/s",
+            zone=say.part(z.part),
+            speed=say.number(z.speed / rpm),
+            rate=say.number(float(z.growth.max())),
+        )
     for k, order in enumerate(ORDERS):
         at = np.unravel_index(of.amplitudes[:, k].argmax(), of.amplitudes[:, k].shape)
-        yield (
-            f"  order {order}: up to {EN.number(float(of.amplitudes[at[0], k, at[1]]))} N m, "
-            f"{of.states[int(at[0])]} at {EN.number(float(of.speeds[at[1]]) / rpm)} rpm"
+        yield "  " + say(
+            "order {order}: up to {torque} N m, {state} at {speed} rpm",
+            order=order,
+            torque=say.number(float(of.amplitudes[at[0], k, at[1]])),
+            state=say.state(of.states[int(at[0])]),
+            speed=say.number(float(of.speeds[at[1]]) / rpm),
         )
 
 
@@ -286,8 +293,8 @@ def worst_of_parts(checks: Iterable[Check]) -> Iterator[Check]:
 
 
 def _part(c: Check) -> tuple[str, str, str]:
-    return c.quantity, c.line, c.part
+    return c.quantity, c.line, str(c.part)
 
 
-def _coloured(grade: Any, width: int = 0) -> str:
-    return f"{COLOURS[grade]}{grade.upper() if not width else f'{grade:<{width}}'}{PLAIN}"
+def _coloured(grade: Grade, say: Language, width: int) -> str:
+    return f"{COLOURS[grade]}{say(grade):<{width}}{PLAIN}"

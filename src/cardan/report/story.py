@@ -4,23 +4,33 @@ The page, the printed document and whatever comes after them tell the same story
 same order and the same words, because this is all they have to tell it from.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
 
 from cardan import __version__
-from cardan.base.units import rpm
-from cardan.base.verdict import Check, Grade, worst
+from cardan.base.part import Part
+from cardan.base.verdict import Check, Grade, Verdict, worst
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import bracket_chapter, vibration_chapter
+from cardan.report.blocks import (
+    Block,
+    Chapter,
+    Figures,
+    Issue,
+    Points,
+    Story,
+    Table,
+    Text,
+    Verbatim,
+    figures,
+)
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.drawing import drawings
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
-from cardan.report.sheet import Row, line_title, sections
-from cardan.report.stability import basis, campbell, distances, forced, named, worst_of_parts
-from cardan.report.svg import Figure
+from cardan.report.sheet import Row, line_title, sections, shown_as
 from cardan.report.wording import (
     badness,
     cited,
@@ -32,126 +42,31 @@ from cardan.report.wording import (
     problem,
     sense,
     sentence,
+    unanswered,
     worst_of_each,
 )
-from cardan.study.assess import Assessment, checks_of
+from cardan.study.approval import Approval
+from cardan.study.bracket import NAME as BRACKET
+from cardan.study.finding import Finding
 from cardan.study.fix import Proposal
 from cardan.study.sensitivity import Sensitivity
-from cardan.study.stability import KEPT_FROM_RESONANCE, STEADY, Stability
+from cardan.study.stability import NAME as VIBRATION
+
+__all__ = ["Issue", "Story", "approval", "comparison", "figures"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Table:
-    """A table: the first `words` columns are text, the others numbers.
-
-    `grades` colours cells, "" leaves one plain; `row_heads` says whether the first column
-    names its row.
-    """
-
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    words: int = 1
-    grades: tuple[tuple[str, ...], ...] = ()
-    blank: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class Text:
-    """Paragraphs."""
-
-    paragraphs: tuple[str, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Points:
-    """Points, each with what follows from it."""
-
-    points: tuple[tuple[str, tuple[str, ...]], ...]
-    caption: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Figures:
-    """Figures that stand together; wide ones one below the other."""
-
-    figures: tuple[Figure, ...]
-    wide: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class Verbatim:
-    """A text to show as it is."""
-
-    caption: str
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Picture:
-    """A picture in pixels, and what a page that can move shows under it."""
-
-    title: str
-    png: bytes
-    alt: str
-    note: str = ""
-    scene: str = ""
-    """A fragment of HTML; a document on paper leaves it out."""
-
-
-Block: TypeAlias = Table | Text | Points | Figures | Picture | Verbatim
-
-
-@dataclass(frozen=True, kw_only=True)
-class Chapter:
-    """A heading and what stands under it."""
-
-    title: str
-    blocks: tuple[Block, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Issue:
-    """What says which report this is: the day, the file and what it held."""
-
-    date: str = ""
-    files: tuple[str, ...] = ()
-    prints: tuple[str, ...] = ()
-    """The first figures of each file's SHA-256."""
-    texts: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Story:
-    """A whole report."""
-
-    language: str
-    title: str
-    subtitle: str
-    grade: str
-    verdict: str
-    facts: tuple[tuple[str, str], ...]
-    chapters: tuple[Chapter, ...]
-    summary: str = ""
-    """What stands beside the verdict, in a line."""
-    date: str = ""
-    version: str = field(default=__version__)
-
-
-def assessment(
-    of: Assessment,
+def approval(
+    of: Approval,
     *,
     helps: Sequence[Sensitivity],
     fixes: Sequence[Proposal],
     say: Language,
     issue: Issue,
-    vibration: Stability | None = None,
     more: Sequence[Chapter] = (),
 ) -> Story:
     """Return the story of one application: the verdict first, then what to change.
 
-    Without `vibration` it says that nobody could ask about it. Chapters of other studies,
-    `more`, follow the results.
+    A chapter for each study that was asked; `more` follow them.
     """
     several = len(of.responses) > 1
     chapters = [
@@ -162,11 +77,11 @@ def assessment(
         Chapter(title=say("Inputs"), blocks=tuple(_inputs(of, say))),
     ]
     for response in of.responses:
-        chapters += _line(response, say, several=several)
+        chapters += _line(response, of.checks, say, several=several)
     chapters += [
-        Chapter(title=say("Vibration and stability"), blocks=tuple(_vibration(vibration, say))),
+        *_studies(of, say),
         *more,
-        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, vibration, say))),
+        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
     ]
     return Story(
@@ -176,13 +91,13 @@ def assessment(
         grade=of.verdict,
         verdict=say(of.verdict).upper(),
         facts=(
-            (say("Checks"), counts(of.checks, say)),
+            (say("Checks"), counts(of, say)),
             (say("Limits"), of.application.profile),
-            (say("States"), say.list(*(say.given(s.name) for s in of.application.states))),
+            (say("States"), say.list(*(say.state(s.name) for s in of.application.states))),
             *_signs(issue, say),
         ),
         chapters=tuple(chapters),
-        summary=counts(of.checks, say),
+        summary=counts(of, say),
         date=issue.date,
     )
 
@@ -196,14 +111,14 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
         rows=tuple(
             (
                 n,
-                say(v.assessment.verdict).upper(),
-                counts(v.assessment.checks, say),
-                v.assessment.application.profile,
+                say(v.approval.verdict).upper(),
+                counts(v.approval, say),
+                v.approval.application.profile,
             )
             for n, v in zip(names, of, strict=True)
         ),
         words=4,
-        grades=tuple(("", v.assessment.verdict, "", "") for v in of),
+        grades=tuple(("", v.approval.verdict, "", "") for v in of),
     )
     what = differences(of, say)
     chapters = [
@@ -222,25 +137,25 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
         ),
     ]
     for name, v in zip(names, of, strict=True):
-        several = len(v.assessment.responses) > 1
-        for r in v.assessment.responses:
+        several = len(v.approval.responses) > 1
+        for r in v.approval.responses:
             title = f"{name}: {r.line.name}" if several else name
             chapters.append(
                 Chapter(
                     title=title,
                     blocks=(
-                        *_states(r, say),
+                        *_states(r, v.approval.checks, say),
                         Figures(figures=drawings(r, say)[:2], wide=True),
                     ),
                 )
             )
     chapters.append(Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))))
-    grades = [v.assessment.verdict for v in of]
+    grades: list[Verdict] = [v.approval.verdict for v in of]
     return Story(
         language=say.code,
         title=say("Variants side by side"),
-        subtitle=say.list(*(v.assessment.application.title for v in of)),
-        grade="fail" if "fail" in grades else "warn" if "warn" in grades else "pass",
+        subtitle=say.list(*(v.approval.application.title for v in of)),
+        grade=worst(grades),
         verdict="; ".join(f"{n} {say(g).upper()}" for n, g in zip(names, grades, strict=True)),
         facts=tuple(_signs(issue, say)),
         chapters=tuple(chapters),
@@ -257,7 +172,7 @@ def _signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
     yield say("Made with"), f"cardan {__version__}"
 
 
-def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
+def _verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
     sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
@@ -267,7 +182,7 @@ def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
         q = QUANTITIES[c.quantity]
         return (
             say(c.grade),
-            q.named(say.code),
+            say.name(q.key),
             place(c, say, several=several),
             say.number(c.value / q.factor),
             f"{sense(c, say)} {say.number(c.bound / q.factor)}",
@@ -296,6 +211,15 @@ def _verdict(of: Assessment, say: Language) -> Iterator[Block]:
         caption=say("Where the limits come from"),
         points=tuple((f"[{k}] {source}", ()) for k, source in enumerate(sources, 1)),
     )
+    if found := unanswered(of, say):
+        yield Points(
+            caption=say(
+                "Without an answer ({answered} of {asked} answered)",
+                answered=of.coverage.answered,
+                asked=of.coverage.asked,
+            ),
+            points=tuple((line, ()) for line in found),
+        )
     if found := notes(of, say):
         yield Text(paragraphs=tuple(found))
 
@@ -339,7 +263,7 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
     return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *still)
 
 
-def _inputs(of: Assessment, say: Language) -> Iterator[Block]:
+def _inputs(of: Approval, say: Language) -> Iterator[Block]:
     """Yield what was given, group by group."""
     every = inputs(of.application, say)
     for group in dict.fromkeys(i.group for i in every):
@@ -351,13 +275,15 @@ def _inputs(of: Assessment, say: Language) -> Iterator[Block]:
         )
 
 
-def _line(r: Response, say: Language, *, several: bool) -> Iterator[Chapter]:
+def _line(
+    r: Response, checks: tuple[Check, ...], say: Language, *, several: bool
+) -> Iterator[Chapter]:
     """Yield results, drawings and plots of one line."""
     end = f": {r.line.name}" if several else ""
     first, second, *others = drawings(r, say)
     yield Chapter(
         title=say("Results by state") + end,
-        blocks=(Text(paragraphs=(line_title(r, say) + ".",)), *_states(r, say)),
+        blocks=(Text(paragraphs=(line_title(r, say) + ".",)), *_states(r, checks, say)),
     )
     yield Chapter(
         title=say("Drawings") + end,
@@ -369,10 +295,10 @@ def _line(r: Response, say: Language, *, several: bool) -> Iterator[Chapter]:
     yield Chapter(title=say("Plots") + end, blocks=(Figures(figures=plots(r, say)),))
 
 
-def _states(r: Response, say: Language) -> Iterator[Table]:
+def _states(r: Response, checks: tuple[Check, ...], say: Language) -> Iterator[Table]:
     """Yield the numbers of a line, rows over states."""
-    states = tuple(say.given(s) for s in r.demand.states)
-    graded = _grades(r)
+    states = tuple(say.state(s) for s in r.demand.states)
+    graded = _grades(c for c in checks if c.line == r.line.name)
     for section in sections(r):
         yield Table(
             caption=say(section.title),
@@ -390,92 +316,62 @@ def _states(r: Response, say: Language) -> Iterator[Table]:
         )
 
 
-def _grades(r: Response) -> dict[tuple[str, str, str], Grade]:
+def _grades(checks: Iterable[Check]) -> dict[tuple[str, Part, str], Grade]:
     """Return the worst grade of each quantity, part and state that does not pass."""
-    found: dict[tuple[str, str, str], Grade] = {}
-    for c in sorted(checks_of(r), key=badness, reverse=True):
+    found: dict[tuple[str, Part, str], Grade] = {}
+    for c in sorted(checks, key=badness, reverse=True):
         if c.grade != "pass":
-            # A clearance is checked shaft by shaft, and shown obstacle by obstacle.
-            part = c.part.partition(" to ")[2] or c.part
-            found[c.quantity, part, c.state] = c.grade
+            found[c.quantity, shown_as(c.part), str(c.when)] = c.grade
     return found
 
 
 def _row_grades(
-    row: Row, graded: dict[tuple[str, str, str], Grade], r: Response
+    row: Row, graded: dict[tuple[str, Part, str], Grade], r: Response
 ) -> tuple[str, ...]:
     """Return the grade of each value of a row; approximations are not what is checked."""
     if row.method:
         return ("",) * len(row.values)
-    part = f"centre {row.part}" if row.part.startswith("bearing ") else row.part or "line"
-    asked = ("joint_angle", "joint_angle_min") if row.quantity == "joint_angle" else (row.quantity,)
     shown: list[str] = []
     for state in r.demand.states:
-        grades: list[Grade] = [graded.get((q, part, state), "pass") for q in asked]
-        shown.append("" if worst(grades) == "pass" else worst(grades))
+        grade = worst([graded.get((q, row.part, state), "pass") for q in row.asked])
+        shown.append("" if grade == "pass" else grade)
     return tuple(shown)
 
 
-def _vibration(of: Stability | None, say: Language) -> Iterator[Block]:
-    """Yield how far each range of speed stays from resonances and zones, and what grows."""
-    if of is None:
-        asked = say.list(*(say.name(q).lower() for q in (KEPT_FROM_RESONANCE.quantity, *STEADY)))
-        yield Text(paragraphs=(say("Not asked, for want of data: {names}.", names=asked),))
-        return
-    verdict = say("Vibration: {verdict} ({counts}).", verdict=say(of.verdict).upper(),
-                  counts=counts(of.checks, say))  # fmt: skip
-    hint = say("0 % runs through it; − stays below its speed, + above.")
-    yield Text(paragraphs=(verdict, *basis(of, say), hint))
-    for v in of.lines:
-        end = f": {v.line.name}" if len(of.lines) > 1 else ""
-        rows = tuple(distances(v, of.checks))
-        yield Table(
-            caption=say("How far each range of speed stays from resonances and zones") + end,
-            head=(say("resonance or zone"), say("at [rpm]"), *(named(g, say) for g in v.gears)),
-            rows=tuple(
-                (
-                    named(row.part, say),
-                    say.number(row.speed / rpm),
-                    *(say.percent(share) if share else "0 %" for share in row.shares),
-                )
-                for row in rows
-            ),
-            grades=tuple(("", "", *("" if g == "pass" else g for g in row.grades)) for row in rows),
+def _studies(of: Approval, say: Language) -> Iterator[Chapter]:
+    """Yield a chapter for each study that was asked beside the driveline."""
+    told: dict[str, Callable[[Finding[Any], Language], Iterator[Block]]] = {
+        VIBRATION: vibration_chapter.chapter,
+        BRACKET: bracket_chapter.chapter,
+    }
+    titles = {VIBRATION: say("Vibration and stability"), BRACKET: say("Bracket")}
+    for f in of.findings:
+        if f.study in told and f.asked:
+            blocks = told[f.study](f, say) if f.answer else _not_asked(f, say)
+            yield Chapter(title=titles[f.study], blocks=tuple(blocks))
+
+
+def _not_asked(of: Finding[Any], say: Language) -> Iterator[Block]:
+    """Yield why a study has no answer."""
+    yield Text(
+        paragraphs=tuple(
+            say("{study} could not be asked: {why}.", study=say(of.study), why=why.rstrip("."))
+            for why in of.doubts
         )
-        growing = sorted(
-            worst_of_parts(c for c in of.checks if c.line == v.line.name and c.quantity in STEADY),
-            key=badness,
-        )
-        yield Table(
-            caption=say("Growth of vibrations, where it is worst") + end,
-            head=(say("verdict"), say("limit"), say("where it is worst"), say("value"),
-                  say("bound"), say("unit")),
-            rows=tuple(_growth(c, say) for c in growing),
-            words=3,
-            grades=tuple((c.grade, *[""] * 5) for c in growing),
-        )  # fmt: skip
-        yield Figures(figures=(campbell(v, say), forced(v, say)))
+    )
 
 
-def _growth(c: Check, say: Language) -> tuple[str, ...]:
-    """Return a check on growth as a row."""
-    q = QUANTITIES[c.quantity]
-    where = say.list(named(c.part, say), named(c.state, say))
-    value, bound = say.number(c.value / q.factor), say.number(c.bound / q.factor)
-    return say(c.grade), q.named(say.code), where, value, f"{sense(c, say)} {bound}", q.unit_name
-
-
-def _equations(of: Assessment, vibration: Stability | None, say: Language) -> Iterator[Block]:
+def _equations(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the declaration of every quantity this report shows."""
     shown = {row.quantity for r in of.responses for s in sections(r) for row in s.rows}
-    shown |= {c.quantity for c in (*of.checks, *(vibration.checks if vibration else ()))}
+    shown |= {c.quantity for c in of.checks}
     used = [q for key, q in QUANTITIES.items() if key in shown]
     yield Table(
         caption=say("Quantities of this report"),
         head=(say("quantity"), say("symbol"), say("equation"), say("limits of use"), say("source")),
         rows=tuple(
             (
-                q.named(say.code),
+                say.name(q.key),
                 f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
                 "; ".join(
                     [say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]
@@ -519,28 +415,3 @@ def _compared(caption: str, names: tuple[str, ...], rows: Iterable[Compared]) ->
         words=1 if any(g for r in rows for g in r.grades) else len(names) + 1,
         grades=tuple(("", *(g or "" for g in r.grades)) for r in rows),
     )
-
-
-def figures(of: Story) -> Iterator[Figure]:
-    """Yield every figure of a story, in order."""
-    for chapter in of.chapters:
-        for block in chapter.blocks:
-            if isinstance(block, Figures):
-                yield from block.figures
-
-
-__all__ = [
-    "Block",
-    "Chapter",
-    "Figures",
-    "Issue",
-    "Picture",
-    "Points",
-    "Story",
-    "Table",
-    "Text",
-    "Verbatim",
-    "assessment",
-    "comparison",
-    "figures",
-]

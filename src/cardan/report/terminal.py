@@ -5,12 +5,12 @@ Text is marked with colours; whoever prints it takes them out where there is no 
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from cardan.base.verdict import GRADES, Check, Grade
+from cardan.base.verdict import GRADES, Check, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
-from cardan.report.language import EN, Language
+from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
     badness,
@@ -21,47 +21,60 @@ from cardan.report.wording import (
     place,
     problem,
     sentence,
+    unanswered,
     worst_of_each,
 )
-from cardan.study.assess import Assessment
+from cardan.study.approval import Approval
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
 from cardan.study.sensitivity import Sensitivity
 
-LABEL = 44
+LABEL = 48
 """Width of the names of rows."""
 
 COLUMN = 13
 """Width of a state's column."""
 
-COLOURS: dict[Grade, str] = {"pass": "\x1b[32m", "warn": "\x1b[33m", "fail": "\x1b[1;31m"}
+COLOURS: dict[Verdict, str] = {
+    "pass": "\x1b[32m", "warn": "\x1b[33m", "incomplete": "\x1b[35m", "fail": "\x1b[1;31m",
+}  # fmt: skip
 BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 
 
-def summary(of: Assessment, say: Language = EN) -> Iterator[str]:
+def summary(of: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict in a line."""
     verdict = _graded(of.verdict, say(of.verdict).upper())
-    yield f"{_bold(of.application.title)}: {verdict} ({counts(of.checks, say)})"
+    yield f"{_bold(of.application.title)}: {verdict} ({counts(of, say)})"
 
 
-def assessment(
-    of: Assessment, *, helps: Iterable[Sensitivity], every: bool = False, say: Language = EN
+def approval(
+    of: Approval, *, helps: Iterable[Sensitivity], every: bool = False, say: Language = EN
 ) -> Iterator[str]:
-    """Yield everything a check has to say, line by line of text.
+    """Yield everything an approval has to say, line by line of text.
 
     With `every` each check has its row; without, each limit has one, the worst.
     """
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
-    yield from _checks(of, say, every=every)
+    yield from checks(of, say, every=every)
+    yield from _unanswered(of, say)
     yield from notes(of, say)
     yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
-    if of.application.bracket:
-        yield say(
-            "A bracket is given: `cardan bracket` shows its stresses, gauges and frequencies."
-        )
     for response in of.responses:
         yield from _line(response, say)
+
+
+def _unanswered(of: Approval, say: Language) -> Iterator[str]:
+    """Yield the limits that got no answer, and what the application would have to give."""
+    found = unanswered(of, say)
+    if found:
+        coverage = of.coverage
+        yield ""
+        yield _bold(
+            say("Without an answer ({answered} of {asked} answered)",
+                answered=coverage.answered, asked=coverage.asked)
+        )  # fmt: skip
+        yield from (f"  {line}" for line in found)
 
 
 def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
@@ -71,7 +84,7 @@ def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
     head = "".join(_fit(f"{k}. {v.name}", wide) for k, v in enumerate(of, 1))
     yield f"{'':6}{'':40}{head}"
     verdicts = "".join(
-        _graded(v.assessment.verdict, _fit(say(v.assessment.verdict).upper(), wide)) for v in of
+        _graded(v.approval.verdict, _fit(say(v.approval.verdict).upper(), wide)) for v in of
     )
     yield f"{'':6}{_fit(say('verdict'), 40)}{verdicts}"
     yield ""
@@ -116,13 +129,14 @@ def proposals(of: tuple[Proposal, ...], say: Language = EN) -> Iterator[str]:
 
 def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     """Yield what a quantity is: equation, symbols, source, limits of use."""
-    yield f"{_bold(q.named(say.code))}  {q.symbol}" + (f" [{q.unit_name}]" if q.unit_name else "")
+    yield f"{_bold(say.name(q.key))}  {q.symbol}" + (f" [{q.unit_name}]" if q.unit_name else "")
     yield f"    {say.given(q.equation)}"
     yield from (f"      {symbol}: {say.given(meaning)}" for symbol, meaning in q.where.items())
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
     yield f"  {say('Source')}: {q.source}"
-    yield f"  Key: {q.key}; pt: {q.pt}; it: {q.it}"
+    others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
+    yield f"  Key: {q.key}; {others}"
 
 
 def published(cases: Iterable[Published]) -> Iterator[str]:
@@ -136,7 +150,7 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
         yield f"{'':6}{'':2}{c.source}"
 
 
-def _checks(of: Assessment, say: Language, *, every: bool) -> Iterator[str]:
+def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]:
     """Yield a table of checks, those that do not pass first, and the sources of its limits."""
     rows = sorted(of.checks, key=badness) if every else worst_of_each(of.checks)
     sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
@@ -151,7 +165,7 @@ def _checks(of: Assessment, say: Language, *, every: bool) -> Iterator[str]:
     for c in rows:
         q = QUANTITIES[c.quantity]
         yield (
-            f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(q.named(say.code), 36)}"
+            f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(say.name(c.quantity), 36)}"
             f"{_fit(place(c, say, several=several), 40)}"
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
@@ -181,7 +195,7 @@ def _line(r: Response, say: Language) -> Iterator[str]:
     """Yield the numbers of one line, rows over states."""
     yield ""
     yield _bold(line_title(r, say))
-    head = "".join(f"{_cut(say.given(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
+    head = "".join(f"{_cut(say.state(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
     for section in sections(r):
         yield ""
         yield _bold(f"{_fit(say(section.title), LABEL)}{'':8}{head}")
@@ -208,5 +222,5 @@ def _bold(text: str) -> str:
     return f"{BOLD}{text}{PLAIN}"
 
 
-def _graded(grade: Grade, text: str) -> str:
+def _graded(grade: Verdict, text: str) -> str:
     return f"{COLOURS[grade]}{text}{PLAIN}"

@@ -2,18 +2,29 @@
 
 from collections.abc import Iterable
 
+from cardan.base.part import LINE
 from cardan.base.source import Source
-from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Check, Limit
+from cardan.base.units import mm
+from cardan.base.verdict import GRADES, Check, Limit, Unanswered
 from cardan.model.application import Adjustable
+from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
-from cardan.study.assess import Assessment
+from cardan.study.approval import Approval
 from cardan.study.fix import Move
 from cardan.study.sensitivity import Effect, Sensitivity
 
 
-def counts(checks: Iterable[Check], say: Language) -> str:
+def counts(of: Approval, say: Language) -> str:
+    """Return how many checks have each grade, the worst first, and what has no answer."""
+    grades = [c.grade for c in of.checks]
+    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
+    if of.coverage.unanswered:
+        said.append(say("{count} unanswered", count=len(of.coverage.unanswered)))
+    return ", ".join(said)
+
+
+def tally(checks: Iterable[Check], say: Language) -> str:
     """Return how many checks have each grade, the worst first."""
     grades = [c.grade for c in checks]
     return ", ".join(f"{grades.count(g)} {say(g)}" for g in reversed(GRADES))
@@ -32,10 +43,10 @@ def badness(c: Check) -> tuple[int, float]:
     return -GRADES.index(c.grade), c.margin
 
 
-def place(c: Check, say: Language, *, several: bool = False) -> str:
+def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
     """Return where a check is: state, part and, with several lines, which line."""
-    state = say.given(c.state)
-    where = state if c.part == "line" else f"{state}, {say.part(c.part)}"
+    state = say.occasion(c.when)
+    where = state if c.part == LINE else f"{state}, {say.part(c.part)}"
     return f"{c.line}: {where}" if several else where
 
 
@@ -46,12 +57,11 @@ def sense(c: Check, say: Language) -> str:
 
 def sentence(c: Check, say: Language) -> str:
     """Return a check as a sentence: what, where, how much, against what."""
-    q = QUANTITIES[c.quantity]
-    what = q.named(say.code) if c.part == "line" else f"{q.named(say.code)}, {say.part(c.part)}"
+    q, name = QUANTITIES[c.quantity], say.name(c.quantity)
     return say(
         "{what} in {state}: {value} against {limit} {unit}",
-        what=what,
-        state=say.given(c.state),
+        what=name if c.part == LINE else f"{name}, {say.part(c.part)}",
+        state=say.occasion(c.when),
         value=say.number(c.value / q.factor),
         limit=say.number(c.bound / q.factor),
         unit=q.unit_name,
@@ -60,25 +70,11 @@ def sentence(c: Check, say: Language) -> str:
 
 def move(m: Move, say: Language) -> str:
     """Return a move in a workshop's words."""
-    a, amount = m.adjustable, m.amount
-    up = amount > 0
-    match a.what:
-        case "bearing_height":
-            said = "bearing {part} up {amount} mm" if up else "bearing {part} down {amount} mm"
-            return say(said, part=a.part, amount=say.short(abs(amount) / mm))
-        case "bearing_side":
-            said = (
-                "bearing {part} to the right {amount} mm"
-                if up
-                else "bearing {part} to the left {amount} mm"
-            )
-            return say(said, part=a.part, amount=say.short(abs(amount) / mm))
-        case "shim":
-            said = "pinion nose up {amount} deg" if up else "pinion nose down {amount} deg"
-            return say(said, amount=say.short(abs(amount) / deg, 3))
-        case "phase":
-            said = "rear yoke of shaft {part} turned {amount} deg"
-            return say(said, part=a.part, amount=("+" if up else "") + say.short(amount / deg, 4))
+    movable, part, amount = MOVABLES[m.adjustable.what], m.adjustable.part, m.amount
+    shown = amount / movable.worth
+    said = say.short(shown if movable.signed else abs(shown), 4)
+    sign = "+" if movable.signed and amount > 0 else ""
+    return say(movable.forth if amount > 0 else movable.back, part=part, amount=sign + said)
 
 
 def movable(a: Adjustable, say: Language) -> str:
@@ -112,24 +108,61 @@ def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
     return say("{move} gives {value}", move=moved, value=say.number(value / q.factor))
 
 
-def unasked(of: Assessment, say: Language) -> str:
-    """Return what limits could not ask about; empty where they all could."""
-    if not of.unasked():
-        return ""
-    names = ", ".join(say.name(q).lower() for q in of.unasked())
-    return say("Not asked, for want of data: {names}.", names=names)
+def unanswered(of: Approval, say: Language) -> list[str]:
+    """Return what limits got no answer, with what each needs; the required ones first.
+
+    Studies that nobody asked are told by `notes`.
+    """
+    several = len(of.responses) > 1
+    found: dict[tuple[bool, str, tuple[str, ...]], list[Unanswered]] = {}
+    missed = [u for f in of.findings if f.asked for u in f.unanswered]
+    for u in sorted(missed, key=lambda u: not u.limit.required):
+        found.setdefault((u.limit.required, u.quantity, u.needs), []).append(u)
+    return [
+        _unanswered(same, say, required=required, several=several)
+        for (required, _, _), same in found.items()
+    ]
 
 
-def notes(of: Assessment, say: Language) -> list[str]:
-    """Return what a reader should know: what could not be asked, what contradicts itself."""
-    found = [unasked(of, say)] if of.unasked() else []
+def _unanswered(same: list[Unanswered], say: Language, *, required: bool, several: bool) -> str:
+    """Return limits of one quantity that miss the same, where they are a few with their places."""
+    first = same[0]
+    needs = ", ".join(say.given(n) for n in first.needs) or say("a number nobody could compute")
+    parts = dict.fromkeys(
+        say.list(u.line if several else "", "" if u.part == LINE else say.part(u.part))
+        for u in same
+    )
+    name = say.list(say.name(first.quantity), *(parts if len(parts) <= 3 else ()))
+    if required:
+        return say("{name}: required, and needs {needs}", name=name, needs=needs)
+    return say("{name}: needs {needs}", name=name, needs=needs)
+
+
+def notes(of: Approval, say: Language) -> list[str]:
+    """Return what a reader should know: studies not asked, what contradicts itself."""
+    found: list[str] = []
+    if of.not_asked:
+        names = ", ".join(say(name) for name in of.not_asked)
+        options = " ".join(f"--with {name}" for name in of.not_asked)
+        found.append(say("Not part of this verdict: {names} ({options}).", names=names,
+                         options=options))  # fmt: skip
+    for f in of.findings:
+        if f.asked:
+            found += [
+                say("{study} could not be asked: {why}.", study=say(f.study), why=why.rstrip("."))
+                for why in f.doubts
+            ]
     for m in of.mismatches:
+        stated, table = (
+            ", ".join(say.short(rate * mm, 4) for rate in rates) for rates in (m.stated, m.table)
+        )
         note = say(
-            "a spring's stated rate of {stated} N/mm is {apart} from the {table} N/mm of its own "
-            "table, which counts",
-            stated=say.short(m.stated * mm, 4),
+            "a spring's stated {stated} N/mm are {apart} off the load of its own table at "
+            "{deflection} mm, which rises by {table} N/mm and counts",
+            stated=stated,
             apart=say.pointed(f"{100 * m.apart:+.1f} %"),
-            table=say.short(m.of_table * mm, 4),
+            deflection=say.short(m.deflection / mm, 4),
+            table=table,
         )
         found.append(say("Note: {note}.", note=note))
     return found

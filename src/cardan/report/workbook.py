@@ -10,25 +10,28 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from math import isnan
 from typing import Any, TypeAlias
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.part import LINE, Part
 from cardan.base.units import GPa, MPa, deg, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.kinematics.equivalent import Excitation
 from cardan.loads import loads
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
-from cardan.quantity.response import PASSING, Response
+from cardan.quantity.response import Response
 from cardan.report.extra import needed
 from cardan.report.language import Language
 from cardan.report.sheet import sections
 from cardan.report.wording import cited
 from cardan.shaft.life import life_rating
-from cardan.study.assess import Assessment, asked
+from cardan.study.approval import Approval
+from cardan.study.driveline import asked
 
 FIRST = 4
 """Number of the first state's column: E."""
@@ -42,8 +45,12 @@ Cell: TypeAlias = float | str | None
 Check: TypeAlias = dict[str, Any]
 """What a cell may hold, as XlsxWriter takes it."""
 
+UNKNOWN = "?"
+"""In place of a number that nobody knows and nothing may stand for."""
+
 POSITIVE: Check = {"validate": "decimal", "criteria": ">", "value": 0}
 NOT_NEGATIVE: Check = {"validate": "decimal", "criteria": ">=", "value": 0}
+EITHER_WAY: Check = {"validate": "decimal", "criteria": ">=", "value": -1e12}
 SHARE: Check = {"validate": "decimal", "criteria": "between", "minimum": 0.01, "maximum": 1}
 SLOPE: Check = {"validate": "decimal", "criteria": "between", "minimum": -60, "maximum": 60}
 PHASE: Check = {"validate": "decimal", "criteria": "between", "minimum": -180, "maximum": 180}
@@ -51,7 +58,7 @@ SWITCH: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "ma
 FRICTION: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 2}
 
 
-def workbook(of: Assessment, *, say: Language) -> bytes:
+def workbook(of: Approval, *, say: Language) -> bytes:
     """Return the workbook of an application, all its lines, as an .xlsx file.
 
     Raises
@@ -356,11 +363,11 @@ def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
     put(say("line speed over gearbox speed"), "", [installed.speed_ratio], "speed_ratio")
     put(say("axle ratio"), "", [axle.ratio if axle else None], "axle_ratio")
     put(say("axle efficiency"), "", [axle.efficiency if axle else None], "axle_efficiency", SHARE)
-    joints = [say.part(f"joint {k}") for k in range(1, line.joint_count + 1)]
+    joints = [say.part(Part("joint", k)) for k in range(1, line.joint_count + 1)]
     sheet.section(say("Joints"), ["", "", "", "", *joints])
     ratings = [life_rating(size) if size else None for size in r.sizes]
     put(say("bearing rating Td"), "N·m", ratings, "joint_ratings")
-    shafts = [say.part(f"shaft {k}") for k in range(1, line.joint_count)]
+    shafts = [say.part(Part("shaft", k)) for k in range(1, line.joint_count)]
     sheet.section(say("Shafts"), ["", "", "", "", *shafts])
     tubes = [s.tube for s in line.shafts]
     put(
@@ -397,7 +404,7 @@ class _Result:
     """A row of results: its quantity, its part, and the row of the calculation it shows."""
 
     quantity: str
-    part: str
+    part: Part
     row: int
     values: FloatArray | None
 
@@ -444,7 +451,7 @@ class _Line:
         self._results()
 
     def _heads(self) -> list[str]:
-        return [self.say.given(s) for s in self.r.demand.states]
+        return [self.say.state(s) for s in self.r.demand.states]
 
     # States
 
@@ -452,6 +459,22 @@ class _Line:
         return self.states.put(
             label, unit, values, style=self.book.input, name=self.tag + name, allow=allow
         )
+
+    def _torque_given(self, state: int) -> Cell:
+        """Return what a state says of the torque at the gearbox output.
+
+        In brake wind-up the line carries the coast torque, which is an input here: brake and
+        tyres would have to be weighed against each other for it.
+        """
+        given, d = self.r.application.states[state], self.r.demand
+        if given.kind == "windup brake":
+            installed = d.installed
+            share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1)
+            torque = float(d.torque[state] / share)
+            return UNKNOWN if isnan(torque) else torque
+        if given.torque is None:
+            return '=IF(ISNUMBER(torque_given),torque_given,"")'
+        return given.torque
 
     def _states(self) -> None:
         """Write geometry, torque and speed of every state."""
@@ -464,7 +487,7 @@ class _Line:
         sheet.section(say("side slopes of the members"), heads)
         members = [
             say("gearbox"),
-            *(say.part(f"shaft {k}") for k in range(1, self.n)),
+            *(say.part(Part("shaft", k)) for k in range(1, self.n)),
             say("pinion"),
         ]
         side, top = r.layout.side / deg, r.layout.top / deg
@@ -485,10 +508,7 @@ class _Line:
         ]
         sheet.section(say("Demand"), heads)
         own = r.application.states
-        torques: list[Cell] = [
-            '=IF(ISNUMBER(torque_given),torque_given,"")' if s.torque is None else s.torque
-            for s in own
-        ]
+        torques = [self._torque_given(k) for k in range(len(own))]
         # The torque that winds an axle up is that of the lowest gear, and so is the speed.
         low = (
             'IF(COUNT(engine_speeds)=0,"",'
@@ -505,7 +525,7 @@ class _Line:
             "N·m",
             torques,
             "state_torques",
-            NOT_NEGATIVE,
+            EITHER_WAY,
         )
         self.speed_given = self._given(
             say("speed of the gearbox output, where given"), "rpm", speeds, "state_speeds", POSITIVE
@@ -517,7 +537,7 @@ class _Line:
             "driven_loads",
             NOT_NEGATIVE,
         )
-        lasting = [s.kind not in PASSING for s in own]
+        lasting = r.lasting.tolist()
         self.lasting = self._given(
             say("counts for the life (1 or 0)"), "", [float(x) for x in lasting], "lasting", SWITCH
         )
@@ -527,7 +547,7 @@ class _Line:
             still = loads(r.layout, r.turn, r.line, torque=0.0, gravity=r.gravity)
             force = still.bearing_forces.static
             for k in range(self.n - 2):
-                part = say.part(f"bearing {k + 1}")
+                part = say.part(Part("centre bearing", k + 1))
                 self.weight.append(
                     [
                         self._given(
@@ -567,13 +587,13 @@ class _Line:
         return f"§{row}"
 
     def _result(
-        self, quantity: str, formula: str, values: FloatArray, *, part: str = "", note: str = ""
+        self, quantity: str, formula: str, values: FloatArray, *, part: Part = LINE, note: str = ""
     ) -> str:
         """Write a row that results and limits ask about; `values` are cardan's own, SI."""
         q, say = QUANTITIES[quantity], self.say
         shown = np.asarray(values, dtype=float) / q.factor
         reference = self._row(
-            say.list(say.name(quantity), say.part(part)),
+            _label(quantity, part, say),
             q.unit_name,
             formula,
             note=note or say.given(q.equation),
@@ -634,7 +654,8 @@ class _Line:
         given = self._of_state(self.torque_given)
         self.torque = self._result(
             "torque",
-            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,MIN({engine},{slip}))",
+            f"IF(ISNUMBER({given}),{given}*{tag}torque_share,"
+            f'IF({given}="{UNKNOWN}","",MIN({engine},{slip})))',
             d.torque,
         )
         given = self._of_state(self.speed_given)
@@ -652,7 +673,7 @@ class _Line:
         self.bh: list[str] = []
         self.beta: list[str] = []
         for k in each:
-            part = f"joint {k + 1}"
+            part = Part("joint", k + 1)
             s1, s2, t1, t2 = (
                 self._of_state(rows[j]) for rows in (self.side, self.top) for j in (k, k + 1)
             )
@@ -677,7 +698,7 @@ class _Line:
         compound = np.hypot(r.side_angles, r.top_angles)
         turned = r.demand.speed[:, None] * r.angles
         for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
-            part = f"joint {k + 1}"
+            part = Part("joint", k + 1)
             self._result("joint_angle_min", beta, r.angles[:, k], part=part)
             self._result("compound_angle", f"SQRT({v}^2+{h}^2)", compound[:, k], part=part)
             alone = f"({self.omega}*RADIANS({beta}))^2"
@@ -697,7 +718,7 @@ class _Line:
             if k:
                 phase = self._of_part("yoke_phases", k)
                 turn = f"{self.sigma[-1]}+PI()+2*RADIANS({phase})"
-            part = say.part(f"joint {k + 1}")
+            part = say.part(Part("joint", k + 1))
             g = self._row(f"arg s, {part}", "rad", turn, note="s₁ = 1; sₖ₊₁ = −sₖ e^(2iφ)")
             self.sigma.append(g)
             v, h = f"RADIANS({self.bv[k]})", f"RADIANS({self.bh[k]})"
@@ -803,7 +824,7 @@ class _Line:
             if self.weight:
                 wx, wy, wz = (self._of_state(w) for w in self.weight[k - 1])
                 size = f"SQRT({wx}^2+({y}+{wy})^2+({z}+{wz})^2)"
-            part = f"bearing {k}"
+            part = Part("centre bearing", k)
             still = np.linalg.norm(static[:, k - 1], axis=-1)
             self._result("centre_bearing_static", size, still, part=part)
             moving = dynamic[:, k - 1]
@@ -821,7 +842,7 @@ class _Line:
         # Times i: re is less the imaginary part, im the real one.
         mean = f"{scale}*({v1}+{v2})", f"{scale}*({h1}+{h2})"
         swing = f"-{scale}*({front[1]}-({rear[1]}))", f"{scale}*({front[0]}-({rear[0]}))"
-        name = f"{say('couple')} {say.part(f'shaft {k}')}"
+        name = f"{say('couple')} {say.part(Part('shaft', k))}"
         return [
             self._complex(
                 f"{name}, {say('mean')}", "N", mean, note="i T (Δₖ + Δₖ₊₁) / (2 Lₖ),  Δ = βh − i βv"
@@ -838,7 +859,7 @@ class _Line:
         for k, shaft in enumerate(r.line.shafts, 1):
             if not shaft.tube:
                 continue
-            part, length = f"shaft {k}", self._of_state(self.lengths[k - 1])
+            part, length = Part("shaft", k), self._of_state(self.lengths[k - 1])
             outer, wall, modulus, density, strength = (
                 self._of_part(f"tube_{w}", k)
                 for w in ("outer", "wall", "modulus", "density", "yield")
@@ -883,7 +904,7 @@ class _Line:
                 "joint_life",
                 f'IF({lasting}=1,1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear})),"")',
                 r.life[:, k],
-                part=f"joint {k + 1}",
+                part=Part("joint", k + 1),
             )
 
     # Results
@@ -945,8 +966,8 @@ class _Line:
     def _shown(self, one: _Result, texts: tuple[str, str]) -> int:
         """Write a row that shows a row of the calculation."""
         q = QUANTITIES[one.quantity]
-        label = self.say.list(q.named(self.say.code), self.say.part(one.part))
-        name = f"{self.tag}{one.quantity}_{one.part}".replace(" ", "_").rstrip("_")
+        label = _label(one.quantity, one.part, self.say)
+        name = self.tag + cell_name(one.quantity, one.part)
         cells = [f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns]
         return self.results.put(
             label,
@@ -1038,19 +1059,28 @@ _ONLY_FOR_LIMITS = (
 """Quantities that say the same as another; shown where a limit asks about them."""
 
 
-def _limits(r: Response) -> dict[tuple[str, str], list[Limit]]:
+def _limits(r: Response) -> dict[tuple[str, Part], list[Limit]]:
     """Return the limits that ask about each quantity and part of a line."""
-    found: dict[tuple[str, str], list[Limit]] = {}
+    found: dict[tuple[str, Part], list[Limit]] = {}
     for question in asked(r):
         for k, part in enumerate(question.parts):
             if np.isfinite(question.values[..., k]).any() or question.limit.above_angle is not None:
-                name = "" if part == "line" else part.replace("centre bearing", "bearing")
-                key = (question.limit.quantity, name)
-                found.setdefault(key, []).append(question.limit)
+                found.setdefault((question.limit.quantity, part), []).append(question.limit)
     return found
 
 
+def _label(quantity: str, part: Part, say: Language) -> str:
+    """Return what a row of results is called."""
+    return say.list(say.name(quantity), "" if part == LINE else say.part(part))
+
+
+def cell_name(quantity: str, part: Part) -> str:
+    """Return the name of a row of results; tests and macros find it by this."""
+    said = "" if part == LINE else str(part).removeprefix("centre ")
+    return f"{quantity}_{said}".replace(" ", "_").rstrip("_")
+
+
 def named_cells(r: Response) -> Iterator[str]:
-    """Yield the names of a line's rows of results; tests and macros find them by these."""
+    """Yield the names of a line's rows of results."""
     for quantity, part in _limits(r):
-        yield f"{quantity}_{part}".replace(" ", "_").rstrip("_")
+        yield cell_name(quantity, part)

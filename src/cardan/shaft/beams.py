@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
 from cardan.base.errors import DesignError
 from cardan.model.parts import Line, Tube
 
@@ -83,22 +83,20 @@ def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
     bearings = [s.centre_bearing for s in line.shafts if s.centre_bearing]
     splines = [s.spline for s in line.shafts]
     return Beams(
-        length=np.asarray(line.lengths if lengths is None else lengths, dtype=float),
-        bending_stiffness=np.array([t.bending_stiffness for t in tubes]),
-        shear_stiffness=np.array(
-            [shear_coefficient(t) * t.material.shear_modulus * t.area for t in tubes]
+        length=stacked(line.lengths) if lengths is None else np.asarray(lengths, dtype=float),
+        bending_stiffness=stacked(t.bending_stiffness for t in tubes),
+        shear_stiffness=stacked(
+            shear_coefficient(t) * t.material.shear_modulus * t.area for t in tubes
         ),
-        mass_per_length=np.array([t.mass_per_length for t in tubes]),
-        rotary_inertia=np.array([t.polar_inertia_per_length / 2 for t in tubes]),
-        yoke_mass=np.array([s.yoke_mass for s in line.shafts]),
-        yoke_inertia=np.array([[s.yoke_inertia / 2] * 2 for s in line.shafts]),
-        spline_mass=np.array([s.mass if s else 0.0 for s in splines]),
-        spline_position=np.array([s.from_front_joint if s else 0.0 for s in splines]),
-        overhang=np.array([b.from_rear_joint for b in bearings]),
-        bearing_stiffness=np.array(
-            [b.stiffness or (np.inf, np.inf) for b in bearings]
-        ).reshape(-1, 2),
-    )  # fmt: skip
+        mass_per_length=stacked(t.mass_per_length for t in tubes),
+        rotary_inertia=stacked(t.polar_inertia_per_length / 2 for t in tubes),
+        yoke_mass=vectors((s.yoke_mass for s in line.shafts), size=2),
+        yoke_inertia=vectors(([s.yoke_inertia / 2] * 2 for s in line.shafts), size=2),
+        spline_mass=stacked(s.mass if s else 0.0 for s in splines),
+        spline_position=stacked(s.from_front_joint if s else 0.0 for s in splines),
+        overhang=stacked(b.from_rear_joint for b in bearings),
+        bearing_stiffness=vectors((b.stiffness or (np.inf, np.inf) for b in bearings), size=2),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

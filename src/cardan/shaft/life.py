@@ -8,6 +8,8 @@ Catalogues rate a joint in one of two ways, which are one law:
 with n in rpm and β in degrees. Lives are B10: nine joints in ten live longer, if greased.
 """
 
+from typing import cast
+
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
@@ -33,7 +35,7 @@ def rated_torque(bearing_factor: ArrayLike) -> FloatArray:
 def life_rating(size: JointSize) -> NewtonMetre | None:
     """Return Td of a joint, whichever way its catalogue rates it; None if it does not."""
     if size.bearing_torque is None and size.bearing_factor is not None:
-        return float(rated_torque(size.bearing_factor))
+        return cast("NewtonMetre", rated_torque(size.bearing_factor))
     return size.bearing_torque
 
 

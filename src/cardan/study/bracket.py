@@ -12,8 +12,11 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.units import Metre, RadianPerSecond
-from cardan.bracket.elastic import Progress, silent
+from cardan.base.part import Occasion, Part
+from cardan.base.units import Metre, RadianPerSecond, hour
+from cardan.base.verdict import Check, Limit, Unanswered
+from cardan.bracket.elastic import Progress
+from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.gauges import influence
 from cardan.bracket.hotspot import Converged, Searched, converged, hot_spots, searched
 from cardan.bracket.shape import solid
@@ -27,21 +30,21 @@ from cardan.bracket.stress import (
     von_mises,
 )  # fmt: skip
 from cardan.bracket.unit import UNITS, Units, unit_solutions
+from cardan.demand.states import demand, resolve
 from cardan.loads.cycle import Cycle
 from cardan.loads.statics import Rotating, loads, unbalance
-from cardan.model.application import Application
+from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, Shape
-from cardan.quantity.response import PASSING, Response
-from cardan.study.assess import Assessment
+from cardan.quantity.response import Response, respond
 from cardan.study.bracket_life import Endured, Strength, endured, mixed
+from cardan.study.finding import Finding, Tell, limits_of, silent
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 HOT_SPOTS = 3
-DUTY = "duty cycle, "
-"""What names of duty cycles begin with, before the state."""
+NAME = "bracket"
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,8 @@ class Case:
 
     Where `turns` of the shaft or `duration` (s) are known it is one pass of a history that
     repeats, and does damage; else a load by itself. `places` counts passes one after the
-    other of which only the worst happens.
+    other of which only the worst happens. A case of a state is called after it and `what`
+    it takes of its loads.
     """
 
     name: str
@@ -58,6 +62,12 @@ class Case:
     turns: float = np.nan
     duration: float = np.nan
     places: int = 1
+    what: str = ""
+
+    @property
+    def when(self) -> Occasion:
+        """The case as an occasion of checks."""
+        return Occasion("case", self.name, self.what)
 
     @property
     def repeats(self) -> bool:
@@ -168,7 +178,7 @@ class Judged:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BracketStudy:
+class BracketAnswer:
     """A bracket judged, and its reinforced variant beside it where there is one."""
 
     title: str
@@ -177,44 +187,110 @@ class BracketStudy:
     variants: tuple[Judged, ...]
 
 
-def study(
-    assessment: Assessment, *, extra: Sequence[Case] = (), tell: Progress = silent
-) -> BracketStudy:
-    """Judge the bracket of an assessed application under all its cases.
+@dataclass(frozen=True)
+class BracketStudy:
+    """The bracket a centre bearing hangs in, under the driveline's loads and those by hand.
 
-    Raises
-    ------
-    DesignError
-        If the application has no bracket, or its shape cannot be built or meshed.
-    NotInstalled
-        Without the extra `cardan[bracket]`.
+    `extra` cases count beside those of the application.
     """
-    application = assessment.application
+
+    extra: tuple[Case, ...] = ()
+    name: str = NAME
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: it has a bracket."""
+        return application.bracket is not None
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return what the application would have to give."""
+        return () if application.bracket else ("bracket, with a shape",)
+
+    def run(self, application: Application, tell: Tell = silent) -> Finding[BracketAnswer]:
+        """Judge the bracket, and hold the shape that is installed against the limits.
+
+        Raises
+        ------
+        DesignError
+            If the application has no bracket, or its shape cannot be built or meshed.
+        NotInstalled
+            Without the extra `cardan[bracket]`.
+        """
+        answer = study(application, extra=self.extra, tell=lambda said: tell(said, 0, 0))
+        limits = limits_of(NAME, application)
+        installed = answer.variants[0]
+        return Finding(
+            study=NAME,
+            answer=answer,
+            checks=tuple(checks_of(answer, installed, limits)),
+            unanswered=tuple(_unanswered(answer, installed, limits)),
+        )
+
+
+def study(
+    application: Application, *, extra: Sequence[Case] = (), tell: Progress = hushed
+) -> BracketAnswer:
+    """Return what an application's bracket bears, and its reinforced variant beside it."""
     bracket = _bracket(application)
-    response = next(r for r in assessment.responses if r.line.name == bracket.line)
+    installed = next(i for i in application.lines if i.line.name == bracket.line)
+    response = respond(application, demand(resolve(application, installed)))
     cases = (*cases_of(bracket, response), *extra)
     speeds = response.demand.speed
     top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
     shapes = {"original": bracket.shape}
     if bracket.reinforced is not None:
         shapes["reinforced"] = bracket.reinforced
-    return BracketStudy(
+    duty = duty_of(bracket, response)
+    return BracketAnswer(
         title=application.title,
         bracket=bracket,
         top_speed=top,
         variants=tuple(
-            judge(
-                bracket,
-                shape,
-                cases,
-                duty=duty_of(bracket, response),
-                name=name,
-                top_speed=top,
-                tell=tell,
-            )
+            judge(bracket, shape, cases, duty=duty, name=name, top_speed=top, tell=tell)
             for name, shape in shapes.items()
         ),
     )
+
+
+def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
+    """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
+    for limit in limits:
+        for when, part, value in _values(of, variant, limit.quantity):
+            yield Check(
+                quantity=limit.quantity, line=of.bracket.line, when=when, part=part,
+                value=value, limit=limit,
+            )  # fmt: skip
+
+
+def _values(
+    of: BracketAnswer, variant: Judged, quantity: str
+) -> Iterator[tuple[Occasion, Part, float]]:
+    """Yield when and where what a limit asks about is worst, SI."""
+    strength = of.bracket.material.yield_strength
+    if quantity == "bracket_stress_utilisation" and strength:
+        for o in variant.outcomes:
+            worst = int(np.argmax(o.hot))
+            used = float(o.hot[worst]) / strength
+            yield o.case.when, Part("hot spot", worst + 1), used
+    if quantity == "bracket_life":
+        for endured in variant.duty:
+            worst = int(np.argmax(endured.spots))
+            yield endured.when, Part("hot spot", worst + 1), endured.hours * hour
+
+
+def _unanswered(
+    of: BracketAnswer, variant: Judged, limits: Sequence[Limit]
+) -> Iterator[Unanswered]:
+    """Yield the limits that got no number, with what they need."""
+    needs = {
+        "bracket_stress_utilisation": ("bracket.material with its yield strength",),
+        "bracket_life": ("duty, and bracket.fatigue",),
+    }
+    for limit in limits:
+        if not any(_values(of, variant, limit.quantity)):
+            yield Unanswered(
+                limit=limit, line=of.bracket.line, when=Occasion("case", "all"),
+                part=Part("hot spot", 1), needs=needs[limit.quantity],
+            )  # fmt: skip
 
 
 def _bracket(application: Application) -> Bracket:
@@ -237,11 +313,13 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
         a = np.asarray(case.acceleration)
         force = np.asarray(case.force) - bracket.carried_mass * a
         yield Case(case.name, np.concatenate([force, case.moment, a])[None])
-    if response.line.joint_count < 3 or not np.isfinite(response.demand.torque).all():
+    if response.line.joint_count < 3:
         return
     forces, once = response.loads.bearing_forces, response.unbalance
     speeds = response.demand.speed.tolist()
     for s, state in enumerate(response.demand.states):
+        if not np.isfinite(response.demand.torque[s]):
+            continue
         yield from _round_the_turn(
             state, forces=forces, once=once, at=(s, bracket.bearing - 1),
             gravity=response.gravity, speed=speeds[s],
@@ -258,30 +336,30 @@ def _round_the_turn(
     # Where weight counts the shafts' is in the forces already, the bracket's is not.
     weight = (0.0, 0.0, gravity)
     second = 2 * np.pi / speed if speed else np.inf  # of one turn, which never ends at rest
-    yield Case(f"{state}: static", _history(mean[None], weight))
-    yield Case(f"{state}: order 2", _history((turn - mean)[:SAMPLES]), 0.5, second / 2)
-    yield Case(f"{state}: combined", _history(turn[:SAMPLES], weight), 0.5, second / 2)
+    yield Case(state, _history(mean[None], weight), what="static")
+    yield Case(state, _history((turn - mean)[:SAMPLES]), 0.5, second / 2, what="order 2")
+    yield Case(state, _history(turn[:SAMPLES], weight), 0.5, second / 2, what="combined")
     if once is not None:
         theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
         round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
         # Nobody knows where the heavy spot is: each of eight places is tried.
         starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
         peak = np.concatenate([turn + once.bearing_forces[at] * start for start in starts])
-        yield Case(f"{state}: peak", _history(peak, weight), 1.0, second, places=8)
+        yield Case(state, _history(peak, weight), 1.0, second, places=8, what="peak")
 
 
-def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float, Case]]]:
+def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[float, Case]]]:
     """Return the duty cycle's load histories with their shares, by each state that lasts.
 
     The joint angles are the state's: those of the cycle itself say nothing about where
     the bearings pull.
     """
     application = response.application
-    points, line = application.duty, response.line
+    points, line = response.duty, response.line
     if not points or line.joint_count < 3:
         return {}
-    found: dict[str, list[tuple[float, Case]]] = {
-        f"{DUTY}{s.name}": [] for s in application.states if s.kind not in PASSING
+    found: dict[Occasion, list[tuple[float, Case]]] = {
+        Occasion("duty", s.name): [] for s in application.states if s.counts_as in RIDING
     }
     for point in points:
         forces = loads(
@@ -297,8 +375,8 @@ def duty_of(bracket: Bracket, response: Response) -> dict[str, list[tuple[float,
                 state.name, forces=forces, once=once, at=(s, bracket.bearing - 1),
                 gravity=response.gravity, speed=point.speed,
             )  # fmt: skip
-            if state.kind not in PASSING:
-                found[f"{DUTY}{state.name}"].append((point.share, case))
+            if state.counts_as in RIDING:
+                found[Occasion("duty", state.name)].append((point.share, case))
     return found
 
 
@@ -319,10 +397,10 @@ def judge(
     shape: Shape,
     cases: Sequence[Case],
     *,
-    duty: Mapping[str, Sequence[tuple[float, Case]]] | None = None,
+    duty: Mapping[Occasion, Sequence[tuple[float, Case]]] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
-    tell: Progress = silent,
+    tell: Progress = hushed,
 ) -> Judged:
     """Judge one shape of a bracket under load cases, and over a duty cycle's.
 
@@ -360,11 +438,11 @@ def judge(
     change = float(np.abs(readings - first).max() / np.abs(readings).max()) if len(first) else 0.0
     strength = Strength.of(bracket)
 
-    def life(case: Case, name: str) -> Endured | None:
+    def life(case: Case, when: Occasion) -> Endured | None:
         if strength is None or not case.repeats:
             return None
         return endured(
-            case.loads, name=name, unit=best.stress, influence=readings,
+            case.loads, when=when, unit=best.stress, influence=readings,
             modulus=bracket.material.youngs_modulus, strength=strength,
             places=case.places, turns=case.turns, duration=case.duration,
         )  # fmt: skip
@@ -385,7 +463,7 @@ def judge(
         carried=carried,
         crossings=tuple(crossings(carried, top_speed)),
         outcomes=tuple(
-            replace(_outcome(case, units, where, best, readings), life=life(case, case.name))
+            replace(_outcome(case, units, where, best, readings), life=life(case, case.when))
             for case in cases
         ),
         duty=tuple(spent),

@@ -13,6 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.part import Occasion
 from cardan.base.units import hour
 from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.bracket.unit import UNITS
@@ -21,6 +22,9 @@ from cardan.fatigue.damage import miner
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.strength import SNCurve
 from cardan.model.bracket import Bracket
+
+ALONE = Occasion("case", "")
+"""A history that nobody named."""
 
 
 def loads_of(history: ArrayLike) -> FloatArray:
@@ -118,8 +122,8 @@ class Endured:
 
     Attributes
     ----------
-    name
-        Of the load case, or of the duty cycle.
+    when
+        The load case, or the duty cycle in a state.
     spots : (k,)
         Damage at each hot spot; 1 is failure.
     gauges : (g,)
@@ -130,7 +134,7 @@ class Endured:
         Of a pass; nan where not known.
     """
 
-    name: str
+    when: Occasion
     spots: FloatArray
     gauges: FloatArray
     turns: float
@@ -169,7 +173,7 @@ def _until(rate: float) -> float:
 def endured(
     loads: ArrayLike,
     *,
-    name: str = "",
+    when: Occasion = ALONE,
     unit: FloatArray,
     influence: FloatArray,
     modulus: float,
@@ -189,7 +193,7 @@ def endured(
     at_spots = [spot_damage(unit, one, strength=strength) for one in passes]
     at_gauges = [gauge_damage(influence, one, modulus=modulus, strength=strength) for one in passes]
     return Endured(
-        name=name,
+        when=when,
         spots=np.max(at_spots, axis=0),
         gauges=np.max(at_gauges, axis=0),
         turns=turns,
@@ -197,7 +201,7 @@ def endured(
     )
 
 
-def mixed(name: str, parts: list[tuple[float, Endured]]) -> Endured:
+def mixed(when: Occasion, parts: list[tuple[float, Endured]]) -> Endured:
     """Return the mean second of a duty cycle: parts with their shares of the time.
 
     Each part runs for long: cycles from one to the next are not counted.
@@ -205,7 +209,7 @@ def mixed(name: str, parts: list[tuple[float, Endured]]) -> Endured:
     shares = np.array([share for share, _ in parts])
     weights = shares / shares.sum() / np.array([e.duration for _, e in parts])
     return Endured(
-        name=name,
+        when=when,
         spots=weights @ np.array([e.spots for _, e in parts]),
         gauges=weights @ np.array([e.gauges for _, e in parts]),
         turns=float(weights @ np.array([e.turns for _, e in parts])),

@@ -14,19 +14,12 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Check, Grade, worst
-from cardan.demand.states import demand
+from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, worst
+from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
+from cardan.model.movable import MOVABLES, Moved
 from cardan.quantity.response import Response, respond
-from cardan.study.assess import asked, checks_of
-
-BEARING_RANGE = 30 * mm
-SHIM_RANGE = 3 * deg
-"""How far things may move where the application does not say: house practice, assumed."""
-
-RESOLUTION = {"bearing_height": 1 * mm, "bearing_side": 1 * mm, "shim": 0.1 * deg}
-"""Steps a workshop can set; a proposal is rounded to them."""
+from cardan.study.driveline import asked, checks_of, unanswered_of
 
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
@@ -42,7 +35,6 @@ STILL = 1e-9
 
 Smooth: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
 Bound: TypeAlias = Literal["normal", "maximum"]
-What: TypeAlias = Literal["bearing_height", "bearing_side", "shim", "phase"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +47,7 @@ class Move:
     @property
     def cost(self) -> float:
         """Share of its range that it uses; a turned yoke counts as half a full way."""
-        if self.adjustable.what == "phase":
+        if MOVABLES[self.adjustable.what].choice:
             return 0.5
         bound = self.adjustable.high if self.amount > 0 else self.adjustable.low
         return abs(self.amount / bound)
@@ -66,7 +58,8 @@ class Proposal:
     """A correction of one line, and the verdict it gives.
 
     `margin` is the smallest margin to a warning among the limits that moving can change,
-    `before` the same as installed. `checks` are all those of the corrected line.
+    `before` the same as installed. `checks` are all those of the corrected line, and
+    `unanswered` what nothing moved can answer.
     """
 
     line: str
@@ -74,6 +67,7 @@ class Proposal:
     before: float
     margin: float
     checks: tuple[Check, ...]
+    unanswered: tuple[Unanswered, ...]
 
     @property
     def cost(self) -> float:
@@ -81,9 +75,11 @@ class Proposal:
         return sum(m.cost for m in self.moves)
 
     @property
-    def verdict(self) -> Grade:
-        """The worst of the corrected line's checks."""
-        return worst([c.grade for c in self.checks])
+    def verdict(self) -> Verdict:
+        """What an approval of the corrected line comes to."""
+        found: list[Verdict] = [c.grade for c in self.checks]
+        missed = any(u.limit.required for u in self.unanswered)
+        return worst([*found, "incomplete"] if missed else found)
 
 
 def adjustables(response: Response) -> tuple[Adjustable, ...]:
@@ -91,41 +87,24 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
     application, name = response.application, response.line.name
     if application.adjustables:
         return tuple(a for a in application.adjustables if a.line == name and not a.hold)
-    shafts = len(response.line.shafts)
-
-    def each(what: What, parts: int, low: float, high: float) -> tuple[Adjustable, ...]:
-        return tuple(
-            Adjustable(what=what, part=k, low=low, high=high, line=name)
-            for k in range(1, parts + 1)
-        )
-
-    return (
-        *each("bearing_height", shafts - 1, -BEARING_RANGE, BEARING_RANGE),
-        *each("bearing_side", shafts - 1, -BEARING_RANGE, BEARING_RANGE),
-        *each("shim", 1, -SHIM_RANGE, SHIM_RANGE),
-        *each("phase", shafts, 0.0, np.pi / 2),
+    return tuple(
+        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
+        for m in MOVABLES.values()
+        for k in range(1, m.count(response.line) + 1)
     )
 
 
 def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Response:
     """Return the response of a line with each thing moved by its amount, (V, movable) SI."""
-    line = response.line
-    shift = np.zeros((len(amounts), 1, line.joint_count - 2, 3))
-    shim = np.zeros((len(amounts), 1))
-    phases = np.tile(np.asarray(line.phases), (len(amounts), 1, 1))
+    moved = Moved.still(response.line, variants=len(amounts))
     for adjustable, amount in zip(movable, amounts.T, strict=True):
-        part = adjustable.part - 1
-        match adjustable.what:
-            case "bearing_height":
-                shift[:, 0, part, 2] = amount
-            case "bearing_side":
-                shift[:, 0, part, 1] = amount
-            case "shim":
-                shim[:, 0] = amount
-            case "phase":
-                phases[:, 0, part] += amount
-    layout = response.demand.corrected(bearing_shift=shift, shim=shim)
-    return respond(response.application, response.demand, layout=layout, phases=phases)
+        MOVABLES[adjustable.what].move(moved, adjustable.part, amount)
+    return respond(
+        response.application,
+        response.demand,
+        layout=response.demand.corrected(bearing_shift=moved.bearing_shift, shim=moved.shim),
+        phases=np.asarray(response.line.phases) + moved.phases,
+    )
 
 
 def margins(response: Response, *, to: Bound) -> FloatArray:
@@ -273,7 +252,7 @@ def fix(
     movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
     found = {p.moves: p for p in _proposals(before, movable, tell)}
-    ranked = sorted(found.values(), key=lambda p: (GRADES.index(p.verdict), p.cost, -p.margin))
+    ranked = sorted(found.values(), key=lambda p: (VERDICTS.index(p.verdict), p.cost, -p.margin))
     return tuple(_unbeaten(ranked))[:count]
 
 
@@ -291,7 +270,8 @@ def _unheld(movable: tuple[Adjustable, ...], hold: Collection[str]) -> tuple[Adj
 def _line(application: Application, name: str | None) -> Response:
     """Return the line of a name, or the one with the worst check."""
     responses = {
-        i.line.name: respond(application, demand(application, i)) for i in application.lines
+        i.line.name: respond(application, demand(resolve(application, i)))
+        for i in application.lines
     }
     if name is None:
         return min(responses.values(), key=lambda r: float(margins(r, to="normal").min()))
@@ -305,7 +285,7 @@ def _proposals(
     response: Response, movable: tuple[Adjustable, ...], tell: Callable[[int, int], None] | None
 ) -> Iterator[Proposal]:
     """Yield every proposal worth comparing: each way alone, all together, each yoke turned."""
-    ways = tuple(k for k, a in enumerate(movable) if a.what != "phase")
+    ways = tuple(k for k, a in enumerate(movable) if not MOVABLES[a.what].choice)
     turnings = list(_turnings(response, movable))
     everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
     trials = np.concatenate([everything.amounts(_spread(len(ways))), np.stack(turnings)])
@@ -341,16 +321,21 @@ def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[F
     choices = []
     for adjustable in movable:
         turns = [0.0]
-        if adjustable.what == "phase":
-            installed = response.line.phases[adjustable.part - 1]
-            turns += [b - installed for b in (adjustable.low, adjustable.high)]
+        if MOVABLES[adjustable.what].choice:
+            turns += _ends(response, adjustable)
         choices.append(list(dict.fromkeys(t for t in turns if t == 0 or abs(t) > 1e-9)))
     yield from (np.array(choice) for choice in product(*choices))
 
 
+def _ends(response: Response, adjustable: Adjustable) -> list[float]:
+    """Return how far yokes turn to the ends of their range, which count from the aligned."""
+    installed = response.line.phases[adjustable.part - 1]
+    return [bound - installed for bound in (adjustable.low, adjustable.high)]
+
+
 def _rounded(movable: tuple[Adjustable, ...], amounts: FloatArray) -> FloatArray:
     """Return the amounts in steps a workshop can set."""
-    steps = np.array([RESOLUTION.get(a.what, 0.0) for a in movable])
+    steps = np.array([MOVABLES[a.what].resolution for a in movable])
     whole = np.where(steps > 0, steps, 1.0)
     return np.where(steps > 0, np.round(amounts / whole) * whole, amounts)
 
@@ -374,13 +359,14 @@ def _proposal(
         before=float(before),
         margin=float(after),
         checks=tuple(checks_of(corrected)),
+        unanswered=tuple(unanswered_of(corrected)),
     )
 
 
 def _unbeaten(ranked: list[Proposal]) -> Iterator[Proposal]:
     """Yield the proposals that none before them beats in cost, margin and verdict."""
     best = -np.inf
-    grade: Grade | None = None
+    grade: Verdict | None = None
     for proposal in ranked:
         if proposal.verdict != grade:
             grade = proposal.verdict

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.fatigue.cause import stress_per_torque
 from cardan.model.application import Application
 from cardan.quantity.response import respond
@@ -27,7 +27,7 @@ def bearing_order2(
         msg = f"no line {line!r}; there are: {', '.join(names)}"
         raise ValueError(msg)
     installed = application.lines[0 if line is None else names.index(line)]
-    asked = demand(application, installed)
+    asked = demand(resolve(application, installed))
     if state not in asked.states:
         msg = f"no state {state!r}; there are: {', '.join(asked.states)}"
         raise ValueError(msg)
@@ -38,7 +38,7 @@ def bearing_order2(
         msg = f"line {installed.line.name} has {len(forces)} centre bearings, not a {bearing}."
         raise ValueError(msg)
     torque = float(np.broadcast_to(asked.torque, len(asked.states))[row])
-    if not torque:
+    if not abs(torque) > 0:
         msg = f"state {state!r} carries no torque"
         raise ValueError(msg)
     return forces[bearing - 1] / torque

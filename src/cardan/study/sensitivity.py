@@ -5,17 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.units import deg, mm
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
+from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response
-from cardan.study.assess import Assessment, asked, check, checks_of
+from cardan.study.approval import Approval
+from cardan.study.driveline import asked, check, checks_of
 from cardan.study.fix import adjustables, tried
-
-STEP = {
-    "bearing_height": 10 * mm, "bearing_side": 10 * mm, "shim": 1 * deg, "phase": 90 * deg,
-}  # fmt: skip
-"""How far a thing is moved to see what it does; a yoke by a quarter, the others a little."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +42,12 @@ class Sensitivity:
         return max(float(limit.margin(v, to=to)) for v in (effect.back, effect.forth)) - now.margin
 
 
-def sensitivities(assessment: Assessment) -> tuple[Sensitivity, ...]:
+def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
     """Return for every limit and part that does not pass what moving things would do.
 
     Worst margin first. What nothing can move shows no effects.
     """
-    found = [s for r in assessment.responses for s in _of_line(r)]
+    found = [s for r in approval.responses for s in _of_line(r)]
     return tuple(sorted(found, key=lambda s: (s.check.grade != "fail", s.check.margin)))
 
 
@@ -62,7 +58,7 @@ def _of_line(response: Response) -> Iterator[Sensitivity]:
     if not bad:
         return
     movable = adjustables(response)
-    steps = np.array([STEP[a.what] for a in movable])
+    steps = np.array([MOVABLES[a.what].step for a in movable])
     moved = tried(response, movable, np.concatenate([np.diag(-steps), np.diag(steps)]))
     pairs = zip(asked(response, quantities=bad), asked(moved, quantities=bad), strict=True)
     for now, then in pairs:

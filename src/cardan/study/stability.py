@@ -1,6 +1,6 @@
 """Ask whether an application vibrates: each gear's speeds against resonances and zones."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from itertools import combinations
 
@@ -8,10 +8,10 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.source import Source
+from cardan.base.part import Occasion, Part
 from cardan.base.units import NewtonMetre
-from cardan.base.verdict import Check, Grade, Limit, worst
-from cardan.demand.states import Demand, demand
+from cardan.base.verdict import Check, Limit
+from cardan.demand.states import Demand, demand, resolve
 from cardan.dynamics.lateral import flexible_shaft
 from cardan.dynamics.periodic import growth
 from cardan.dynamics.torsion import (
@@ -23,19 +23,13 @@ from cardan.dynamics.torsion import (
 )
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import Line, Shaft
+from cardan.quantity.declared import TUBES
+from cardan.study.finding import Finding, Tell, limits_of, silent
 
 ORDERS = (2, 4)
 """Orders of the turning that joints excite."""
 
-KEPT_FROM_RESONANCE = Limit(
-    quantity="torsional_resonance", band=(0.9, 1.1), source=Source("Assumed: a tenth to each side")
-)
-_BY_DEFINITION = Source("By definition: what grows does not stay small")
-STEADY = {
-    quantity: Limit(quantity=quantity, maximum=0.0, source=_BY_DEFINITION)
-    for quantity in ("torsional_growth", "lateral_growth")
-}
-"""Limits on growth, by quantity."""
+NAME = "vibration"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,21 +57,20 @@ class Zone:
     growth: FloatArray
 
     @property
-    def name(self) -> str:
-        """How tables call it."""
-        i, j = self.modes
-        return f"zone of mode {i}" if i == j else f"zone of modes {i} + {j}"
+    def part(self) -> Part:
+        """What a check of it is of."""
+        return Part("zone", *self.modes)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Vibration:
+class LineVibration:
     """How one line vibrates.
 
     Attributes
     ----------
     line, states
         Which line, and the S states it was asked in.
-    gears : names of the G ranges of speed
+    gears : the G ranges of speed
     ranges : (G, 2) rad/s
     frequencies : (n,) rad/s
         Torsional natural frequencies, rising.
@@ -93,7 +86,7 @@ class Vibration:
 
     line: Line
     states: tuple[str, ...]
-    gears: tuple[str, ...]
+    gears: tuple[Occasion, ...]
     ranges: FloatArray
     frequencies: FloatArray
     zones: tuple[Zone, ...]
@@ -104,7 +97,7 @@ class Vibration:
 
 @dataclass(frozen=True, kw_only=True)
 class Stability:
-    """The answer: every line's vibration, and the checks on it.
+    """The answer: every line's vibration.
 
     `given` names those of the `surroundings` that were given; the others are assumed.
     """
@@ -112,34 +105,54 @@ class Stability:
     application: Application
     surroundings: Assumed
     given: frozenset[str]
-    lines: tuple[Vibration, ...]
-    checks: tuple[Check, ...]
+    lines: tuple[LineVibration, ...]
 
-    @property
-    def verdict(self) -> Grade:
-        """The worst of all checks."""
-        return worst([c.grade for c in self.checks])
+
+@dataclass(frozen=True)
+class VibrationStudy:
+    """Every gear's speeds against torsional resonances, parametric zones and flutter.
+
+    What `surroundings` say goes before the application's own; `Assumed` fills the rest.
+    """
+
+    surroundings: Surroundings | None = None
+    name: str = NAME
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: every line vibrates."""
+        del application
+        return True
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return what every line needs to be asked how it vibrates."""
+        lines = [i.line for i in application.lines]
+        tubes = all(s.tube or s.polar_inertia_given for line in lines for s in line.shafts)
+        return () if tubes else (TUBES.gives,)
+
+    def run(self, application: Application, tell: Tell = silent) -> Finding[Stability]:
+        """Ask every line.
+
+        Raises
+        ------
+        DesignError
+            If only one of the gearbox's two values is given, or nothing says how fast the
+            line turns or what torque it carries.
+        NotConverged
+            If a line has no steady forced motion (no damping, in resonance).
+        """
+        answer = stability(application, surroundings=self.surroundings, tell=tell)
+        limits = limits_of(NAME, application)
+        checks = tuple(c for line in answer.lines for c in _checks(line, limits))
+        return Finding(study=NAME, answer=answer, checks=checks)
 
 
 def stability(
     application: Application,
     *,
     surroundings: Surroundings | None = None,
-    tell: Callable[[int, int], None] | None = None,
+    tell: Tell = silent,
 ) -> Stability:
-    """Hold every gear's speeds against torsional resonances, parametric zones and flutter.
-
-    What `surroundings` say goes before the application's own; `Assumed` fills the rest.
-    `tell` is called with how many lines are done, and of how many.
-
-    Raises
-    ------
-    DesignError
-        If a shaft has no tube, only one of the gearbox's two values is given, or nothing says
-        how fast the line turns or what torque it carries.
-    NotConverged
-        If a line has no steady forced motion (no damping, in resonance).
-    """
+    """Return how every line of an application vibrates, in every gear and state."""
     known = {
         f.name: value
         for source in (application.torsion, surroundings)
@@ -147,35 +160,31 @@ def stability(
         if (value := getattr(source, f.name, None)) is not None
     }
     around = Assumed(**known)
-    count = len(application.lines)
-    lines: list[Vibration] = []
+    lines: list[LineVibration] = []
     for k, installed in enumerate(application.lines):
-        if tell:
-            tell(k, count)
-        lines.append(_vibration(demand(application, installed), around))
-    checks = tuple(c for line in lines for c in _checks(line))
+        tell(NAME, k, len(application.lines))
+        lines.append(_vibration(demand(resolve(application, installed)), around))
     return Stability(
-        application=application, surroundings=around, given=frozenset(known), lines=tuple(lines),
-        checks=checks,
-    )  # fmt: skip
+        application=application, surroundings=around, given=frozenset(known), lines=tuple(lines)
+    )
 
 
-def _ranges(of: Demand) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+def _ranges(of: Demand) -> tuple[tuple[Occasion, ...], FloatArray, FloatArray]:
     """Return names, speeds (G, 2) rad/s and torques (G,) N m of each gear, up to top speed."""
     if np.isnan(of.speed).all() or np.isnan(of.torque).all():
         msg = f"line {of.installed.line.name} needs a speed and a torque to ask how it vibrates"
         raise DesignError(msg)
-    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(of.torque))
+    top, torque = float(np.nanmax(of.speed)), float(np.nanmax(np.abs(of.torque)))
     if of.gears is None:
-        return ("top speed",), np.array([[top, top]]), np.array([torque])
+        return (Occasion("speed", "top speed"),), np.array([[top, top]]), np.array([torque])
     ranges = of.gears.speed_range
     return (
-        tuple(f"gear {name}" for name in of.gears.names), ranges,
+        tuple(Occasion("gear", name) for name in of.gears.names), ranges,
         np.minimum(of.gears.peak, torque),
     )  # fmt: skip
 
 
-def _vibration(of: Demand, around: Assumed) -> Vibration:
+def _vibration(of: Demand, around: Assumed) -> LineVibration:
     """Return how a line vibrates in all its states."""
     line = of.installed.line
     gears, ranges, torques = _ranges(of)
@@ -215,7 +224,7 @@ def _vibration(of: Demand, around: Assumed) -> Vibration:
         [[_lateral(shaft, r, torque, around) for shaft in line.shafts[:-1]]
          for r, torque in zip(ranges, torques, strict=True)]
     ).reshape(len(gears), len(line.shafts) - 1)  # fmt: skip
-    return Vibration(
+    return LineVibration(
         line=line, states=of.states, gears=gears, ranges=ranges, frequencies=w, zones=zones,
         speeds=speeds, amplitudes=amplitudes, lateral=lateral,
     )  # fmt: skip
@@ -255,28 +264,40 @@ def _lateral(shaft: Shaft, between: FloatArray, torque: float, around: Assumed) 
     return float(growth(whirl.system, tolerance=1e-8).max())
 
 
-def _checks(of: Vibration) -> Iterator[Check]:
-    """Yield a check for each resonance and gear, each zone and state, each hung shaft and gear."""
-    name = of.line.name
-    for i, w in enumerate(of.frequencies, 1):
+def _checks(of: LineVibration, limits: Sequence[Limit]) -> Iterator[Check]:
+    """Yield each limit's checks: resonances and hung shafts gear by gear, zones by state."""
+    asked: dict[str, Callable[[LineVibration], Iterator[tuple[Occasion, Part, float]]]] = {
+        "torsional_resonance": _resonances,
+        "torsional_growth": _zones,
+        "lateral_growth": _hung,
+    }
+    for limit in limits:
+        for when, part, value in asked[limit.quantity](of):
+            yield Check(
+                quantity=limit.quantity, line=of.line.name, when=when, part=part, value=value,
+                limit=limit,
+            )  # fmt: skip
+
+
+def _resonances(of: LineVibration) -> Iterator[tuple[Occasion, Part, float]]:
+    """Yield for each mode, order and gear the speed nearest to resonance, over that speed."""
+    for i, w in enumerate(of.frequencies.tolist(), 1):
         for order in ORDERS:
             for gear, (low, high) in zip(of.gears, of.ranges, strict=True):
-                yield Check(
-                    quantity="torsional_resonance", line=name, state=gear,
-                    part=f"mode {i}, order {order}",
-                    value=float(np.clip(w / order, low, high) / (w / order)),
-                    limit=KEPT_FROM_RESONANCE,
-                )  # fmt: skip
+                nearest = float(np.clip(w / order, low, high) / (w / order))
+                yield gear, Part("mode", i, order), nearest
+
+
+def _zones(of: LineVibration) -> Iterator[tuple[Occasion, Part, float]]:
+    """Yield the growth in each parametric zone and state."""
     for zone in of.zones:
-        for state, rate in zip(of.states, zone.growth, strict=True):
-            yield Check(
-                quantity="torsional_growth", line=name, state=state, part=zone.name,
-                value=float(rate), limit=STEADY["torsional_growth"],
-            )  # fmt: skip
-    for gear, rates in zip(of.gears, of.lateral, strict=True):
+        for state, rate in zip(of.states, zone.growth.tolist(), strict=True):
+            yield Occasion("state", state), zone.part, rate
+
+
+def _hung(of: LineVibration) -> Iterator[tuple[Occasion, Part, float]]:
+    """Yield the lateral growth of each shaft on rubber, in each gear."""
+    for gear, rates in zip(of.gears, of.lateral.tolist(), strict=True):
         for k, rate in enumerate(rates, 1):
             if not np.isnan(rate):
-                yield Check(
-                    quantity="lateral_growth", line=name, state=gear, part=f"shaft {k}",
-                    value=float(rate), limit=STEADY["lateral_growth"],
-                )  # fmt: skip
+                yield gear, Part("shaft", k), rate

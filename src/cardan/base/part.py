@@ -1,0 +1,68 @@
+"""Typed names: what a number is of, and when it was asked. Words are made where text is.
+
+What a user calls a thing (an obstacle, a gauge, a state) is kept apart from what it is, so
+no name can be taken for another kind of thing.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+PartKind: TypeAlias = Literal[
+    "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",
+    "hot spot", "gauge",
+]  # fmt: skip
+
+OccasionKind: TypeAlias = Literal["state", "gear", "speed", "case", "duty", "recording"]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a line, of its vibration or of a bracket.
+
+    `number` counts from 1, or is a catalogue's letter (bearing A). `other` is what stands
+    beside it: the obstacle that a shaft must clear, the order that meets a mode, the second
+    mode of a zone, the user's name of a gauge.
+    """
+
+    kind: PartKind
+    number: int | str = 0
+    other: int | str = ""
+
+    def __str__(self) -> str:
+        """Return the part as the JSON contract writes it, in English."""
+        match self.kind:
+            case "line":
+                return "line"
+            case "clearance":
+                return f"shaft {self.number} to {self.other}"
+            case "mode":
+                return f"mode {self.number}, order {self.other}"
+            case "zone" if self.number == self.other:
+                return f"zone of mode {self.number}"
+            case "zone":
+                return f"zone of modes {self.number} + {self.other}"
+            case "gauge":
+                return str(self.other)
+            case _:
+                return f"{self.kind} {self.number}"
+
+
+LINE = Part("line")
+"""A line as a whole."""
+
+
+@dataclass(frozen=True, slots=True)
+class Occasion:
+    """When a number was asked for: a state, a range of speed, a load case, a recording.
+
+    `what` says which part of the loads of a state a load case takes: static, order 2.
+    """
+
+    kind: OccasionKind
+    name: str
+    what: str = ""
+
+    def __str__(self) -> str:
+        """Return the occasion as the JSON contract writes it, in English."""
+        ahead = {"gear": "gear ", "duty": "duty cycle, "}.get(self.kind, "")
+        return f"{ahead}{self.name}{': ' if self.what else ''}{self.what}"

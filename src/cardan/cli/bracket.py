@@ -1,0 +1,93 @@
+"""`cardan bracket`: stresses, hot spots, gauges and modes of a bracket."""
+
+from io import BytesIO
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import (
+    FILE,
+    JSON,
+    LANG,
+    LIMITS,
+    OUT,
+    OUTSIDE,
+    UNTOLD,
+    claim,
+    of,
+    progress,
+    put_lines,
+    read,
+    write,
+    write_json,
+)
+from cardan.cli.ending import kindly, leave
+
+REINFORCED = "reinforced"
+"""The variant that stands beside the original, in a file of its own."""
+
+
+@click.command()
+@FILE
+@JSON
+@click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
+@click.option("--png", type=OUT, help="A picture of the worst case.")
+@click.option("--html", type=OUT, help="A page to turn it about in.")
+@LIMITS
+@OUTSIDE
+@LANG
+@UNTOLD
+@kindly
+def bracket(
+    file: Path,
+    *,
+    json_out: str | None,
+    vtu: Path | None,
+    png: Path | None,
+    html: Path | None,
+    limits: str | None,
+    allow_outside: bool,
+    lang: str,
+    quiet: bool,
+) -> None:
+    """Stresses, hot spots, virtual gauges and modes of FILE's bracket.
+
+    Under the driveline's own loads in every state and those given by hand; a reinforced
+    variant stands beside the original. Needs the extra cardan[bracket]. Exit code 0 where
+    the original passes or warns, 1 where it fails a limit, 2 for a bad file.
+    """
+    from cardan.report import bracket as shown
+    from cardan.report.language import Language
+    from cardan.study.approval import approve, held_to
+    from cardan.study.bracket import NAME, BracketAnswer, BracketStudy
+
+    say = Language(lang)
+    beside = _beside(vtu, REINFORCED) if vtu else None
+    claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
+    application = held_to(read(file, limits, allow_outside=allow_outside), NAME)
+    with of(file), progress(say("The bracket"), quiet=quiet) as tell:
+        approval = approve(application, (BracketStudy(),), tell=tell.study)
+    found: BracketAnswer = approval.of(NAME)
+    if json_out is not None:
+        write_json(shown.contract(approval), json_out)
+    if vtu:
+        for variant in found.variants:
+            first = variant is found.variants[0]
+            name = vtu if first else _beside(vtu, variant.name)
+            write(name, shown.vtu(variant))
+    if png:
+        drawn = BytesIO()
+        shown.picture(found, drawn)
+        write(png, drawn.getvalue())
+    if html:
+        from cardan.report import bracket_scene
+
+        write(html, bracket_scene.page(found))
+    if json_out != "-":
+        put_lines(shown.terminal(approval, say))
+    leave(approval.verdict)
+
+
+def _beside(file: Path, variant: str) -> Path:
+    """Return the name of a variant's file, beside that of the original."""
+    return file.with_stem(f"{file.stem}-{variant}")

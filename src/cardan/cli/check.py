@@ -1,0 +1,158 @@
+"""`cardan check`: an application held against every limit, in words and on paper."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cardan.base.errors import CardanError
+from cardan.cli.common import (
+    ALSO,
+    JSON,
+    LANG,
+    LIMITS,
+    OUT,
+    OUTSIDE,
+    approved,
+    claim,
+    note,
+    progress,
+    put_lines,
+    write,
+    write_json,
+)
+from cardan.cli.ending import kindly, leave
+
+
+@click.command()
+@click.argument(
+    "files",
+    nargs=-1,
+    required=True,
+    metavar="FILE...",
+    type=click.Path(dir_okay=False, path_type=Path),
+)
+@JSON
+@click.option("--html", metavar="OUT", type=OUT, help="A page that needs nothing else.")
+@click.option("--pdf", metavar="OUT", type=OUT, help="A document to sign.")
+@click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
+@ALSO
+@click.option("--bracket", is_flag=True, help="The same as --with bracket; takes a while.")
+@LIMITS
+@OUTSIDE
+@LANG
+@click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
+@click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
+@kindly
+def check(
+    files: tuple[Path, ...],
+    *,
+    json_out: str | None,
+    html: Path | None,
+    pdf: Path | None,
+    xlsx: Path | None,
+    also: tuple[str, ...],
+    bracket: bool,
+    limits: str | None,
+    allow_outside: bool,
+    lang: str,
+    every: bool,
+    quiet: bool,
+) -> None:
+    """Hold an application against every limit, in every state; several files side by side.
+
+    Exit code 0 where everything passes or warns, 1 where something fails or a required
+    limit has no answer, 2 for a bad file.
+    """
+    from cardan.report import terminal
+    from cardan.report.compare import Variant
+    from cardan.report.language import Language
+    from cardan.study.sensitivity import sensitivities
+
+    say = Language(lang)
+    claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
+    if xlsx and len(files) > 1:
+        raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
+    studies = (*also, "bracket") if bracket else also
+    with progress(say("asking"), quiet=quiet) as tell:
+        found = [
+            approved(file, limits, allow_outside=allow_outside, also=studies, tell=tell)
+            for file in files
+        ]
+    variants = [Variant(name=f.stem, approval=a) for f, a in zip(files, found, strict=True)]
+    if json_out is not None:
+        from cardan.report import contract
+
+        documents = [contract.approval(a) for a in found]
+        write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
+    if html or pdf:
+        told = _story(files, variants, say=say, quiet=quiet)
+        _publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
+    if xlsx:
+        from cardan.report import workbook
+
+        _write(xlsx, workbook.workbook(found[0], say=say), say)
+    if quiet:
+        for one in found:
+            put_lines(terminal.summary(one, say))
+    elif json_out != "-":
+        if len(found) > 1:
+            put_lines(terminal.comparison(variants, say))
+        else:
+            helps = sensitivities(found[0])
+            put_lines(terminal.approval(found[0], helps=helps, every=every, say=say))
+    leave(*(a.verdict for a in found))
+
+
+def _story(paths: tuple[Path, ...], variants: list[Any], *, say: Any, quiet: bool) -> Any:
+    """Return the story of one application, with all that belongs to it, or of variants."""
+    from cardan.report import story
+    from cardan.study.fix import fix as search
+    from cardan.study.sensitivity import sensitivities
+
+    issue = _issue(paths)
+    if len(variants) > 1:
+        return story.comparison(variants, say=say, issue=issue)
+    one = variants[0].approval
+    helps = sensitivities(one)
+    with progress(say("looking for corrections"), quiet=quiet) as tell:
+        fixes = search(one.application, count=3, tell=tell) if helps else ()
+    return story.approval(one, helps=helps, fixes=fixes, say=say, issue=issue)
+
+
+def _issue(paths: tuple[Path, ...]) -> Any:
+    """Return what says which report this is: the day, the files and what they held."""
+    from datetime import date
+    from hashlib import sha256
+
+    from cardan.report import story
+
+    contents = [p.read_bytes() for p in paths]
+    return story.Issue(
+        date=date.today().isoformat(),
+        files=tuple(click.format_filename(p, shorten=True) for p in paths),
+        prints=tuple(sha256(c).hexdigest()[:16] for c in contents),
+        texts=tuple(c.decode("utf-8-sig") for c in contents),
+    )
+
+
+def _publish(told: Any, *, say: Any, html: Path | None, pdf: Path | None, quiet: bool) -> None:
+    """Write a story as a page, as a document."""
+    if html:
+        from cardan.report.html import page
+
+        with progress(say("writing {file}", file=html), quiet=quiet):
+            content = page(told)
+        _write(html, content, say)
+    if pdf:
+        from cardan.report.pdf import document
+
+        with progress(say("writing {file}", file=pdf), quiet=quiet):
+            printed = document(told)
+        _write(pdf, printed, say)
+
+
+def _write(path: Path, content: str | bytes, say: Any) -> None:
+    """Write a report, and say so where it is not in the way of what is printed."""
+    write(path, content)
+    note(say("{file} is written.", file=path))

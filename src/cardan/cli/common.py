@@ -1,0 +1,198 @@
+"""What commands share: their options, how files are read, how far a run is, what is printed."""
+
+import json
+import sys
+from collections.abc import Generator, Iterable
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cardan.base.errors import DesignError
+
+_TEXTS = Path(__file__).parents[1] / "report" / "text"
+
+
+class Languages(click.Choice[str]):
+    """The languages there is a catalogue for."""
+
+    def __init__(self) -> None:
+        super().__init__(("en", *sorted(p.stem for p in _TEXTS.glob("*.po"))))
+
+
+OUT = click.Path(path_type=Path)
+FILE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+LIMITS = click.option("--limits", metavar="PROFILE", help="Limit profile instead of the file's.")
+POSITIVE = click.FloatRange(min=0, min_open=True)
+JSON = click.option(
+    "--json",
+    "json_out",
+    metavar="OUT",
+    is_flag=False,
+    flag_value="-",
+    help="The JSON contract, into a file or (-, the default) on standard output.",
+)
+LANG = click.option(
+    "--lang",
+    type=Languages(),
+    default="en",
+    show_default=True,
+    help="Language of what is written.",
+)
+ALSO = click.option(
+    "--with",
+    "also",
+    multiple=True,
+    type=click.Choice(["vibration", "bracket"]),
+    help="Ask this study too, for the same verdict; may be repeated.",
+)
+UNTOLD = click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+OUTSIDE = click.option(
+    "--allow-outside",
+    is_flag=True,
+    help="Let the file name profiles and catalogues outside its own folder.",
+)
+
+
+# --------------------------------------------------------------------------- reading
+
+
+def read(file: Path, limits: str | None, *, allow_outside: bool) -> Any:
+    """Return the application of a file, with what looks odd in it told on the way."""
+    from cardan import files
+
+    application = files.read(file, **({"allow_outside": True} if allow_outside else {}))
+    if limits:
+        name, found = files.limits(limits)
+        application = replace(application, profile=name, limits=found)
+    for warning in application.warnings:
+        note(f"warning: {warning.located(str(file))}")
+    return application
+
+
+def approved(
+    file: Path,
+    limits: str | None,
+    *,
+    allow_outside: bool,
+    also: Iterable[str] = (),
+    tell: "Progress | None" = None,
+) -> Any:
+    """Return the approval of a file's application, `also` by other studies than it asks for."""
+    from cardan.study.approval import STUDIES, approve, default_studies
+
+    application = read(file, limits, allow_outside=allow_outside)
+    chosen = {s.name: s for s in default_studies(application)}
+    chosen |= {name: STUDIES[name] for name in also if name not in chosen}
+    with of(file):
+        return approve(application, tuple(chosen.values()), tell=tell.study if tell else silent)
+
+
+def silent(doing: str, done: int, count: int) -> None:
+    """Tell nobody."""
+
+
+@contextmanager
+def of(file: Path) -> Generator[None, None, None]:
+    """Name the file that an impossible part stands in."""
+    try:
+        yield
+    except DesignError as error:
+        msg = f"{file}: {error}"
+        raise DesignError(msg) from error
+
+
+# --------------------------------------------------------------------------- telling
+
+
+class Progress:
+    """One line on standard error that says how far a run is, where somebody looks."""
+
+    def __init__(self, doing: str, *, quiet: bool) -> None:
+        self.doing, self.seen = doing, sys.stderr.isatty() and not quiet
+
+    def __call__(self, done: int, count: int) -> None:
+        """Say how much is done, and of how much."""
+        self.at(f"{done}/{count}")
+
+    def study(self, doing: str, done: int, count: int) -> None:
+        """Say what a study is doing, and how much of it is done."""
+        self.at(f"{doing} {done}/{count}" if count else doing)
+
+    def at(self, what: str) -> None:
+        """Say where the run is, in words."""
+        self.write(f"{self.doing}: {what}")
+
+    def write(self, line: str) -> None:
+        """Write the line over what stood there."""
+        if self.seen:
+            sys.stderr.write(f"\r\033[K{line}")
+            sys.stderr.flush()
+
+
+@contextmanager
+def progress(doing: str, *, quiet: bool = False) -> Generator[Progress, None, None]:
+    """Tell how far a run is while it lasts; wipe the line after."""
+    line = Progress(doing, quiet=quiet)
+    line.write(doing)
+    try:
+        yield line
+    finally:
+        line.write("")
+
+
+# --------------------------------------------------------------------------- printing
+
+
+def put(text: str, *, nl: bool = True) -> None:
+    """Print an answer on standard output."""
+    click.echo(text, nl=nl, file=sys.stdout)
+
+
+def put_lines(lines: Iterable[str]) -> None:
+    """Print lines of an answer on standard output."""
+    put("\n".join(lines))
+
+
+def put_json(document: Any, *, indent: int) -> None:
+    """Print a document on standard output, for programs: no letter of it is lost there."""
+    knows_all = "utf" in str(getattr(sys.stdout, "encoding", "utf-8")).lower()
+    put(json.dumps(document, indent=indent, ensure_ascii=not knows_all, allow_nan=False))
+
+
+def note(text: str) -> None:
+    """Print a word beside the answer, on standard error."""
+    click.echo(text, file=sys.stderr)
+
+
+def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
+    """Refuse outputs that cannot be written or must not, by the names of their options.
+
+    Inputs that are no files, like the name of a profile of the package, are nobody's.
+    """
+    from cardan.border import writer
+
+    writer.claim(
+        {
+            f"--{option.removesuffix('_out').replace('_', ' ')}": name
+            for option, name in outputs.items()
+        },
+        inputs=[Path(i) for i in inputs if i is not None],
+    )
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Write an output into its file, over what stands there."""
+    from cardan.border import writer
+
+    writer.write(path, content, replace=True)
+
+
+def write_json(document: Any, out: str) -> None:
+    """Write a document to a file, or to standard output for `-`."""
+    if out == "-":
+        put_json(document, indent=1)
+    else:
+        write(Path(out), json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -1,0 +1,109 @@
+"""How a run ends, and with which exit code.
+
+0     passes, or only warns
+1     something fails, or a limit the profile requires has no answer
+2     a file or an option is not as it should be; nothing was done
+3     the program is at fault: to be reported
+130   stopped from the keyboard
+141   nobody reads on: a closed pipe
+"""
+
+import os
+import sys
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
+from functools import wraps
+from typing import Any, NoReturn, TypeVar
+
+import click
+
+from cardan import __version__
+from cardan.base.errors import CardanError
+
+BAD_VERDICT, BAD_INPUT, OWN_FAULT, STOPPED, NO_READER = 1, 2, 3, 130, 141
+REPORT = "CONTRIBUTING.md"
+"""Where it is said how to report a fault of the program."""
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Refused(click.ClickException):
+    """Nothing was done, and why: a line for each reason."""
+
+    exit_code = BAD_INPUT
+
+    def show(self, file: Any = None) -> None:
+        """Print the reasons."""
+        for line in self.message.splitlines() or [""]:
+            click.echo(f"error: {line}", file=file or sys.stderr)
+
+
+def kindly(command: Command) -> Command:
+    """Return a command that turns what it refuses into a message and exit code 2."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> Any:
+        try:
+            return command(*args, **kwargs)
+        except BrokenPipeError:
+            raise
+        except (CardanError, OSError) as error:
+            raise Refused(str(error)) from error
+
+    return guarded  # type: ignore[return-value]
+
+
+def refuse(message: str) -> NoReturn:
+    """Do nothing more, and say why."""
+    raise Refused(message)
+
+
+def leave(*verdicts: str) -> NoReturn:
+    """End with the exit code of verdicts: 1 where something fails or has no answer."""
+    bad = any(v in ("fail", "incomplete") for v in verdicts)
+    raise SystemExit(BAD_VERDICT if bad else 0)
+
+
+@contextmanager
+def ending(*, debug: bool) -> Generator[None, None, None]:
+    """End a run that was stopped, that nobody reads, or that met a fault of the program."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo(file=sys.stderr)  # the line after the terminal's own ^C
+        raise SystemExit(STOPPED) from None
+    except BrokenPipeError:
+        _hush()
+        raise SystemExit(NO_READER) from None
+    except (click.ClickException, click.exceptions.Exit, click.Abort):
+        raise
+    except Exception as error:  # the last door: nobody above it can help
+        if debug:
+            import traceback
+
+            traceback.print_exc()
+        click.echo(_fault(error), file=sys.stderr)
+        raise SystemExit(OWN_FAULT) from error
+
+
+def _hush() -> None:
+    """Let what is still to be written go nowhere, so that Python says nothing at its end."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
+
+
+def _fault(error: Exception) -> str:
+    """Return what somebody who reports a fault has to know."""
+    import platform
+    import shlex
+
+    given = shlex.join(sys.argv[1:])
+    return (
+        f"error: cardan itself is at fault: {type(error).__name__}: {error}\n"
+        f"  cardan {__version__}, Python {platform.python_version()}, {platform.system()}\n"
+        f"  command: cardan {given}\n"
+        f"  {REPORT} says how to report it; `cardan --debug {given}` shows where it happened"
+    )

@@ -1,0 +1,71 @@
+"""`cardan fix`: what to change, over all states at once."""
+
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import (
+    FILE,
+    JSON,
+    LANG,
+    LIMITS,
+    OUTSIDE,
+    UNTOLD,
+    claim,
+    of,
+    progress,
+    put_lines,
+    read,
+    write_json,
+)
+from cardan.cli.ending import kindly, leave
+
+
+@click.command()
+@FILE
+@JSON
+@LIMITS
+@OUTSIDE
+@LANG
+@click.option("--line", help="Which line; by default the one with the worst check.")
+@click.option("--hold", multiple=True, metavar="WHAT", help="Leave in place, as in the file.")
+@click.option(
+    "--count", type=click.IntRange(1), default=5, show_default=True, help="Proposals at most."
+)
+@UNTOLD
+@kindly
+def fix(
+    file: Path,
+    *,
+    json_out: str | None,
+    limits: str | None,
+    allow_outside: bool,
+    lang: str,
+    line: str | None,
+    hold: tuple[str, ...],
+    count: int,
+    quiet: bool,
+) -> None:
+    """Propose what to change, over all states at once.
+
+    Moves centre bearings, the axle's shim and yoke phases within what the file's `adjust`
+    allows; --hold bearing_height, or --hold "phase 2", leaves that where it is. Exit code
+    0 where a proposal stops every failure and nothing required is unanswered, else 1.
+    """
+    from cardan.report import terminal
+    from cardan.report.language import Language
+    from cardan.study.fix import fix as search
+
+    say = Language(lang)
+    claim(file, limits, json_out=json_out)
+    application = read(file, limits, allow_outside=allow_outside)
+    with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
+        found = search(application, line=line, hold=hold, count=count, tell=tell)
+    if json_out is not None:
+        from cardan.report import contract
+
+        write_json(contract.proposals(found), json_out)
+    if json_out != "-":
+        put_lines(terminal.proposals(found, say))
+    stopped = any(p.verdict not in ("fail", "incomplete") for p in found)
+    leave("pass" if stopped else "fail")

@@ -1,0 +1,24 @@
+"""`cardan new`: a file to start from."""
+
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import put
+from cardan.cli.ending import kindly
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--kind", type=click.Choice(["small", "truck"]), default="truck", show_default=True)
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def new(file: Path, *, kind: str, force: bool) -> None:
+    """Write a commented FILE to start from.
+
+    A small one holds what a protractor measures under the truck; the other kind a whole truck.
+    """
+    from cardan import files
+
+    files.write(file, files.starter(kind), replace=force)
+    put(f"{file} is written; `cardan check {file}` assesses it.")

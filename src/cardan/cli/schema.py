@@ -1,0 +1,31 @@
+"""`cardan schema`: what an application file may hold, for editors."""
+
+import json
+from pathlib import Path
+
+import click
+
+from cardan.cli.common import OUT, put_json
+from cardan.cli.ending import kindly
+
+
+@click.command()
+@click.option("--out", type=OUT, help="Into a file.")
+@click.option("--contract", is_flag=True, help="Of what --json writes, instead.")
+@click.option("--force", is_flag=True, help="Replace the file.")
+@kindly
+def schema(*, out: Path | None, contract: bool, force: bool) -> None:
+    """Print the JSON Schema of the application file, for editors."""
+    from cardan import files
+
+    if contract:
+        from cardan.report.contract_schema import schema as described
+
+        document = described()
+    else:
+        document = files.schema()
+    if out and out != Path("-"):
+        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        files.write(out, text, replace=force)
+    else:
+        put_json(document, indent=2)

@@ -1,0 +1,167 @@
+"""Forces on bearings, joints and spline."""
+
+import numpy as np
+
+from cardan.base.part import Part
+from cardan.base.source import DERIVED, GWB, ISO21940
+from cardan.quantity.declared import (
+    LOAD,
+    SLIDING,
+    TORQUE,
+    Need,
+    Of,
+    Parts,
+    Quantity,
+    centre_bearings,
+    joints,
+    last_shaft,
+    of_line,
+)
+
+
+def _lettered(letters: str) -> Parts:
+    return lambda _: tuple(Part("bearing", letter) for letter in letters)
+
+
+def _end_bearings(letters: str) -> Of:
+    return lambda r: np.stack([r.end_bearings[letter] for letter in letters], axis=-1)
+
+
+def _placed(letters: str, end: str) -> Need:
+    return Need(
+        gives=f"{end}_bearing_spacing_mm and {end}_bearing_overhang_mm",
+        met=lambda r: np.isfinite(_end_bearings(letters)(r)),
+    )
+
+
+DECLARED = (
+    Quantity(
+        key="centre_bearing_static",
+        name="Centre bearing, static force",
+        symbol="Fs",
+        unit="N",
+        equation="Fs = |mean over a turn of the force on the bearing|",
+        source=DERIVED,
+        use="Quasi-static, massless members; gravity and unbalance only where asked for.",
+        of=lambda r: np.linalg.norm(r.loads.bearing_forces.static, axis=-1),
+        parts=centre_bearings,
+        needs=(LOAD,),
+        section="Centre bearings",
+        methods={"small_angle": lambda r: np.linalg.norm(r.small_angle_bearings[0], axis=-1)},
+    ),
+    Quantity(
+        key="centre_bearing_dynamic",
+        name="Centre bearing, dynamic force",
+        symbol="Fd",
+        unit="N",
+        equation="Fd = 0-to-peak along the major axis of the order 2 force ellipse",
+        source=DERIVED,
+        use="Quasi-static, massless members: under a constant torque there is no other order.",
+        of=lambda r: r.loads.bearing_forces.dynamic,
+        parts=centre_bearings,
+        needs=(TORQUE,),
+        section="Centre bearings",
+        methods={"small_angle": lambda r: r.small_angle_bearings[1]},
+        contract="centre_bearings.dynamic_N",
+    ),
+    Quantity(
+        key="centre_bearing_peak",
+        name="Centre bearing, peak force",
+        symbol="Fp",
+        unit="N",
+        equation="Fp = max over a turn of |F|",
+        source=DERIVED,
+        use="Quasi-static, massless members; gravity and unbalance only where asked for.",
+        of=lambda r: r.bearing_peaks,
+        parts=centre_bearings,
+        needs=(LOAD,),
+        section="Centre bearings",
+        contract="centre_bearings.peak_N",
+    ),
+    Quantity(
+        key="joint_force",
+        name="Joint force",
+        symbol="Fj",
+        unit="N",
+        equation="Fj = max over a turn of |force through the joint centre|",
+        source=DERIVED,
+        use="Quasi-static; the needles carry the torque besides.",
+        of=lambda r: r.loads.joint_forces.peak,
+        parts=joints,
+        needs=(LOAD,),
+        section="Speed and strength",
+        contract="joint_forces.peak_N",
+    ),
+    Quantity(
+        key="gearbox_bearing_force",
+        name="Radial force on a gearbox bearing",
+        symbol="FA, FB",
+        unit="N",
+        equation="FB = FQ − FA,  FA = (o × M − b FQ) / a; max over a turn of the size",
+        where={
+            "M, FQ": "moment and force square to the axis on the flange, at the joint centre",
+            "o": "unit vector from the bearings to the joint",
+            "a": "spacing of the bearings",
+            "b": "overhang of the joint centre beyond the nearer one, B",
+        },
+        source=DERIVED,
+        use="Quasi-static. GWB's catalogue, p. 46, gives two positions of one planar shaft.",
+        of=_end_bearings("AB"),
+        parts=_lettered("AB"),
+        needs=(LOAD, _placed("AB", "gearbox")),
+        section="Gearbox, axle and spline",
+        contract="end_bearings_N{}",
+    ),
+    Quantity(
+        key="pinion_bearing_force",
+        name="Radial force on a pinion bearing",
+        symbol="FE, FF",
+        unit="N",
+        equation="FE = FQ − FF,  FF = (o × M − e FQ) / f; max over a turn of the size",
+        where={
+            "M, FQ": "moment and force square to the axis on the flange, at the joint centre",
+            "o": "unit vector from the bearings to the joint",
+            "f": "spacing of the bearings",
+            "e": "overhang of the joint centre beyond the nearer one, E",
+        },
+        source=DERIVED,
+        use="From the line alone, without the gears' forces. GWB's catalogue: see p. 46.",
+        of=_end_bearings("EF"),
+        parts=_lettered("EF"),
+        needs=(LOAD, _placed("EF", "pinion")),
+        section="Gearbox, axle and spline",
+        contract="end_bearings_N{}",
+    ),
+    Quantity(
+        key="spline_force",
+        name="Slip force of the spline",
+        symbol="Fa",
+        unit="N",
+        equation="Fa = T μ / rm",
+        where={"μ": "friction (0.08 coated, 0.11 greased steel)", "rm": "mean spline radius"},
+        source=GWB.at("p. 46"),
+        of=of_line(lambda r: r.spline_force),
+        parts=last_shaft,
+        needs=(TORQUE, SLIDING),
+        section="Gearbox, axle and spline",
+        contract="spline_force_N",
+    ),
+    Quantity(
+        key="unbalance_force",
+        name="Unbalance force",
+        symbol="Fu",
+        unit="N",
+        equation="Fu = m (G ω) / 2 at each end, e ω = G",
+        where={"m": "shaft mass", "G": "balance grade, mm/s", "ω": "shaft speed"},
+        source=ISO21940,
+    ),
+    Quantity(
+        key="cross_force",
+        name="Force on a journal of the cross",
+        symbol="Fc",
+        unit="N",
+        equation="Fc = T / (a cos β)",
+        where={"a": "between the middles of opposite needle rows"},
+        source=DERIVED,
+    ),
+)

@@ -1,0 +1,124 @@
+"""How a line lies: angles of its joints, by themselves and in pairs."""
+
+from cardan.base.part import Part
+from cardan.base.source import DERIVED, J3311, SOUZA, Source
+from cardan.kinematics.equivalent import pythagorean_angle
+from cardan.quantity.declared import Quantity, joints
+from cardan.quantity.response import Response
+
+
+def _pairing_shafts(r: Response) -> tuple[Part, ...]:
+    """Return the shafts whose two joints are there to cancel: every other one, from the rear."""
+    return tuple(Part("shaft", k + 1) for k in r.pairs)
+
+
+def _odd_joint(r: Response) -> tuple[Part, ...]:
+    """Return the joint that no other is paired with, if there is one."""
+    return (Part("joint", 1),) if r.line.joint_count % 2 else ()
+
+
+DECLARED = (
+    Quantity(
+        key="joint_angle",
+        name="Joint angle",
+        symbol="β",
+        unit="deg",
+        equation="β = atan2(|d₁ × d₂|, d₁ · d₂)",
+        where={"d₁, d₂": "unit vectors along the members before and behind the joint"},
+        source=DERIVED,
+        use="Exact for any layout. View angles combine to it only approximately.",
+        of=lambda r: r.angles,
+        parts=joints,
+        rating="angle_max",
+        section="Joints",
+        contract="joints.angle_deg",
+    ),
+    Quantity(
+        key="joint_angle_min",
+        name="Smallest joint angle",
+        symbol="β",
+        unit="deg",
+        equation="β = atan2(|d₁ × d₂|, d₁ · d₂), held against a lower limit",
+        where={"d₁, d₂": "unit vectors along the members before and behind the joint"},
+        source=J3311,
+        use="Needles that never roll wear grooves (false brinelling): a joint needs some angle.",
+        of=lambda r: r.angles,
+        parts=joints,
+        sense=">=",
+    ),
+    Quantity(
+        key="joint_position",
+        name="Position of the joint plane",
+        symbol="φ",
+        unit="deg",
+        equation="φ = atan2(βv, βh), in [0, 360) deg",
+        where={"βv, βh": "change of side and top view slope at the joint"},
+        source=SOUZA.at("table 3"),
+        of=lambda r: r.positions,
+        parts=joints,
+        section="Joints",
+        contract="joints.position_deg",
+    ),
+    Quantity(
+        key="side_angle",
+        name="Side view angle",
+        symbol="βv",
+        unit="deg",
+        equation="βv = side slope behind the joint − side slope before it",
+        source=SOUZA.at("table 2"),
+        of=lambda r: r.side_angles,
+        parts=joints,
+        section="Joints",
+        contract="joints.side_deg",
+    ),
+    Quantity(
+        key="top_angle",
+        name="Top view angle",
+        symbol="βh",
+        unit="deg",
+        equation="βh = top slope behind the joint − top slope before it",
+        source=SOUZA.at("table 2"),
+        of=lambda r: r.top_angles,
+        parts=joints,
+        section="Joints",
+        contract="joints.top_deg",
+    ),
+    Quantity(
+        key="compound_angle",
+        name="Compound angle",
+        symbol="βc",
+        unit="deg",
+        equation="βc = √(βv² + βh²) of a joint, the square-root approximation",
+        where={"βv, βh": "view angles at the joint"},
+        source=Source("Meritor, MM-96147 driveline maintenance manual", "p. 87"),
+        of=lambda r: pythagorean_angle(r.side_angles, r.top_angles),
+        parts=joints,
+    ),
+    Quantity(
+        key="end_angle_difference",
+        name="Difference of a shaft's joint angles",
+        symbol="Δβ",
+        unit="deg",
+        equation="Δβ = |Dk² − e^(2iε) Dk₊₁²| / (|Dk| + |Dk₊₁|)",
+        where={
+            "Dk": "true angle and plane of a joint, β e^(iφ)",
+            "ε": "yoke phase of the shaft between the two",
+        },
+        source=J3311,
+        use="|βk − βk₊₁| in one plane with yokes in line. Shafts pair their joints from the rear.",
+        of=lambda r: r.pair_differences,
+        parts=_pairing_shafts,
+    ),
+    Quantity(
+        key="odd_joint_angle",
+        name="Angle of the joint that stands alone",
+        symbol="β₁",
+        unit="deg",
+        equation="β₁ of a line with an odd number of joints",
+        where={"β₁": "true angle of the first joint: the others pair from the rear"},
+        source=J3311,
+        use="Nothing cancels what it does, so it should be small.",
+        of=lambda r: r.angles[..., : r.line.joint_count % 2],
+        parts=_odd_joint,
+    ),
+)

@@ -1,0 +1,232 @@
+"""Critical speeds, strength and life of tubes and joints."""
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.part import LINE, Part
+from cardan.base.source import AE7, DERIVED, GWB, SEHERR, Source
+from cardan.quantity.declared import (
+    ALL_TUBES,
+    DUTY,
+    FATIGUE_RATING,
+    LIFE_RATING,
+    PEAK_RATING,
+    RIDING,
+    SPEED,
+    TORQUE,
+    TUBES,
+    YIELD,
+    Need,
+    Quantity,
+    joints,
+    line,
+    shafts,
+)
+from cardan.quantity.response import Response
+
+
+def _whirling(r: Response) -> tuple[Part, ...]:
+    return (*shafts(r), LINE)
+
+
+_WHIRLING = Need(
+    gives=TUBES.gives,
+    met=lambda r: np.concatenate([TUBES.met(r), ALL_TUBES.met(r)], axis=-1),
+)
+
+
+def _speed_ratios(r: Response) -> FloatArray:
+    """Return top speed over the critical speed of each shaft, and over that of the line."""
+    speed = r.demand.speed[..., None]
+    each = speed / r.critical_speeds
+    line = np.broadcast_to(speed / _in_every_state(r, r.line_critical_speed), each[..., :1].shape)
+    return np.concatenate([each, line], axis=-1)
+
+
+def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
+    """Return what does not depend on the state, (..., states, 1)."""
+    cases = r.layout.directions.shape[:-2]
+    return np.broadcast_to(np.asarray(value, dtype=float), cases)[..., None]
+
+
+DECLARED = (
+    Quantity(
+        key="critical_speed",
+        name="Critical speed",
+        symbol="nc",
+        unit="rpm",
+        equation="nc = (30 π / L²) √(E (D² + d²) / (16 ρ))",
+        where={"L": "joint centre distance", "D, d": "tube diameters", "E, ρ": "steel"},
+        source=AE7.at("p. 267"),
+        use="Uniform tube pinned at its ends; the line as beams on its bearings stands beside it.",
+        of=lambda r: r.critical_speeds,
+        parts=shafts,
+        needs=(TUBES,),
+        section="Speed and strength",
+        contract="critical_speeds_rpm[]",
+    ),
+    Quantity(
+        key="line_critical_speed",
+        name="Critical speed of the line",
+        symbol="nl",
+        unit="rpm",
+        equation="nl = (30/π) Ω, the lowest with det(K − Ω² (M − G)) = 0 that bends the shafts",
+        where={
+            "K": "stiffness of tubes and centre bearings",
+            "M": "mass of tubes, yokes, spline",
+            "G": "gyroscopic matrix",
+        },
+        source=Source(
+            "Nelson, A finite rotating shaft element using Timoshenko beam theory, "
+            "J. Mechanical Design 102, 1980"
+        ),
+        use="Timoshenko beams hinged at the joints, taken as straight, without torque.",
+        of=lambda r: _in_every_state(r, r.line_critical_speed),
+        parts=line,
+        needs=(ALL_TUBES,),
+        section="Speed and strength",
+        contract="line_critical_speed_rpm",
+    ),
+    Quantity(
+        key="bearing_resonance",
+        name="Bounce on the centre bearings",
+        symbol="nb",
+        unit="rpm",
+        equation="nb = (30/π) Ω, the lowest with det(K − Ω² (M − G)) = 0 that strains the rubber",
+        source=DERIVED,
+        use="Passed at every start and damped by the rubber; joints excite it at half of nb.",
+        of=lambda r: _in_every_state(r, r.bearing_resonance),
+        parts=line,
+        needs=(ALL_TUBES,),
+        section="Speed and strength",
+    ),
+    Quantity(
+        key="critical_speed_ratio",
+        name="Speed over critical speed",
+        symbol="n/nc",
+        unit="1",
+        equation="n / nc",
+        source=AE7.at("p. 267"),
+        of=_speed_ratios,
+        parts=_whirling,
+        needs=(SPEED, _WHIRLING),
+    ),
+    Quantity(
+        key="half_critical_band",
+        name="Speed near half critical",
+        symbol="n/nc",
+        unit="1",
+        equation="n / nc outside 0.42 … 0.58",
+        source=AE7.at("p. 267"),
+        use="The joints excite twice a turn; matters above about 3 deg of joint angle.",
+        of=_speed_ratios,
+        parts=_whirling,
+        needs=(SPEED, _WHIRLING),
+    ),
+    Quantity(
+        key="tube_shear_utilisation",
+        name="Tube shear over yield",
+        symbol="τ/τy",
+        unit="1",
+        equation="τ = 16 T D / (π (D⁴ − d⁴)),  τy = Re / √3",
+        where={"D, d": "tube diameters", "Re": "yield strength"},
+        source=SEHERR,
+        of=lambda r: r.tube_shear_utilisation,
+        parts=shafts,
+        needs=(TORQUE, TUBES, YIELD),
+        section="Speed and strength",
+    ),
+    Quantity(
+        key="tube_fatigue_utilisation",
+        name="Tube shear over endurance",
+        symbol="τa/τf",
+        unit="1",
+        equation="τa/τf + |τm|/τu",
+        where={
+            "τa, τm": "amplitude and mean of the shear stress",
+            "τf": "amplitude endured about zero",
+            "τu": "ultimate shear strength",
+        },
+        source=Source("Shigley, Mechanical Engineering Design"),
+        use="The weld decides: its endurance, not the tube's, belongs here.",
+    ),
+    Quantity(
+        key="joint_torque_utilisation",
+        name="Joint torque over its elastic limit",
+        symbol="T/Tcs",
+        unit="1",
+        equation="max over a turn of T / Tcs, from the engine torque times the shock factor",
+        where={"Tcs": "functional limit torque of the joint"},
+        source=GWB,
+        of=lambda r: r.joint_torque_utilisation,
+        parts=joints,
+        needs=(TORQUE, PEAK_RATING),
+        section="Speed and strength",
+    ),
+    Quantity(
+        key="joint_fatigue_utilisation",
+        name="Joint torque swing over its fatigue rating",
+        symbol="T/Tdw",
+        unit="1",
+        equation="(Ta + (2 Tdw/Tds − 1) |Tm|) / Tdw",
+        where={
+            "Ta, Tm": "amplitude and mean of the torque",
+            "Tdw": "reversing torque endured",
+            "Tds": "pulsating torque endured",
+        },
+        source=GWB,
+        use="T/Tdw for reversing, T/Tds for pulsating torque; a straight line between.",
+        of=lambda r: r.joint_fatigue_utilisation,
+        parts=joints,
+        needs=(TORQUE, FATIGUE_RATING),
+        section="Speed and strength",
+    ),
+    Quantity(
+        key="joint_life",
+        name="Needle bearing life",
+        symbol="Lh",
+        unit="h",
+        equation="Lh = 1.5·10⁶ / (n β) (Td/T)^(10/3);  1/L = Σ pi/Li",
+        where={
+            "n": "speed, rpm",
+            "β": "joint angle, not below 3 deg",
+            "Td": "torque for 5000 h at 100 rpm and 3 deg",
+            "pi": "shares of a duty cycle",
+        },
+        source=AE7.at("p. 31"),
+        use="B10 life of the needle bearings, greased.",
+        of=lambda r: r.life,
+        parts=joints,
+        sense=">=",
+        needs=(DUTY, LIFE_RATING),
+        states=RIDING,
+        section="Speed and strength",
+        contract="joints.life_h",
+    ),
+    Quantity(
+        key="n_beta",
+        name="Speed times joint angle",
+        symbol="n β",
+        unit="deg_min",
+        equation="n β",
+        source=GWB,
+        of=lambda r: r.demand.speed[..., None] * r.angles,
+        parts=joints,
+        needs=(SPEED,),
+        rating="speed_angle_max",
+        own_first=True,
+    ),
+    Quantity(
+        key="joint_speed",
+        name="Speed of the joint",
+        symbol="n",
+        unit="rpm",
+        equation="n against the joint's own limit",
+        source=GWB,
+        of=lambda r: np.broadcast_to(r.demand.speed[..., None], r.angles.shape),
+        parts=joints,
+        needs=(SPEED,),
+        rating="speed_max",
+        own_first=True,
+    ),
+)

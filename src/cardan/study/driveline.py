@@ -1,0 +1,175 @@
+"""The driveline in its states: every quantity of every line against every limit."""
+
+from collections.abc import Container, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.part import Occasion, Part
+from cardan.base.verdict import Check, Limit, Unanswered
+from cardan.demand.states import demand, resolve
+from cardan.model.application import Application
+from cardan.quantity.declared import Quantity
+from cardan.quantity.quantities import ANSWERED
+from cardan.quantity.response import Response, respond
+from cardan.study.finding import Finding, Tell, silent
+
+NAME = "driveline"
+
+
+@dataclass(frozen=True)
+class DrivelineStudy:
+    """The study every approval begins with."""
+
+    name: str = NAME
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: always."""
+        del application
+        return True
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return nothing: what is not given leaves limits unanswered, one by one."""
+        del application
+        return ()
+
+    def run(self, application: Application, tell: Tell = silent) -> Finding[tuple[Response, ...]]:
+        """Hold every line of an application, in every state, against every limit.
+
+        Raises
+        ------
+        DesignError
+            If the chain cannot exist in a state (a joint locks, a spring has no load).
+        """
+        tell(NAME, 0, len(application.lines))
+        responses = tuple(
+            respond(application, demand(resolve(application, installed)))
+            for installed in application.lines
+        )
+        return Finding(
+            study=NAME,
+            answer=responses,
+            checks=tuple(c for r in responses for c in checks_of(r)),
+            unanswered=tuple(u for r in responses for u in unanswered_of(r)),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """One limit asking about one quantity of a line.
+
+    `asks` tells where it does, and `values` are its answers, both (..., states, parts): nan
+    where it does not ask, or nothing answers.
+    """
+
+    limit: Limit
+    parts: tuple[Part, ...]
+    asks: BoolArray
+    values: FloatArray
+
+
+def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Iterator[Asked]:
+    """Yield every limit of the application, and of the parts, that asks about a line."""
+    limits = response.application.limits
+    for key, quantity in ANSWERED.items():
+        if key not in quantities:
+            continue
+        asking = [limit for limit in limits if limit.quantity == key]
+        own = quantity.own(response)
+        if not asking and not any(own):
+            continue
+        assert quantity.parts is not None  # of those that a line answers
+        parts, values = quantity.parts(response), _known(quantity, response)
+        rated = np.array([limit is not None for limit in own]) if own else np.array([False])
+        meant = _meant(quantity, response)
+        for limit in asking:
+            asks = _asks(limit, response) & meant & ~(quantity.own_first & rated)
+            yield _question(limit, parts, asks, values)
+        for k, limit in enumerate(own):
+            if limit is not None:
+                yield _question(limit, parts, meant & (np.arange(len(parts)) == k), values)
+
+
+def _question(limit: Limit, parts: tuple[Part, ...], asks: BoolArray, values: FloatArray) -> Asked:
+    asks = np.broadcast_to(asks, values.shape)
+    return Asked(limit=limit, parts=parts, asks=asks, values=np.where(asks, values, np.nan))
+
+
+def _known(quantity: Quantity, response: Response) -> FloatArray:
+    """Return the values limits may ask about: of what stands idle in every state nobody knows."""
+    values = quantity.values(response)
+    for need in quantity.needs:
+        if need.idle is not None:
+            values = np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)
+    return values
+
+
+def _meant(quantity: Quantity, response: Response) -> BoolArray:
+    """Return where a quantity means anything, (..., states, 1).
+
+    In the states it is declared for, and not where the application says that nothing turns
+    or carries, unless that is so in every state: then nobody has answered.
+    """
+    kinds = quantity.states
+    meant = np.array([[kinds is None or kind in kinds] for kind in response.kinds])
+    for need in quantity.needs:
+        if need.idle is not None:
+            idle = need.idle(response)
+            meant = meant & ~(idle & ~idle.all(axis=-2, keepdims=True))
+    return meant
+
+
+def _asks(limit: Limit, response: Response) -> BoolArray:
+    """Return where a limit asks: in its states, above its joint angle, (..., states, 1)."""
+    kinds = response.kinds
+    asks = np.array([[limit.states is None or kind in limit.states] for kind in kinds])
+    if limit.above_angle is None:
+        return asks
+    return asks & (response.angles.max(axis=-1, keepdims=True) > limit.above_angle)
+
+
+def check(response: Response, question: Asked, state: int, part: int) -> Check | None:
+    """Return the check of one state and part; None where the limit has no answer there."""
+    value = question.values[state, part]
+    if np.isnan(value):
+        return None
+    return Check(
+        quantity=question.limit.quantity,
+        line=response.line.name,
+        when=Occasion("state", response.demand.states[state]),
+        part=question.parts[part],
+        value=float(value),
+        limit=question.limit,
+    )
+
+
+def checks_of(response: Response) -> Iterator[Check]:
+    """Yield a check for each limit, state and part of a line that has a number."""
+    for question in asked(response):
+        for state, part in np.argwhere(~np.isnan(question.values)):
+            found = check(response, question, int(state), int(part))
+            if found:
+                yield found
+
+
+def unanswered_of(response: Response) -> Iterator[Unanswered]:
+    """Yield each limit, state and part of a line that got no number, with what it needs."""
+    for question in asked(response):
+        for state, part in np.argwhere(question.asks & np.isnan(question.values)):
+            yield Unanswered(
+                limit=question.limit,
+                line=response.line.name,
+                when=Occasion("state", response.demand.states[state]),
+                part=question.parts[part],
+                needs=tuple(_needs(response, question, int(state), int(part))),
+            )
+
+
+def _needs(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
+    """Yield what an application would have to give for an answer."""
+    shape = question.values.shape
+    for need in ANSWERED[question.limit.quantity].needs:
+        met = np.broadcast_to(need.met(response), shape)[state, part]
+        if not met or (need.idle is not None and need.idle(response).all()):
+            yield need.gives

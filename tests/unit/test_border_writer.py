@@ -1,0 +1,406 @@
+"""Writing: whole or not at all, through links, into pipes, and never over what was read.
+
+Devices are never written to here: a mistake would replace them. Pipes stand for them.
+"""
+
+import errno
+import os
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from cardan.base.errors import BadFile
+from cardan.border import writer
+from cardan.border.writer import claim, same, write
+from cardan.cli import cli
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "van.yaml"
+unix = pytest.mark.skipif(os.name == "nt", reason="pipes, owners and rights of Unix")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(a) for a in arguments], catch_exceptions=False)
+
+
+@pytest.fixture
+def truck(tmp_path):
+    file = tmp_path / "truck.yaml"
+    file.write_bytes(EXAMPLE.read_bytes())
+    return file
+
+
+# --------------------------------------------------------------------------- whole or not at all
+
+
+def test_a_file_is_written_and_not_overwritten(tmp_path):
+    file = tmp_path / "a.yaml"
+    assert write(file, "a: 1\n") == file
+    with pytest.raises(BadFile) as error:
+        write(file, "a: 2\n")
+    assert str(error.value) == f"{file}: is there already; choose another name, or say --force"
+    assert file.read_text(encoding="utf-8") == "a: 1\n"
+    write(file, "é: 2\n", replace=True)
+    assert file.read_bytes() == "é: 2\n".encode()
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_disk_without_links_is_written_to_all_the_same(tmp_path, monkeypatch):
+    def refused(*_):
+        raise PermissionError(errno.EPERM, "no links here")
+
+    monkeypatch.setattr(os, "link", refused)
+    assert write(tmp_path / "a", "1").read_text() == "1"
+    with pytest.raises(BadFile, match="is there already"):
+        write(tmp_path / "a", "2")
+    assert [p.name for p in tmp_path.iterdir()] == ["a"]
+
+
+def test_what_cannot_be_written_leaves_nothing_behind(tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    for name, why in [
+        ("nowhere/a.yaml", f"there is no folder {tmp_path / 'nowhere'}"),
+        ("file/a.yaml", "Not a directory"),
+        ("folder", "it is a folder; name a file in it"),
+        (f"{'n' * 256}", "File name too long"),
+    ]:
+        for refuse in (
+            lambda path: write(path, "a: 1\n", replace=True),
+            lambda path: claim({"--json": path}),
+        ):
+            with pytest.raises(BadFile, match=f"cannot be written: {why}"):
+                refuse(tmp_path / name)
+    with pytest.raises(UnicodeEncodeError):
+        write(tmp_path / "b.yaml", "\ud800")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "folder"]
+
+
+def test_a_name_as_long_as_names_may_be_is_written(tmp_path):
+    """The part's name is not made from it: 255 bytes and a letter more would be refused."""
+    file = tmp_path / ("n" * 255)
+    write(file, "1")
+    write(file, "2", replace=True)
+    assert file.read_text() == "2"
+
+
+def test_a_full_disk_leaves_the_old_file(tmp_path, monkeypatch):
+    file = tmp_path / "a"
+    file.write_text("old")
+
+    def full(_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(BadFile, match="cannot be written: No space left on device"):
+        write(file, "new", replace=True)
+    assert file.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    ("denied", "why"), [("a", "it is write-protected"), ("", "no permission to write in")]
+)
+def test_what_is_protected_stays(tmp_path, monkeypatch, denied, why):
+    file = tmp_path / "a"
+    file.write_text("old")
+    allowed = os.access
+    monkeypatch.setattr(
+        os, "access", lambda p, mode: Path(p) != tmp_path / denied and allowed(p, mode)
+    )
+    for refuse in (lambda: write(file, "new", replace=True), lambda: claim({"--json": file})):
+        with pytest.raises(BadFile, match=why):
+            refuse()
+    assert file.read_text() == "old"
+
+
+# --------------------------------------------------------------------------- what stays
+
+
+@unix
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o755])
+def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path, mode, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: True)  # as for root
+    file = tmp_path / "a"
+    file.write_text("old")
+    file.chmod(mode)
+    write(file, "new", replace=True)
+    assert stat.S_IMODE(file.stat().st_mode) == mode
+    assert file.read_bytes() == b"new"
+
+
+@unix
+def test_a_new_file_obeys_the_umask(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write(tmp_path / "a", "1")
+        write(tmp_path / "b", "1", replace=True)
+    finally:
+        os.umask(before)
+    for name in "ab":
+        assert stat.S_IMODE((tmp_path / name).stat().st_mode) == 0o640
+
+
+@unix
+def test_a_part_is_never_more_open_than_the_file(tmp_path, monkeypatch):
+    """Who may not read the file may not read what it will hold either."""
+    file = tmp_path / "a"
+    file.touch(mode=0o600)
+    seen: list[int] = []
+    monkeypatch.setattr(os, "fsync", lambda f: seen.append(stat.S_IMODE(os.fstat(f).st_mode)))
+    write(file, "secret", replace=True)
+    assert seen[0] == 0o600
+
+
+@unix
+def test_the_owner_stays_where_that_is_permitted(tmp_path, monkeypatch):
+    file = tmp_path / "a"
+    file.touch()
+    file.chmod(0o2755)
+    if os.geteuid() == 0:
+        os.chown(file, 1234, 2345)
+        file.chmod(0o2755)
+        write(file, "1", replace=True)
+        found = file.stat()
+        assert (found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)) == (1234, 2345, 0o2755)
+
+        def refused(*_):
+            raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+
+        monkeypatch.setattr(os, "chown", refused)
+        write(file, "2", replace=True)
+        found = file.stat()
+        assert (found.st_uid, stat.S_IMODE(found.st_mode)) == (os.geteuid(), 0o755)
+
+
+@unix
+def test_a_link_stays_and_its_file_is_written(tmp_path):
+    (tmp_path / "far").mkdir()
+    file, link, far = tmp_path / "far" / "a", tmp_path / "link", tmp_path / "far" / "b"
+    file.write_text("old")
+    link.symlink_to(file)
+    write(link, "new", replace=True)
+    assert link.is_symlink()
+    assert file.read_text() == "new"
+    dangling = tmp_path / "dangling"
+    dangling.symlink_to("far/b")
+    write(dangling, "there")
+    assert dangling.is_symlink()
+    assert far.read_text() == "there"
+    round_ = tmp_path / "round"
+    round_.symlink_to(round_)
+    with pytest.raises(BadFile, match="symbolic links"):
+        write(round_, "1", replace=True)
+
+
+@unix
+@pytest.mark.parametrize("replace", [True, False])
+def test_a_pipe_is_written_into_and_stays_one(tmp_path, replace):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    link = tmp_path / "link"
+    link.symlink_to(pipe)
+    got: list[bytes] = []
+    for name in (pipe, link):
+        reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
+        reader.start()
+        write(name, "through", replace=replace)
+        reader.join(timeout=10)
+    assert got == [b"through"] * 2
+    assert stat.S_ISFIFO(pipe.lstat().st_mode)
+    assert link.is_symlink()
+
+
+@unix
+def test_a_descriptor_is_written_into():
+    """As a shell hands it over, `--json >(jq .)`: /dev/fd/63."""
+    reading, writing = os.pipe()
+    write(f"/dev/fd/{writing}", "through", replace=True)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        assert pipe.read() == b"through"
+    with pytest.raises(BadFile, match="Bad file descriptor"):
+        claim({"--json": f"/dev/fd/{writing}"})
+
+
+@unix
+def test_a_disk_is_not_written_into(tmp_path, monkeypatch):
+    monkeypatch.setattr(stat, "S_ISREG", lambda _: False)  # as if it were one
+    file = tmp_path / "disk"
+    file.write_text("all my data")
+    for refuse in (lambda: write(file, "1", replace=True), lambda: claim({"--json": file})):
+        with pytest.raises(BadFile, match="it is neither a file nor a pipe"):
+            refuse()
+    assert file.read_text() == "all my data"
+
+
+# --------------------------------------------------------------------------- parts
+
+
+def part(folder: Path, *, process: int, computer: str = "", age: float = 0.0) -> Path:
+    name = f".cardan-{computer or writer._computer()}-{process}-0123abcd.part"
+    file = folder / name
+    file.touch()
+    os.utime(file, (time.time() - age,) * 2)
+    return file
+
+
+@pytest.fixture(scope="module")
+def dead():
+    """The number of a process that has ended."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    return process.pid
+
+
+def test_parts_of_the_dead_are_swept_and_nothing_else(tmp_path, dead):
+    part(tmp_path, process=dead)
+    keeps = [
+        part(tmp_path, process=os.getpid()),
+        part(tmp_path, process=dead, computer="00000000"),  # who knows what runs over there
+    ]
+    here = writer._computer()
+    for name in (f".a.{dead}.part", "thesis.part", f".cardan-{here}-{dead}-0123abcd.part.yaml"):
+        keeps.append(tmp_path / name)
+        keeps[-1].touch()
+        os.utime(keeps[-1], (0, 0))
+    keeps.append(tmp_path / f".cardan-{here}-{dead}-00000000.part")
+    keeps[-1].mkdir()
+    file = write(tmp_path / "a", "1")
+    assert sorted(tmp_path.iterdir()) == sorted([*keeps, file])
+
+
+@pytest.mark.parametrize("computer", ["", "00000000"])
+def test_a_part_nobody_wrote_to_for_an_hour_is_swept(tmp_path, computer):
+    old = part(tmp_path, process=os.getpid(), computer=computer, age=writer.STALE + 60)
+    write(tmp_path / "a", "1")
+    assert not old.exists()
+
+
+@unix
+def test_a_run_that_is_killed_leaves_a_part_that_the_next_sweeps(tmp_path):
+    code = (
+        "import os, sys; from cardan.border import writer\n"
+        "os.fsync = lambda _: os.kill(os.getpid(), 9)\n"
+        "writer.write(sys.argv[1], 'new', replace=True)"
+    )
+    file = tmp_path / "a"
+    file.write_text("old")
+    subprocess.run([sys.executable, "-c", code, file], check=False)
+    assert file.read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 2
+    write(file, "newer", replace=True)
+    assert list(tmp_path.iterdir()) == [file]
+
+
+# --------------------------------------------------------------------------- claims
+
+
+def other_names(file: Path) -> dict[str, Path]:
+    """More names of one file."""
+    link, hard, folder = (file.with_name(n) for n in ("link", "hard", "folder"))
+    link.symlink_to(file)
+    hard.hardlink_to(file)
+    folder.symlink_to(file.parent, target_is_directory=True)
+    return {
+        "itself": file, "dots": file.parent / "." / ".." / file.parent.name / file.name,
+        "link": link, "hard link": hard, "through a folder": folder / file.name,
+    }  # fmt: skip
+
+
+@unix
+@pytest.mark.parametrize("kind", ["itself", "dots", "link", "hard link", "through a folder"])
+@pytest.mark.parametrize("option", ["--json", "--html", "--pdf", "--xlsx"])
+def test_what_is_read_is_never_written_over(truck, kind, option):
+    """`--json truck.yaml truck.yaml` replaced the application by its results, and ended well."""
+    before = truck.read_bytes()
+    result = run("check", truck, option, other_names(truck)[kind])
+    assert result.exit_code == 2
+    assert f"{option} would write over the file" in result.stderr
+    assert result.stdout == ""
+    assert truck.read_bytes() == before
+
+
+def test_a_profile_of_ones_own_is_read_too(truck, tmp_path):
+    own = tmp_path / "ours.yaml"
+    own.write_text(
+        "profile: o\nlimits: [{quantity: joint_angle, unit: deg, maximum: 9, source: us}]"
+    )
+    result = run("check", truck, "--limits", own, "--json", own)
+    assert result.exit_code == 2
+    assert own.read_text().startswith("profile")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("fix", "FILE", "--json", "FILE"),
+        ("stability", "FILE", "--chart", "FILE"),
+        ("bracket", "FILE", "--vtu", "FILE"),
+        ("check", "FILE", "FILE", "--json", "FILE"),
+        ("life", "FILE", "--sn", "1,1,1", "--plot", "FILE"),
+        ("life", "x.csv", "--sn", "1,1,1", "--application", "FILE", "--json", "FILE"),
+    ],
+)
+def test_no_command_writes_over_what_it_reads(truck, command):
+    before = truck.read_bytes()
+    result = run(*(truck if word == "FILE" else word for word in command))
+    assert result.exit_code == 2
+    assert "would write over the file that is read" in result.stderr
+    assert truck.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["out", "./out", "there/../out"])
+def test_two_options_never_name_one_file(truck, tmp_path, name):
+    (tmp_path / "there").mkdir()
+    out = tmp_path / "out"
+    result = run("check", truck, "--html", out, "--json", f"{tmp_path}/{name}")
+    assert result.exit_code == 2
+    assert "--json and --html would write into one file" in result.stderr
+    assert not out.exists()
+
+
+def test_a_claim_comes_before_the_work(truck, tmp_path, monkeypatch):
+    """The missing folder is not found after the search for corrections."""
+    monkeypatch.setattr("cardan.files.read", lambda *_: pytest.fail("it was read"))
+    for option in ("--json", "--html", "--pdf", "--xlsx"):
+        result = run("check", truck, option, tmp_path / "nowhere" / "out")
+        assert result.exit_code == 2
+        assert "there is no folder" in result.stderr
+
+
+@pytest.mark.parametrize("option", ["--json", "--html"])
+def test_no_name_is_no_file(truck, option):
+    assert run("check", truck, f"{option}=").exit_code == 2
+
+
+def test_only_a_contract_goes_to_standard_output(truck):
+    assert run("check", truck, "--json", "-", "-q").exit_code == 0
+    result = run("check", truck, "--html", "-")
+    assert "--html cannot go to standard output" in result.stderr
+
+
+@unix
+def test_letters_of_either_case_are_one_name_where_the_disk_says_so(tmp_path):
+    one, other = tmp_path / "Out.html", tmp_path / "OUT.HTML"
+    assert not same(one, other)
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (tmp_path / "FOLDER").symlink_to(folder)  # as a disk that folds case shows itself
+    assert same(folder / "Out.html", folder / "OUT.HTML")
+    assert same(folder / "à", folder / "à")
+    assert not same(folder / "a", folder / "b")
+
+
+@unix
+def test_terminals_and_null_devices_are_nobodys(tmp_path, monkeypatch):
+    file = tmp_path / "tty"
+    file.touch()
+    assert same(file, file)
+    monkeypatch.setattr(stat, "S_ISCHR", lambda _: True)
+    claim({"--json": file, "--html": file}, inputs=[file])
