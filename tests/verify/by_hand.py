@@ -287,21 +287,33 @@ MAIN = Line(
     ),
 )  # fmt: skip
 
-# Points (4.0, 1.2, 35.0) and (31.5, 1.6, 32.7) in: slopes of the shaft from their difference.
-_DX, _DY, _DZ = 27.5 * inch, 0.4 * inch, -2.3 * inch
+# Points (4.0, 1.2, 35.0), (22.0, 1.5, 33.4), (46.0, 1.7, 31.1) in: slopes from differences.
+_AHEAD, _BEHIND = (18.0 * inch, 0.3 * inch, -1.6 * inch), (24.0 * inch, 0.2 * inch, -2.3 * inch)
+
+
+def _slopes(step):
+    """Side and top view slope of a step from joint to joint."""
+    return atan2(-step[2], step[0]), atan2(step[1], step[0])
+
+
 THROUGH = Line(
     name="inter-axle",
     start=(4.0 * inch, 1.2 * inch, 35.0 * inch),
-    side=(0.05, atan2(-_DZ, _DX), radians(2.4)),
-    top=(0.0, atan2(_DY, _DX), radians(0.6)),
+    side=(0.05, _slopes(_AHEAD)[0], _slopes(_BEHIND)[0], radians(2.4)),
+    top=(0.0, _slopes(_AHEAD)[1], _slopes(_BEHIND)[1], radians(0.6)),
     shafts=(
         Shaft(
-            length=sqrt(_DX**2 + _DY**2 + _DZ**2), tube=Tube(3.5 * inch, 0.0042, **STEEL_4),
-            phase=radians(3), yokes=(9, 7), yoke_inertia=0.025, inertia=0.071, grade=40,
-            spline_mass=5, spline_at=8 * inch,
+            length=hypot(*_AHEAD), tube=Tube(3.5 * inch, 0.0042, **STEEL_4), phase=radians(3),
+            to_bearing=hypot(*_AHEAD) - 0.070, rubber=(125e6, 160e6), yokes=(9, 7),
+            yoke_inertia=0.02, grade=31.5,
+        ),
+        Shaft(
+            length=hypot(*_BEHIND), tube=Tube(0.092, 0.0038, **STEEL_4), phase=radians(-94),
+            yokes=(6, 8), yoke_inertia=0.025, inertia=0.071, grade=16, spline_mass=5,
+            spline_at=8 * inch,
         ),
     ),
-    joints=(INTER_AXLE, HAND_24),
+    joints=(INTER_AXLE, HAND_24, HAND_20),
     spline=Spline(plunge=1.9 * inch, draw=0.037, radius=0.031, friction=0.12),
     axle_ratio=6.6125,
     axle_efficiency=0.955,
@@ -314,7 +326,7 @@ THROUGH = Line(
     pinion_bearings=(0.170, 5.2 * inch),
     obstacles=(
         Obstacle(
-            "brake chamber", (20 * inch, -6 * inch, 30 * inch), (0.64, -0.18, 0.8), 3 * inch, 0.8
+            "brake chamber", (30 * inch, -6 * inch, 28 * inch), (0.94, -0.18, 0.76), 3 * inch, 0.8
         ),
     ),
     first_on_springs=False,
@@ -368,6 +380,7 @@ TRUCK = Truck(
         State("jounce", kind="jounce", load="gvw"),
         State("windup", kind="windup", load="gvw"),
         State("windup brake", kind="windup brake", load="gvw"),
+        State("braked empty", kind="windup brake", load="empty"),
         State(
             "ramp crest", load="empty", travel=-0.041, pitch=radians(0.6),
             torque=2100 * lbft, speed=74,
@@ -403,15 +416,19 @@ STEEL = {"E": 206 * GPa, "nu": 0.3, "rho": 7850, "strength": nan}
 TRANSFER = Line(
     name="transfer",
     start=(0.0, 0.0, 0.0),
-    side=tuple(map(radians, (4.1, 5.6, 3.9))),
-    top=tuple(map(radians, (0.0, -1.3, 0.2))),
+    side=tuple(map(radians, (4.1, 5.6, 4.9, 3.9))),
+    top=tuple(map(radians, (0.0, -1.3, -0.5, 0.2))),
     shafts=(
         Shaft(
-            length=32 * inch, tube=CATALOGUE_TUBE, phase=radians(2), yokes=(17 * lb, 17 * lb),
+            length=38 * inch, tube=CATALOGUE_TUBE, phase=0.0, to_bearing=38 * inch - 0.090,
+            rubber=(107e6, 107e6), yokes=(17 * lb, 17 * lb), yoke_inertia=0.02, grade=16,
+        ),
+        Shaft(
+            length=40 * inch, tube=CATALOGUE_TUBE, phase=radians(2), yokes=(17 * lb, 17 * lb),
             yoke_inertia=0.02, grade=16,
         ),
     ),
-    joints=(NOT_RATED, NOT_RATED),
+    joints=(NOT_RATED,) * 3,
     spline=Spline(plunge=inf, draw=0.030, radius=0.029, friction=0.11),
     axle_ratio=nan,
     axle_efficiency=nan,
@@ -486,8 +503,8 @@ _MEASURED = {
     ),
     "front": (
         # points (4, -310, 0) and (1078, -349, -101) mm
-        (radians(4.2), atan2(0.101, 1.074), radians(5.1)),
-        (0.0, atan2(-0.039, 1.074), 0.0),
+        (radians(4.2), atan2(0.101, 1.074), radians(5.5)),
+        (0.0, atan2(-0.039, 1.074), radians(-0.7)),
         sqrt(1.074**2 + 0.039**2 + 0.101**2),
         (0.004, -0.310, 0.0),
     ),
@@ -597,8 +614,8 @@ SHOWN = {
     "rpm": (rpm, ("joint_speed",)),
     "mm": (mm, ("spline_travel_margin", "clearance")),
     "Hz": (1, ("suspension_frequency",)),
-    "": (1, ("irregularity", "critical_speed_ratio", "half_critical_band", "joint_torque_utilisation",
-             "joint_fatigue_utilisation", "tube_shear_utilisation")),
+    "": (1, ("irregularity", "critical_speed_ratio", "half_critical_band",
+             "joint_torque_utilisation", "joint_fatigue_utilisation", "tube_shear_utilisation")),
 }  # fmt: skip
 """Units in which readers see the quantities, and what they are worth."""
 MORE_IS_BETTER = ("joint_angle_min", "joint_life", "spline_travel_margin", "clearance")
@@ -1363,7 +1380,7 @@ def one_state(truck, line, state, whirl):
         say("compound_angle", part, hypot(side[k], top[k]))
         say("angle_for_speed", part, w**2 * beta[k] ** 2)
         say("joint_torque_utilisation", part, sized[k] / joint.peak)
-        say("joint_fatigue_utilisation", part, fatigue(joint, T, -torque["coast"]))
+        say("joint_fatigue_utilisation", part, fatigue(joint, max(T, 0), -torque["coast"]))
         if state.kind not in RARE:
             say("joint_life", part, 3600 * life(truck, line, joint, beta[k]))
         say("n_beta", part, w * beta[k])
