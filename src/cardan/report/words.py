@@ -1172,8 +1172,16 @@ _VIBRATION: dict[str, tuple[str, str]] = {
     ),
 }  # fmt: skip
 
+_PAPER: dict[str, tuple[str, str]] = {
+    "Letters": ("Letras", "Lettere"),
+    "{sign} stands for letters that this document's fonts lack: {letters}.": (
+        "{sign} está no lugar de letras que faltam nas fontes deste documento: {letters}.",
+        "{sign} sta per lettere che mancano nei caratteri di questo documento: {letters}.",
+    ),
+}  # fmt: skip
+
 WORDS: dict[str, tuple[str, str]] = {
     **_VERDICTS, **_CHANGES, **_STORY, **_PARTS, **_INPUTS, **_DRAWINGS, **_PLOTS, **_WORKBOOK,
-    **_EQUATIONS, **_BRACKET, **_VIBRATION, **_PROGRESS,
+    **_EQUATIONS, **_BRACKET, **_VIBRATION, **_PROGRESS, **_PAPER,
 }  # fmt: skip
 """English text to Portuguese and Italian."""
