@@ -31,7 +31,6 @@ VAN = EXAMPLE.with_name("van.yaml")
 SMALL = files.starter("small")
 TITLE = "Two-piece driveline"
 NAMES = {
-    "signs of many fonts": "⊡⭧╪Ա⯲",
     "long word": "n" * 200,
     "many words": "state " * 40,
     "Chinese": "牵引车",
@@ -115,7 +114,10 @@ def test_the_programs_own_letters_are_among_them(path):
     assert lacking(said) == set()
     whole = told(path.read_text(encoding="utf-8"))
     assert lacking([f.svg for f in story.figures(whole)], letters=DRAWN) == set()
-    assert "□" not in str(_told(whole)[0])
+    data = _told(whole)[0]
+    assert "□" not in str(data)
+    tables = [b for c in data["chapters"] for b in c["blocks"] if b["kind"] == "Table"]
+    assert [head for t in tables for head in t["head"] if "…" in head] == []
 
 
 @pytest.mark.parametrize(
@@ -137,6 +139,7 @@ def test_long_texts_are_cut_where_it_is_seen_and_long_words_are_broken():
     assert broken("n" * 40) == "n" * 40
     assert broken("n" * 100).split("\u200b") == ["n" * 40, "n" * 40, "n" * 20]
     assert broken("word " * 100) == "word " * 100
+    assert broken(broken("n" * 24, word=12)) == "n" * 12 + "\u200b" + "n" * 12
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -205,6 +208,15 @@ def test_a_title_without_end_is_cut_where_everybody_sees_it(title):
         assert len(data[key].replace("\u200b", "")) <= most
     assert document(whole).startswith(b"%PDF-")
     assert Text(page(whole)).heading.strip() == shortened(whole.title, 200)
+
+
+def test_drawings_have_letters_of_their_own():
+    """Lettering of three fonts in a drawing is refused where a text may mix them."""
+    text = EXAMPLE.read_text(encoding="utf-8").replace("name: full rebound", 'name: "⊡⭧╪Ա⯲"')
+    data, drawings = _told(told(text))
+    assert lacking([d.decode() for d in drawings.values()], letters=DRAWN) == set()
+    assert "U+0531" in data["facts"][-1][1]
+    assert "⊡⭧╪Ա⯲" in str(data["chapters"])
 
 
 def test_names_in_drawings_have_an_end_too():

@@ -41,7 +41,8 @@ DRAWN = _letters(
 WORD = 40
 """Longer runs of letters may be broken anywhere."""
 
-_LONG = re.compile(rf"(\S{{{WORD}}})(?=\S)")
+BREAK = "\u200b"
+"""Where a word may be broken; nobody sees it."""
 
 
 def shortened(text: str, most: int) -> str:
@@ -67,9 +68,9 @@ def shown(text: str, *, letters: frozenset[str] = LETTERS) -> str:
     return "".join(c if c in letters else INSTEAD for c in _composed(text))
 
 
-def broken(text: str) -> str:
+def broken(text: str, *, word: int = WORD) -> str:
     """Return a text whose long words may be broken, so that they stay on the page."""
-    return _LONG.sub("\\1\u200b", text)
+    return re.sub(rf"([^\s{BREAK}]{{{word}}})(?=[^\s{BREAK}])", rf"\1{BREAK}", text)
 
 
 def each(value: Any, change: Callable[[str], str]) -> Any:

@@ -10,7 +10,16 @@ from typing import Any
 
 from cardan.report.extra import needed
 from cardan.report.language import Language
-from cardan.report.paper import DRAWN, INSTEAD, broken, each, lacking, shortened, shown, texts
+from cardan.report.paper import (
+    DRAWN,
+    INSTEAD,
+    broken,
+    each,
+    lacking,
+    shortened,
+    shown,
+    texts,
+)
 from cardan.report.story import Figures, Picture, Story
 
 FONT = "Libertinus Serif"
@@ -19,8 +28,9 @@ FONT = "Libertinus Serif"
 STANDARD = "a-3a"
 """PDF/A-3, level A: to be kept, and tagged for whoever has it read to them."""
 
-TITLE, RUNNING, HEAD, CELL, PARAGRAPH = 200, 80, 48, 300, 4000
-"""Characters that have room: on the cover, at the foot of a page, in tables, in a text."""
+TITLE, RUNNING, HEAD, NARROW, CELL, PARAGRAPH = 200, 80, 48, 24, 300, 4000
+"""Characters that have room: on the cover, at a page's foot, in tables (over words, over
+numbers, in a cell), in a text."""
 
 NAMED = 12
 """How many letters are named that the fonts lack."""
@@ -122,12 +132,19 @@ def _owned(without: list[str], say: Language) -> str:
     )  # fmt: skip
 
 
+def _headed(text: str, *, number: bool) -> str:
+    """Return the head of a column; over numbers it takes no more width than they do."""
+    return broken(shortened(text, NARROW), word=NARROW // 2) if number else shortened(text, HEAD)
+
+
 def _fitted(story: dict[str, Any]) -> dict[str, Any]:
     """Return a story in letters the fonts have, its names cut to what has room."""
+    story = each(story, shown)
     for chapter in story["chapters"]:
         for block in chapter["blocks"]:
             if block["kind"] == "Table":
-                block["head"] = each(block["head"], lambda t: shortened(t, HEAD))
+                heads = enumerate(block["head"])
+                block["head"] = [_headed(t, number=k >= block["words"]) for k, t in heads]
                 block["rows"] = each(block["rows"], lambda t: shortened(t, CELL))
             elif block["kind"] != "Verbatim":
                 block.update(each(block, lambda t: shortened(t, PARAGRAPH)))
@@ -135,4 +152,4 @@ def _fitted(story: dict[str, Any]) -> dict[str, Any]:
     story["facts"] = each(story["facts"], lambda t: shortened(t, PARAGRAPH))
     story["running"] = shortened(story["title"], RUNNING)
     story |= {key: shortened(story[key], TITLE) for key in ("title", "subtitle", "verdict")}
-    return each(story, lambda t: broken(shown(t)))
+    return each(story, broken)
