@@ -1359,7 +1359,9 @@ def one_state(truck, line, state, whirl):
     ]
     spline = line.spline
     slip = abs(T) * spline.friction / spline.radius
-    sized = [truck.shock * abs(torque["engine"]) * peak(carried[k]) for k in range(n)]
+    # Full engine torque and brakes never meet: braked, a joint bears what the line holds back.
+    most = T if state.kind == "windup brake" else torque["engine"]
+    sized = [truck.shock * abs(most) * peak(carried[k]) for k in range(n)]
     gaps = {}
     for o in line.obstacles:
         up = np.array([0, 0, o.share * rise])

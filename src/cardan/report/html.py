@@ -2,15 +2,20 @@
 
 import re
 from base64 import b64encode
+from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
 
 from cardan.report.blocks import Block, Picture, Story
 from cardan.report.extra import needed
 from cardan.report.language import Language
+from cardan.report.paper import shortened
 
-MARKS = {"pass": "✓", "warn": "△", "fail": "✗"}
+MARKS = {"pass": "✓", "warn": "△", "incomplete": "…", "fail": "✗"}
 """Signs of the verdicts, for whoever does not see their colours."""
+
+TITLE = 200
+"""Characters of a title that have room over a page."""
 
 
 def _kind(block: Block) -> str:
@@ -44,7 +49,7 @@ def page(of: Story) -> str:
     text = files("cardan.report").joinpath("templates/report.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
     return environment.from_string(text).render(
-        story=of,
+        story=replace(of, title=shortened(of.title, TITLE), subtitle=shortened(of.subtitle, TITLE)),
         lang={"pt": "pt-BR"}.get(of.language, of.language),
         mark=MARKS,
         kind=_kind,

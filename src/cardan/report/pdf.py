@@ -1,20 +1,41 @@
 """A report as a document to sign: PDF/A with its fonts and alternative texts inside."""
 
 import json
+import re
 from base64 import b64encode
 from dataclasses import asdict
+from html import escape, unescape
 from importlib.resources import files
 from typing import Any
 
 from cardan.report.blocks import Figures, Picture, Story
 from cardan.report.extra import needed
 from cardan.report.language import Language
+from cardan.report.paper import (
+    DRAWN,
+    INSTEAD,
+    broken,
+    each,
+    lacking,
+    shortened,
+    shown,
+    texts,
+)
 
 FONT = "Libertinus Serif"
 """The typesetter brings it along; drawings are set in it too."""
 
 STANDARD = "a-3a"
 """PDF/A-3, level A: to be kept, and tagged for whoever has it read to them."""
+
+TITLE, RUNNING, HEAD, NARROW, CELL, PARAGRAPH = 200, 80, 48, 24, 300, 4000
+"""Characters that have room: on the cover, at a page's foot, in tables (over words, over
+numbers, in a cell), in a text."""
+
+NAMED = 12
+"""How many letters are named that the fonts lack."""
+
+_LETTERING = re.compile(r">([^<]+)<")
 
 
 def document(of: Story) -> bytes:
@@ -46,19 +67,19 @@ def _set(of: Story, **options: Any) -> Any:
     return typst.compile(sources, ignore_system_fonts=True, **options)
 
 
-def _wrapped(png: bytes) -> bytes:
+def _wrapped(png: bytes) -> str:
     """Return a picture inside a drawing: the typesetter takes its sources as text alone."""
     width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">'
         f'<image width="{width}" height="{height}" '
         f'href="data:image/png;base64,{b64encode(png).decode()}"/></svg>'
-    ).encode()
+    )
 
 
 def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
     """Return a story as plain data, and its drawings as files that the data names."""
-    drawings: dict[str, bytes] = {}
+    drawings: dict[str, str] = {}
     chapters: list[dict[str, Any]] = []
     for chapter in of.chapters:
         blocks: list[dict[str, Any]] = []
@@ -68,15 +89,15 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
                 for figure in told["figures"]:
                     figure["file"] = f"figure-{len(drawings) + 1}.svg"
                     svg = figure.pop("svg").replace("<svg ", f'<svg font-family="{FONT}" ', 1)
-                    drawings[figure["file"]] = svg.encode()
+                    drawings[figure["file"]] = svg
             if isinstance(block, Picture):
                 del told["scene"]
                 told["file"] = f"figure-{len(drawings) + 1}.svg"
                 drawings[told["file"]] = _wrapped(told.pop("png"))
             blocks.append(told)
         chapters.append({"title": chapter.title, "blocks": blocks})
-    made = Language(of.language)("Made with cardan {version}.", version=of.version)
-    story = {
+    say = Language(of.language)
+    story: dict[str, Any] = {
         "language": of.language,
         "title": of.title,
         "subtitle": of.subtitle,
@@ -84,7 +105,51 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
         "verdict": of.verdict,
         "facts": [list(f) for f in of.facts],
         "chapters": chapters,
-        "made": made,
+        "made": say("Made with cardan {version}.", version=of.version),
         "date": [int(part) for part in of.date.split("-")] if of.date else [],
     }
-    return story, drawings
+    if without := lacking(texts(story)) | lacking(drawings.values(), letters=DRAWN):
+        story["facts"].append([say("Letters"), _owned(sorted(without), say)])
+    return _fitted(story), {name: _drawn(svg).encode() for name, svg in drawings.items()}
+
+
+def _drawn(svg: str) -> str:
+    """Return a drawing in letters the fonts have, its lettering cut to what has room."""
+    return _LETTERING.sub(lambda found: f">{_cut(found[1])}<", shown(svg, letters=DRAWN))
+
+
+def _cut(lettering: str) -> str:
+    """Return the lettering of a drawing, escaped as it is, cut to what has room."""
+    return escape(shortened(unescape(lettering), CELL), quote=False)
+
+
+def _owned(without: list[str], say: Language) -> str:
+    """Return what says that letters are missing, and which."""
+    named = [f"U+{ord(c):04X}" for c in without[:NAMED]] + ["…"] * (len(without) > NAMED)
+    return say(
+        "{sign} stands for letters that this document's fonts lack: {letters}.",
+        sign=INSTEAD, letters=", ".join(named),
+    )  # fmt: skip
+
+
+def _headed(text: str, *, number: bool) -> str:
+    """Return the head of a column; over numbers it takes no more width than they do."""
+    return broken(shortened(text, NARROW), word=NARROW // 2) if number else shortened(text, HEAD)
+
+
+def _fitted(story: dict[str, Any]) -> dict[str, Any]:
+    """Return a story in letters the fonts have, its names cut to what has room."""
+    story = each(story, shown)
+    for chapter in story["chapters"]:
+        for block in chapter["blocks"]:
+            if block["kind"] == "Table":
+                heads = enumerate(block["head"])
+                block["head"] = [_headed(t, number=k >= block["words"]) for k, t in heads]
+                block["rows"] = each(block["rows"], lambda t: shortened(t, CELL))
+            elif block["kind"] != "Verbatim":
+                block.update(each(block, lambda t: shortened(t, PARAGRAPH)))
+        chapter["title"] = shortened(chapter["title"], TITLE)
+    story["facts"] = each(story["facts"], lambda t: shortened(t, PARAGRAPH))
+    story["running"] = shortened(story["title"], RUNNING)
+    story |= {key: shortened(story[key], TITLE) for key in ("title", "subtitle", "verdict")}
+    return each(story, broken)

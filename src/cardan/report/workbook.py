@@ -9,6 +9,7 @@ its own column.
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from io import BytesIO
 from math import isnan
 from typing import Any, TypeAlias
@@ -35,6 +36,9 @@ from cardan.study.driveline import asked
 
 FIRST = 4
 """Number of the first state's column: E."""
+
+UNDATED = datetime(2000, 1, 1)
+"""What a workbook says it was made on: when it really was is not what it is about."""
 
 EMPTY = '""'
 """No number, in a formula."""
@@ -68,7 +72,9 @@ def workbook(of: Approval, *, say: Language) -> bytes:
     """
     xlsxwriter = needed("xlsxwriter")
     raw = BytesIO()
-    book = _Book(xlsxwriter.Workbook(raw, {"in_memory": True}), say)
+    file = xlsxwriter.Workbook(raw, {"in_memory": True})
+    file.set_properties({"created": UNDATED})  # the same application, the same bytes
+    book = _Book(file, say)
     several = len(of.responses) > 1
     inputs = book.sheet(say("Inputs"))
     _general(inputs, of.application)
@@ -98,6 +104,7 @@ def _computed_anew(data: bytes) -> bytes:
             content = old.read(item)
             if item.filename.startswith("xl/worksheets/sheet"):
                 content = content.replace(b"</f><v>0</v>", b"</f>")
+            item.date_time = (UNDATED.year, UNDATED.month, UNDATED.day, 0, 0, 0)
             new.writestr(item, content)
     return out.getvalue()
 
