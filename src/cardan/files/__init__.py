@@ -1,8 +1,9 @@
 """Files: applications, limit profiles and catalogues, read into parts; and written safely."""
 
 from cardan.files.application import loads, read
+from cardan.files.change import addresses, change
 from cardan.files.limit import limits
 from cardan.files.schema import schema
 from cardan.files.starter import starter, write
 
-__all__ = ["limits", "loads", "read", "schema", "starter", "write"]
+__all__ = ["addresses", "change", "limits", "loads", "read", "schema", "starter", "write"]

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, stacked
 from cardan.base.verdict import Limit
 from cardan.kinematics.equivalent import Excitation, pythagorean_angle
 from cardan.model.parts import JointSize
@@ -56,7 +56,7 @@ def _lettered(letters: str) -> Callable[[Response], tuple[str, ...]]:
 
 
 def _end_bearings(letters: str) -> Of:
-    return lambda r: np.stack([r.end_bearings[letter] for letter in letters], axis=-1)
+    return lambda r: stacked(r.end_bearings[letter] for letter in letters)
 
 
 def _line(_: Response) -> tuple[str, ...]:
@@ -83,8 +83,8 @@ def _of_excitation(value: Callable[[Excitation], FloatArray | None]) -> Held:
 
     def of(r: Response) -> FloatArray:
         found = value(r.excitation)
-        cases = r.layout.directions.shape[:-2]
-        return np.broadcast_to(np.nan if found is None else found, cases)[..., None]
+        cases = np.zeros(r.layout.directions.shape[:-2])
+        return (cases + (np.nan if found is None else found))[..., None]
 
     return Held(parts=_line, of=of)
 
@@ -94,10 +94,8 @@ def _speed(r: Response) -> FloatArray:
 
 
 def _speed_ratios(r: Response) -> FloatArray:
-    speed = r.demand.speed[..., None]
-    each = speed / r.critical_speeds
-    line = np.broadcast_to(speed / r.line_critical_speed, each[..., :1].shape)
-    return np.concatenate([each, line], axis=-1)
+    critical = [*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed]
+    return r.demand.speed[..., None] / stacked(critical)
 
 
 def _clearances(r: Response) -> FloatArray:
