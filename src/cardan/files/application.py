@@ -468,7 +468,8 @@ class ApplicationTable(Table):
         total = sum(point.share for point in self.duty)
         if self.duty and (wrong := failing(abs(total - 1) <= 1e-3, total)):
             self.at("duty").refuse("the shares must make 100 %", got=f"{100 * wrong[0]:g} %")
-        return self.duty
+        # What rounding leaves of 100 % is shared out: more than all of a life is no life.
+        return tuple(replace(point, share=point.share / total) for point in self.duty)
 
     def _adjustables(
         self, lines: tuple[Installed, ...], tables: list[LineTable]
