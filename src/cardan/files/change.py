@@ -19,14 +19,18 @@ from cardan.model.application import Application, Written
 def addresses(application: Application) -> dict[str, ArrayLike]:
     """Return every number of the design by its address, in its key's unit.
 
-    Limits, ranges of `adjust` and the bracket are no part of it: they have no variants.
+    What was changed to variants is an array of them, (V,). Limits, ranges of `adjust` and
+    the bracket are no part of the design.
 
     Raises
     ------
     DesignError
         If the application was not read from a file.
     """
-    return dict(_written(application).numbers)
+    numbers = _written(application).numbers.items()
+    return {
+        at: number[:, 0] if isinstance(number, np.ndarray) else number for at, number in numbers
+    }
 
 
 def change(application: Application, changes: Mapping[str, ArrayLike]) -> Application:
