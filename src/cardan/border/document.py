@@ -53,6 +53,18 @@ class Scalar:
 
 
 @dataclass(slots=True, eq=False)
+class Changed(Scalar):
+    """A number in place of the one written: a single one, or the variants of a study."""
+
+    number: Any = 0.0
+
+    @property
+    def value(self) -> Any:
+        """The number, or an array of them."""
+        return self.number
+
+
+@dataclass(slots=True, eq=False)
 class Sequence:
     """A list."""
 
@@ -133,6 +145,8 @@ def one_line(text: str) -> str:
 def number(scalar: Scalar) -> tuple[float | None, str]:
     """Return the number a scalar is, or None with a hint on how to write one."""
     value = scalar.value
+    if isinstance(scalar, Changed):
+        return scalar.number, ""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value), ""
     text = scalar.text.strip()

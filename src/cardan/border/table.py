@@ -22,7 +22,8 @@ apart by how YAML writes them, None for a key that may be left out, and Annotate
 
 import types
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Mapping as Mapped
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import (
@@ -40,9 +41,12 @@ from typing import (
     get_origin,
 )
 
-from cardan.base.errors import DesignError, Problem
+import numpy as np
+
+from cardan.base.arrays import ArrayLike
+from cardan.base.errors import DesignError, Problem, failing
 from cardan.base.units import UNITS
-from cardan.border.document import Mapping, Node, Scalar, Sequence, number, one_line
+from cardan.border.document import Changed, Mapping, Node, Scalar, Sequence, number, one_line
 
 T = TypeVar("T")
 Schema: TypeAlias = dict[str, Any]
@@ -65,31 +69,61 @@ class Spoilt(Exception):  # noqa: N818  not an error of its own
 
 @dataclass
 class Reading:
-    """What comes up while a file is read, and where the names in it are looked up."""
+    """What comes up while a file is read, and where the names in it are looked up.
+
+    `changes` are numbers in place of the file's, by address; `numbers` is what was read at
+    each address where variants may stand, `fixed` where only one number may.
+    """
 
     catalogue: Any = None
     folder: Path | None = None
     problems: list[Problem] = field(default_factory=list[Problem])
     warnings: list[Problem] = field(default_factory=list[Problem])
+    changes: Mapped[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    numbers: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    fixed: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
 
 
 @dataclass
 class Here:
-    """A place in the file: a node, the key that leads to it and the unit that key names."""
+    """A place in the file: a node, the key that leads to it and the unit that key names.
+
+    `fixed` says that what stands here is no part of the design: it has no variants.
+    """
 
     node: Node
     at: str
     reading: Reading
     unit: str = ""
+    fixed: bool = False
 
     def inside(self, node: Node, name: str, unit: str | None = None) -> "Here":
         """Return the place of an entry of this table."""
         at = f"{self.at}.{name}" if self.at else name
-        return Here(node, at, self.reading, self.unit if unit is None else unit)
+        return Here(node, at, self.reading, self.unit if unit is None else unit, self.fixed)
 
     def item(self, node: Node, place: int) -> "Here":
         """Return the place of an item of this list; places count from 1."""
-        return Here(node, f"{self.at}[{place}]", self.reading, self.unit)
+        return Here(node, f"{self.at}[{place}]", self.reading, self.unit, self.fixed)
+
+    def number(self) -> tuple[float | None, str]:
+        """Return the number that stands here, or None with a hint on how to write one.
+
+        Kept under its address, and changed where a change asks for that: then it may be
+        an array of variants, (V, 1).
+        """
+        if not isinstance(self.node, Scalar):
+            return None, ""
+        if self.at in self.reading.changes:
+            to: Any = self.reading.changes[self.at]
+            spread = f"{np.min(to):g}" if np.ndim(to) == 0 else f"{np.min(to):g} ... {np.max(to):g}"
+            self.node = Changed(spread, self.node.line, self.node.column, number=to)
+            if self.fixed and np.ndim(to):
+                self.refuse("is no part of the design: give it one number")
+        value, hint = number(self.node)
+        if value is not None:
+            (self.reading.fixed if self.fixed else self.reading.numbers)[self.at] = value
+        return value, hint
 
     def note(self, message: str, hint: str = "", *, got: str = "") -> None:
         """Note what is wrong here, and go on."""
@@ -197,12 +231,10 @@ class Number(Rule):
 
     def read(self, here: Here) -> float:
         """Return the number in SI."""
-        if not isinstance(here.node, Scalar):
-            self.refuse(here)
-        value, hint = number(here.node)
+        value, hint = here.number()
         if value is None:
             self.refuse(here, hint)
-        if not abs(value) < LARGE:
+        if failing(abs(value) < LARGE, value):
             here.refuse(f"must be within ±{LARGE:g}", got=here.node.brief)
         worth = self.units.get(here.unit, 1.0)
         if not self._within(value * worth):
@@ -211,11 +243,11 @@ class Number(Rule):
         return value * worth
 
     def _within(self, si: float) -> bool:
-        return (
-            (self._above is None or si > self._above)
-            and (self._least is None or si >= self._least)
-            and (self._below is None or si < self._below)
-            and (self._most is None or si <= self._most)
+        return bool(
+            (self._above is None or np.all(si > self._above))
+            and (self._least is None or np.all(si >= self._least))
+            and (self._below is None or np.all(si < self._below))
+            and (self._most is None or np.all(si <= self._most))
         )
 
     def _range(self, worth: float) -> str:
@@ -456,6 +488,8 @@ class Table:
 
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Entries of which the table needs exactly one."""
+    fixed: ClassVar[bool] = False
+    """Whether its numbers are no part of the design, as limits and ranges are not."""
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
 
     def build(self) -> Any:
@@ -519,13 +553,15 @@ class Table:
     @classmethod
     def read(cls, here: Here) -> Any:
         """Return what a node of the file describes; note everything wrong with it."""
-        if not isinstance(here.node, Mapping):
+        root = here.node
+        if not isinstance(root, Mapping):
             TableRule(cls).refuse(here)
         before, spoilt = len(here.reading.problems), False
+        here = replace(here, fixed=here.fixed or cls.fixed)
         used: Used = {}
         values: dict[str, Any] = {}
         meant: set[str] = set()
-        for written, node in here.node.entries.values():
+        for written, node in root.entries.values():
             entry, unit = cls.keys().get(written.text, (None, ""))
             if entry is None:
                 guess, hint = _advice(cls, written.text, node)

@@ -48,9 +48,8 @@ class Gears:
     def strongest(self) -> tuple[FloatArray, FloatArray]:
         """Largest torque in any gear, and the highest speed in that gear, (...) N m, rad/s."""
         gear = self.peak.argmax(-1)[..., None]
-        fastest = self.speed.max(-1)
-        fastest = np.broadcast_to(fastest, (*gear.shape[:-1], fastest.shape[-1]))
-        return self.peak.max(-1), np.take_along_axis(fastest, gear, axis=-1)[..., 0]
+        fastest = np.take_along_axis(self.speed.max(-1), gear, axis=-1)
+        return self.peak.max(-1), fastest[..., 0]
 
     @property
     def speed_range(self) -> FloatArray:
@@ -90,11 +89,15 @@ def gears(
         speed_ratio, torque_ratio, gearbox.efficiency, gearbox.converter_ratio
     )
     pace, gain = pace[..., None], (eta * stall * share)[..., None, None]
+    speed, torque = np.broadcast_arrays(
+        pace[..., None] * stacked(engine.speed)[..., None, :] / ratios[..., None],
+        gain * ratios[..., None] * stacked(engine.torque)[..., None, :],
+    )
     return Gears(
         names=tuple(f"{low}{k + 1}" for low in ranges for k in range(len(gearbox.ratios))),
         ratios=ratios / pace,
-        speed=pace[..., None] * stacked(engine.speed)[..., None, :] / ratios[..., None],
-        torque=gain * ratios[..., None] * stacked(engine.torque)[..., None, :],
+        speed=speed,
+        torque=torque,
     )
 
 

@@ -2,8 +2,9 @@
 
 from cardan.border.writer import write
 from cardan.files.application import loads, read
+from cardan.files.change import addresses, change
 from cardan.files.limit import limits
 from cardan.files.schema import schema
 from cardan.files.starter import starter
 
-__all__ = ["limits", "loads", "read", "schema", "starter", "write"]
+__all__ = ["addresses", "change", "limits", "loads", "read", "schema", "starter", "write"]

@@ -1,11 +1,12 @@
 """The application file: `read` it into parts, with everything wrong in it said at once."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias, get_args
 
-from cardan.base.errors import BadFile
+from cardan.base.errors import BadFile, Problem, failing
 from cardan.border.document import Mapping, Node, Scalar, Sequence, parse, text_of
 from cardan.border.measure import (  # fmt: skip
     Angle,
@@ -55,6 +56,7 @@ from cardan.model.application import (
     Obstacle,
     State,
     Surroundings,
+    Written,
 )  # fmt: skip
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
@@ -82,17 +84,32 @@ def loads(text: str, *, name: str = "application", folder: Path | None = None) -
     `name` is what errors call the text. Profiles and catalogues of the user's own are files
     in `folder`; a text without one stands alone.
     """
-    root, problems = parse(text, name)
-    reading = Reading(problems=problems, folder=folder)
+    return understood(Written(text=text, name=name, folder=folder))
+
+
+def understood(written: Written) -> Application:
+    """Return the application of a text with its changes made."""
+    name = written.name
+    root, problems = parse(written.text, name)
+    reading = Reading(problems=problems, folder=written.folder, changes=written.changes)
     try:
         reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
         application: Application | None = ApplicationTable.read(Here(root, "", reading))
     except (Spoilt, Enough):
         application = None
+    known = {*reading.numbers, *reading.fixed}
+    if application is not None:
+        problems += [_unknown(at, known) for at in written.changes if at not in known]
     if application is None or problems:
         # What only looks wrong may be why the rest is: say it too.
         raise BadFile(name, (*problems, *reading.warnings))
-    return application
+    read = replace(written, numbers=reading.numbers, application=application)
+    return replace(application, written=read)
+
+
+def _unknown(address: str, known: Iterable[str]) -> Problem:
+    """Return what is wrong with a change to a number that the text does not hold."""
+    return Problem(message="no number has this address", key=address, hint=nearest(address, known))
 
 
 # --------------------------------------------------------------------------- files beside
@@ -272,12 +289,12 @@ class ObstacleTable(Table):
         line = self.line or known[0]
         if line not in known:
             self.at("line").refuse("no driveline of this name", nearest(line, known), got=line)
-        radius = self.radius or (self.diameter or 0.0) / 2
+        radius = 0.0 if self.diameter is None else self.diameter / 2
         return Obstacle(
             name=self.name,
             start=self.start,
             end=self.end or self.start,
-            radius=radius,
+            radius=radius if self.radius is None else self.radius,
             travel_share=self.travel_share,
             line=line,
         )
@@ -449,9 +466,10 @@ class ApplicationTable(Table):
 
     def _duty(self) -> tuple[DutyPoint, ...]:
         total = sum(point.share for point in self.duty)
-        if self.duty and not abs(total - 1) <= 1e-3:
-            self.at("duty").refuse("the shares must make 100 %", got=f"{100 * total:g} %")
-        return self.duty
+        if self.duty and (wrong := failing(abs(total - 1) <= 1e-3, total)):
+            self.at("duty").refuse("the shares must make 100 %", got=f"{100 * wrong[0]:g} %")
+        # What rounding leaves of 100 % is shared out: more than all of a life is no life.
+        return tuple(replace(point, share=point.share / total) for point in self.duty)
 
     def _adjustables(
         self, lines: tuple[Installed, ...], tables: list[LineTable]

@@ -214,6 +214,7 @@ class FatigueTable(Table):
 class BracketTable(Table):
     """The bracket a centre bearing hangs in. Its origin is the bearing's centre."""
 
+    fixed = True  # its shape is meshed, one at a time
     one_of = (("u_shape", "l_shape", "step"),)
 
     u_shape: Annotated[UShape, UShapeTable] | None = key("a bent sheet", default=None)

@@ -9,6 +9,7 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
@@ -58,7 +59,7 @@ class Named(Text):
         """Return the part itself."""
         name = self.text(here)
         try:
-            return here.reading.catalogue.find(name, self.kind)
+            return here.reading.catalogue.find(name, self.kind, here)
         except DesignError as error:
             message, _, hint = str(error).partition("; ")
             here.refuse(message, hint)
@@ -209,9 +210,24 @@ class Sheet:
                 entries[name] = Scalar(name, line, k), Scalar(cell.strip(), line, k)
         return Mapping(line, 1, entries)
 
-    def part(self, name: str, reading: Reading) -> Any:
-        """Return the part of a name in this sheet."""
-        return TABLES[self.kind].read(Here(self._table(*self.rows[name]), name, reading))
+    def part(self, name: str, here: Here) -> Any:
+        """Return the part of a name in this sheet, as if its row stood in the file.
+
+        So its numbers have addresses there, and can be changed. What is wrong or looks
+        wrong in the sheet itself is said where the sheet is named.
+        """
+        row = self._table(*self.rows[name])
+        for written, node in row.entries.values():
+            written.line = node.line = here.node.line
+            written.column = node.column = here.node.column
+        reading = here.reading
+        noted, warned = len(reading.problems), len(reading.warnings)
+        try:
+            return TABLES[self.kind].read(replace(here, node=row))
+        finally:
+            del reading.warnings[warned:]
+            if not any(at.startswith(f"{here.at}.") for at in reading.changes):
+                del reading.problems[noted:]
 
     def check(self, reading: Reading) -> None:
         """Note whatever is wrong in the sheet."""
@@ -259,8 +275,8 @@ class Catalogue:
         """Return every name of a kind of part, the user's own first."""
         return [name for sheet in self._sheets(kind) for name in sheet.rows]
 
-    def find(self, name: str, kind: Kind) -> Any:
-        """Return the part of that name.
+    def find(self, name: str, kind: Kind, here: Here | None = None) -> Any:
+        """Return the part of that name, for a place in a file where it stands.
 
         Case, spaces and zeros behind a point do not matter: `3.5x0.12in` is `3.500x0.120in`.
 
@@ -269,14 +285,14 @@ class Catalogue:
         DesignError
             If no catalogue has it; the message names what comes nearest.
         """
-        reading = Reading(self)
+        here = here or Here(Scalar(name, 0, 0), name, Reading(self))
         for sheet in self._sheets(kind):
             if name in sheet.rows:
-                return sheet.part(name, reading)
+                return sheet.part(name, here)
         for sheet in self._sheets(kind):
             for known in sheet.rows:
                 if _loose(known) == _loose(name):
-                    return sheet.part(known, reading)
+                    return sheet.part(known, here)
         names = self.names(kind)
         bare = _loose(name)
         inside = [n for n in names if _loose(n) in bare or bare in _loose(n)]

@@ -9,7 +9,8 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
+from cardan.base.errors import failing
 from cardan.base.units import deg, mm
 from cardan.border.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
 from cardan.border.table import Table, key
@@ -41,16 +42,14 @@ class ViewsTable(Table):
     top: FlatSlopes | None = key("top view, to the right going rearward positive", default=None)
 
     def angles(self, *members: str) -> tuple[FloatArray, FloatArray]:
-        """Return both views, (members,) rad, one value for each member named."""
+        """Return both views, (..., members) rad, one value for each member named."""
         if self.side is None and self.top is None:
             self.at().refuse("needs side_deg or top_deg")
         for name, view in (("side", self.side), ("top", self.top)):
             if view is not None and len(view) != len(members):
                 message = f"must hold {len(members)} values, for {', '.join(members)}"
                 self.at(name).refuse(message, got=f"{len(view)} values")
-        views = [
-            np.zeros(len(members)) if v is None else np.array(v) for v in (self.side, self.top)
-        ]
+        views = [np.zeros(len(members)) if v is None else stacked(v) for v in (self.side, self.top)]
         return views[0], views[1]
 
 
@@ -91,12 +90,12 @@ class GeometryTable(Table):
         if self.points is not None:
             layout = self._through_points(self.points, lengths, reference)
         else:
-            layout = self._along_slopes(np.array(lengths, dtype=float), reference)
-        cosines = (layout.directions[:-1] * layout.directions[1:]).sum(-1)
-        for k, cosine in enumerate(cosines, 1):
-            if not cosine > _COSINE:
+            layout = self._along_slopes(stacked(lengths), reference)  # type: ignore[arg-type]
+        cosines = (layout.directions[..., :-1, :] * layout.directions[..., 1:, :]).sum(-1)
+        for k, cosine in enumerate(np.moveaxis(cosines, -1, 0), 1):
+            if wrong := failing(cosine > _COSINE, cosine):
                 name = next(n for n in ("slopes", "joint_angles", "points") if self.has(n))
-                message = f"joint {k} would bend by {np.arccos(cosine) / deg:.0f} deg"
+                message = f"joint {k} would bend by {np.arccos(wrong[0]) / deg:.0f} deg"
                 self.at(name).refuse(
                     message, f"a joint bends by less than {SHARPEST / deg:.0f} deg"
                 )
@@ -107,24 +106,29 @@ class GeometryTable(Table):
             if self.has(name):
                 hint = "the slopes hold it already" if self.slopes else "the joint angles give it"
                 self.at(name).refuse("stands beside points alone", hint)
-        shafts = [f"shaft {k}" for k in range(1, len(lengths) + 1)]
+        count = lengths.shape[-1]
+        shafts = [f"shaft {k}" for k in range(1, count + 1)]
         if self.slopes is not None:
             side, top = self.slopes.angles("gearbox", *shafts, "pinion")
         else:
-            side, top = self._summed(len(lengths) + 1, reference)
+            side, top = self._summed(count + 1, reference)
         layout = from_slopes(side=side, top=top, lengths=lengths)
         if reference is None:
             return layout
-        return Layout(points=layout.points + reference.points[0], directions=layout.directions)
+        start = reference.points[..., :1, :]
+        return Layout(points=layout.points + start, directions=layout.directions)
 
     def _summed(self, joints: int, reference: Layout | None) -> tuple[FloatArray, FloatArray]:
-        """Slopes of every member from the joint angles, (members,) rad."""
+        """Slopes of every member from the joint angles, (..., members) rad."""
         assert self.joint_angles is not None  # asked for where it is given
         views = self.joint_angles.angles(*(f"joint {k}" for k in range(1, joints + 1)))
-        start = self.gearbox_slope or (0.0, 0.0)
+        start: tuple[ArrayLike, ArrayLike] = self.gearbox_slope or (0.0, 0.0)
         if self.gearbox_slope is None and reference is not None:
-            start = float(reference.side[0]), float(reference.top[0])
-        side, top = (np.cumsum([first, *view]) for first, view in zip(start, views, strict=True))
+            start = reference.side[..., 0], reference.top[..., 0]
+        side, top = (
+            np.cumsum(stacked((first, *np.moveaxis(view, -1, 0))), axis=-1)
+            for first, view in zip(start, views, strict=True)
+        )
         steepest = max(np.abs(side).max(), np.abs(top).max())
         if not steepest < STEEP:
             message = f"the angles add up to a member sloping {steepest / deg:.1f} deg"
@@ -140,22 +144,23 @@ class GeometryTable(Table):
         if len(points) != len(lengths) + 1:
             message = f"must hold {len(lengths) + 1} joint centres, one more than shafts"
             self.at("points").refuse(message, got=f"{len(points)} points")
-        steps = np.diff(np.array(points), axis=0)
-        for k, step in enumerate(steps, 1):
-            if not step[0] > max(CLOSE, np.hypot(step[1], step[2]) / np.tan(STEEP)):
+        joints = vectors(points)
+        for k, (x, y, z) in enumerate(np.moveaxis(np.diff(joints, axis=-2), (-2, -1), (0, 1)), 1):
+            least = np.maximum(CLOSE, np.hypot(y, z) / np.tan(STEEP))
+            if wrong := failing(x > least, x):
                 message = f"x must rise from joint {k} to joint {k + 1}: it runs along the line"
-                self.at("points", k + 1).refuse(message, got=f"a rise of {step[0] / mm:g} mm")
+                self.at("points", k + 1).refuse(message, got=f"a rise of {wrong[0] / mm:g} mm")
         ends: list[FloatArray] = []
         for name, end in (("gearbox_slope", 0), ("pinion_slope", -1)):
             slope: tuple[float, float] | None = getattr(self, name)
             if slope is not None:
                 ends.append(direction(side=slope[0], top=slope[1]))
             elif reference is not None:
-                ends.append(reference.directions[end])
+                ends.append(reference.directions[..., end, :])
             else:
                 hint = f"{name}: {{side_deg: 3.0, top_deg: 0.0}}"
                 self.at("points").refuse(f"points need a {name} beside them", hint)
-        layout = from_points(points, gearbox=ends[0], pinion=ends[1])
+        layout = from_points(joints, gearbox=ends[0], pinion=ends[1])
         self._compare(lengths, layout, reference)
         return layout
 
@@ -164,11 +169,14 @@ class GeometryTable(Table):
     ) -> None:
         """Hold the lengths given against the points; the last shaft slides between states."""
         slides = len(lengths) if reference is not None else 0
-        for k, (given, between) in enumerate(zip(lengths, layout.lengths, strict=True), 1):
-            if given is not None and k != slides and not abs(given - between) <= CLOSE:
+        apart = np.moveaxis(layout.lengths, -1, 0)
+        for k, (given, between) in enumerate(zip(lengths, apart, strict=True), 1):
+            if given is None or k == slides:
+                continue
+            if wrong := failing(abs(given - between) <= CLOSE, between, given):
                 message = (
-                    f"put joints {k} and {k + 1} {between / mm:.1f} mm apart, but shaft {k} is "
-                    f"{given / mm:g} mm long"
+                    f"put joints {k} and {k + 1} {wrong[0] / mm:.1f} mm apart, but shaft {k} is "
+                    f"{wrong[1] / mm:g} mm long"
                 )
                 self.at("points").refuse(message, "correct the points or the length")
 

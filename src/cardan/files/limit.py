@@ -28,6 +28,8 @@ _ALIKE = (
 class LimitTable(Table):
     """What a quantity may reach: past `normal` a check warns, past `maximum` it fails."""
 
+    fixed = True
+
     quantity: str = key("the quantity, by the name `cardan explain` knows it under")
     unit: str | None = key("unit of the numbers; by default the one it is shown in", default=None)
     normal: float | None = key("what it may reach without a warning", default=None)

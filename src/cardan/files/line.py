@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from math import isclose, pi
 from typing import Annotated, Any, Literal, TypeAlias
 
+import numpy as np
+
 from cardan.base.units import deg
 from cardan.border import measure
-from cardan.border.document import Scalar, number
+from cardan.border.document import Scalar
 from cardan.border.measure import (
     Distance,
     Factor,
@@ -63,7 +65,7 @@ class CentreBearingTable(Table):
         if (vertical is None) != (lateral is None):
             missing = "lateral" if lateral is None else "vertical"
             self.at().refuse(f"{missing}_stiffness_N_mm is missing beside the other one")
-        pair = (vertical, lateral) if vertical and lateral else None
+        pair = None if vertical is None or lateral is None else (vertical, lateral)
         if self.stiffness is not None:
             pair = (self.stiffness, self.stiffness)
         return CentreBearing(from_rear_joint=self.from_rear_joint, stiffness=pair)
@@ -106,9 +108,11 @@ class BalanceGrade(Rule):
     def read(self, here: Here) -> float:
         """Return the grade as the standard prints it, mm/s."""
         node = here.node
-        text = node.text.removeprefix("G") if isinstance(node, Scalar) else ""
-        bare = number(Scalar(text, node.line, node.column))[0]
-        if bare is None or not 0 < bare <= 4000:
+        if isinstance(node, Scalar):
+            here.node = Scalar(node.text.removeprefix("G"), node.line, node.column)
+        bare = here.number()[0]
+        if bare is None or not np.all((bare > 0) & (bare <= 4000)):
+            here.node = node
             self.refuse(here)
         return bare
 
@@ -140,7 +144,9 @@ class ShaftTable(Table):
     def build(self) -> "ShaftTable":
         """Return this table, its parts tried: the line knows the lengths points give."""
         written = self.phase / deg
-        if any(isclose(abs(written), k * pi / 4, rel_tol=1e-3) for k in (1, 2, 3, 4)):
+        if np.ndim(written) == 0 and any(
+            isclose(abs(written), k * pi / 4, rel_tol=1e-3) for k in (1, 2, 3, 4)
+        ):
             odd = f"{written:g} deg looks like {written / deg:.0f} deg in radians"
             self.at("phase").warn(odd, "did you mean phase_rad?")
         if self.length is not None:
@@ -179,6 +185,8 @@ class AdjustTable(Table):
 
     A range alone is for every bearing or shaft; {1: [-20, 30]} is for the first alone.
     """
+
+    fixed = True
 
     hold: tuple[str, ...] = key(
         "what stays for now, though it has a range: shim, bearing_height 1", default=()
@@ -271,8 +279,8 @@ class LineTable(GeometryTable):
         checked: list[Any] = each((self._complete, self._laid_out, self._sizes))
         layout: Layout = checked[1]
         shafts = [
-            table.shaft(float(length) if table.length is None else table.length)
-            for table, length in zip(self.shafts, layout.lengths, strict=True)
+            table.shaft(length if table.length is None else table.length)
+            for table, length in zip(self.shafts, np.moveaxis(layout.lengths, -1, 0), strict=True)
         ]
         line = self.attempt(
             lambda: Line(
@@ -302,7 +310,7 @@ class LineTable(GeometryTable):
 
     def _laid_out(self) -> Layout:
         lengths = [s.length for s in self.shafts]
-        if self.points is None and None in lengths:
+        if self.points is None and any(length is None for length in lengths):
             raise Spoilt  # noted elsewhere
         return self.layout(lengths)
 

@@ -1,8 +1,9 @@
 """The vehicle of a file: engine, gearbox, axle, tyre, load states, suspension."""
 
 from itertools import pairwise
-from math import atan
 from typing import Annotated, TypeAlias
+
+import numpy as np
 
 from cardan.base.units import deg
 from cardan.border import measure
@@ -49,7 +50,7 @@ def _rise(table: Table, **columns: tuple[float, ...]) -> None:
     """Refuse a column of a table that does not rise."""
     for name, values in columns.items():
         for k, (a, b) in enumerate(pairwise(values), 2):
-            if not b > a:
+            if not np.all(b > a):
                 table.at(name, k).refuse("must be above the value before it: these rise")
 
 
@@ -85,7 +86,7 @@ class GearboxTable(Table):
     def build(self) -> Gearbox:
         """Return the gearbox."""
         ratios = self.ratios if isinstance(self.ratios, tuple) else (self.ratios,)
-        if list(ratios) != sorted(ratios, reverse=True):
+        if not all(np.all(a >= b) for a, b in pairwise(ratios)):
             self.at("ratios").refuse("must fall from the lowest gear to the highest")
         return Gearbox(
             ratios=ratios,
@@ -107,7 +108,10 @@ class PlaceTable(Table):
 
     def build(self) -> tuple[float, float]:
         """Return (x, z): x along the flow of torque, z up."""
-        return (self.behind or 0.0) - (self.ahead or 0.0), (self.above or 0.0) - (self.below or 0.0)
+        behind, ahead, above, below = (
+            0.0 if v is None else v for v in (self.behind, self.ahead, self.above, self.below)
+        )
+        return behind - ahead, above - below
 
 
 APlace: TypeAlias = Annotated[tuple[float, float], PlaceTable]
@@ -217,12 +221,12 @@ class VehicleTable(Table):
 
     def build(self) -> Vehicle:
         """Return the vehicle in SI."""
-        percent = self.grade_percent or 0.0
+        percent = 0.0 if self.grade_percent is None else self.grade_percent
         return Vehicle(
             drive=self.drive,
             wheelbase=self.wheelbase,
             driven_share=self.driven_share,
-            grade=atan(percent / 100) if self.grade is None else self.grade,
+            grade=np.arctan(percent / 100) if self.grade is None else self.grade,
             loads=tuple(load.named(name) for name, load in self.loads.items()),
             front_axles=self.front_axles,
             front_driven=self.front_driven,
@@ -256,8 +260,8 @@ class SpringTable(Table):
             message = (
                 "contact_mm says where the second rate starts: two rates need it, one does not"
             )
-            self.at("contact" if self.contact else "rates").refuse(message)
-        first = self.contact or 0.1
+            self.at("contact" if self.has("contact") else "rates").refuse(message)
+        first = 0.1 if self.contact is None else self.contact
         second = first * rates[0] + first * rates[-1]
         return Spring(load=(0.0, first * rates[0], second), deflection=(0.0, first, 2 * first))
 

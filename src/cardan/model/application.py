@@ -1,8 +1,11 @@
 """An application: lines in a vehicle, the states to check, what is in the way, the limits."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import get_args
 
+from cardan.base.arrays import ArrayLike
 from cardan.base.errors import DesignError, Problem, failing
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
@@ -170,6 +173,30 @@ class Surroundings:
     rubber_loss: float | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Written:
+    """The text an application was read from, so that it can be read again with other numbers.
+
+    Attributes
+    ----------
+    text, name, folder
+        The text, what errors call it, and where the files that it names lie.
+    changes
+        Numbers that stand in place of the text's own, by address, in the text's units.
+    numbers
+        Every number of the design by its address, in the text's units, as read.
+    application
+        What was read: where a part has been replaced since, the text says something else.
+    """
+
+    text: str
+    name: str
+    folder: Path | None = None
+    changes: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    application: "Application | None" = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Application:
     """Everything one approval is about."""
@@ -198,3 +225,5 @@ class Application:
     include_unbalance: bool = False
     warnings: tuple[Problem, ...] = ()
     """What looked wrong while the file was read, though it could be."""
+    written: Written | None = field(default=None, compare=False, repr=False)
+    """The text it was read from; None where it was made otherwise."""

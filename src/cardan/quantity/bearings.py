@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from cardan.base.arrays import stacked
 from cardan.base.part import Part
 from cardan.base.source import DERIVED, GWB, ISO21940
 from cardan.quantity.declared import (
@@ -24,7 +25,7 @@ def _lettered(letters: str) -> Parts:
 
 
 def _end_bearings(letters: str) -> Of:
-    return lambda r: np.stack([r.end_bearings[letter] for letter in letters], axis=-1)
+    return lambda r: stacked(r.end_bearings[letter] for letter in letters)
 
 
 def _placed(letters: str, end: str) -> Need:

@@ -86,7 +86,7 @@ INERTIAS = Need(
 YIELD = Need(
     gives="a tube material with its yield strength",
     met=lambda r: np.array(
-        [[bool(s.tube and s.tube.material.yield_strength) for s in r.line.shafts]]
+        [[s.tube is not None and s.tube.material.yield_strength is not None for s in r.line.shafts]]
     ),
 )
 PEAK_RATING = _rated("a joint size with its peak torque", "peak_torque")

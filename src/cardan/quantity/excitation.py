@@ -13,8 +13,8 @@ from cardan.quantity.response import Response
 
 def _of(e: Excitation, value: Callable[[Excitation], FloatArray | None], r: Response) -> FloatArray:
     found = value(e)
-    cases = r.layout.directions.shape[:-2]
-    return np.broadcast_to(np.nan if found is None else found, cases)[..., None]
+    cases = np.zeros(r.layout.directions.shape[:-2])
+    return (cases + (np.nan if found is None else found))[..., None]
 
 
 def _exact(value: Callable[[Excitation], FloatArray | None]) -> Of:

@@ -5,12 +5,13 @@ last leading axis, variants of a study on axes before it.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
-from cardan.base.units import Metre, g
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
+from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
 from cardan.kinematics import equivalent
@@ -128,9 +129,9 @@ class Response:
 
     @cached_property
     def inertias(self) -> FloatArray | None:
-        """Polar inertias of the shafts, (n-1,) kg m²; None where one is not known."""
-        known = [s.polar_inertia for s in self.line.shafts]
-        return np.array([j for j in known if j is not None]) if None not in known else None
+        """Polar inertias of the shafts, (..., n-1) kg m²; None where one is not known."""
+        known = [j for s in self.line.shafts if (j := s.polar_inertia) is not None]
+        return stacked(known) if len(known) == len(self.line.shafts) else None
 
     @cached_property
     def excitation(self) -> Excitation:
@@ -205,7 +206,7 @@ class Response:
         if spline is None or radius is None:
             return np.full(self.layout.directions.shape[:-2], np.nan)
         force = slip_force(self.demand.torque, friction=spline.friction, mean_radius=radius)
-        return np.broadcast_to(force, self.layout.directions.shape[:-2])
+        return force + np.zeros(self.layout.directions.shape[:-2])
 
     @cached_property
     def small_angle_bearings(self) -> tuple[FloatArray, FloatArray]:
@@ -234,7 +235,7 @@ class Response:
             else np.full_like(length, np.nan)
             for tube, length in zip(tubes, lengths, strict=True)
         ]
-        return np.stack(of, axis=-1)
+        return stacked(of)
 
     @property
     def line_modes(self) -> whirl.Modes | None:
@@ -242,18 +243,25 @@ class Response:
 
         As installed: a spline's travel changes it by less than its own uncertainty.
         """
-        return _line_modes(self.line, tuple(self.demand.installed.layout.lengths.tolist()))
+        if self.demand not in _MODES:
+            _MODES[self.demand] = _line_modes(self.line, self.demand.installed.layout.lengths)
+        return _MODES[self.demand]
 
     @cached_property
-    def line_critical_speed(self) -> float:
-        """Lowest speed that bends the line as beams on its bearings, rad/s; nan without tubes."""
-        return float(whirl.line_critical_speed(self.line_modes)) if self.line_modes else np.nan
+    def line_critical_speed(self) -> FloatArray:
+        """Lowest speed that bends the line as beams on its bearings, (...) rad/s.
+
+        The same in every state; nan without tubes.
+        """
+        modes = self.line_modes
+        return whirl.line_critical_speed(modes) if modes else np.asarray(np.nan)
 
     @cached_property
-    def bearing_resonance(self) -> float:
-        """Lowest speed at which the line bounces on its rubber, rad/s; nan if it has none."""
-        found = float(whirl.bearing_resonance(self.line_modes)) if self.line_modes else np.nan
-        return found if np.isfinite(found) else np.nan
+    def bearing_resonance(self) -> FloatArray:
+        """Lowest speed at which the line bounces on its rubber, (...) rad/s; nan if it has none."""
+        modes = self.line_modes
+        found = whirl.bearing_resonance(modes) if modes else np.asarray(np.nan)
+        return np.where(np.isfinite(found), found, np.nan)
 
     @cached_property
     def sizing_torque(self) -> FloatArray:
@@ -268,9 +276,8 @@ class Response:
         asked = np.where(own, demand.torque, demand.engine_torque)
         uneven = np.abs(self.turn.phasors[..., :-1])
         uneven = np.concatenate([np.zeros_like(uneven[..., :1]), uneven], axis=-1)
-        return (
-            self.application.shock_factor * np.abs(asked)[..., None] * (1 + uneven) / (1 - uneven)
-        )
+        largest = self.application.shock_factor * np.abs(asked)
+        return largest[..., None] * (1 + uneven) / (1 - uneven)
 
     @property
     def joint_torque_utilisation(self) -> FloatArray:
@@ -293,9 +300,9 @@ class Response:
         )
 
     def rating(self, name: str) -> FloatArray:
-        """Return a rating of every joint, (n,); nan where the catalogue has none."""
+        """Return a rating of every joint, (..., n); nan where the catalogue has none."""
         values = [getattr(s, name) if s else None for s in self.sizes]
-        return np.array([np.nan if v is None else v for v in values])
+        return stacked(np.nan if v is None else v for v in values)
 
     @cached_property
     def clearances(self) -> FloatArray:
@@ -310,7 +317,7 @@ class Response:
     @cached_property
     def spline_travel(self) -> FloatArray:
         """Length of the last shaft less that of the reference layout, (...) m."""
-        return self.layout.lengths[..., -1] - self.demand.installed.layout.lengths[-1]
+        return self.layout.lengths[..., -1] - self.demand.installed.layout.lengths[..., -1]
 
     @cached_property
     def tube_shear_utilisation(self) -> FloatArray:
@@ -325,17 +332,17 @@ class Response:
                 yield_strength=tube.material.yield_strength,
                 shock_factor=shock,
             )
-            if tube and tube.material.yield_strength
+            if tube and tube.material.yield_strength is not None
             else np.full_like(torque, np.nan)
             for tube in (s.tube for s in self.line.shafts)
         ]
-        return np.stack(used, axis=-1)
+        return stacked(used)
 
     @property
     def life_ratings(self) -> FloatArray:
         """Torque Td of each joint for its rated life, (n,) N m; nan where not published."""
         found = (life.life_rating(size) if size else None for size in self.sizes)
-        return np.array([np.nan if rating is None else rating for rating in found])
+        return stacked(np.nan if rating is None else rating for rating in found)
 
     @cached_property
     def life(self) -> FloatArray:
@@ -348,16 +355,18 @@ class Response:
         duty = self.duty
         if not duty:
             return np.full(self.angles.shape, np.nan)
-        torque, speed = (np.array([getattr(p, v) for p in duty]) for v in ("torque", "speed"))
-        fixed = np.array([np.nan if p.angle is None else p.angle for p in duty])
+        torque, speed, shares = (
+            stacked(getattr(p, v) for p in duty)[..., None, :] for v in ("torque", "speed", "share")
+        )
+        fixed = stacked(np.nan if p.angle is None else p.angle for p in duty)[..., None, :]
         wear = life.wear(
             torque,
             speed=speed,
             angle=np.where(np.isnan(fixed), self.angles[..., None], fixed),
-            rated_torque=self.life_ratings[:, None],
+            rated_torque=self.life_ratings[..., None],
             prime_mover_factor=self.application.prime_mover_factor,
         )
-        hours = life.joint_life(wear, shares=np.array([p.share for p in duty]))
+        hours = life.joint_life(wear, shares=shares)
         return np.where(self.lasting[:, None], hours, np.nan)
 
     @cached_property
@@ -372,12 +381,15 @@ class Response:
         return np.where(np.isinf(left), np.nan, left)
 
 
-@lru_cache(maxsize=32)
-def _line_modes(line: Line, lengths: tuple[Metre, ...]) -> whirl.Modes | None:
-    """Return a line's critical modes, once for all variants that keep its shafts."""
+_MODES: WeakKeyDictionary[Demand, whirl.Modes | None] = WeakKeyDictionary()
+"""Critical modes of each line asked about: once for all layouts that keep its shafts."""
+
+
+def _line_modes(line: Line, lengths: FloatArray) -> whirl.Modes | None:
+    """Return a line's critical modes; None without tubes."""
     if any(s.tube is None for s in line.shafts):
         return None
-    return whirl.critical_modes(beams.line_beams(line, lengths=np.array(lengths)))
+    return whirl.critical_modes(beams.line_beams(line, lengths=lengths))
 
 
 def respond(
@@ -397,5 +409,5 @@ def respond(
         application=application,
         demand=demand,
         layout=demand.layout if layout is None else layout,
-        phases=np.asarray(line.phases if phases is None else phases, dtype=float),
+        phases=stacked(line.phases) if phases is None else np.asarray(phases, dtype=float),
     )

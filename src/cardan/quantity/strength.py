@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.part import LINE, Part
 from cardan.base.source import AE7, DERIVED, GWB, SEHERR, Source
 from cardan.quantity.declared import (
@@ -37,16 +37,14 @@ _WHIRLING = Need(
 
 def _speed_ratios(r: Response) -> FloatArray:
     """Return top speed over the critical speed of each shaft, and over that of the line."""
-    speed = r.demand.speed[..., None]
-    each = speed / r.critical_speeds
-    line = np.broadcast_to(speed / _in_every_state(r, r.line_critical_speed), each[..., :1].shape)
-    return np.concatenate([each, line], axis=-1)
+    critical = [*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed]
+    return r.demand.speed[..., None] / stacked(critical)
 
 
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
     """Return what does not depend on the state, (..., states, 1)."""
-    cases = r.layout.directions.shape[:-2]
-    return np.broadcast_to(np.asarray(value, dtype=float), cases)[..., None]
+    cases = np.zeros(r.layout.directions.shape[:-2])
+    return (cases + np.asarray(value, dtype=float))[..., None]
 
 
 DECLARED = (

@@ -1,0 +1,127 @@
+"""A batch of variants is what its variants are one by one: no second code path, for any number."""
+
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan import files
+from cardan.base.errors import BadFile, DesignError
+from cardan.demand.states import Demand, demand, resolve
+from cardan.model.application import Application
+from cardan.model.layout import Layout
+from cardan.quantity.quantities import ANSWERED
+from cardan.quantity.response import respond
+
+ROOT = Path(__file__).parents[2]
+PATHS = (*sorted((ROOT / "examples").glob("*.yaml")), ROOT / "tests" / "truck.yaml")
+EXAMPLES = {path.stem: path for path in PATHS}
+
+ROUNDING = 1e-12
+"""Of the largest value about: sums over the states, the shafts and a turn cancel to some 1e-13."""
+
+
+@cache
+def application(name: str) -> Application:
+    return files.read(EXAMPLES[name])
+
+
+def found(of: Application) -> dict[str, np.ndarray]:
+    """Every number of the demand on each line, and every quantity, states first behind variants."""
+    values: dict[str, np.ndarray] = {}
+    for installed in of.lines:
+        asked = demand(resolve(of, installed))
+        line = installed.line.name
+        for name, value in _numbers(asked):
+            values[f"{line}, {name}"] = value
+        response = respond(of, asked)
+        values |= {f"{line}, {key}": q.values(response) for key, q in ANSWERED.items()}
+    return values
+
+
+def _numbers(asked: Demand):
+    for f in fields(asked):
+        value = getattr(asked, f.name)
+        if isinstance(value, Layout):
+            yield f"{f.name}.points", value.points
+            yield f"{f.name}.directions", value.directions
+        elif isinstance(value, np.ndarray):
+            yield f.name, value
+    yield "ride.shift", asked.ride.shift
+    yield "ride.pitch", asked.ride.pitch
+    if asked.gears:
+        yield "gears.speed", asked.gears.speed
+        yield "gears.torque", asked.gears.torque
+
+
+def tried(name: str, changes: dict[str, float | np.ndarray]) -> dict[str, np.ndarray] | None:
+    """What a changed example does; None where it is refused."""
+    try:
+        return found(files.change(application(name), changes))
+    except (BadFile, DesignError):
+        return None
+
+
+def compare(name: str, changes: dict[str, np.ndarray]) -> bool:
+    """Hold the variants as a batch against the same one by one; whether they can be."""
+    count = len(next(iter(changes.values())))
+    batch = tried(name, changes)
+    each = [tried(name, {at: float(c[v]) for at, c in changes.items()}) for v in range(count)]
+    assert (batch is None) == (None in each), "refused as a batch, or one by one"
+    if batch is None:
+        return False
+    for key, values in batch.items():
+        alone = np.stack([one[key] for one in each])
+        # What no variant changes has no axis for them.
+        together = np.broadcast_to(values, alone.shape) if values.ndim < alone.ndim else values
+        if key.split(", ")[1].startswith(("ride", "given", "gears")):
+            together = np.broadcast_to(_behind_states(key, values, alone), alone.shape)
+        size = np.abs(alone[np.isfinite(alone)]).max(initial=0.0)
+        np.testing.assert_allclose(
+            together, alone, rtol=ROUNDING, atol=ROUNDING * size, err_msg=f"{key} of {changes}"
+        )
+    return True
+
+
+def _behind_states(key: str, values: np.ndarray, alone: np.ndarray) -> np.ndarray:
+    """Gears have no states: (V, 1, ...) stands where one by one there is nothing."""
+    if "gears" in key and values.ndim == alone.ndim + 1:
+        return values[:, 0]
+    return values
+
+
+def factors(count: int):
+    return st.lists(
+        st.floats(0.9, 1.1).filter(lambda f: f != 1), min_size=count, max_size=count
+    ).map(np.array)
+
+
+@st.composite
+def cases(draw: st.DrawFn):
+    name = draw(st.sampled_from(sorted(EXAMPLES)))
+    numbers = files.addresses(application(name))
+    some = draw(st.lists(st.sampled_from(sorted(numbers)), min_size=1, max_size=4, unique=True))
+    return name, {at: numbers[at] * draw(factors(3)) for at in some}
+
+
+@settings(max_examples=40, deadline=None)
+@given(case=cases())
+def test_a_batch_is_its_variants_one_by_one(case):
+    compare(*case)
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_every_number_may_vary(name: str):
+    """By a percent, eight at a time; by itself what makes no sense beside its neighbours."""
+    numbers = {
+        at: to * np.array([0.99, 1.01]) for at, to in files.addresses(application(name)).items()
+    }
+    for start in range(0, len(numbers), 8):
+        some = dict(list(numbers.items())[start : start + 8])
+        if not compare(name, some):
+            for at, to in some.items():
+                compare(name, {at: to})
