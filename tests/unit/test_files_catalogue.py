@@ -123,3 +123,9 @@ def test_a_wrong_sheet_is_told_where(text, message):
 def test_what_is_no_csv_is_no_sheet():
     with pytest.raises(BadFile, match=r"ours.csv:2:1: this is no CSV: field larger than"):
         Sheet("name\n" + "x" * 200_000, "ours.csv")
+
+
+@pytest.mark.parametrize("hidden", ["\x1b", "\u202e", "\ufffe"])
+def test_a_catalogue_hides_nothing(hidden):
+    with pytest.raises(BadFile, match=rf"ours.csv:2:2: .*U\+{ord(hidden):04X}\) stands here"):
+        Sheet(TUBES.replace("ours,", f"o{hidden}urs,"), "ours.csv")

@@ -9,6 +9,8 @@
 A wrong argument in code is a plain `ValueError`.
 """
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 
@@ -17,7 +19,15 @@ class CardanError(Exception):
 
 
 class DesignError(CardanError):
-    """A part or a layout that cannot exist."""
+    """A part or a layout that cannot exist.
+
+    `about` is the address of what is wrong, as keys of an application file have it
+    (`suspension.linkage`, `states[3]`); empty where the message says it all.
+    """
+
+    def __init__(self, message: str = "", *, about: str = "") -> None:
+        super().__init__(message)
+        self.about = about
 
 
 class NotConverged(CardanError):  # noqa: N818  the name is the news
@@ -28,12 +38,31 @@ class NotInstalled(CardanError):  # noqa: N818  the name is the news
     """Something optional is needed and absent; the message says how to install it."""
 
 
+@contextmanager
+def about(address: str) -> Generator[None, None, None]:
+    """Put an address before that of a `DesignError` raised inside: callers know where."""
+    try:
+        yield
+    except DesignError as error:
+        error.about = ".".join(filter(None, (address, error.about)))
+        raise
+
+
 def positive(part: str, **values: float | None) -> None:
     """Refuse values of a part that are not above zero; the comparison refuses nan too."""
     for name, value in values.items():
         if value is not None and not value > 0:
             msg = f"{name} of {part} must be above 0, got {value:g}"
             raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where something stands in a file: its key, as errors print it, line and column from 1."""
+
+    key: str
+    line: int
+    column: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

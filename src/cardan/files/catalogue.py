@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
-from cardan.border.document import Mapping, Node, Scalar
+from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
     Angle,
     Density,
@@ -174,6 +174,7 @@ class Sheet:
     def __init__(self, text: str, file: str) -> None:
         self.file = file
         text = text.removeprefix("\ufeff")
+        refuse_hidden(text, file)
         comma = ";" if ";" in text.partition("\n")[0] else ","  # spreadsheets write both
         rows = csv.reader(io.StringIO(text, newline=""), delimiter=comma)
         try:
