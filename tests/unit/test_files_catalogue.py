@@ -99,8 +99,8 @@ def test_materials_in_their_units():
          "(got 90,5); write a decimal point: 90.5"),
         (TUBES.replace("90,", "90,5,"), "ours.csv:2:1: this row has 6 cells, the header 5; write a "
          "decimal point, and put text with a comma in quotes"),
-        (TUBES.replace("90,", "-90,"), "ours.csv:2:2: ours.outer_mm: must be a number above 0 mm "
-         "(got -90)"),
+        (TUBES.replace("90,", "-90,"), "ours.csv:2:2: ours.outer_mm: must be a number "
+         "of at least 1 and at most 3000 mm (got -90)"),
         (TUBES.replace("90,", ","), "ours.csv:2:1: ours: outer_mm, outer_m or outer_in is missing: "
          "outside diameter"),
         (TUBES.replace("wall_mm", "wal_mm"), "ours.csv:1:3: wal_mm: unknown column; did you mean "

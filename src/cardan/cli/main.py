@@ -64,13 +64,14 @@ def progress(doing: str, *, quiet: bool = False) -> Generator[Tell, None, None]:
 
 
 @contextmanager
-def of(file: Path) -> Generator[None, None, None]:
-    """Name the file that an impossible part stands in."""
+def of(file: Path, application: Any) -> Generator[None, None, None]:
+    """Name the place in its file that an impossible part stands at."""
+    from cardan import files
+
     try:
         yield
     except DesignError as error:
-        msg = f"{file}: {error}"
-        raise DesignError(msg) from error
+        raise DesignError(files.located(error, application, file)) from error
 
 
 def kindly(command: Command) -> Command:
@@ -218,7 +219,7 @@ def fix(
 
     say = Language(lang)
     application = _read(file, limits)
-    with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
+    with of(file, application), progress(say("looking for corrections"), quiet=quiet) as tell:
         found = search(application, line=line, hold=hold, count=count, tell=tell)
     if json_out:
         from cardan.report import contract
@@ -264,7 +265,7 @@ def stability(
 
     given = {name: value for name, value in surroundings.items() if value is not None}
     application = _read(file, None)
-    with of(file), progress("asking what vibrates", quiet=quiet) as tell:
+    with of(file, application), progress("asking what vibrates", quiet=quiet) as tell:
         found = ask(application, surroundings=Surroundings(**given), tell=tell)
     if chart:
         from cardan import files
@@ -431,7 +432,7 @@ def _assessed(file: Path, limits: str | None) -> Any:
     from cardan.study.assess import assess
 
     application = _read(file, limits)
-    with of(file):
+    with of(file, application):
         return assess(application)
 
 

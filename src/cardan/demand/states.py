@@ -12,7 +12,7 @@ from math import isnan, nan
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, about
 from cardan.demand.axles import LineLoads, driven_axles, line_loads
 from cardan.demand.motion import Ride, moved
 from cardan.demand.suspension import (
@@ -160,7 +160,7 @@ def demand(application: Application, installed: Installed) -> Demand:
     states = application.states
     if not states:
         msg = f"application {application.title} has no state to check"
-        raise DesignError(msg)
+        raise DesignError(msg, about="states")
     loads = _loads(application, installed)
     torques = _torques(application, installed, loads)
     own = [(s.layouts or {}).get(installed.line.name) for s in states]
@@ -169,6 +169,7 @@ def demand(application: Application, installed: Installed) -> Demand:
     travel, ride = _rides(application, installed, loads, torques, free=free)
     given = _given(installed, own)
     layout = _ridden(given, installed, ride)
+    _bending(application, installed, layout)
     return Demand(
         installed=installed,
         states=tuple(s.name for s in states),
@@ -190,6 +191,19 @@ def demand(application: Application, installed: Installed) -> Demand:
         suspension_frequency=_frequency(application, installed, loads),
         gears=_gears(application, installed),
     )
+
+
+def _bending(application: Application, installed: Installed, layout: Layout) -> None:
+    """Refuse a state (of S in a layout) in which a joint reaches a right angle and locks."""
+    d = layout.directions
+    cosines = (d[..., :-1, :] * d[..., 1:, :]).sum(axis=-1)
+    for s, k in np.argwhere(~(cosines > 0)):
+        angle = np.degrees(np.arccos(np.clip(cosines[s, k], -1, 1)))
+        msg = (
+            f"joint {k + 1} of line {installed.line.name} locks in state "
+            f"{application.states[s].name}: its angle must stay below 90 deg, got {angle:.4g} deg"
+        )
+        raise DesignError(msg, about=f"states[{s + 1}]")
 
 
 def _suspension(application: Application, installed: Installed) -> Suspension | None:
@@ -256,14 +270,15 @@ def _line_loads(application: Application, installed: Installed, state: State) ->
     load = next((w for w in vehicle.loads if w.name == name), None) if vehicle else None
     if vehicle is None or load is None:
         return _UNKNOWN
-    return line_loads(
-        vehicle,
-        load,
-        drives=installed.drives,
-        load_share=installed.load_share,
-        friction=tyre.friction if tyre else 0.0,
-        times=times,
-    )
+    with about(f"drivelines.{installed.line.name}"):
+        return line_loads(
+            vehicle,
+            load,
+            drives=installed.drives,
+            load_share=installed.load_share,
+            friction=tyre.friction if tyre else 0.0,
+            times=times,
+        )
 
 
 def _loads(application: Application, installed: Installed) -> LineLoads:
@@ -415,18 +430,21 @@ def _rides(
     travel, turned, wound = np.zeros((3, len(application.states)))
     for k in np.flatnonzero(free):
         state = application.states[k]
-        travel[k], turned[k] = _travel(application, installed, state), _first(state.pitch)
-        if state.pitch is None:
-            wound[k] = _windup(
-                application,
-                installed,
-                state,
-                torque=torques.torque[k],
-                coast=torques.coast[k],
-                braked=loads.braked[k],
-            )
+        with about(f"states[{k + 1}]"):
+            travel[k], turned[k] = _travel(application, installed, state), _first(state.pitch)
+            if state.pitch is None:
+                wound[k] = _windup(
+                    application,
+                    installed,
+                    state,
+                    torque=torques.torque[k],
+                    coast=torques.coast[k],
+                    braked=loads.braked[k],
+                )
     suspension = _suspension(application, installed)
-    dx, pitch = axle_path(suspension.linkage if suspension else Linkage(), travel)
+    own = f"drivelines.{installed.line.name}." if installed.suspension else ""
+    with about(f"{own}suspension"):
+        dx, pitch = axle_path(suspension.linkage if suspension else Linkage(), travel)
     pitch = np.where(np.isnan(turned), pitch + wound, turned)
     ahead = -1.0 if installed.drives == "front" else 1.0
     x, z = installed.axle.pinion_joint if installed.axle else (0.0, 0.0)

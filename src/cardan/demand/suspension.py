@@ -190,7 +190,7 @@ def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArr
             f"a link of radius {linkage.radius / mm:g} mm cannot follow an axle travel of "
             f"{travel.flat[np.argmax(np.abs(sine))] / mm:g} mm"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="linkage")
     return linkage.radius * (np.sqrt(1 - sine**2) - np.cos(linkage.angle)), pitch
 
 

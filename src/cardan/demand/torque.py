@@ -1,6 +1,7 @@
 """Torque and speed of a line: what the engine gives in each gear, what the tyres can hold."""
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
@@ -82,8 +83,11 @@ def gears(
 def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> float:
     """Torque at the gearbox output that engine brake or retarder hold, in the lowest gear, N m.
 
-    T = Tb i / η: what gears lose helps to brake. Derived from Souza (2014), eq. 1.
+    T = Tb i / η: what gears lose helps to brake; nan where nobody says what brakes. Derived
+    from Souza (2014), eq. 1.
     """
+    if engine.brake_torque is None:
+        return nan
     lowest = max(gearbox.ratios) * max(gearbox.transfer_ratio, 1.0)
     return engine.brake_torque * lowest / gearbox.efficiency
 

@@ -31,6 +31,7 @@ from cardan.border.measure import (
     Wall,
 )  # fmt: skip
 from cardan.border.table import (
+    PROSE,
     Here,
     Number,
     OneOf,
@@ -51,6 +52,7 @@ class Named(Text):
     """The name of a part in a catalogue."""
 
     def __init__(self, kind: Kind) -> None:
+        super().__init__()
         self.kind: Kind = kind
         self.one, self.many = f"a {kind} of a catalogue", f"{kind}s of a catalogue"
 
@@ -68,6 +70,9 @@ def _source(said: str | None) -> Source:
     return ASSUMED if said is None else Source(said)
 
 
+Prose: TypeAlias = Annotated[str, Text(PROSE)]
+
+
 class MaterialTable(Table):
     """An isotropic material."""
 
@@ -78,8 +83,8 @@ class MaterialTable(Table):
     yield_: Strength | None = key("yield strength", default=None)
     ultimate: Strength | None = key("ultimate strength", default=None)
     fatigue_shear: Strength | None = key("fatigue limit in alternating shear", default=None)
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Material:
         """Return the material in SI."""
@@ -104,8 +109,8 @@ class TubeTable(Table):
     material: Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))] = key(
         "a material of a catalogue, or its properties", default=STEEL
     )
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Tube:
         """Return the tube in SI."""
@@ -134,8 +139,8 @@ class JointTable(Table):
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
     mass: Mass | None = key("mass of the cross with its bearings", default=None)
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> JointSize:
         """Return the joint in SI."""
@@ -161,11 +166,15 @@ class JointTable(Table):
 
 AMaterial: TypeAlias = Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))]
 ATube: TypeAlias = Annotated[Tube, OneOf(Named("tube"), TableRule(TubeTable))]
-AJoint: TypeAlias = Annotated[JointSize, OneOf(Named("joint"), TableRule(JointTable))]
+A_JOINT = OneOf(Named("joint"), TableRule(JointTable))
 
 TABLES: dict[Kind, type[Table]] = {
     "joint": JointTable, "tube": TubeTable, "material": MaterialTable,
 }  # fmt: skip
+
+
+ROWS = 5000
+"""Of a catalogue: the largest printed one has some hundred joints."""
 
 
 class Sheet:
@@ -233,6 +242,9 @@ class Sheet:
                 message = f"this row has {len(cells)} cells, the header {len(self._header)}"
                 hint = "write a decimal point, and put text with a comma in quotes"
                 Here(row, "", reading).note(message, hint)
+            if len(lines) >= ROWS:
+                Here(row, "", reading).note(f"a catalogue may have up to {ROWS} rows")
+                return
             if "name" not in row.entries:
                 Here(row, "", reading).note("this row has no name")
                 continue

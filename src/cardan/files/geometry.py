@@ -11,7 +11,15 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import deg, mm
-from cardan.border.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
+from cardan.border.measure import (
+    STEEP,
+    FlatSlope,
+    FlatSlopes,
+    JointPoints,
+    ShaftLength,
+    Slope,
+    Slopes,
+)  # fmt: skip
 from cardan.border.table import Table, key
 from cardan.model.layout import Layout, direction, from_points, from_slopes
 
@@ -27,7 +35,7 @@ class SlopeTable(Table):
     """The slope of one member."""
 
     side: Slope = key("side view, down to the rear positive", default=0.0)
-    top: Slope = key("top view, to the right going rearward positive", default=0.0)
+    top: FlatSlope = key("top view, to the right going rearward positive", default=0.0)
 
     def build(self) -> tuple[float, float]:
         """Return both slopes, rad."""
@@ -66,7 +74,7 @@ class GeometryTable(Table):
     joint_angles: ViewsTable | None = key(
         "change of slope at every joint, as application sheets tabulate it", default=None
     )
-    points: tuple[Point, ...] | None = key(
+    points: JointPoints | None = key(
         "joint centres [x, y, z]: x along the line from gearbox to axle, y to its right, z up",
         default=None,
     )
@@ -133,7 +141,7 @@ class GeometryTable(Table):
 
     def _through_points(
         self,
-        points: tuple[Point, ...],
+        points: JointPoints,
         lengths: Sequence[float | None],
         reference: Layout | None,
     ) -> Layout:

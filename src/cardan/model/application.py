@@ -1,9 +1,11 @@
 """An application: lines in a vehicle, the states to check, what is in the way, the limits."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
-from cardan.base.errors import DesignError, Problem
+from cardan.base.errors import DesignError, Place, Problem
+from cardan.base.source import Source
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.bracket import Bracket
@@ -68,6 +70,47 @@ class DutyPoint:
     torque: NewtonMetre
     speed: RadianPerSecond
     angle: Radian | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CyclePoint:
+    """A share of a life, at shares of a line's largest torque and of its top speed."""
+
+    share: float
+    torque_share: float
+    speed_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DutyCycle:
+    """How vehicles of a kind spend their life, whatever their torque and speed."""
+
+    name: str
+    says: str
+    """A sentence on what such a vehicle does."""
+    source: Source
+    points: tuple[CyclePoint, ...]
+
+
+def cycle_points(
+    cycle: DutyCycle, *, torque: NewtonMetre, speed: RadianPerSecond
+) -> tuple[DutyPoint, ...]:
+    """Return what a duty cycle asks of one vehicle.
+
+    Parameters
+    ----------
+    cycle
+        Shares of time, of torque and of speed.
+    torque : N m
+        Largest torque at the gearbox output: the smaller of what the lowest gear gives and
+        the tyres hold, at gvw.
+    speed : rad/s
+        Top speed of the gearbox output.
+    """
+    return tuple(
+        DutyPoint(share=p.share, torque=p.torque_share * torque, speed=p.speed_share * speed)
+        for p in cycle.points
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,6 +214,8 @@ class Application:
     suspension: Suspension | None = None
     obstacles: tuple[Obstacle, ...] = ()
     duty: tuple[DutyPoint, ...] = ()
+    duty_cycle: DutyCycle | None = None
+    """A cycle named in place of `duty`; `cycle_points` makes points of it."""
     adjustables: tuple[Adjustable, ...] = ()
     bracket: Bracket | None = None
     torsion: Surroundings | None = None
@@ -180,3 +225,8 @@ class Application:
     include_unbalance: bool = False
     warnings: tuple[Problem, ...] = ()
     """What looked wrong while the file was read, though it could be."""
+    origins: Mapping[str, Place] = field(
+        default_factory=dict[str, Place], compare=False, repr=False
+    )
+    """Where everything stands in the file, by the key its errors print:
+    `driveline.shafts[2].tube.wall_mm`."""

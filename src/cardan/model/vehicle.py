@@ -31,8 +31,8 @@ class Engine:
 
     speed: tuple[RadianPerSecond, ...]
     torque: tuple[NewtonMetre, ...]
-    brake_torque: NewtonMetre = 0.0
-    """Engine brake or retarder torque at the crankshaft; coast."""
+    brake_torque: NewtonMetre | None = None
+    """Engine brake or retarder torque at the crankshaft; coast. None: nobody says."""
 
     def __post_init__(self) -> None:
         if len(self.speed) != len(self.torque) or not self.speed:
