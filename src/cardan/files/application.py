@@ -65,6 +65,9 @@ from cardan.model.application import (
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
 
+CATALOGUES = 20
+"""Of one application: one for each kind of part would do."""
+
 CHECKS = 50_000
 """Answers of one file: a tandem with all states and some obstacles has 500."""
 
@@ -134,7 +137,7 @@ def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
         return
     node = root.entries["catalogues"][1]
     items = node.items if isinstance(node, Sequence) else [node]
-    places = [Here(item, "catalogues", reading) for item in items]
+    places = [Here(item, "catalogues", reading) for item in items[:CATALOGUES]]
     sheets: list[tuple[Sheet, Here]] = []
     for here in places:
         if isinstance(here.node, Scalar) and isinstance(here.node.value, str):
@@ -146,10 +149,10 @@ def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
             except Spoilt:
                 continue
     catalogue = Catalogue(tuple(sheet for sheet, _ in sheets))
-    for sheet, here in sheets:
+    for k, (sheet, here) in enumerate(sheets):
         own = Reading(catalogue)
         with suppress(Enough):
-            sheet.check(own)
+            sheet.check(own, [s for s, _ in sheets[:k]])
         _note(BadFile(sheet.file, tuple(own.problems)), here)
     yield from catalogue.own
 
@@ -350,6 +353,7 @@ class TorsionTable(Table):
 _STATES = ListOf(OneOf(KindName(), TableRule(StateTable)), most=200)
 _OBSTACLES = ListOf(TableRule(ObstacleTable), most=200)
 _DUTY = OneOf(ListOf(TableRule(DutyTable), most=1000), CycleName())
+_CATALOGUES = OneOf(Text(), ListOf(Text(), most=CATALOGUES))
 _LIMITS = OneOf(ProfileName(), TableRule(OverridesTable), InlineLimits())
 
 
@@ -396,8 +400,8 @@ class ApplicationTable(Table):
     include: Annotated[tuple[str, ...], ListOf(Choice("gravity", "unbalance"), most=2)] = key(
         "what is added to the centre bearings' loads", default=()
     )
-    catalogues: Annotated[str | tuple[str, ...], OneOf(Text(), ListOf(Text(), most=20))] = key(
-        "CSV files of your own parts", default=()
+    catalogues: Annotated[str | tuple[str, ...], OneOf(Text(), ListOf(Text(), most=CATALOGUES))] = (
+        key("CSV files of your own parts", default=())
     )
 
     def build(self) -> Application:

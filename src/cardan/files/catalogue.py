@@ -223,8 +223,8 @@ class Sheet:
         """Return the part of a name in this sheet."""
         return TABLES[self.kind].read(Here(self._table(*self.rows[name]), name, reading))
 
-    def check(self, reading: Reading) -> None:
-        """Note whatever is wrong in the sheet."""
+    def check(self, reading: Reading, above: Sequence["Sheet"] = ()) -> None:
+        """Note whatever is wrong in the sheet, also beside those read before it."""
         if "name" not in self._header:
             message = "the first line must name the columns, and one of them is name"
             Here(Mapping(1, 1), "", reading).note(message)
@@ -251,6 +251,9 @@ class Sheet:
             name = cells[self._header.index("name")].strip()
             if name in lines:
                 Here(row, name, reading).note(f"this name is in line {lines[name]} already")
+            same = (s for s in above if s.kind == self.kind and name in s.rows)
+            if other := next(same, None):
+                Here(row, name, reading).note(f"this name is in {Path(other.file).name} too")
             lines.setdefault(name, line)
             try:
                 TABLES[self.kind].read(Here(row, name, reading))

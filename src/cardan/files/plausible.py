@@ -466,7 +466,7 @@ def _unsprung(application: Application) -> Found:
         if line.suspension and line.reference and line.suspension[1].unsprung_mass:
             at, suspension = line.suspension
             load = float(line.reference.axle_load[0])
-            yield (f"{at}.unsprung_mass",), suspension.unsprung_mass * g / load
+            yield (f"{at}.unsprung_mass",), _over(suspension.unsprung_mass * g, load)
 
 
 def _frequency(application: Application) -> Found:
