@@ -328,7 +328,7 @@ def test_a_state_that_cannot_be(state, message):
 
 def test_states_have_names_of_their_own():
     (message,) = refused(f"{SMALL}states: [gvw, {{name: gvw, travel_mm: 3}}]\n")
-    assert message.endswith("states[2]: a state of this name is above (got gvw)")
+    assert message.endswith("states[2]: this name is above already (got gvw); give it another")
 
 
 # --- several lines ------------------------------------------------------------------------
@@ -486,6 +486,7 @@ def test_what_may_move_and_how_far():
 
 SHAFT = "f.yaml:9:19: driveline.shafts[1].length_mm: "
 NUMBER = f"{SHAFT}must be a number above 0"
+RANGE = f"{SHAFT}must be a number of at least 5 and at most 50000 mm"
 
 
 @pytest.mark.parametrize(
@@ -501,10 +502,10 @@ NUMBER = f"{SHAFT}must be a number above 0"
          [f"{NUMBER} (got '1200'); a text in quotes is no number: write 1200"]),
         ("length_mm: 1200", "length_mm: 1200 mm",
          [f"{NUMBER} (got 1200 mm); the unit stands in the key: write 1200"]),
-        ("length_mm: 1200", "length_mm: -1200", [f"{NUMBER} mm (got -1200)"]),
-        ("length_mm: 1200", "length_mm: 0", [f"{NUMBER} mm (got 0)"]),
+        ("length_mm: 1200", "length_mm: -1200", [f"{RANGE} (got -1200)"]),
+        ("length_mm: 1200", "length_mm: 0", [f"{RANGE} (got 0)"]),
         ("length_mm: 1200", "length_mm: nan", [f"{NUMBER} (got nan); it must be finite"]),
-        ("length_mm: 1200", "length_mm: 1e999", [f"{SHAFT}must be within ±1e+12 (got 1e999)"]),
+        ("length_mm: 1200", "length_mm: 1e999", [f"{RANGE} (got 1e999)"]),
         ("length_mm: 1200", "length: 1200", ["f.yaml:9:8: driveline.shafts[1].length: unknown key; "
          "the key names its unit: write length_mm, length_m or length_in"]),
         ("length_mm: 1200", "length_cm: 120", ["f.yaml:9:8: driveline.shafts[1].length_cm: unknown "
@@ -532,7 +533,7 @@ NUMBER = f"{SHAFT}must be a number above 0"
             "f.yaml:9:58: driveline.shafts[1].tube.wall_mm: wall of a tube must be above 0 and at "
             "most half its outside diameter, 50.8 mm, got 60 mm",
             "f.yaml:9:58: driveline.shafts[1].tube.wall_mm: 60 mm is unusually large; check the "
-            "unit"]),
+            "unit; 0.8 to 25 is usual"]),
         ("outer_mm: 101.6", "outr_mm: 101.6", ["f.yaml:9:32: driveline.shafts[1].tube.outr_mm: "
          "unknown key; did you mean outer_mm?"]),
         ("outer_mm: 101.6, ", "", ["f.yaml:9:31: driveline.shafts[1].tube: outer_mm, outer_m or "
@@ -545,10 +546,10 @@ NUMBER = f"{SHAFT}must be a number above 0"
          "source, note (got a list of 1)"]),
         (", centre_bearing: {from_rear_joint_mm: 140}", "", ["f.yaml:9:7: driveline.shafts[1]: "
          "shaft 1 of 2 needs a centre bearing; give centre_bearing: {from_rear_joint_mm: ...}"]),
-        ("from_rear_joint_mm: 140", "from_rear_joint_mm: 1400", ["f.yaml:9:7: driveline.shafts[1]: "
-         "a centre bearing must sit on its shaft: from_rear_joint must be below its length 1200 mm, "
-         "got 1400 mm"]),
-        ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, vertical_stiffness_N_mm: 3",
+        ("length_mm: 1200", "length_mm: 130", ["f.yaml:9:7: driveline.shafts[1]: "
+         "a centre bearing must sit on its shaft: from_rear_joint must be below its length 130 mm, "
+         "got 140 mm"]),
+        ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, vertical_stiffness_N_mm: 300",
          ["f.yaml:9:80: driveline.shafts[1].centre_bearing: lateral_stiffness_N_mm is missing beside "
           "the other one"]),
         ("phase_deg: 0", "centre_bearing: {from_rear_joint_mm: 140}", ["f.yaml:10:64: driveline."
@@ -588,13 +589,13 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
         ("gearbox: {ratios: []}", ["f.yaml:11:19: gearbox.ratios: must be a list of numbers above 0 "
          "(got an empty list); give at least 1"]),
         ("gearbox: {ratios: 5, efficiency: 95}", ["f.yaml:11:34: gearbox.efficiency: must be a "
-         "number above 0 and at most 1 (got 95)"]),
+         "number of at least 0.1 and at most 1 (got 95)"]),
         ("vehicle: {drive: 6x3, wheelbase_m: 4.8}", ["f.yaml:11:18: vehicle.drive: must be one of "
          "4x2, 4x4, 6x2, 6x4, 6x6, 8x2, 8x4, 8x8 (got 6x3); did you mean 6x6?"]),
         ("vehicle: {drive: 6x4, wheelbase_m: 4.8, front_driven: no}", ["f.yaml:11:55: vehicle."
          "front_driven: must be true or false (got no); write false"]),
         ("vehicle: {drive: 4x2, wheelbase_m: 4.8, front_axles: 1.5}", ["f.yaml:11:54: vehicle."
-         "front_axles: must be a whole number from 1 on (got 1.5)"]),
+         "front_axles: must be a whole number from 1 to 3 (got 1.5)"]),
         ("vehicle: {drive: 4x2, wheelbase_m: 4.8, loads: {gvw: {mass_t: 9}}}", ["f.yaml:11:54: "
          "vehicle.loads.gvw: give mass_kg with cg_behind_front_mm, or two of mass_kg, "
          "front_axle_kg and rear_axle_kg without it"]),
@@ -603,24 +604,24 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
         ("vehicle: {drive: 4x2, wheelbase_m: 4.8, driven_share: 0.6}", ["f.yaml:11:55: vehicle."
          "driven_share: driven_share of a 4x2 whose rear group has 1 of 1 axles driven must be 1, "
          "got 0.6"]),
-        ("suspension: {spring: {rates_N_mm: [9]}, springs_per_axle: true}", ["f.yaml:11:59: "
-         "suspension.springs_per_axle: must be a whole number from 1 on (got true)"]),
-        ("suspension: {spring: {load_N: [0, 5], deflection_mm: [0]}}", ["f.yaml:11:39: suspension."
+        ("suspension: {spring: {rates_N_mm: [90]}, springs_per_axle: true}", ["f.yaml:11:60: "
+         "suspension.springs_per_axle: must be a whole number from 1 to 16 (got true)"]),
+        ("suspension: {spring: {load_N: [0, 5000], deflection_mm: [0]}}", ["f.yaml:11:42: suspension."
          "spring.deflection_mm: must hold 2 values, one for each load (got 1 values)"]),
-        ("suspension: {spring: {load_N: [0, 5], deflection_mm: [9, 8]}}", ["f.yaml:11:58: "
+        ("suspension: {spring: {load_N: [0, 5000], deflection_mm: [90, 80]}}", ["f.yaml:11:62: "
          "suspension.spring.deflection_mm[2]: must be above the value before it: these rise"]),
-        ("suspension: {spring: {load_N: [0, 5]}}", ["f.yaml:11:22: suspension.spring: deflection_mm "
+        ("suspension: {spring: {load_N: [0, 5000]}}", ["f.yaml:11:22: suspension.spring: deflection_mm "
          "is missing beside load_N"]),
-        ("suspension: {spring: {rates_N_mm: [9, 10]}}", ["f.yaml:11:23: suspension.spring."
+        ("suspension: {spring: {rates_N_mm: [90, 100]}}", ["f.yaml:11:23: suspension.spring."
          "rates_N_mm: contact_mm says where the second rate starts: two rates need it, one does "
          "not"]),
-        ("suspension: {spring: {rates_N_mm: [9]}, linkage: {radius_mm: 9, travel_mm: [1, 2]}}",
-         ["f.yaml:11:65: suspension.linkage.travel_mm: radius_mm and travel_mm exclude each other; "
+        ("suspension: {spring: {rates_N_mm: [90]}, linkage: {radius_mm: 900, travel_mm: [1, 2]}}",
+         ["f.yaml:11:68: suspension.linkage.travel_mm: radius_mm and travel_mm exclude each other; "
           "keep one of them"]),
-        ("suspension: {spring: {rates_N_mm: [9]}, linkage: {travel_mm: [1, 2], dx_mm: [1]}}",
-         ["f.yaml:11:70: suspension.linkage.dx_mm: must hold 2 values, one for each travel (got 1 "
+        ("suspension: {spring: {rates_N_mm: [90]}, linkage: {travel_mm: [1, 2], dx_mm: [1]}}",
+         ["f.yaml:11:71: suspension.linkage.dx_mm: must hold 2 values, one for each travel (got 1 "
           "values)"]),
-        ("suspension: {spring: {rates_N_mm: [9]}, reference: windup}", ["f.yaml:11:52: suspension."
+        ("suspension: {spring: {rates_N_mm: [90]}, reference: windup}", ["f.yaml:11:53: suspension."
          "reference: reference of a suspension must be one of full rebound, rebound, curb, empty, "
          "gvw, overload, jounce: windup"]),
         ("obstacles: [{name: tank, start_mm: [0, 0, 0], line: front}]", ["f.yaml:11:53: obstacles[1]"
@@ -639,7 +640,7 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
         ("adjust: {bearing_height_mm: {2: [-1, 2]}}", ["f.yaml:11:10: adjust.bearing_height_mm: "
          "line main has no centre bearing 2; its last is centre bearing 1"]),
         ("adjust: {bearing_height_mm: {one: [-1, 2]}}", ["f.yaml:11:30: adjust.bearing_height_mm."
-         "one: must be a whole number from 1 on (got one)"]),
+         "one: must be a whole number from 1 to 12 (got one)"]),
         ("adjust: {shim_deg: [1, 2]}", ["f.yaml:11:10: adjust.shim_deg: must reach from 0 or less "
          "to 0 or more: ranges count from where the part is (got [1, 2])"]),
         ("adjust: {shim_deg: [-1, 2], hold: [shims]}", ["f.yaml:11:36: adjust.hold[1]: nothing of "
@@ -686,8 +687,8 @@ def test_a_file_with_everything_wrong_is_not_read_for_ever():
 
 
 def test_an_error_is_one_line_whatever_the_file_holds():
-    (message,) = refused(SMALL + '"a\\n\\e[31mb": 1\n')
-    assert message.startswith("f.yaml:11:1: a  [31mb: unknown key;")
+    (message,) = refused(SMALL + '"a\\n\\u200bb": 1\n')
+    assert message.startswith("f.yaml:11:1: a  b: unknown key;")
     (message,) = refused(changed("length_mm: 1200", "length_mm: 12\n        00"))
     assert message.startswith(f"{NUMBER} (got 12 00)")
 
@@ -705,14 +706,14 @@ def test_a_file_that_is_no_table():
 @pytest.mark.parametrize(
     ("old", "new", "warning"),
     [
-        ("speed_rpm: 2500", "speed_rpm: 8", "f.yaml:2:12: speed_rpm: 8 rpm is unusually small; did "
-         "you mean speed_rad_s?"),
+        ("speed_rpm: 2500", "speed_rpm: 8", "f.yaml:2:12: speed_rpm: 8 rpm is unusually small; is "
+         "it in Hz? then write 480 rpm"),
         ("torque_Nm: 8000", "torque_Nm: 8", "f.yaml:3:12: torque_Nm: 8 Nm is unusually small; did "
          "you mean torque_kNm?"),
         ("wall_mm: 3.2", "wall_mm: 0.126", "f.yaml:9:58: driveline.shafts[1].tube.wall_mm: 0.126 mm "
          "is unusually small; did you mean wall_in?"),
-        ("length_mm: 1500", "length_mm: 1.5", "f.yaml:10:19: driveline.shafts[2].length_mm: 1.5 mm "
-         "is unusually small; did you mean length_m?"),
+        ("length_mm: 1500", "length_mm: 59", "f.yaml:10:19: driveline.shafts[2].length_mm: 59 mm "
+         "is unusually small; did you mean length_in?"),
         ("[3.0, 1.0, 4.5, 2.0]", "[0.05, 0.02, 0.08, 0.03]", "f.yaml:6:15: driveline.slopes."
          "side_deg: 0.08 deg is unusually small; did you mean side_rad?"),
         ("phase_deg: 0", "phase_deg: 1.5708", "f.yaml:10:75: driveline.shafts[2].phase_deg: 1.5708 "
@@ -727,7 +728,9 @@ def test_a_file_that_is_no_table():
 )  # fmt: skip
 def test_an_odd_number_asks_for_its_unit(old, new, warning):
     application = loads(changed(old, new), name="f.yaml")
-    assert [w.located("f.yaml") for w in application.warnings] == [warning]
+    told = [w.located("f.yaml") for w in application.warnings]
+    assert warning in told
+    assert len(told) == 1 or "shear in a tube" in told[0]  # of a wall so thin
 
 
 def test_small_numbers_beside_an_everyday_one_are_what_they_are():

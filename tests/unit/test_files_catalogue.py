@@ -99,8 +99,8 @@ def test_materials_in_their_units():
          "(got 90,5); write a decimal point: 90.5"),
         (TUBES.replace("90,", "90,5,"), "ours.csv:2:1: this row has 6 cells, the header 5; write a "
          "decimal point, and put text with a comma in quotes"),
-        (TUBES.replace("90,", "-90,"), "ours.csv:2:2: ours.outer_mm: must be a number above 0 mm "
-         "(got -90)"),
+        (TUBES.replace("90,", "-90,"), "ours.csv:2:2: ours.outer_mm: must be a number "
+         "of at least 1 and at most 3000 mm (got -90)"),
         (TUBES.replace("90,", ","), "ours.csv:2:1: ours: outer_mm, outer_m or outer_in is missing: "
          "outside diameter"),
         (TUBES.replace("wall_mm", "wal_mm"), "ours.csv:1:3: wal_mm: unknown column; did you mean "
@@ -123,3 +123,9 @@ def test_a_wrong_sheet_is_told_where(text, message):
 def test_what_is_no_csv_is_no_sheet():
     with pytest.raises(BadFile, match=r"ours.csv:2:1: this is no CSV: field larger than"):
         Sheet("name\n" + "x" * 200_000, "ours.csv")
+
+
+@pytest.mark.parametrize("hidden", ["\x1b", "\u202e", "\ufffe"])
+def test_a_catalogue_hides_nothing(hidden):
+    with pytest.raises(BadFile, match=rf"ours.csv:2:2: .*U\+{ord(hidden):04X}\) stands here"):
+        Sheet(TUBES.replace("ours,", f"o{hidden}urs,"), "ours.csv")

@@ -155,14 +155,56 @@ def test_a_list_written_in_one_way_is_just_a_list(text):
          "indent keys of one table alike, and close quotes and brackets"),
         ("a: @b", "f.yaml:1:4: this character cannot start a value (got a: @b); put the text in "
          "quotes"),
-        ("a: b\x07", "f.yaml:1:5: a control character (code 7) stands here; is this a text file? "
+        ("a: b\x07", "f.yaml:1:5: a control character (U+0007) stands here; is this a text file? "
          "save it as UTF-8"),
-        ("a: 1\nb: \x00", "f.yaml:2:4: a control character (code 0) stands here; is this a text "
+        ("a: 1\nb: \x00", "f.yaml:2:4: a control character (U+0000) stands here; is this a text "
          "file? save it as UTF-8"),
     ],
 )  # fmt: skip
 def test_what_is_no_yaml_is_explained(text, message):
     assert refused(text) == message
+
+
+HIDDEN = {
+    r"\e": "a control character (U+001B)",
+    r"\0": "a control character (U+0000)",
+    r"\r": "a control character (U+000D)",
+    r"\x9b": "a control character (U+009B)",
+    r"\L": "line separator (U+2028)",
+    r"\ufffe": "a code of no character (U+FFFE)",
+    r"\U0001fffe": "a code of no character (U+1FFFE)",
+    r"\u200e": "left-to-right mark (U+200E)",
+    r"\u202a": "left-to-right embedding (U+202A)",
+    r"\u202e": "right-to-left override (U+202E)",
+    r"\u2066": "left-to-right isolate (U+2066)",
+    r"\u2069": "pop directional isolate (U+2069)",
+}
+
+
+@pytest.mark.parametrize("escape", HIDDEN)
+def test_what_an_escape_hides_is_named_where_it_stands(escape):
+    """`"\\e]0;..."` renamed terminals and U+202E turned names round: both passed unseen."""
+    said = f"{HIDDEN[escape]} is in this text; it can make a text look like another: remove it"
+    assert refused(f'a: 1\nb: "x{escape}y"\n') == f"f.yaml:2:4: {said}"
+    assert refused(f'a: 1\n"x{escape}y": 1\n') == f"f.yaml:2:1: {said}"
+
+
+@pytest.mark.parametrize("character", "\u061c\u200e\u200f\u202a\u202e\u2066\u2069")
+def test_what_turns_a_text_round_is_refused_as_it_stands(character):
+    said = refused(f"a: 1 # x{character}y\n")
+    assert said.startswith("f.yaml:1:9: ")
+    assert f"(U+{ord(character):04X}) stands here; it can make a text look like another" in said
+
+
+def test_accents_emoji_and_their_joiners_may_stay():
+    written = "Caminhão 卡车 👩\u200d🔧"
+    escaped = written.replace("\u200d", r"\u200d")
+    assert tree(f'a: "{escaped}"\nb: {written}\n').value == {"a": written, "b": written}
+
+
+def test_a_tag_cannot_reach_a_terminal():
+    """Tags are written with % escapes, which libyaml decodes: one held an escape sequence."""
+    assert "\x1b" not in refused("a: !<%1b]0;x> 1\n")
 
 
 def test_a_reference_stands_for_what_it_names():

@@ -74,7 +74,7 @@ def test_a_nested_table_has_become_its_part_before_the_outer_one_is_built():
         (BoxTable, "{plates: [3]}", "f:1:10: plates: must be a table from names to tables with "
          "width_mm, height_mm, holes, grade (got a list of 1)"),
         (BoxTable, "{plates: {}, order: {0: lid}}", "f:1:22: order.0: must be a whole number from "
-         "1 on (got 0)"),
+         "1 to 1000 (got 0)"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_told_where(table, text, message):

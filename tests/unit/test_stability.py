@@ -162,8 +162,8 @@ def test_the_file_says_what_turns_at_both_ends(truck, tmp_path):
     ("torsion", "problem"),
     [
         ("{gearbox_inertia_kgm2: 1}", "both the gearbox inertia and its stiffness"),
-        ("{axle_inertia_kgm2: 0}", "a number above 0"),
-        ("{damping_ratio: 1}", "above 0 and below 1"),
+        ("{axle_inertia_kgm2: 0}", "at least 1e-09"),
+        ("{damping_ratio: 1}", "of at least 1e-05 and below 1"),
         ("{axle_stifness_Nm_deg: 1}", "axle_stiffness_Nm_deg"),
     ],
 )

@@ -9,6 +9,8 @@
 A wrong argument in code is a plain `ValueError`.
 """
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +22,15 @@ class CardanError(Exception):
 
 
 class DesignError(CardanError):
-    """A part or a layout that cannot exist."""
+    """A part or a layout that cannot exist.
+
+    `about` is the address of what is wrong, as keys of an application file have it
+    (`suspension.linkage`, `states[3]`); empty where the message says it all.
+    """
+
+    def __init__(self, message: str = "", *, about: str = "") -> None:
+        super().__init__(message)
+        self.about = about
 
 
 class NotConverged(CardanError):  # noqa: N818  the name is the news
@@ -43,12 +53,31 @@ def failing(kept: npt.ArrayLike, *values: npt.ArrayLike) -> tuple[float, ...] | 
     return tuple(float(v.flat[first]) for v in spread[1:])
 
 
+@contextmanager
+def about(address: str) -> Generator[None, None, None]:
+    """Put an address before that of a `DesignError` raised inside: callers know where."""
+    try:
+        yield
+    except DesignError as error:
+        error.about = ".".join(filter(None, (address, error.about)))
+        raise
+
+
 def positive(part: str, **values: float | None) -> None:
     """Refuse values of a part that are not above zero; the comparison refuses nan too."""
     for name, value in values.items():
         if value is not None and (wrong := failing(value > 0, value)):
             msg = f"{name} of {part} must be above 0, got {wrong[0]:g}"
             raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where something stands in a file: its key, as errors print it, line and column from 1."""
+
+    key: str
+    line: int
+    column: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

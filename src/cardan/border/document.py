@@ -6,6 +6,7 @@ other readers of YAML take in different ways (010, 2,7, 1 800) is never taken at
 """
 
 import re
+import unicodedata
 from dataclasses import dataclass, field
 from pathlib import Path
 from stat import S_ISREG
@@ -173,8 +174,7 @@ def parse(text: str, file: str) -> tuple[Node, list[Problem]]:
 
     if len(text) > LONGEST:
         raise BadFile(file, (_too_long(str(len(text))),))
-    if found := _CONTROL.search(text):
-        raise BadFile(file, (_control_character(text, found.start()),))
+    refuse_hidden(text, file)
     try:
         return _Tree(CParser(text)).grow()
     except YAMLError as error:
@@ -193,6 +193,7 @@ class _TOP:
 
 
 def _at(mark: Any, message: str, hint: str = "", key: str = "") -> Problem:
+    message = one_line(message)  # a tag may hold anything
     return Problem(message=message, hint=hint, key=key, line=mark.line + 1, column=mark.column + 1)
 
 
@@ -240,6 +241,8 @@ class _Tree:
 
     def _ScalarEvent(self, event: Any) -> None:  # noqa: N802
         mark, plain = event.start_mark, not event.style
+        if found := _HIDDEN_WRITTEN.search(event.value):
+            raise _Refused(mark, f"{_called(found[0])} is in this text", _REMOVE)
         scalar = Scalar(event.value, mark.line + 1, mark.column + 1, not plain)
         self._untagged(event)
         if self.open and self.open[-1].flow and isinstance(self.open[-1].node, Sequence):
@@ -347,15 +350,49 @@ class _Tree:
         here.whole = not scalar.quoted and scalar.text.lstrip("+-").isdigit()
 
 
-# The last ones break lines for libyaml and for no editor.
-_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff]")
+# What ends a line for libyaml and for no editor, what is no character at all, and what
+# turns the order of the characters around it.
+_HIDDEN = (
+    "\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufdd0-\ufdef"
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
+    + "".join(chr(plane << 16 | last) for plane in range(17) for last in (0xFFFE, 0xFFFF))
+)
+_CONTROL = re.compile(f"[{_HIDDEN}]")
+_HIDDEN_WRITTEN = re.compile(f"[{_HIDDEN}\r]")
+"""In a text as it is meant: a carriage return, too, hides what stands before it."""
+_REMOVE = "it can make a text look like another: remove it"
+
+
+def refuse_hidden(text: str, file: str) -> None:
+    """Refuse a text with characters nobody sees, or that change how others are seen.
+
+    Raises
+    ------
+    BadFile
+        With the line and column of the first one.
+    """
+    if found := _CONTROL.search(text):
+        raise BadFile(file, (_control_character(text, found.start()),))
+
+
+def visible(text: str) -> str:
+    """Return a text of somebody else's with a space for every character nobody sees."""
+    return one_line(_HIDDEN_WRITTEN.sub(" ", text)).strip()
+
+
+def _called(character: str) -> str:
+    """Return what a character is called: right-to-left override (U+202E)."""
+    kinds = {"Cc": "a control character", "Cn": "a code of no character", "Cs": "half a character"}
+    kind = kinds.get(unicodedata.category(character), "")
+    return f"{kind or unicodedata.name(character).lower()} (U+{ord(character):04X})"
 
 
 def _control_character(text: str, place: int) -> Problem:
     line = text.count("\n", 0, place) + 1
+    seen = unicodedata.category(text[place]) == "Cf"
     return Problem(
-        message=f"a control character (code {ord(text[place])}) stands here",
-        hint="is this a text file? save it as UTF-8",
+        message=f"{_called(text[place])} stands here",
+        hint=_REMOVE if seen else "is this a text file? save it as UTF-8",
         line=line,
         column=place - (text.rfind("\n", 0, place) + 1) + 1,
     )

@@ -20,11 +20,13 @@ apart by how YAML writes them, None for a key that may be left out, and Annotate
 `Rule` or a table.
 """
 
+import re
 import types
 from collections.abc import Callable, Iterable
 from collections.abc import Mapping as Mapped
 from dataclasses import dataclass, field, replace
 from functools import cache
+from math import pi
 from pathlib import Path
 from typing import (
     Annotated,
@@ -44,8 +46,9 @@ from typing import (
 import numpy as np
 
 from cardan.base.arrays import ArrayLike
-from cardan.base.errors import DesignError, Problem, failing
+from cardan.base.errors import DesignError, Place, Problem, failing
 from cardan.base.units import UNITS
+from cardan.base.units import g as G  # noqa: N812  as books have it
 from cardan.border.document import Changed, Mapping, Node, Scalar, Sequence, number, one_line
 
 T = TypeVar("T")
@@ -54,9 +57,14 @@ Schema: TypeAlias = dict[str, Any]
 LARGE = 1e12
 """No number of a driveline is larger, in any unit; sums and products stay finite."""
 
-
 MANY = 100
 """Problems in a file before reading it further helps nobody."""
+
+NAME, PROSE = 200, 2000
+"""Characters of a name, which must fit a line of a table; and of a note or a source."""
+
+ITEMS, NAMES = 2000, 100
+"""Items of a list, entries of a table of names, where nothing else is said."""
 
 
 class Enough(Exception):  # noqa: N818  not an error of its own
@@ -77,11 +85,15 @@ class Reading:
 
     catalogue: Any = None
     folder: Path | None = None
+    allow_outside: bool = False
+    """Whether files named in this one may lie outside its folder."""
     problems: list[Problem] = field(default_factory=list[Problem])
     warnings: list[Problem] = field(default_factory=list[Problem])
     changes: Mapped[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     numbers: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     fixed: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    places: dict[str, Place] = field(default_factory=dict[str, Place])
+    """Where everything that was read stands, by its key."""
 
 
 @dataclass
@@ -124,6 +136,26 @@ class Here:
         if value is not None:
             (self.reading.fixed if self.fixed else self.reading.numbers)[self.at] = value
         return value, hint
+
+    def beside(self, name: str) -> Path:
+        """Return the path of a file named in this one, which must lie in its folder."""
+        folder = self.reading.folder
+        if folder is None:
+            self.refuse("a text by itself has no files beside it", got=name)
+        path = folder / name
+        try:
+            inside = path.resolve().is_relative_to(folder.resolve())
+        except (OSError, RuntimeError, ValueError):  # links in a circle; no name of a file
+            self.refuse("no file can be found under this name", got=name)
+        if not (inside or self.reading.allow_outside):
+            message = f"lies outside the folder of this file, {folder.resolve()}"
+            self.refuse(message, "put it beside this file, or say --allow-outside", got=name)
+        return path
+
+    def keep(self, written: Node | None = None) -> None:
+        """Keep where this stands: a number where it is, a list or a table at its key."""
+        node = self.node if written is None or isinstance(self.node, Scalar) else written
+        self.reading.places[self.at] = Place(key=self.at, line=node.line, column=node.column)
 
     def note(self, message: str, hint: str = "", *, got: str = "") -> None:
         """Note what is wrong here, and go on."""
@@ -206,6 +238,20 @@ class Rule:
         here.refuse(f"must be {self.one}", hint, got=here.node.brief)
 
 
+_OTHER_UNITS: dict[str, dict[str, float]] = {
+    "mm": {"cm": 1e-2, "ft": 0.3048},
+    "rpm": {"Hz": 2 * pi, "1/s": 2 * pi},
+    "Nm": {"kgf m": G, "N mm": 1e-3},
+    "N": {"kgf": G},
+    "N_mm": {"kgf/mm": G * 1e3, "N/cm": 100.0},
+    "kg": {"g": 1e-3},
+    "kg_m3": {"g/cm3": 1e3},
+    "MPa": {"Pa": 1.0, "kgf/mm2": G * 1e6},
+    "deg_mm": {"deg/m": pi / 180},
+}
+"""Units that people measure in and no key ends in, by one that keys do end in."""
+
+
 class Number(Rule):
     """A finite number, in one of some units or in none; bounds are SI."""
 
@@ -227,20 +273,43 @@ class Number(Rule):
     @property
     def _zero(self) -> str:
         """What can be said of the bounds without a unit."""
-        return " above 0" if self._above == 0 else " of 0 or more" if self._least == 0 else ""
+        if self._least == 0:
+            return " of 0 or more"
+        return " above 0" if max(self._above or 0, self._least or 0) > 0 or self._above == 0 else ""
 
     def read(self, here: Here) -> float:
         """Return the number in SI."""
         value, hint = here.number()
         if value is None:
             self.refuse(here, hint)
-        if failing(abs(value) < LARGE, value):
-            here.refuse(f"must be within ±{LARGE:g}", got=here.node.brief)
         worth = self.units.get(here.unit, 1.0)
         if not self._within(value * worth):
             message = f"must be a number{self._range(worth)} {here.unit}".rstrip()
-            here.refuse(message, got=here.node.brief)
+            stem = re.sub(rf"(_{here.unit})?(\[\d+\])*$", "", here.at.rpartition(".")[2])
+            here.refuse(
+                message,
+                self.other(float(np.max(np.abs(value))), here.unit, stem),
+                got=here.node.brief,
+            )
+        if failing(abs(value) < LARGE, value):
+            here.refuse(f"must be within ±{LARGE:g}", got=here.node.brief)
         return value * worth
+
+    def other(self, written: float, unit: str, stem: str) -> str:
+        """Return advice on a number that would be an everyday one in another unit."""
+        if self.usual is None or not written:
+            return ""
+        low, high = self.usual
+        own = [u for u, si in self.units.items() if low <= written * si <= high]
+        if own:
+            return f"did you mean {stem}_{own[0]}?" if unit not in own else ""
+        for known, units in _OTHER_UNITS.items():
+            for name, si in units.items() if known in self.units else ():
+                if low <= written * si <= high:
+                    worth = written * si / self.units[unit]
+                    return f"is it in {name}? then write {worth:.4g} {unit}"
+        inverse = not self.units and low <= 1 / written <= high
+        return f"is it the inverse of {1 / written:.4g}?" if inverse else ""
 
     def _within(self, si: float) -> bool:
         return bool(
@@ -282,15 +351,17 @@ class Number(Rule):
 
 
 class Whole(Rule):
-    """A whole number from 1 on."""
+    """A whole number from 1 on, of things there are only so many of."""
 
-    one, many = "a whole number from 1 on", "whole numbers from 1 on"
-    json: Schema = {"type": "integer", "minimum": 1}  # noqa: RUF012  read only
+    def __init__(self, most: int = 1000) -> None:
+        self._most = most
+        self.one, self.many = f"a whole number from 1 to {most}", f"whole numbers from 1 to {most}"
+        self.json = {"type": "integer", "minimum": 1, "maximum": most}
 
     def read(self, here: Here) -> int:
         """Return the number."""
         value = here.node.value
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= self._most:
             self.refuse(here, number(here.node)[1] if isinstance(here.node, Scalar) else "")
         return value
 
@@ -299,20 +370,32 @@ class Text(Rule):
     """A text; a number will do, as it was written: joints are called 1810."""
 
     one, many = "a text", "texts"
-    json: Schema = {"type": ["string", "number"]}  # noqa: RUF012  read only
+
+    def __init__(self, most: int = NAME) -> None:
+        self._most = most
+        self.json = {"type": ["string", "number"], "maxLength": most}
 
     def read(self, here: Here) -> Any:
         """Return the text."""
         return self.text(here)
 
     def text(self, here: Here) -> str:
-        """Return the text as it was written."""
+        """Return the text as it was written, on one line."""
         value = here.node.value
-        if not isinstance(here.node, Scalar) or value is None or not here.node.text.strip():
+        if not isinstance(here.node, Scalar) or value is None or not _seen(here.node.text):
             self.refuse(here)
         if isinstance(value, bool):
             self.refuse(here, "put it in quotes if it is a name")
-        return here.node.text
+        text = here.node.text.strip()
+        if len(text) > self._most:
+            got = f"{len(text)} characters"
+            here.refuse(f"may have up to {self._most} characters", "shorten it", got=got)
+        return " ".join(text.split()) if "\n" in text or "\t" in text else text
+
+
+def _seen(text: str) -> bool:
+    """Whether a text has anything to read."""
+    return any(c.isprintable() and not c.isspace() for c in text)
 
 
 class Choice(Rule):
@@ -354,8 +437,8 @@ class ListOf(Rule):
 
     takes = (Sequence,)
 
-    def __init__(self, of: Rule, *names: str, least: int = 0) -> None:
-        self.of, self.names, self._least = of, names, least
+    def __init__(self, of: Rule, *names: str, least: int = 0, most: int = ITEMS) -> None:
+        self.of, self.names, self._least, self._most = of, names, least, most
         self.units, self.usual = of.units, of.usual
         count = f"{len(names)} {of.many}, [{', '.join(names)}]" if names else of.many
         self.one, self.many = f"a list of {count}", f"lists of {count}"
@@ -369,12 +452,17 @@ class ListOf(Rule):
             self.refuse(here)
         if len(items) < self._least:
             self.refuse(here, f"give at least {self._least}")
+        if len(items) > self._most:
+            here.refuse(f"may hold up to {self._most} items", got=f"{len(items)} items")
         places = [here.item(item, k) for k, item in enumerate(items, 1)]
+        for place in places:
+            place.keep()
         return tuple(each(lambda p=p: self.of.read(p) for p in places))
 
     def schema(self, defs: Schema, unit: str) -> Schema:
         """Return the schema of the list and its items."""
         size: Schema = {"minItems": self._least} if self._least else {}
+        size |= {"maxItems": self._most}
         if self.names:
             size = {"minItems": len(self.names), "maxItems": len(self.names)}
         return {"type": "array", "items": self.of.schema(defs, unit), **size}
@@ -385,9 +473,9 @@ class MapOf(Rule):
 
     takes = (Mapping,)
 
-    def __init__(self, key: Rule, of: Rule) -> None:
-        self.key, self.of = key, of
-        self.units = of.units
+    def __init__(self, key: Rule, of: Rule, *, most: int = NAMES) -> None:
+        self.key, self.of, self._most = key, of, most
+        self.units, self.usual = of.units, of.usual
         self.one, self.many = f"a table from names to {of.many}", f"tables from names to {of.many}"
 
     def read(self, here: Here) -> Any:
@@ -395,19 +483,31 @@ class MapOf(Rule):
         if not isinstance(here.node, Mapping):
             self.refuse(here)
 
+        if len(here.node.entries) > self._most:
+            got = f"{len(here.node.entries)} entries"
+            here.refuse(f"may hold up to {self._most} entries", got=got)
+
         def entry(name: Scalar, node: Node) -> tuple[Any, Any]:
             places = here.inside(name, name.text), here.inside(node, name.text)
+            places[1].keep(name)
             key, value = each((lambda: self.key.read(places[0]), lambda: self.of.read(places[1])))
+            if key in read:
+                places[0].refuse("this name is given twice: names differ by more than spaces")
+            read[key] = value
             return key, value
 
-        return dict(each(lambda n=n, v=v: entry(n, v) for n, v in here.node.entries.values()))
+        read: dict[Any, Any] = {}
+        each(lambda n=n, v=v: entry(n, v) for n, v in here.node.entries.values())
+        return read
 
     def schema(self, defs: Schema, unit: str) -> Schema:
         """Return the schema of the table and its entries."""
         numbered = {"propertyNames": {"pattern": "^[1-9][0-9]*$"}}
-        return {"type": "object", "additionalProperties": self.of.schema(defs, unit)} | (
-            numbered if isinstance(self.key, Whole) else {}
-        )
+        return {
+            "type": "object",
+            "additionalProperties": self.of.schema(defs, unit),
+            "maxProperties": self._most,
+        } | (numbered if isinstance(self.key, Whole) else {})
 
 
 class OneOf(Rule):
@@ -512,6 +612,14 @@ class Table:
         """Whether the file gives an entry."""
         return name in self._place[1]
 
+    def differ(self, name: str, called: Iterable[str]) -> None:
+        """Note items of an entry that have the name of one above them; `called` are all."""
+        seen: set[str] = set()
+        for k, one in enumerate(called, 1):
+            if one in seen:
+                self.at(name, k).note("this name is above already", "give it another", got=one)
+            seen.add(one)
+
     def attempt(self, make: Callable[[], T]) -> T:
         """Return what `make` returns; a `DesignError` becomes a problem of this table.
 
@@ -574,6 +682,7 @@ class Table:
             else:
                 used[entry.name] = written, node
                 place = here.inside(node, written.text, unit)
+                place.keep(written)
                 try:
                     values[entry.name] = entry.rule.read(place)
                     _doubt(entry, values[entry.name], place)
@@ -730,6 +839,8 @@ def _numbers_in(value: Any) -> list[float]:
     if isinstance(value, float):
         return [value]
     items = cast("tuple[Any, ...]", value) if isinstance(value, tuple) else ()
+    if isinstance(value, dict):
+        items = tuple(cast("dict[Any, Any]", value).values())
     return [x for item in items for x in _numbers_in(item)]
 
 
@@ -744,9 +855,9 @@ def _doubt(entry: Entry, value: Any, here: Here) -> None:
     low, high = entry.rule.usual
     if size == 0 or low <= size <= high:
         return
-    worth = entry.rule.units
-    written = size / worth[here.unit]
-    odd = f"{written:g} {here.unit} is unusually {'small' if size < low else 'large'}"
-    fits = [unit for unit in worth if low <= written * worth[unit] <= high]
-    stem = entry.name.rstrip("_")
-    here.warn(odd, f"did you mean {stem}_{fits[0]}?" if fits else "check the unit")
+    worth = entry.rule.units.get(here.unit, 1.0)
+    odd = f"{size / worth:g}{' ' * bool(here.unit)}{here.unit} is unusually"
+    number = Number(worth=entry.rule.units, usual=entry.rule.usual)
+    other = number.other(size / worth, here.unit, entry.name.rstrip("_"))
+    range_ = f"{low / worth:.4g} to {high / worth:.4g} is usual"
+    here.warn(f"{odd} {'small' if size < low else 'large'}", other or f"check the unit; {range_}")

@@ -86,9 +86,9 @@ def mesh(
     try:
         made = ngs.Mesh(occ.OCCGeometry(shape).GenerateMesh(mp=wanted))
     except Exception as error:  # the mesher raises bare exceptions of its own
-        raise DesignError(failed) from error
+        raise DesignError(failed, about="bracket") from error
     if made.ne == 0:
-        raise DesignError(failed)
+        raise DesignError(failed, about="bracket")
     made.Curve(degree)
     return made
 

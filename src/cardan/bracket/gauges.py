@@ -42,7 +42,7 @@ def _reading(units: Units, gauge: Gauge) -> FloatArray:
             f"gauge {gauge.name} is {middle.distances[0] / mm:.3g} mm off the bracket; the nearest "
             f"point of its surface is ({where}) mm"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.gauges")
     along = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
     at, weights = np.polynomial.legendre.leggauss(_GRID)
     grid = nearest(nodes, middle.points + np.outer(at, along) * gauge.length / 2)
@@ -51,7 +51,7 @@ def _reading(units: Units, gauge: Gauge) -> FloatArray:
             f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an edge: "
             "move or shorten it"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.gauges")
     directions = np.stack([_laid(gauge, along, n) for n in grid.normals])
     strain = units.elastic.strains_at(units.elastic.locate(grid.points), units.displacements)
     x, y, z = directions.T
@@ -65,7 +65,7 @@ def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray
     size = float(np.linalg.norm(flat))
     if size < 0.1 * float(np.linalg.norm(direction)):
         msg = f"gauge {gauge.name} points into the surface: its direction is that of the normal"
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.gauges")
     return flat / size
 
 
@@ -117,7 +117,7 @@ def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> 
         raise ValueError(msg)
     if gauges < loads:
         msg = f"{gauges} gauges cannot tell {loads} loads apart: add gauges or drop loads"
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.gauges")
     U, gains, V = np.linalg.svd(B, full_matrices=False)
     condition = float(gains[0] / gains[-1]) if gains[-1] > 0 else np.inf
     if not condition <= worst:
@@ -126,7 +126,7 @@ def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> 
             f"the gauges cannot tell these loads apart (condition {condition:.3g}, at most "
             f"{worst:g}): they hardly feel a load along ({blind}); move or add a gauge"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.gauges")
     inverse = (V.T / gains) @ U.T
     found = strains @ inverse.T
     left = strains - found @ B.T

@@ -63,7 +63,7 @@ def solid(part: Shape) -> Solid:
         raise
     except Exception as error:  # the kernel raises bare exceptions of its own
         msg = f"the CAD kernel cannot build this {name} bracket ({error}): try a smaller fillet"
-        raise DesignError(msg) from error
+        raise DesignError(msg, about="bracket") from error
     raw = _with_washers(raw, part)
     for face in raw.faces:
         face.name = _named(face, part)
@@ -222,12 +222,12 @@ def _from_step(part: StepShape) -> Solid:
     occ = engine().occ
     if not Path(part.path).is_file():
         msg = f"no STEP file at {part.path}"
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.step")
     try:
         body = occ.OCCGeometry(part.path).shape
     except Exception as error:  # the kernel raises bare exceptions of its own
         msg = f"{part.path} is not a STEP file the CAD kernel can read ({error})"
-        raise DesignError(msg) from error
+        raise DesignError(msg, about="bracket.step") from error
     faces = list(body.faces)
     found = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
     chosen: dict[int, str] = {}
@@ -235,7 +235,7 @@ def _from_step(part: StepShape) -> Solid:
         for k in (k for pick in picks for k in _picked(faces, pick, part.path)):
             if chosen.get(k, name) != name:
                 msg = f"the same face of {part.path} is picked as {chosen[k]} and as {name}"
-                raise DesignError(msg)
+                raise DesignError(msg, about="bracket.step")
             chosen[k] = name
     for k, face in enumerate(faces):
         face.name = chosen.get(k, FREE)
@@ -251,7 +251,7 @@ def _picked(faces: list[Any], pick: Pick, path: str) -> Iterable[int]:
             names = sorted({face.name for face in faces if face.name})
             has = f"its faces are called {', '.join(names)}" if names else "none of its has a name"
             msg = f"no face of {path} is called {pick.name!r}: {has}; or pick by a point on it"
-            raise DesignError(msg)
+            raise DesignError(msg, about="bracket.step")
         return found
     assert pick.near is not None  # Pick refuses one without both
     occ = engine().occ
@@ -264,7 +264,7 @@ def _picked(faces: list[Any], pick: Pick, path: str) -> Iterable[int]:
             f"no face of {path} lies within 1 mm of {tuple(round(v, 3) for v in point)} mm: "
             f"the nearest is {distances[best]:.3g} mm away"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket.step")
     return [best]
 
 
@@ -274,12 +274,12 @@ def _finished(body: Any, thickness: Metre, *, bolts: int) -> Solid:
     solids = list(body.solids)
     if len(solids) != 1 or not solids[0].mass > 0:
         msg = f"a bracket must be one solid, this shape has {len(solids)}: its parts do not meet"
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket")
     shape = solids[0].Scale(occ.Pnt(0, 0, 0), mm)
     held = tuple(f"bolt {k}" for k in range(1, bolts + 1))
     names = {face.name for face in shape.faces}
     missing = [name for name in (SEAT, *held) if name not in names]
     if missing:
         msg = f"the shape has lost its {', '.join(missing)}: sizes overlap there"
-        raise DesignError(msg)
+        raise DesignError(msg, about="bracket")
     return Solid(shape=shape, bolts=held, thickness=thickness, volume=float(shape.mass))

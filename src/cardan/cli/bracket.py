@@ -65,7 +65,7 @@ def bracket(
     beside = _beside(vtu, REINFORCED) if vtu else None
     claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
     application = held_to(read(file, limits, allow_outside=allow_outside), NAME)
-    with of(file), progress(say("The bracket"), quiet=quiet) as tell:
+    with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
         approval = approve(application, (BracketStudy(),), tell=tell.study)
     found: BracketAnswer = approval.of(NAME)
     if json_out is not None:

@@ -63,7 +63,7 @@ def read(file: Path, limits: str | None, *, allow_outside: bool) -> Any:
     """Return the application of a file, with what looks odd in it told on the way."""
     from cardan import files
 
-    application = files.read(file, **({"allow_outside": True} if allow_outside else {}))
+    application = files.read(file, allow_outside=allow_outside)
     if limits:
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
@@ -86,7 +86,7 @@ def approved(
     application = read(file, limits, allow_outside=allow_outside)
     chosen = {s.name: s for s in default_studies(application)}
     chosen |= {name: STUDIES[name] for name in also if name not in chosen}
-    with of(file):
+    with of(file, application):
         return approve(application, tuple(chosen.values()), tell=tell.study if tell else silent)
 
 
@@ -95,13 +95,14 @@ def silent(doing: str, done: int, count: int) -> None:
 
 
 @contextmanager
-def of(file: Path) -> Generator[None, None, None]:
-    """Name the file that an impossible part stands in."""
+def of(file: Path, application: Any) -> Generator[None, None, None]:
+    """Name the place in its file that an impossible part stands at."""
+    from cardan import files
+
     try:
         yield
     except DesignError as error:
-        msg = f"{file}: {error}"
-        raise DesignError(msg) from error
+        raise DesignError(files.located(error, application, file)) from error
 
 
 # --------------------------------------------------------------------------- telling

@@ -59,7 +59,7 @@ def fix(
     say = Language(lang)
     claim(file, limits, json_out=json_out)
     application = read(file, limits, allow_outside=allow_outside)
-    with of(file), progress(say("looking for corrections"), quiet=quiet) as tell:
+    with of(file, application), progress(say("looking for corrections"), quiet=quiet) as tell:
         found = search(application, line=line, hold=hold, count=count, tell=tell)
     if json_out is not None:
         from cardan.report import contract

@@ -70,7 +70,7 @@ def stability(
     given = {name: value for name, value in surroundings.items() if value is not None}
     application = held_to(read(file, limits, allow_outside=allow_outside), NAME)
     study = VibrationStudy(Surroundings(**given))
-    with of(file), progress(say("asking what vibrates"), quiet=quiet) as tell:
+    with of(file, application), progress(say("asking what vibrates"), quiet=quiet) as tell:
         found = approve(application, (study,), tell=tell.study)
     if chart:
         shown = {v.line.name: v for v in found.of(NAME).lines}

@@ -205,7 +205,7 @@ def line_loads(
     axles = driven_axles(vehicle, drives=drives)
     if not axles:
         msg = f"a {vehicle.drive} drives no {drives} axle for a line to turn"
-        raise DesignError(msg)
+        raise DesignError(msg, about="drives")
     level, slope = (axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade))
     _, mu, part = floats(friction, load_share)
     driven_front, driven_rear = float(vehicle.driven_front > 0), vehicle.rear_share

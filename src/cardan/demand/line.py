@@ -129,7 +129,7 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
     states = application.states
     if not states:
         msg = f"application {application.title} has no state to check"
-        raise DesignError(msg)
+        raise DesignError(msg, about="states")
     suspension = installed.suspension
     if suspension is None and installed.drives == "rear":
         suspension = application.suspension

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, about
 from cardan.demand.axles import LineLoads, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
@@ -143,6 +143,7 @@ def demand(line: ResolvedLine) -> Demand:
     ride = _ride(line, travel, torque=torques["torque"], braked=loads.braked)
     given, installed = _given(line), line.installed
     layout = _ridden(given, installed, ride)
+    _bending(line, layout)
     asked = torques | {
         "speed": _speed(line),
         "travel": np.where(line.free, travel, _rise(given) - _rise(installed.layout)),
@@ -173,6 +174,19 @@ def _by_state(values: Iterable[ArrayLike | None]) -> FloatArray:
     return np.concatenate(np.broadcast_arrays(*columns), axis=-1)
 
 
+def _bending(line: ResolvedLine, layout: Layout) -> None:
+    """Refuse a state of a layout (..., S) in which a joint reaches a right angle and locks."""
+    d = layout.directions
+    cosines = (d[..., :-1, :] * d[..., 1:, :]).sum(axis=-1)
+    for *_, s, k in np.argwhere(~(cosines > 0)):
+        angle = np.degrees(np.arccos(np.clip(cosines[..., s, k].min(), -1, 1)))
+        msg = (
+            f"joint {k + 1} of line {line.line.name} locks in state "
+            f"{line.states[s].name}: its angle must stay below 90 deg, got {angle:.4g} deg"
+        )
+        raise DesignError(msg, about=f"states[{s + 1}]")
+
+
 def _first(*values: ArrayLike | None) -> ArrayLike | None:
     """Return the first value that is given."""
     return next((v for v in values if v is not None), None)
@@ -191,14 +205,15 @@ def _line_loads(line: ResolvedLine, loading: Loading) -> LineLoads:
     """Return the loads that a line feels under a loading, (...) N; nan where none is given."""
     if line.vehicle is None or loading.load is None:
         return LineLoads(**dict.fromkeys((f.name for f in fields(LineLoads)), np.asarray(np.nan)))
-    return line_loads(
-        line.vehicle,
-        loading.load,
-        drives=line.installed.drives,
-        load_share=line.installed.load_share,
-        friction=line.tyre.friction if line.tyre else 0.0,
-        times=loading.times,
-    )
+    with about(f"drivelines.{line.line.name}"):
+        return line_loads(
+            line.vehicle,
+            loading.load,
+            drives=line.installed.drives,
+            load_share=line.installed.load_share,
+            friction=line.tyre.friction if line.tyre else 0.0,
+            times=loading.times,
+        )
 
 
 def _of_states(each: Iterable[LineLoads]) -> LineLoads:
@@ -293,7 +308,7 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
                 f"state {state.name} cannot place the {line.installed.drives} axle of line "
                 f"{line.line.name}: give that axle a suspension, or the state a travel"
             )
-            raise DesignError(msg)
+            raise DesignError(msg, about=f"states[{line.states.index(state) + 1}]")
         start = axle_loads[line.reference_loading.key]
         reference = deflection(line.suspension, line.suspension.reference, axle_load=start)
         load = axle_loads[loading.key]
@@ -310,7 +325,9 @@ def _ride(
 ) -> Ride:
     """Ride of the axle in the line's frame, (..., S); none in states that are not free."""
     free, states = line.free, line.states
-    dx, pitch = axle_path(line.suspension.linkage if line.suspension else Linkage(), travel)
+    own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
+    with about(f"{own}suspension"):
+        dx, pitch = axle_path(line.suspension.linkage if line.suspension else Linkage(), travel)
     turned = _by_state(s.pitch if f else 0.0 for s, f in zip(states, free, strict=True))
     asks = free & np.array([s.pitch is None for s in states])
     wound = _windup(line, torque=torque, braked=braked, asks=asks)
@@ -350,7 +367,7 @@ def _windup(
                 f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
                 "the axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
             )
-            raise DesignError(msg)
+            raise DesignError(msg, about=f"states[{k + 1}]")
     assert stiffness is not None  # else all was unknown
     return np.where(driven | braking, windup(on_axle, stiffness=stiffness), 0.0)
 

@@ -200,7 +200,7 @@ def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArr
             f"a link of radius {wrong[0] / mm:g} mm cannot follow an axle travel of "
             f"{wrong[1] / mm:g} mm"
         )
-        raise DesignError(msg)
+        raise DesignError(msg, about="linkage")
     return linkage.radius * (np.sqrt(1 - sine**2) - np.cos(linkage.angle)), pitch
 
 

@@ -146,13 +146,13 @@ def of_line(
     for k, shaft in enumerate(line.shafts, 1):
         if shaft.tube is None or shaft.polar_inertia is None:
             msg = f"shaft {k} of line {line.name} needs a tube for its torsional stiffness"
-            raise DesignError(msg)
+            raise DesignError(msg, about=f"drivelines.{line.name}.shafts[{k}]")
         tube = shaft.tube
         springs.append(tube.material.shear_modulus * 2 * tube.second_moment / shaft.length)
         halves.append(shaft.polar_inertia / 2)
     if (gearbox_inertia is None) != (gearbox_stiffness is None):
         msg = "give both the gearbox inertia and its stiffness, or neither"
-        raise DesignError(msg)
+        raise DesignError(msg, about="torsion")
 
     def column(value: ArrayLike) -> FloatArray:
         return np.broadcast_to(np.asarray(value, dtype=float), beta.shape[:-1])[..., None]

@@ -3,8 +3,13 @@
 from cardan.border.writer import write
 from cardan.files.application import loads, read
 from cardan.files.change import addresses, change
+from cardan.files.cycle import cycle
 from cardan.files.limit import limits
+from cardan.files.origin import located, place
 from cardan.files.schema import schema
 from cardan.files.starter import starter
 
-__all__ = ["addresses", "change", "limits", "loads", "read", "schema", "starter", "write"]
+__all__ = [
+    "addresses", "change", "cycle", "limits", "loads", "located", "place", "read", "schema",
+    "starter", "write",
+]  # fmt: skip

@@ -6,25 +6,29 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias, get_args
 
+import numpy as np
+
 from cardan.base.errors import BadFile, Problem, failing
 from cardan.border.document import Mapping, Node, Scalar, Sequence, parse, text_of
 from cardan.border.measure import (  # fmt: skip
     Angle,
-    Length,
+    BesidePoint,
     Percent,
-    Point,
+    Pitch,
     PositiveInertia,
     Size,
     Speed,
+    TopSpeed,
     Torque,
     TorsionStiffness,
-    Turn,
+    Travel,
 )
 from cardan.border.table import (
     Choice,
     Enough,
     Here,
     ListOf,
+    MapOf,
     Number,
     OneOf,
     Reading,
@@ -37,9 +41,11 @@ from cardan.border.table import (
 )  # fmt: skip
 from cardan.files.bracket import BracketTable
 from cardan.files.catalogue import Catalogue, Sheet
+from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
-from cardan.files.limit import DEFAULT, ALimit, LimitTable, Profile, limits
+from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits
 from cardan.files.line import AdjustTable, LineTable
+from cardan.files.plausible import doubts
 from cardan.files.vehicle import (
     AnAxle,
     ASuspension,
@@ -51,6 +57,7 @@ from cardan.files.vehicle import (
 from cardan.model.application import (
     Adjustable,
     Application,
+    DutyCycle,
     DutyPoint,
     Installed,
     Obstacle,
@@ -61,12 +68,24 @@ from cardan.model.application import (
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
 
+CATALOGUES = 20
+"""Of one application: one for each kind of part would do."""
+
+CHECKS = 50_000
+"""Answers of one file: a tandem with all states and some obstacles has 500."""
+
+LINES = 8
+"""Of one vehicle: an 8x8 has seven."""
+
 PRIME_MOVERS = {"diesel": 1.25, "petrol": 1.2, "electric": 1.0}
 """Prime mover factors of a joint's life. Source: Dana GWB catalogue, K1."""
 
 
-def read(path: str | Path) -> Application:
+def read(path: str | Path, *, allow_outside: bool = False) -> Application:
     """Return the application a file describes, in SI.
+
+    Profiles, catalogues and STEP files that it names must lie in its own folder, unless
+    `allow_outside`: a file from somebody else is not to look around on this machine.
 
     Raises
     ------
@@ -75,23 +94,34 @@ def read(path: str | Path) -> Application:
         What looks wrong but can be read is in `Application.warnings`.
     """
     path = Path(path)
-    return loads(text_of(path), name=str(path), folder=path.parent)
+    return loads(text_of(path), name=str(path), folder=path.parent, allow_outside=allow_outside)
 
 
-def loads(text: str, *, name: str = "application", folder: Path | None = None) -> Application:
+def loads(
+    text: str,
+    *,
+    name: str = "application",
+    folder: Path | None = None,
+    allow_outside: bool = False,
+) -> Application:
     """Return the application a text describes; `read` is the same for a file.
 
     `name` is what errors call the text. Profiles and catalogues of the user's own are files
     in `folder`; a text without one stands alone.
     """
-    return understood(Written(text=text, name=name, folder=folder))
+    return understood(Written(text=text, name=name, folder=folder, allow_outside=allow_outside))
 
 
 def understood(written: Written) -> Application:
     """Return the application of a text with its changes made."""
     name = written.name
     root, problems = parse(written.text, name)
-    reading = Reading(problems=problems, folder=written.folder, changes=written.changes)
+    reading = Reading(
+        problems=problems,
+        folder=written.folder,
+        changes=written.changes,
+        allow_outside=written.allow_outside,
+    )
     try:
         reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
         application: Application | None = ApplicationTable.read(Here(root, "", reading))
@@ -104,7 +134,17 @@ def understood(written: Written) -> Application:
         # What only looks wrong may be why the rest is: say it too.
         raise BadFile(name, (*problems, *reading.warnings))
     read = replace(written, numbers=reading.numbers, application=application)
-    return replace(application, written=read)
+    spread = any(np.ndim(to) for to in written.changes.values())
+    return replace(
+        application, written=read, warnings=() if spread else _warnings(application, reading)
+    )
+
+
+def _warnings(application: Application, reading: Reading) -> tuple[Problem, ...]:
+    """Return what looks wrong, by itself or beside other numbers, in the file's order."""
+    odd = {w.key for w in reading.warnings}  # by itself: enough said
+    beside = (w for w in doubts(application) if w.key not in odd)
+    return tuple(sorted((*reading.warnings, *beside), key=lambda p: (p.line, p.column)))
 
 
 def _unknown(address: str, known: Iterable[str]) -> Problem:
@@ -113,13 +153,6 @@ def _unknown(address: str, known: Iterable[str]) -> Problem:
 
 
 # --------------------------------------------------------------------------- files beside
-
-
-def _beside(name: str, here: Here) -> Path:
-    """Return the path of a file named in this one."""
-    if here.reading.folder is None:
-        here.refuse("a text by itself has no files beside it", got=name)
-    return here.reading.folder / name
 
 
 def _note(error: BadFile, here: Here) -> None:
@@ -134,22 +167,22 @@ def _sheets(root: Node, reading: Reading) -> Iterator[Sheet]:
         return
     node = root.entries["catalogues"][1]
     items = node.items if isinstance(node, Sequence) else [node]
-    places = [Here(item, "catalogues", reading) for item in items]
+    places = [Here(item, "catalogues", reading) for item in items[:CATALOGUES]]
     sheets: list[tuple[Sheet, Here]] = []
     for here in places:
         if isinstance(here.node, Scalar) and isinstance(here.node.value, str):
             try:
-                path = _beside(here.node.text, here)
+                path = here.beside(here.node.text)
                 sheets.append((Sheet(text_of(path), str(path)), here))
             except BadFile as error:
                 _note(error, here)
             except Spoilt:
                 continue
     catalogue = Catalogue(tuple(sheet for sheet, _ in sheets))
-    for sheet, here in sheets:
+    for k, (sheet, here) in enumerate(sheets):
         own = Reading(catalogue)
         with suppress(Enough):
-            sheet.check(own)
+            sheet.check(own, [s for s, _ in sheets[:k]])
         _note(BadFile(sheet.file, tuple(own.problems)), here)
     yield from catalogue.own
 
@@ -164,7 +197,7 @@ class ProfileName(Text):
         name = self.text(here)
         beside = name.endswith((".yaml", ".yml"))
         try:
-            return limits(str(_beside(name, here)) if beside else name)
+            return limits(str(here.beside(name)) if beside else name)
         except BadFile as error:
             _note(error, here)
             raise Spoilt from None
@@ -174,7 +207,7 @@ class InlineLimits(ListOf):
     """Limits given in place."""
 
     def __init__(self) -> None:
-        super().__init__(TableRule(LimitTable))
+        super().__init__(TableRule(LimitTable), most=500)
 
     def read(self, here: Here) -> Profile:
         """Return them, named as they are."""
@@ -188,7 +221,7 @@ class OverridesTable(Table):
     """A profile with some of its limits replaced."""
 
     profile: AProfile = key("the profile to start from")
-    overrides: tuple[ALimit, ...] = key("limits that replace those of the same quantity")
+    overrides: Limits = key("limits that replace those of the same quantity")
 
     def build(self) -> Profile:
         """Return the profile's name and its limits as replaced."""
@@ -219,11 +252,13 @@ class StateTable(StateGeometryTable):
     name: str = key("what reports call it")
     kind: SuspensionState | None = key("how the suspension places the axle", default=None)
     load: str | None = key("the vehicle's load state that counts", default=None)
-    travel: Length | None = key("rise of the axle from the reference state", default=None)
-    pitch: Turn | None = key("turn of the axle, pinion nose up positive", default=None)
+    travel: Travel | None = key("rise of the axle from the reference state", default=None)
+    pitch: Pitch | None = key("turn of the axle, pinion nose up positive", default=None)
     torque: Torque | None = key("at the gearbox output", default=None)
     speed: Speed | None = key("of the gearbox output", default=None)
-    drivelines: dict[str, StateGeometryTable] = key("geometry of each of several", default={})
+    drivelines: Annotated[
+        dict[str, StateGeometryTable], MapOf(Text(), TableRule(StateGeometryTable), most=LINES)
+    ] = key("geometry of each of several", default={})
 
     def state(self, lines: tuple[Installed, ...], vehicle: Vehicle | None) -> State:
         """Return the state of an application's lines, in SI."""
@@ -274,8 +309,8 @@ class ObstacleTable(Table):
     at_most_one_of = (("radius", "diameter"),)
 
     name: str = key("what reports call it")
-    start: Point = key("one end of its axis, in the frame of the line's points")
-    end: Point | None = key("the other end; a ball has none", default=None)
+    start: BesidePoint = key("one end of its axis, in the frame of the line's points")
+    end: BesidePoint | None = key("the other end; a ball has none", default=None)
     radius: Size | None = key("around the axis", default=None)
     diameter: Size | None = key("around the axis", default=None)
     travel_share: Annotated[float, Number(least=-2, most=2)] = key(
@@ -328,7 +363,7 @@ class TorsionTable(Table):
     gearbox_stiffness: TorsionStiffness | None = key(
         "of the spring from the flange to the uniformly turning engine", default=None
     )
-    damping_ratio: Annotated[float, Number(above=0, below=1)] | None = key(
+    damping_ratio: Annotated[float, Number(least=1e-5, below=1, usual=(2e-3, 0.3))] | None = key(
         "of the first torsional mode", default=None
     )
 
@@ -345,7 +380,10 @@ class TorsionTable(Table):
         )
 
 
-_STATES = ListOf(OneOf(KindName(), TableRule(StateTable)))
+_STATES = ListOf(OneOf(KindName(), TableRule(StateTable)), most=200)
+_OBSTACLES = ListOf(TableRule(ObstacleTable), most=200)
+_DUTY = OneOf(ListOf(TableRule(DutyTable), most=1000), CycleName())
+_CATALOGUES = OneOf(Text(), ListOf(Text(), most=CATALOGUES))
 _LIMITS = OneOf(ProfileName(), TableRule(OverridesTable), InlineLimits())
 
 
@@ -354,12 +392,14 @@ class ApplicationTable(Table):
 
     one_of = (("driveline", "drivelines"),)
 
-    title: str = key("what reports call it")
+    title: Annotated[str, Text(300)] = key("what reports call it")
     driveline: LineTable | None = key("the line, gearbox to axle", default=None)
-    drivelines: dict[str, LineTable] = key("several lines by name: main, inter-axle", default={})
+    drivelines: Annotated[dict[str, LineTable], MapOf(Text(), TableRule(LineTable), most=LINES)] = (
+        key("several lines by name: main, inter-axle", default={})
+    )
     torque: Torque | None = key("at the gearbox output, in place of engine and tyres", default=None)
     coast_torque: Torque | None = key("the same, holding back", default=None)
-    speed: Speed | None = key("top speed of the gearbox output", default=None)
+    speed: TopSpeed | None = key("top speed of the gearbox output", default=None)
     vehicle: Annotated[Vehicle, VehicleTable] | None = key("drive and loads", default=None)
     engine: Annotated[Engine, EngineTable] | None = key("its torque", default=None)
     gearbox: Annotated[Gearbox, GearboxTable] | None = key("its ratios", default=None)
@@ -369,11 +409,15 @@ class ApplicationTable(Table):
     states: Annotated[tuple[State | StateTable, ...], _STATES] = key(
         "suspension states by name, or tables of your own", default=()
     )
-    obstacles: tuple[ObstacleTable, ...] = key("what a line must clear", default=())
+    obstacles: Annotated[tuple[ObstacleTable, ...], _OBSTACLES] = key(
+        "what a line must clear", default=()
+    )
     limits: Annotated[Profile, _LIMITS] | None = key(
         "a profile, a file of one, a profile with overrides, or limits", default=None
     )
-    duty: tuple[Annotated[DutyPoint, DutyTable], ...] = key("how the life is spent", default=())
+    duty: Annotated[tuple[DutyPoint, ...] | DutyCycle, _DUTY] = key(
+        "how the life is spent: shares, or the name of a cycle", default=()
+    )
     adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
     bracket: BracketTable | None = key("what a centre bearing hangs in", default=None)
     torsion: Annotated[Surroundings, TorsionTable] | None = key(
@@ -383,10 +427,12 @@ class ApplicationTable(Table):
     shock_factor: Annotated[float, Number(least=1, most=10)] = key(
         "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
     )
-    include: tuple[Literal["gravity", "unbalance"], ...] = key(
+    include: Annotated[tuple[str, ...], ListOf(Choice("gravity", "unbalance"), most=2)] = key(
         "what is added to the centre bearings' loads", default=()
     )
-    catalogues: str | tuple[str, ...] = key("CSV files of your own parts", default=())
+    catalogues: Annotated[str | tuple[str, ...], OneOf(Text(), ListOf(Text(), most=CATALOGUES))] = (
+        key("CSV files of your own parts", default=())
+    )
 
     def build(self) -> Application:
         """Return the application in SI."""
@@ -397,6 +443,8 @@ class ApplicationTable(Table):
         states = self._states(lines)
         self._say_what_is_missing(states)
         name, held = self.limits or limits(DEFAULT)
+        self.differ("obstacles", [o.name for o in self.obstacles])
+        self._hold_the_amount(lines, states)
         return Application(
             title=self.title,
             lines=lines,
@@ -412,7 +460,8 @@ class ApplicationTable(Table):
             tyre=self.tyre,
             suspension=self.suspension,
             obstacles=tuple(o.obstacle(lines) for o in self.obstacles),
-            duty=self._duty(),
+            duty=() if isinstance(self.duty, DutyCycle) else self._duty(self.duty),
+            duty_cycle=self.duty if isinstance(self.duty, DutyCycle) else None,
             adjustables=tuple(self._adjustables(lines, list(tables.values()))),
             bracket=self.bracket.bracket(lines) if self.bracket else None,
             torsion=self.torsion,
@@ -420,17 +469,16 @@ class ApplicationTable(Table):
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,
             include_unbalance="unbalance" in self.include,
-            warnings=tuple(sorted(self.at().reading.warnings, key=lambda p: (p.line, p.column))),
+            origins=self.at().reading.places,
         )
 
     def _states(self, lines: tuple[Installed, ...]) -> tuple[State, ...]:
         states: list[State] = []
         for k, entry in enumerate(self.states, 1):
             state = entry if isinstance(entry, State) else entry.state(lines, self.vehicle)
-            if state.name in [s.name for s in states]:
-                self.at("states", k).note("a state of this name is above", got=state.name)
             self._placed(k, state, lines)
             states.append(state)
+        self.differ("states", [s.name for s in states])
         return tuple(states) or (State(name="as given"),)
 
     def _placed(self, k: int, state: State, lines: tuple[Installed, ...]) -> None:
@@ -457,6 +505,12 @@ class ApplicationTable(Table):
                 self.at("states", k).note(message, hint)
 
     def _say_what_is_missing(self, states: tuple[State, ...]) -> None:
+        for name, still, unchecked in (
+            ("torque", "nothing pulls", "loads, strength and life"),
+            ("speed", "nothing turns", "accelerations and critical speeds"),
+        ):
+            if getattr(self, name) == 0:
+                self.at(name).warn(f"{still}: {unchecked} cannot be checked")
         if self.engine is None and self.torque is None and any(s.torque is None for s in states):
             message = "no torque is given: loads, strength and life cannot be checked"
             self.at().warn(message, "give torque_Nm, or an engine and a gearbox")
@@ -464,12 +518,23 @@ class ApplicationTable(Table):
             message = "no speed is given: accelerations and critical speeds cannot be checked"
             self.at().warn(message, "give speed_rpm, or an engine and a gearbox")
 
-    def _duty(self) -> tuple[DutyPoint, ...]:
-        total = sum(point.share for point in self.duty)
-        if self.duty and (wrong := failing(abs(total - 1) <= 1e-3, total)):
+    def _hold_the_amount(self, lines: tuple[Installed, ...], states: tuple[State, ...]) -> None:
+        """Refuse an application of which nobody could read the answer, nor wait for it."""
+        shafts = sum(len(installed.line.shafts) for installed in lines)
+        checks = len(states) * shafts * max(len(self.obstacles), 10)
+        if checks > CHECKS:
+            message = (
+                f"{len(states)} states of {shafts} shafts and {len(self.obstacles)} obstacles are "
+                f"some {checks} checks; up to {CHECKS} can be asked of one file"
+            )
+            self.at("states").refuse(message, "split it into several files")
+
+    def _duty(self, points: tuple[DutyPoint, ...]) -> tuple[DutyPoint, ...]:
+        total = sum(point.share for point in points)
+        if points and (wrong := failing(abs(total - 1) <= 1e-3, total)):
             self.at("duty").refuse("the shares must make 100 %", got=f"{100 * wrong[0]:g} %")
         # What rounding leaves of 100 % is shared out: more than all of a life is no life.
-        return tuple(replace(point, share=point.share / total) for point in self.duty)
+        return tuple(replace(point, share=point.share / total) for point in points)
 
     def _adjustables(
         self, lines: tuple[Installed, ...], tables: list[LineTable]

@@ -6,9 +6,12 @@ from typing import Annotated, Any, TypeAlias
 from cardan.base.units import g, mm
 from cardan.border.measure import (
     FORCES,
+    STIFFNESSES,
+    STRONGEST,
+    TORQUES,
+    Cycles,
     Diameter,
     Distance,
-    Factor,
     Mass,
     Point,
     Size,
@@ -19,6 +22,7 @@ from cardan.border.table import (
     ListOf,
     Number,
     Table,
+    TableRule,
     Whole,
     key,
     nearest,
@@ -40,15 +44,19 @@ from cardan.model.parts import STEEL
 
 AXES = ("x", "y", "z")
 
-Force: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(*FORCES), *AXES)]
+Force: TypeAlias = Annotated[
+    tuple[float, float, float], ListOf(Number(*FORCES, least=-1e9, most=1e9), *AXES)
+]
 Moment: TypeAlias = Annotated[
-    tuple[float, float, float], ListOf(Number("Nm", "kNm", "lbft"), *AXES)
+    tuple[float, float, float],
+    ListOf(Number(*TORQUES, least=-STRONGEST, most=STRONGEST), *AXES),
 ]
 Acceleration: TypeAlias = Annotated[
-    tuple[float, float, float], ListOf(Number(worth={"g": g, "m_s2": 1.0}), *AXES)
+    tuple[float, float, float],
+    ListOf(Number(worth={"g": g, "m_s2": 1.0}, least=-1e5, most=1e5), *AXES),
 ]
 Rubber: TypeAlias = Annotated[
-    tuple[float, float, float], ListOf(Number("N_mm", "kN_m", "N_m", "lbf_in", above=0), *AXES)
+    tuple[float, float, float], ListOf(Number(*STIFFNESSES, least=1, most=1e12), *AXES)
 ]
 Way: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(), *AXES)]
 
@@ -112,21 +120,21 @@ class PickTable(Table):
         return Pick(name=self.name or "", near=self.near)
 
 
+Picks: TypeAlias = Annotated[tuple[Pick, ...], ListOf(TableRule(PickTable), most=100)]
+
+
 class StepTable(Table):
     """A shape from a STEP file, its axes along the vehicle's."""
 
     file: str = key("the STEP file, beside this one")
     centre: Point = key("the bearing's centre, in the file's coordinates")
-    seat: tuple[Annotated[Pick, PickTable], ...] = key("faces the bearing sits on")
-    bolts: tuple[Annotated[Pick, PickTable], ...] = key("faces the frame holds, one a bolt")
+    seat: Picks = key("faces the bearing sits on")
+    bolts: Picks = key("faces the frame holds, one a bolt")
     thickness: Wall = key("of its walls where stress matters")
 
     def build(self) -> StepShape:
         """Return the shape in SI."""
-        folder = self.at().reading.folder
-        if folder is None:
-            self.at("file").refuse("a text by itself has no files beside it", got=self.file)
-        path = folder / self.file
+        path = self.at("file").beside(self.file)
         if not path.is_file():
             self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
         return StepShape(
@@ -203,8 +211,8 @@ class FatigueTable(Table):
     """The bracket's S-N curve, fully reversed, at its surface; beyond the knee 2k - 1."""
 
     amplitude: Strength = key("stress amplitude at the knee")
-    cycles: Factor = key("cycles to failure there", default=1e6)
-    slope: Annotated[float, Number(least=1)] = key("k of N ~ S^-k above the knee")
+    cycles: Cycles = key("cycles to failure there", default=1e6)
+    slope: Annotated[float, Number(least=1, most=100)] = key("k of N ~ S^-k above the knee")
 
     def build(self) -> FatigueCurve:
         """Return the curve in SI."""
@@ -222,22 +230,28 @@ class BracketTable(Table):
     step: Annotated[StepShape, StepTable] | None = key("a STEP file", default=None)
     material: AMaterial = key("a material of a catalogue, or its properties", default=STEEL)
     line: str | None = key("the driveline it belongs to; by default the first", default=None)
-    bearing: Annotated[int, Whole()] = key("which centre bearing, from the front", default=1)
+    bearing: Annotated[int, Whole(12)] = key("which centre bearing, from the front", default=1)
     carried_mass: Mass = key("bearing and share of the shafts that ride on it", default=0.0)
     rubber: Rubber | None = key(
         "stiffness between bearing and seat along x, y, z; rigid if left out", default=None
     )
-    gauges: tuple[Annotated[Gauge, GaugeTable], ...] = key("strain gauges on it", default=())
-    cases: tuple[Annotated[BracketCase, CaseTable], ...] = key("loads given by hand", default=())
+    gauges: Annotated[tuple[Gauge, ...], ListOf(TableRule(GaugeTable), most=100)] = key(
+        "strain gauges on it", default=()
+    )
+    cases: Annotated[tuple[BracketCase, ...], ListOf(TableRule(CaseTable), most=100)] = key(
+        "loads given by hand", default=()
+    )
     fatigue: Annotated[FatigueCurve, FatigueTable] | None = key(
         "S-N curve, for damage and life", default=None
     )
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
-    order: Annotated[int, Whole()] = key("degree of the displacements, 1 to 4", default=2)
+    order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
 
     def bracket(self, lines: tuple[Installed, ...]) -> Bracket:
         """Return the bracket in SI."""
+        for what, parts in (("gauges", self.gauges), ("cases", self.cases)):
+            self.differ(what, [part.name for part in parts])
         known = {installed.line.name: installed.line for installed in lines}
         line = self.line or next(iter(known))
         if line not in known:

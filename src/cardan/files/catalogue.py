@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
-from cardan.border.document import Mapping, Node, Scalar
+from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
     Angle,
     Density,
@@ -32,6 +32,7 @@ from cardan.border.measure import (
     Wall,
 )  # fmt: skip
 from cardan.border.table import (
+    PROSE,
     Here,
     Number,
     OneOf,
@@ -52,6 +53,7 @@ class Named(Text):
     """The name of a part in a catalogue."""
 
     def __init__(self, kind: Kind) -> None:
+        super().__init__()
         self.kind: Kind = kind
         self.one, self.many = f"a {kind} of a catalogue", f"{kind}s of a catalogue"
 
@@ -69,6 +71,9 @@ def _source(said: str | None) -> Source:
     return ASSUMED if said is None else Source(said)
 
 
+Prose: TypeAlias = Annotated[str, Text(PROSE)]
+
+
 class MaterialTable(Table):
     """An isotropic material."""
 
@@ -79,8 +84,8 @@ class MaterialTable(Table):
     yield_: Strength | None = key("yield strength", default=None)
     ultimate: Strength | None = key("ultimate strength", default=None)
     fatigue_shear: Strength | None = key("fatigue limit in alternating shear", default=None)
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Material:
         """Return the material in SI."""
@@ -105,8 +110,8 @@ class TubeTable(Table):
     material: Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))] = key(
         "a material of a catalogue, or its properties", default=STEEL
     )
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Tube:
         """Return the tube in SI."""
@@ -135,8 +140,8 @@ class JointTable(Table):
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
     mass: Mass | None = key("mass of the cross with its bearings", default=None)
-    source: str | None = key("where the numbers come from", default=None)
-    note: str | None = key("how far to trust them", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> JointSize:
         """Return the joint in SI."""
@@ -162,11 +167,15 @@ class JointTable(Table):
 
 AMaterial: TypeAlias = Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))]
 ATube: TypeAlias = Annotated[Tube, OneOf(Named("tube"), TableRule(TubeTable))]
-AJoint: TypeAlias = Annotated[JointSize, OneOf(Named("joint"), TableRule(JointTable))]
+A_JOINT = OneOf(Named("joint"), TableRule(JointTable))
 
 TABLES: dict[Kind, type[Table]] = {
     "joint": JointTable, "tube": TubeTable, "material": MaterialTable,
 }  # fmt: skip
+
+
+ROWS = 5000
+"""Of a catalogue: the largest printed one has some hundred joints."""
 
 
 class Sheet:
@@ -175,6 +184,7 @@ class Sheet:
     def __init__(self, text: str, file: str) -> None:
         self.file = file
         text = text.removeprefix("\ufeff")
+        refuse_hidden(text, file)
         comma = ";" if ";" in text.partition("\n")[0] else ","  # spreadsheets write both
         rows = csv.reader(io.StringIO(text, newline=""), delimiter=comma)
         try:
@@ -229,8 +239,8 @@ class Sheet:
             if not any(at.startswith(f"{here.at}.") for at in reading.changes):
                 del reading.problems[noted:]
 
-    def check(self, reading: Reading) -> None:
-        """Note whatever is wrong in the sheet."""
+    def check(self, reading: Reading, above: Sequence["Sheet"] = ()) -> None:
+        """Note whatever is wrong in the sheet, also beside those read before it."""
         if "name" not in self._header:
             message = "the first line must name the columns, and one of them is name"
             Here(Mapping(1, 1), "", reading).note(message)
@@ -248,12 +258,18 @@ class Sheet:
                 message = f"this row has {len(cells)} cells, the header {len(self._header)}"
                 hint = "write a decimal point, and put text with a comma in quotes"
                 Here(row, "", reading).note(message, hint)
+            if len(lines) >= ROWS:
+                Here(row, "", reading).note(f"a catalogue may have up to {ROWS} rows")
+                return
             if "name" not in row.entries:
                 Here(row, "", reading).note("this row has no name")
                 continue
             name = cells[self._header.index("name")].strip()
             if name in lines:
                 Here(row, name, reading).note(f"this name is in line {lines[name]} already")
+            same = (s for s in above if s.kind == self.kind and name in s.rows)
+            if other := next(same, None):
+                Here(row, name, reading).note(f"this name is in {Path(other.file).name} too")
             lines.setdefault(name, line)
             try:
                 TABLES[self.kind].read(Here(row, name, reading))

@@ -12,7 +12,15 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
 from cardan.base.errors import failing
 from cardan.base.units import deg, mm
-from cardan.border.measure import STEEP, FlatSlopes, Point, ShaftLength, Slope, Slopes
+from cardan.border.measure import (
+    STEEP,
+    FlatSlope,
+    FlatSlopes,
+    JointPoints,
+    ShaftLength,
+    Slope,
+    Slopes,
+)  # fmt: skip
 from cardan.border.table import Table, key
 from cardan.model.layout import Layout, direction, from_points, from_slopes
 
@@ -28,7 +36,7 @@ class SlopeTable(Table):
     """The slope of one member."""
 
     side: Slope = key("side view, down to the rear positive", default=0.0)
-    top: Slope = key("top view, to the right going rearward positive", default=0.0)
+    top: FlatSlope = key("top view, to the right going rearward positive", default=0.0)
 
     def build(self) -> tuple[float, float]:
         """Return both slopes, rad."""
@@ -65,7 +73,7 @@ class GeometryTable(Table):
     joint_angles: ViewsTable | None = key(
         "change of slope at every joint, as application sheets tabulate it", default=None
     )
-    points: tuple[Point, ...] | None = key(
+    points: JointPoints | None = key(
         "joint centres [x, y, z]: x along the line from gearbox to axle, y to its right, z up",
         default=None,
     )
@@ -137,7 +145,7 @@ class GeometryTable(Table):
 
     def _through_points(
         self,
-        points: tuple[Point, ...],
+        points: JointPoints,
         lengths: Sequence[float | None],
         reference: Layout | None,
     ) -> Layout:

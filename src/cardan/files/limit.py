@@ -10,7 +10,20 @@ from cardan.base.units import UNITS, deg
 from cardan.base.verdict import Limit
 from cardan.border import measure
 from cardan.border.document import parse, text_of
-from cardan.border.table import Enough, Here, ListOf, Number, Reading, Spoilt, Table, key, nearest
+from cardan.border.table import (
+    PROSE,
+    Enough,
+    Here,
+    ListOf,
+    Number,
+    Reading,
+    Spoilt,
+    Table,
+    TableRule,
+    Text,
+    key,
+    nearest,
+)  # fmt: skip
 from cardan.model.application import KIND_GROUPS, STATE_KINDS
 from cardan.quantity.declared import WRITTEN
 from cardan.quantity.quantities import LIMITABLE, QUANTITIES
@@ -47,7 +60,7 @@ class LimitTable(Table):
         default=None,
     )
     required: bool = key("whether a verdict is incomplete where nothing answers it", default=False)
-    source: str = key("who says so")
+    source: Annotated[str, Text(PROSE)] = key("who says so")
 
     def build(self) -> Limit:
         """Return the limit in SI."""
@@ -100,7 +113,7 @@ class LimitTable(Table):
             self.at("normal").refuse(message, hint, got=f"{first:g}")
 
 
-ALimit: TypeAlias = Annotated[Limit, LimitTable]
+Limits: TypeAlias = Annotated[tuple[Limit, ...], ListOf(TableRule(LimitTable), most=500)]
 Profile: TypeAlias = tuple[str, tuple[Limit, ...]]
 """Name and limits."""
 
@@ -115,8 +128,8 @@ class ProfileTable(Table):
     """A limit profile."""
 
     profile: str = key("its name")
-    title: str | None = key("what it is for", default=None)
-    limits: tuple[ALimit, ...] = key("the limits")
+    title: Annotated[str, Text(PROSE)] | None = key("what it is for", default=None)
+    limits: Limits = key("the limits")
 
 
 def names() -> tuple[str, ...]:

@@ -6,19 +6,23 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.units import deg
+from cardan.base.errors import DesignError
+from cardan.base.units import deg, mm
 from cardan.border import measure
 from cardan.border.document import Scalar
 from cardan.border.measure import (
+    BearingPlace,
     Distance,
-    Factor,
-    Friction,
     Inertia,
+    LineRatio,
     Mass,
     ShaftLength,
     Share,
     Size,
+    SplineFriction,
+    SplineTravel,
     Stiffness,
+    ToothRadius,
     Turn,
 )  # fmt: skip
 from cardan.border.table import (
@@ -37,7 +41,7 @@ from cardan.border.table import (
     key,
     nearest,
 )  # fmt: skip
-from cardan.files.catalogue import AJoint, ATube
+from cardan.files.catalogue import A_JOINT, ATube
 from cardan.files.geometry import GeometryTable
 from cardan.files.vehicle import AnAxle, APlace, ASuspension
 from cardan.model.application import Adjustable, Installed
@@ -46,13 +50,16 @@ from cardan.model.movable import MOVABLES, Movable
 from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Spline
 from cardan.model.vehicle import Axle, Drives
 
+SHAFTS = 12
+"""Of one line: trucks have up to five, and a limit far above keeps a mistake short."""
+
 
 class CentreBearingTable(Table):
     """The bearing a shaft hangs on near its rear joint."""
 
     at_most_one_of = (("stiffness", "vertical_stiffness"), ("stiffness", "lateral_stiffness"))
 
-    from_rear_joint: Distance = key("how far ahead of the rear joint centre it sits")
+    from_rear_joint: BearingPlace = key("how far ahead of the rear joint centre it sits")
     stiffness: Stiffness | None = key(
         "of rubber and bracket across the shaft; rigid if left out", default=None
     )
@@ -74,10 +81,10 @@ class CentreBearingTable(Table):
 class SplineTable(Table):
     """The sliding spline, from its place in the reference state."""
 
-    plunge: Size | None = key("travel left in shortening", default=None)
-    draw: Size | None = key("travel left in lengthening", default=None)
-    mean_radius: Size | None = key("mean radius of the teeth", default=None)
-    friction: Friction = key("0.08 coated, 0.11 greased steel", default=0.11)
+    plunge: SplineTravel | None = key("travel left in shortening", default=None)
+    draw: SplineTravel | None = key("travel left in lengthening", default=None)
+    mean_radius: ToothRadius | None = key("mean radius of the teeth", default=None)
+    friction: SplineFriction = key("0.08 coated, 0.11 greased steel", default=0.11)
     mass: Mass = key("what it adds to the tube's mass", default=0.0)
     from_front_joint: Distance = key("how far behind the front joint that mass sits", default=0.0)
 
@@ -117,7 +124,9 @@ class BalanceGrade(Rule):
         return bare
 
 
-_ENDS = ListOf(Number(*measure.MASSES, least=0), "front", "rear")
+_ENDS = ListOf(
+    Number(*measure.MASSES, least=0, most=measure.HEAVIEST, usual=(0.01, 500)), "front", "rear"
+)
 
 
 class ShaftTable(Table):
@@ -150,31 +159,34 @@ class ShaftTable(Table):
             odd = f"{written:g} deg looks like {written / deg:.0f} deg in radians"
             self.at("phase").warn(odd, "did you mean phase_rad?")
         if self.length is not None:
-            self.shaft(self.length)
+            self.attempt(lambda: self.shaft(self.length or 0.0))
         return self
 
     def shaft(self, length: float) -> Shaft:
-        """Return the shaft of a length, in SI."""
+        """Return the shaft of a length, in SI; refuse what cannot be, as its part does."""
         mass = self.yoke_mass
-        return self.attempt(
-            lambda: Shaft(
-                length=length,
-                tube=self.tube,
-                phase=self.phase,
-                centre_bearing=self.centre_bearing,
-                spline=self.spline,
-                yoke_mass=mass if isinstance(mass, tuple) else (mass, mass),
-                yoke_inertia=self.yoke_inertia,
-                polar_inertia_given=self.polar_inertia,
-                balance_grade=self.balance_grade,
-            )
+        return Shaft(
+            length=length,
+            tube=self.tube,
+            phase=self.phase,
+            centre_bearing=self.centre_bearing,
+            spline=self.spline,
+            yoke_mass=mass if isinstance(mass, tuple) else (mass, mass),
+            yoke_inertia=self.yoke_inertia,
+            polar_inertia_given=self.polar_inertia,
+            balance_grade=self.balance_grade,
         )
 
 
 _RANGES = {
-    "length": ListOf(Number(*measure.LENGTHS), "lowest", "highest"),
-    "angle": ListOf(Number(*measure.ANGLES), "lowest", "highest"),
-}
+    "length": ListOf(
+        Number(*measure.LENGTHS, least=-2, most=2, usual=(0.5 * mm, 0.5)), "lowest", "highest"
+    ),
+    "angle": ListOf(
+        Number(*measure.ANGLES, least=-360 * deg, most=360 * deg, usual=(0.1 * deg, 180 * deg)),
+        "lowest", "highest",
+    ),
+}  # fmt: skip
 Range: TypeAlias = tuple[float, float]
 Ranges: TypeAlias = Range | dict[int, Range]
 """One range for all parts, or a range for each part that may move."""
@@ -231,7 +243,7 @@ class AdjustTable(Table):
 # What may move is declared once, in the model: each kind is an entry of the table.
 for _movable in MOVABLES.values():
     _range = _RANGES[_movable.measure]
-    _ranges = _range if _movable.of == "axle" else OneOf(_range, MapOf(Whole(), _range))
+    _ranges = _range if _movable.of == "axle" else OneOf(_range, MapOf(Whole(SHAFTS), _range))
     AdjustTable.__annotations__[_movable.key] = Annotated[Any, _ranges]
     setattr(AdjustTable, _movable.key, key(_movable.says, default=None))
 
@@ -242,12 +254,16 @@ class LineTable(GeometryTable):
     one_of = (("slopes", "joint_angles", "points"),)
     at_most_one_of = ()
 
-    shafts: Annotated[tuple[ShaftTable, ...], ListOf(TableRule(ShaftTable), least=1)] = key(
-        "gearbox to axle"
-    )
-    joints: AJoint | tuple[AJoint, ...] | None = key(
-        "one joint for all, or a list from gearbox to axle", default=None
-    )
+    shafts: Annotated[
+        tuple[ShaftTable, ...], ListOf(TableRule(ShaftTable), least=1, most=SHAFTS)
+    ] = key("gearbox to axle")
+    joints: (
+        Annotated[
+            JointSize | tuple[JointSize, ...],
+            OneOf(*A_JOINT.rules, ListOf(A_JOINT, most=SHAFTS + 1)),
+        ]
+        | None
+    ) = key("one joint for all, or a list from gearbox to axle", default=None)
     axle: AnAxle | None = key("the axle this line drives", default=None)
     adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
     suspension: ASuspension | None = key(
@@ -256,8 +272,8 @@ class LineTable(GeometryTable):
     drives: Drives = key("which axles turn behind this line", default="rear")
     load_share: Share = key("share of their load on wheels behind this line", default=1.0)
     torque_share: Share = key("share of the gearbox output's torque", default=1.0)
-    torque_ratio: Factor = key("torque over that share: a transfer case's gears", default=1.0)
-    speed_ratio: Factor = key("speed over that of the gearbox output", default=1.0)
+    torque_ratio: LineRatio = key("torque over that share: a transfer case's gears", default=1.0)
+    speed_ratio: LineRatio = key("speed over that of the gearbox output", default=1.0)
     output_joint: APlace | None = key(
         "joint 1 from the wheel centre, where the line leaves an axle", default=None
     )
@@ -278,10 +294,8 @@ class LineTable(GeometryTable):
         """Return the line as installed, in SI; `axle` is the vehicle's, if it has none."""
         checked: list[Any] = each((self._complete, self._laid_out, self._sizes))
         layout: Layout = checked[1]
-        shafts = [
-            table.shaft(length if table.length is None else table.length)
-            for table, length in zip(self.shafts, np.moveaxis(layout.lengths, -1, 0), strict=True)
-        ]
+        lengths = np.moveaxis(layout.lengths, -1, 0)
+        shafts = each(lambda k=k: self._shaft(k, lengths[k]) for k in range(len(lengths)))
         line = self.attempt(
             lambda: Line(
                 name=name,
@@ -307,6 +321,17 @@ class LineTable(GeometryTable):
                 suspension=self.suspension,
             )
         )
+
+    def _shaft(self, k: int, between: float) -> Shaft:
+        """Return shaft k from 0; where nobody gives its length the points do, m."""
+        table = self.shafts[k]
+        if table.length is not None:
+            return table.shaft(table.length)
+        try:
+            return table.shaft(between)
+        except DesignError as error:
+            message = f"between joints {k + 1} and {k + 2}: {error}"
+            self.at("points", k + 2).refuse(message, f"see shaft {k + 1}")
 
     def _laid_out(self) -> Layout:
         lengths = [s.length for s in self.shafts]

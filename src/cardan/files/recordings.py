@@ -6,13 +6,14 @@ missing samples, which the survey of the recording reports.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import BadFile, Problem
+from cardan.border.document import visible
 from cardan.fatigue.recording import Channel, Recording
 
 TIME_NAMES = {"time", "t", "zeit", "tempo", "temps", "time_s", "t_s"}
@@ -75,6 +76,9 @@ def open_recording(
         raise bad(
             path, f"reading it needs {error.name}", hint=f"pip install 'cardan[{extra}]'"
         ) from error
+    # A logger's names may hold anything; what nobody sees must not reach a terminal.
+    columns = tuple(Channel(visible(c.name), visible(c.unit)) for c in table.columns)
+    table = replace(table, columns=columns, notes=tuple(map(visible, table.notes)))
     _unique(path, table)
     clock = _clock(path, table, time)
     places = tuple(k for k in range(len(table.columns)) if k != clock)

@@ -5,27 +5,41 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from cardan.base.units import deg
-from cardan.border import measure
 from cardan.border.measure import (
     AxleLoad,
+    AxlePlace,
+    AxleRatio,
+    CentreHeight,
+    Contact,
+    ConverterRatio,
+    Curve,
+    Deflection,
     Deflections,
     Efficiency,
+    EngineSpeed,
+    EngineSpeeds,
     Forces,
-    Friction,
+    GearRatio,
+    GearRatios,
+    Grade,
     Length,
-    Mass,
+    LinkAngle,
+    LinkLength,
     Part,
+    Pitches,
     PitchRate,
-    Ratio,
-    Size,
+    SpringRates,
     Torque,
+    TransferRatio,
+    Travels,
+    TyreFriction,
     TyreRadius,
+    UnsprungMass,
     VehicleMass,
     Wheelbase,
     WindupStiffness,
 )  # fmt: skip
-from cardan.border.table import ListOf, Number, Table, Whole, key
+from cardan.border.table import ListOf, MapOf, Number, Table, TableRule, Text, Whole, key
 from cardan.model.vehicle import (
     AuxiliaryAxle,
     Axle,
@@ -41,10 +55,6 @@ from cardan.model.vehicle import (
     Vehicle,
 )  # fmt: skip
 
-_CURVE = ListOf(Number(*measure.TORQUES, least=0, usual=(20, 200e3)), least=1)
-_RATES = ListOf(Number("N_mm", "kN_m", "N_m", "lbf_in", above=0), least=1)
-_SPEEDS = ListOf(Number(*measure.SPEEDS, least=0, usual=(1, 2000)), least=1)
-
 
 def _rise(table: Table, **columns: tuple[float, ...]) -> None:
     """Refuse a column of a table that does not rise."""
@@ -57,9 +67,11 @@ def _rise(table: Table, **columns: tuple[float, ...]) -> None:
 class EngineTable(Table):
     """The engine at full load: one point, or a curve joined by straight lines."""
 
-    speed: measure.Speed | Annotated[tuple[float, ...], _SPEEDS] = key("speed, or speeds that rise")
-    torque: Torque | Annotated[tuple[float, ...], _CURVE] = key("torque at each speed")
-    brake_torque: Torque = key("of engine brake or retarder, at the crankshaft", default=0.0)
+    speed: EngineSpeed | EngineSpeeds = key("speed, or speeds that rise")
+    torque: Torque | Curve = key("torque at each speed")
+    brake_torque: Torque | None = key(
+        "of engine brake or retarder, at the crankshaft; not known if left out", default=None
+    )
 
     def build(self) -> Engine:
         """Return the engine in SI."""
@@ -74,14 +86,10 @@ class EngineTable(Table):
 class GearboxTable(Table):
     """What stands between engine and driveline."""
 
-    ratios: Ratio | Annotated[tuple[float, ...], ListOf(Number(above=0, below=100), least=1)] = key(
-        "lowest gear, which has the largest ratio, first"
-    )
+    ratios: GearRatio | GearRatios = key("lowest gear, which has the largest ratio, first")
     efficiency: Efficiency = key("of the gearbox", default=1.0)
-    converter_ratio: Annotated[float, Number(least=1, below=10)] = key(
-        "torque ratio of a converter at stall", default=1.0
-    )
-    transfer_ratio: Ratio = key("low range of a transfer case", default=1.0)
+    converter_ratio: ConverterRatio = key("torque ratio of a converter at stall", default=1.0)
+    transfer_ratio: TransferRatio = key("low range of a transfer case", default=1.0)
 
     def build(self) -> Gearbox:
         """Return the gearbox."""
@@ -120,7 +128,7 @@ APlace: TypeAlias = Annotated[tuple[float, float], PlaceTable]
 class AxleTable(Table):
     """The driven axle of a line."""
 
-    ratio: Ratio = key("pinion speed over wheel speed")
+    ratio: AxleRatio = key("pinion speed over wheel speed")
     efficiency: Efficiency = key("of the axle", default=1.0)
     pinion: APlace = key("last joint from the wheel centre", default=(0.0, 0.0))
 
@@ -136,7 +144,7 @@ class TyreTable(Table):
     """Tyre and ground."""
 
     static_radius: TyreRadius = key("loaded, standing")
-    friction: Friction = key("of tyre on ground", default=0.8)
+    friction: TyreFriction = key("of tyre on ground", default=0.8)
     dynamic_radius: TyreRadius | None = key("rolling", default=None)
 
     def build(self) -> Tyre:
@@ -152,10 +160,10 @@ class LoadTable(Table):
     """How the vehicle is loaded: mass with centre of gravity, or what its axles carry."""
 
     mass: VehicleMass | None = key("of the whole vehicle", default=None)
-    cg_behind_front: Length | None = key(
+    cg_behind_front: AxlePlace | None = key(
         "centre of gravity behind the front axle (or the middle of two)", default=None
     )
-    cg_height: Size | None = key("centre of gravity above the ground", default=None)
+    cg_height: CentreHeight | None = key("centre of gravity above the ground", default=None)
     front_axle: AxleLoad | None = key("on all front axles", default=None)
     rear_axle: AxleLoad | None = key("on the rear axle or bogie", default=None)
     auxiliary_lifted: bool = key("whether auxiliary axles are off the ground", default=False)
@@ -190,7 +198,7 @@ class LoadTable(Table):
 class AuxiliaryTable(Table):
     """An undriven axle on air, which carries the same load whatever the others do."""
 
-    behind_front: Length = key("behind the front axle (or the middle of two)")
+    behind_front: AxlePlace = key("behind the front axle (or the middle of two)")
     load: AxleLoad = key("what it carries")
 
     def build(self) -> AuxiliaryAxle:
@@ -206,17 +214,17 @@ class VehicleTable(Table):
     drive: Drive = key("points on the ground x driven points")
     wheelbase: Wheelbase = key("front axle (or the middle of two) to rear axle or bogie")
     driven_share: Part | None = key("share of a bogie's load on its driven axles", default=None)
-    grade: Annotated[float, Number(*measure.ANGLES, above=-45 * deg, below=45 * deg)] | None = key(
-        "slope of the road, up positive", default=None
-    )
-    grade_percent: Annotated[float, Number(above=-100, below=100)] | None = key(
+    grade: Grade | None = key("slope of the road, up positive", default=None)
+    grade_percent: Annotated[float, Number(above=-100, below=100, usual=(0.5, 100))] | None = key(
         "slope of the road, rise over run, up positive", default=None
     )
-    loads: dict[str, LoadTable] = key("by name: curb, empty, gvw, ...", default={})
-    front_axles: Annotated[int, Whole()] | None = key("two on an 8x, else one", default=None)
+    loads: Annotated[dict[str, LoadTable], MapOf(Text(), TableRule(LoadTable), most=50)] = key(
+        "by name: curb, empty, gvw, ...", default={}
+    )
+    front_axles: Annotated[int, Whole(3)] | None = key("two on an 8x, else one", default=None)
     front_driven: bool | None = key("only where every axle is, if not said", default=None)
-    auxiliary: tuple[Annotated[AuxiliaryAxle, AuxiliaryTable], ...] = key(
-        "axles on air", default=()
+    auxiliary: Annotated[tuple[AuxiliaryAxle, ...], ListOf(TableRule(AuxiliaryTable), most=3)] = (
+        key("axles on air", default=())
     )
 
     def build(self) -> Vehicle:
@@ -241,11 +249,11 @@ class SpringTable(Table):
 
     load: Forces | None = key("table of loads, rising", default=None)
     deflection: Deflections | None = key("deflections under them", default=None)
-    stated_rates: Annotated[tuple[float, ...], _RATES] = key(
+    stated_rates: SpringRates = key(
         "the drawing's own rates, compared with the table's", default=()
     )
-    rates: Annotated[tuple[float, ...], _RATES] | None = key("rate, or both rates", default=None)
-    contact: Size | None = key("deflection at which the second rate starts", default=None)
+    rates: SpringRates | None = key("rate, or both rates", default=None)
+    contact: Contact | None = key("deflection at which the second rate starts", default=None)
 
     def build(self) -> Spring:
         """Return the spring in SI."""
@@ -282,23 +290,17 @@ class LinkageTable(Table):
 
     at_most_one_of = (("radius", "front_half_length", "travel"),)
 
-    radius: Size | None = key("of the link from its pivot ahead of the axle", default=None)
-    front_half_length: Size | None = key(
+    radius: LinkLength | None = key("of the link from its pivot ahead of the axle", default=None)
+    front_half_length: LinkLength | None = key(
         "of a leaf spring: its link is three quarters as long", default=None
     )
-    angle: Annotated[float, Number(*measure.ANGLES, above=-60 * deg, below=60 * deg)] = key(
+    angle: LinkAngle = key(
         "of the link in the reference state, pivot above axle positive", default=0.0
     )
     pitch_rate: PitchRate = key("pitch as the axle rises, pinion nose up positive", default=0.0)
-    travel: Annotated[tuple[float, ...], ListOf(Number(*measure.LENGTHS))] = key(
-        "table: rise of the axle", default=()
-    )
-    dx: Annotated[tuple[float, ...], ListOf(Number(*measure.LENGTHS))] = key(
-        "table: how far rearward it goes", default=()
-    )
-    pitch: Annotated[tuple[float, ...], ListOf(Number(*measure.ANGLES))] = key(
-        "table: its pitch, pinion nose up positive", default=()
-    )
+    travel: Travels = key("table: rise of the axle", default=())
+    dx: Travels = key("table: how far rearward it goes", default=())
+    pitch: Pitches = key("table: its pitch, pinion nose up positive", default=())
 
     def build(self) -> Linkage:
         """Return the linkage in SI."""
@@ -329,14 +331,14 @@ class SuspensionTable(Table):
     """What moves the axle: springs, linkage, wind-up."""
 
     spring: Annotated[Spring, SpringTable] = key("one spring")
-    springs_per_axle: Annotated[int, Whole()] = key("springs on one axle", default=2)
-    unsprung_mass: Mass = key("of one axle with its wheels", default=0.0)
+    springs_per_axle: Annotated[int, Whole(16)] = key("springs on one axle", default=2)
+    unsprung_mass: UnsprungMass = key("of one axle with its wheels", default=0.0)
     linkage: Annotated[Linkage, LinkageTable] = key("how the axle is guided", default=Linkage())
     windup_stiffness: WindupStiffness | None = key("of the axle in pitch", default=None)
     brake_torque: Torque = key("of the brakes on the axle; 0: what the tyres hold", default=0.0)
     reference: SuspensionState = key("state in which the geometry is given", default="gvw")
-    full_rebound_deflection: Length | None = key("where a check strap stops it", default=None)
-    jounce_deflection: Length | None = key("where a bump stop stops it", default=None)
+    full_rebound_deflection: Deflection | None = key("where a check strap stops it", default=None)
+    jounce_deflection: Deflection | None = key("where a bump stop stops it", default=None)
 
     def build(self) -> Suspension:
         """Return the suspension in SI."""

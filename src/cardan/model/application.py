@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import get_args
 
 from cardan.base.arrays import ArrayLike
-from cardan.base.errors import DesignError, Problem, failing
+from cardan.base.errors import DesignError, Place, Problem, failing
+from cardan.base.source import Source
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.bracket import Bracket
@@ -88,6 +89,47 @@ class DutyPoint:
     torque: NewtonMetre
     speed: RadianPerSecond
     angle: Radian | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CyclePoint:
+    """A share of a life, at shares of a line's largest torque and of its top speed."""
+
+    share: float
+    torque_share: float
+    speed_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DutyCycle:
+    """How vehicles of a kind spend their life, whatever their torque and speed."""
+
+    name: str
+    says: str
+    """A sentence on what such a vehicle does."""
+    source: Source
+    points: tuple[CyclePoint, ...]
+
+
+def cycle_points(
+    cycle: DutyCycle, *, torque: NewtonMetre, speed: RadianPerSecond
+) -> tuple[DutyPoint, ...]:
+    """Return what a duty cycle asks of one vehicle.
+
+    Parameters
+    ----------
+    cycle
+        Shares of time, of torque and of speed.
+    torque : N m
+        Largest torque at the gearbox output: the smaller of what the lowest gear gives and
+        the tyres hold, at gvw.
+    speed : rad/s
+        Top speed of the gearbox output.
+    """
+    return tuple(
+        DutyPoint(share=p.share, torque=p.torque_share * torque, speed=p.speed_share * speed)
+        for p in cycle.points
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,6 +223,8 @@ class Written:
     ----------
     text, name, folder
         The text, what errors call it, and where the files that it names lie.
+    allow_outside
+        Whether those may lie outside that folder.
     changes
         Numbers that stand in place of the text's own, by address, in the text's units.
     numbers
@@ -192,6 +236,7 @@ class Written:
     text: str
     name: str
     folder: Path | None = None
+    allow_outside: bool = False
     changes: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     application: "Application | None" = None
@@ -216,6 +261,8 @@ class Application:
     suspension: Suspension | None = None
     obstacles: tuple[Obstacle, ...] = ()
     duty: tuple[DutyPoint, ...] = ()
+    duty_cycle: DutyCycle | None = None
+    """A cycle named in place of `duty`; `cycle_points` makes points of it."""
     adjustables: tuple[Adjustable, ...] = ()
     bracket: Bracket | None = None
     torsion: Surroundings | None = None
@@ -227,3 +274,8 @@ class Application:
     """What looked wrong while the file was read, though it could be."""
     written: Written | None = field(default=None, compare=False, repr=False)
     """The text it was read from; None where it was made otherwise."""
+    origins: Mapping[str, Place] = field(
+        default_factory=dict[str, Place], compare=False, repr=False
+    )
+    """Where everything stands in the file, by the key its errors print:
+    `driveline.shafts[2].tube.wall_mm`."""

@@ -78,7 +78,7 @@ def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
     for k, shaft in enumerate(line.shafts, 1):
         if shaft.tube is None:
             msg = f"shaft {k} of line {line.name} has no tube: give its outer and wall size"
-            raise DesignError(msg)
+            raise DesignError(msg, about=f"drivelines.{line.name}.shafts[{k}]")
     tubes = [s.tube for s in line.shafts if s.tube]
     bearings = [s.centre_bearing for s in line.shafts if s.centre_bearing]
     splines = [s.spline for s in line.shafts]
