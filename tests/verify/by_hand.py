@@ -382,6 +382,9 @@ TRUCK = Truck(
         State("windup brake", kind="windup brake", load="gvw"),
         State("braked empty", kind="windup brake", load="empty"),
         State(
+            "on the retarder", kind="windup brake", load="gvw", torque=2700, speed=1400 * rpm
+        ),
+        State(
             "ramp crest", load="empty", travel=-0.041, pitch=radians(0.6),
             torque=2100 * lbft, speed=74,
         ),
@@ -546,9 +549,9 @@ FRONT_TRUCK = Truck(
             link=0.655, link_angle=-0.06, pitch_rate=-0.05, windup=17500 / deg,
         ),
         "front": Springs(
-            loads=(0.0, 95e3 * 0.090, 95e3 * 0.090 + 150e3), deflections=(0.0, 0.090, 1.090),
-            per_axle=2, unsprung=700, reference="empty",
-            full_rebound=-700 * g / 2 / 95e3,  # it hangs: 36 mm
+            loads=(0.0, 180e3 * 0.090, 180e3 * 0.090 + 260e3), deflections=(0.0, 0.090, 1.090),
+            per_axle=2, unsprung=1000, reference="jounce",
+            full_rebound=-1000 * g / 2 / 180e3,  # it hangs: 27.2 mm
             rebound=-1 * inch, jounce=0.205, link=nan, link_angle=nan, pitch_rate=nan,
             windup=9500 / deg,
             table=(
@@ -702,6 +705,8 @@ def torques(truck, line, state, load):
     coast = min(held, slip_back) if isnan(truck.coast) else truck.coast * line.torque_share
     if not isnan(state.torque):
         torque = state.torque * line.torque_share
+        if state.kind == "windup brake":
+            torque = -torque  # a size; it holds back
     elif state.kind == "windup brake":
         torque = -coast
     else:
@@ -773,7 +778,9 @@ def axle_motion(truck, line, state, load, torque):
     """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state."""
     springs = truck.springs[line.springs]
     if state.kind:
-        at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
+        at_reference = nan
+        if springs.reference in truck.loads:
+            at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
         rise = deflection(springs, state.kind, load["axle"]) - deflection(
             springs, springs.reference, at_reference
         )
@@ -793,7 +800,7 @@ def axle_motion(truck, line, state, load, torque):
         # The wheels push the ground back; the housing is turned nose up.
         pitch += torque["torque"] * through_axle * line.axle_efficiency / springs.windup
     if state.kind == "windup brake":
-        held = springs.brake + torque["coast"] * through_axle / line.axle_efficiency
+        held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
         pitch -= (min(held, grip) if springs.brake else grip) / springs.windup
     if not isnan(state.pitch):
@@ -1525,7 +1532,11 @@ def one_state(truck, line, state, whirl):
             o.name: min(gaps[k, o.name] for k in range(1, n)) / mm for o in line.obstacles
         },
     }  # fmt: skip
+    frequency = nan
+    if line.drives != "all" and state.kind not in ("", "full rebound", "rebound", "jounce"):
+        frequency = suspension_frequency(truck.springs[line.springs], load["axle"])
     asked = {
+        "suspension_frequency": frequency,
         "low_gear_torque": torque["low_gear"],
         "wheel_slip_torque": torque["wheel_slip"],
         "axle_load": load["axle"],
