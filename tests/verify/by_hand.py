@@ -382,6 +382,9 @@ TRUCK = Truck(
         State("windup brake", kind="windup brake", load="gvw"),
         State("braked empty", kind="windup brake", load="empty"),
         State(
+            "on the retarder", kind="windup brake", load="gvw", torque=2700, speed=1400 * rpm
+        ),
+        State(
             "ramp crest", load="empty", travel=-0.041, pitch=radians(0.6),
             torque=2100 * lbft, speed=74,
         ),
@@ -546,9 +549,9 @@ FRONT_TRUCK = Truck(
             link=0.655, link_angle=-0.06, pitch_rate=-0.05, windup=17500 / deg,
         ),
         "front": Springs(
-            loads=(0.0, 95e3 * 0.090, 95e3 * 0.090 + 150e3), deflections=(0.0, 0.090, 1.090),
-            per_axle=2, unsprung=700, reference="empty",
-            full_rebound=-700 * g / 2 / 95e3,  # it hangs: 36 mm
+            loads=(0.0, 180e3 * 0.090, 180e3 * 0.090 + 260e3), deflections=(0.0, 0.090, 1.090),
+            per_axle=2, unsprung=1000, reference="jounce",
+            full_rebound=-1000 * g / 2 / 180e3,  # it hangs: 27.2 mm
             rebound=-1 * inch, jounce=0.205, link=nan, link_angle=nan, pitch_rate=nan,
             windup=9500 / deg,
             table=(
@@ -597,28 +600,43 @@ LIMITS = {  # normal, maximum in SI; or a band
     "joint_life": (10000 * 3600, 5000 * 3600), "n_beta": (None, 20000 * rpm * deg),
     "joint_speed": (None, 4000 * rpm), "spline_travel_margin": (0.4 * inch, 0.2 * inch),
     "clearance": (0.030, 0.020), "suspension_frequency": (1.3, None),
+    "torque": (None, 12000), "engine_torque": (None, 9000 * lbft), "slip_torque": (None, 15000),
+    "coast_torque": (None, 4000), "low_gear_torque": (None, 10000),
+    "wheel_slip_torque": (None, 9000), "speed": (None, 300), "axle_load": (None, 100e3),
+    "driven_load": (None, 40000 * lbf), "axle_travel": (None, 2 * inch),
+    "pinion_pitch": (None, 0.02), "joint_position": (None, 270 * deg),
+    "side_angle": (None, 6 * deg), "top_angle": (None, 1 * deg), "joint_force": (None, 3000),
+    "critical_speed": (None, 4000 * rpm), "line_critical_speed": (None, 4000 * rpm),
+    "bearing_resonance": (None, 600 * rpm), "spline_travel": (None, 0.010),
 }  # fmt: skip
 """The limits of the files, all made up."""
 BAND = (0.42, 0.58)
 """Of the critical speed: the joints shake it twice a turn."""
 SHOWN = {
     "deg": (deg, ("joint_angle", "joint_angle_min", "compound_angle", "end_angle_difference",
-                  "odd_joint_angle", "equivalent_angle")),
+                  "odd_joint_angle", "equivalent_angle", "pinion_pitch", "joint_position",
+                  "side_angle", "top_angle")),
     "rad/s²": (1, ("angle_for_speed", "torsional_acceleration", "inertia_drive_acceleration",
                    "inertia_coast_acceleration")),
-    "N·m": (1, ("inertia_drive_torque", "inertia_coast_torque")),
+    "N·m": (1, ("inertia_drive_torque", "inertia_coast_torque", "torque", "engine_torque",
+                "slip_torque", "coast_torque", "low_gear_torque", "wheel_slip_torque")),
     "N": (1, ("centre_bearing_static", "centre_bearing_dynamic", "centre_bearing_peak",
-              "gearbox_bearing_force", "pinion_bearing_force", "spline_force")),
+              "gearbox_bearing_force", "pinion_bearing_force", "spline_force", "joint_force",
+              "axle_load", "driven_load")),
     "h": (3600, ("joint_life",)),
     "deg/min": (rpm * deg, ("n_beta",)),
-    "rpm": (rpm, ("joint_speed",)),
-    "mm": (mm, ("spline_travel_margin", "clearance")),
+    "rpm": (rpm, ("joint_speed", "speed", "critical_speed", "line_critical_speed",
+                  "bearing_resonance")),
+    "mm": (mm, ("spline_travel_margin", "clearance", "spline_travel", "axle_travel")),
     "Hz": (1, ("suspension_frequency",)),
     "": (1, ("irregularity", "critical_speed_ratio", "half_critical_band",
              "joint_torque_utilisation", "joint_fatigue_utilisation", "tube_shear_utilisation")),
 }  # fmt: skip
 """Units in which readers see the quantities, and what they are worth."""
-MORE_IS_BETTER = ("joint_angle_min", "joint_life", "spline_travel_margin", "clearance")
+MORE_IS_BETTER = (
+    "joint_angle_min", "joint_life", "spline_travel_margin", "clearance", "critical_speed",
+    "line_critical_speed",
+)  # fmt: skip
 
 # --------------------------------------------------------------------------- 1  loads on the axles
 
@@ -687,6 +705,8 @@ def torques(truck, line, state, load):
     coast = min(held, slip_back) if isnan(truck.coast) else truck.coast * line.torque_share
     if not isnan(state.torque):
         torque = state.torque * line.torque_share
+        if state.kind == "windup brake":
+            torque = -torque  # a size; it holds back
     elif state.kind == "windup brake":
         torque = -coast
     else:
@@ -758,7 +778,9 @@ def axle_motion(truck, line, state, load, torque):
     """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state."""
     springs = truck.springs[line.springs]
     if state.kind:
-        at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
+        at_reference = nan
+        if springs.reference in truck.loads:
+            at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
         rise = deflection(springs, state.kind, load["axle"]) - deflection(
             springs, springs.reference, at_reference
         )
@@ -778,7 +800,7 @@ def axle_motion(truck, line, state, load, torque):
         # The wheels push the ground back; the housing is turned nose up.
         pitch += torque["torque"] * through_axle * line.axle_efficiency / springs.windup
     if state.kind == "windup brake":
-        held = springs.brake + torque["coast"] * through_axle / line.axle_efficiency
+        held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
         pitch -= (min(held, grip) if springs.brake else grip) / springs.windup
     if not isnan(state.pitch):
@@ -1359,9 +1381,9 @@ def one_state(truck, line, state, whirl):
     ]
     spline = line.spline
     slip = abs(T) * spline.friction / spline.radius
-    # Full engine torque and brakes never meet: braked, a joint bears what the line holds back.
-    most = T if state.kind == "windup brake" else torque["engine"]
-    sized = [truck.shock * abs(most) * peak(carried[k]) for k in range(n)]
+    # Joints are sized for the engine; where brakes wind the axle up it drives nothing.
+    largest = abs(T) if state.kind == "windup brake" else torque["engine"]
+    sized = [truck.shock * largest * peak(carried[k]) for k in range(n)]
     gaps = {}
     for o in line.obstacles:
         up = np.array([0, 0, o.share * rise])
@@ -1372,7 +1394,7 @@ def one_state(truck, line, state, whirl):
     value = {}
 
     def say(quantity, part, number):
-        if not isnan(number):
+        if np.isfinite(number):
             value[quantity, part] = float(number)
 
     for k in range(n):
@@ -1387,6 +1409,10 @@ def one_state(truck, line, state, whirl):
             say("joint_life", part, 3600 * life(truck, line, joint, beta[k]))
         say("n_beta", part, w * beta[k])
         say("joint_speed", part, w)
+        say("joint_position", part, place[k])
+        say("side_angle", part, side[k])
+        say("top_angle", part, top[k])
+        say("joint_force", part, crest(joint_forces[k]))
     pairs, odd = paired_shafts(shafts)
     for k in pairs:
         front, rear = (beta[j] * np.exp(1j * place[j]) for j in (k - 1, k))
@@ -1428,6 +1454,18 @@ def one_state(truck, line, state, whirl):
     ):  # fmt: skip
         say("suspension_frequency", "line",
             suspension_frequency(truck.springs[line.springs], load["axle"]))  # fmt: skip
+    for quantity, number in {
+        "torque": T, "engine_torque": torque["engine"], "slip_torque": torque["slip"],
+        "coast_torque": torque["coast"], "low_gear_torque": torque["low_gear"],
+        "wheel_slip_torque": torque["wheel_slip"], "speed": w, "axle_load": load["axle"],
+        "driven_load": load["drive"], "axle_travel": rise,
+        "pinion_pitch": atan2(-d[-1][2], d[-1][0]) - line.side[-1],
+        "line_critical_speed": whirl[0], "bearing_resonance": whirl[1],
+    }.items():  # fmt: skip
+        say(quantity, "line", number)
+    for k in range(shafts):
+        say("critical_speed", f"shaft {k + 1}", critical[k])
+    say("spline_travel", f"shaft {shafts}", travel)
     nought = (WITH_SPEED if w == 0 else ()) + (WITH_TORQUE if T == 0 else ())
     value = {key: v for key, v in value.items() if key[0] not in nought}
 
@@ -1494,7 +1532,11 @@ def one_state(truck, line, state, whirl):
             o.name: min(gaps[k, o.name] for k in range(1, n)) / mm for o in line.obstacles
         },
     }  # fmt: skip
+    frequency = nan
+    if line.drives != "all" and state.kind not in ("", "full rebound", "rebound", "jounce"):
+        frequency = suspension_frequency(truck.springs[line.springs], load["axle"])
     asked = {
+        "suspension_frequency": frequency,
         "low_gear_torque": torque["low_gear"],
         "wheel_slip_torque": torque["wheel_slip"],
         "axle_load": load["axle"],

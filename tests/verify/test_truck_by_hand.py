@@ -22,7 +22,7 @@ import by_hand
 import numpy as np
 import pytest
 
-from cardan.files.application import loads
+from cardan.files.application import loads, read
 from cardan.quantity.quantities import ANSWERED
 from cardan.report import contract
 from cardan.study.approval import assess
@@ -31,16 +31,13 @@ HERE = Path(__file__).parent
 TRUCKS = {"by_hand.yaml": by_hand.TRUCK, "by_hand_front.yaml": by_hand.FRONT_TRUCK}
 
 CLOSED, TURNED, BEAMS = 1e-9, 1e-7, 5e-3
-NOT_YET = "  - {quantity: odd_joint_angle, unit: deg, normal: 2, source: made up}\n"
-"""A limit for a quantity that is on its way: the file would not be read today."""
+DIGITS = 1e-11
+"""The document prints twelve."""
 
 
 @cache
 def assessed(file):
-    text = (HERE / file).read_text(encoding="utf-8")
-    if "odd_joint_angle" in ANSWERED:
-        text += NOT_YET
-    return assess(loads(text, name=file, folder=HERE))
+    return assess(read(HERE / file))
 
 
 @cache
@@ -67,65 +64,35 @@ def expected(file):
     return found
 
 
+BEAM = {"critical_speed_ratio", "half_critical_band", "line_critical_speed", "bearing_resonance"}
+
+
 def tolerance(quantity, part):
-    if quantity in ("critical_speed_ratio", "half_critical_band") and part == "line":
+    if quantity in BEAM and part == "line":
         return BEAMS
     smooth = quantity.endswith(("_acceleration", "_torque", "_force", "_peak"))
     return TURNED if smooth or quantity in ("irregularity", "equivalent_angle") else CLOSED
 
 
-def waits_for(line, quantity, state):
-    """The rule that is on its way, or the disagreement, for which a comparison waits."""
-    braking = (
-        "centre_bearing_static", "centre_bearing_dynamic", "centre_bearing_peak",
-        "gearbox_bearing_force", "pinion_bearing_force", "spline_force",
-        "joint_fatigue_utilisation", "tube_shear_utilisation",
-        "torque_Nm", "spline_force_N", "static_N", "dynamic_N", "peak_N", "force_N", "mean_N",
-        "1", "2", "A", "B", "E", "F", "approximations",
-    )  # fmt: skip
-    if quantity in ("equivalent_angle", "equivalent_angle_deg"):
-        return "an equivalent angle is 2 atan sqrt |E|"
-    if quantity in ("end_angle_difference", "odd_joint_angle"):
-        return "joints pair by shafts, counted from the rear, phase considered"
-    if state.kind == "windup brake" and quantity in braking:
-        return "braked, a line carries its coast torque"
-    if state.speed == state.torque == 0 and quantity in (*by_hand.WITH_SPEED, *by_hand.WITH_TORQUE):
-        return "what standing still or no torque makes nought is not asked"
-    if quantity in ("joint_life", "life_h") and (line.torque_share, line.speed_ratio) != (1, 1):
-        return "a duty cycle's torque and speed are the gearbox output's, not each line's"
-    if quantity == "suspension_frequency" and line is by_hand.REAR:
-        return "the springs of the bogie are asked about where the first line drives them"
-    return None
+EVERYWHERE = pytest.mark.parametrize(
+    ("file", "line", "state"),
+    [
+        (file, line.name, state.name)
+        for file, truck in TRUCKS.items()
+        for line, state in product(truck.lines, truck.states)
+    ],
+)
 
 
-def cases(quantities_of):
-    """Every line in every state, and by themselves the quantities that wait for something."""
-    for file, truck in TRUCKS.items():
-        for line, state in product(truck.lines, truck.states):
-            of, groups = (file, line.name, state.name), {None: []}
-            for quantity in quantities_of(*of):
-                groups.setdefault(waits_for(line, quantity, state), []).append(quantity)
-            for waits, quantities in groups.items():
-                marks = [pytest.mark.xfail(reason=waits, strict=False)] if waits else []
-                name = "-".join((*of, quantities[0]) if waits else of)
-                yield pytest.param(*of, quantities, marks=marks, id=name)
-
-
-def held(file, line, _):
-    """Every quantity that either side has of a line, in any state."""
-    ours = {q for (q, _), of in checked(file).items() if line in {k[0] for k in of}}
-    hand = {q for (q, _), of in expected(file).items() if line in {k[0] for k in of}}
-    return sorted(ours | hand)
-
-
-@pytest.mark.parametrize(("file", "line", "state", "quantities"), list(cases(held)))
-def test_every_quantity_of_every_part(file, line, state, quantities):
-    for quantity in quantities:
+@EVERYWHERE
+def test_every_quantity_of_every_part(file, line, state):
+    """No check without a value by hand, no value without its check."""
+    for quantity in {q for q, of in (*checked(file), *expected(file)) if of == state}:
         ours, hand = (of(file).get((quantity, state), {}) for of in (checked, expected))
         ours, hand = ({p: v for (of, p), v in both.items() if of == line} for both in (ours, hand))
         assert set(ours) == set(hand), quantity
         for part, value in hand.items():
-            wanted = pytest.approx(value, rel=tolerance(quantity, part))
+            wanted = pytest.approx(value, rel=tolerance(quantity, part), abs=1e-15)
             for check in ours[part]:
                 assert check.value == wanted, (quantity, part)
 
@@ -194,8 +161,8 @@ def test_checks_as_readers_see_them(file):
             free = (bound - value) / bound
             free = -free if check.quantity in by_hand.MORE_IS_BETTER else free
         assert row["unit"] == unit
-        assert row["value"] == pytest.approx(value / factor, rel=1e-11)
-        assert row["limit"] == pytest.approx(bound / factor, rel=1e-11)
+        assert row["value"] == pytest.approx(value / factor, rel=DIGITS)
+        assert row["limit"] == pytest.approx(bound / factor, rel=DIGITS)
         assert row["margin"] == pytest.approx(free, rel=1e-9, abs=1e-12), check.quantity
 
 
@@ -229,16 +196,8 @@ def drawn(file):
     return {key: leaves(of) for key, of in by_pencil(file)[1].items()}
 
 
-def name_of(path):
-    return "approximations" if "approximations" in path else str(path[-1])
-
-
-def names(file, line, state):
-    return sorted({name_of(path) for path in drawn(file)[line, state]})
-
-
-@pytest.mark.parametrize(("file", "line", "state", "quantities"), list(cases(names)))
-def test_the_document(file, line, state, quantities):
+@EVERYWHERE
+def test_the_document(file, line, state):
     """The numbers that other programs read, in the units their keys say.
 
     The small-angle forces are taken at a ten-thousandth of the angles, where what is left
@@ -247,10 +206,8 @@ def test_the_document(file, line, state, quantities):
     ours, hand = told(file)[line, state], drawn(file)[line, state]
     assert set(ours) == set(hand)
     for path, value in hand.items():
-        name = name_of(path)
-        if name not in quantities:
-            continue
-        rel = {"line_critical_speed_rpm": BEAMS, "approximations": 1e-6}.get(name, TURNED)
+        rough = 1e-6 if "approximations" in path else TURNED
+        rel = BEAMS if path[-1] == "line_critical_speed_rpm" else rough
         assert np.array_equal(np.isnan(ours[path]), np.isnan(value)), path
         size = np.linalg.norm(np.nan_to_num(value))
         apart = np.linalg.norm(np.nan_to_num(ours[path] - value))
@@ -330,3 +287,9 @@ def test_a_torque_of_the_application_gives_way_to_a_states_own():
                 at_gearbox = 5000 if isnan(state.torque) else state.torque
                 wanted = pytest.approx(at_gearbox * line.torque_share, rel=CLOSED)
                 assert response.demand.torque[s] == wanted, state.name
+
+
+def test_the_files_ask_about_every_quantity_that_can_be_limited():
+    for file in TRUCKS:
+        assert {limit.quantity for limit in assessed(file).application.limits} == set(ANSWERED)
+    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == set(ANSWERED)
