@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from cardan.study.assess import assess
 
 from cardan.base.errors import BadFile, DesignError
 from cardan.files import loads, located, schema, starter
+from cardan.study.approval import assess
 
 ROOT = Path(__file__).parents[2]
 COUNT = int(os.environ.get("CARDAN_FUZZ", "300"))

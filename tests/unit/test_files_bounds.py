@@ -9,7 +9,7 @@ import pytest
 
 from cardan.base.errors import BadFile
 from cardan.base.units import kNm, rpm
-from cardan.demand.states import demand
+from cardan.demand.states import demand, resolve
 from cardan.demand.torque import brake_torque
 from cardan.files import cycle, loads, read, schema, starter
 from cardan.files.cycle import names
@@ -197,7 +197,7 @@ def folders(tmp_path):
 
 
 def named(folders, what: str, name: str, **given: object):
-    text = SMALL.replace("limits: heavy-truck ", "# ")
+    text = SMALL.replace("limits: protractor ", "# ")
     step = (
         "bracket:\n  step: {{file: {}, centre_mm: [0, 0, 0], seat: [{{name: a}}], "
         "bolts: [{{name: b}}], thickness_mm: 6}}\n"
@@ -313,7 +313,7 @@ def test_a_brake_nobody_gives_is_not_known():
     truck = loads(TRUCK.replace("  brake_torque_Nm: 350", "  # "))
     assert truck.engine.brake_torque is None
     assert brake_torque(truck.engine) != brake_torque(truck.engine)
-    assert all(demand(truck, truck.lines[0]).coast_torque != 0)
+    assert all(demand(resolve(truck, truck.lines[0])).coast_torque != 0)
     assert brake_torque(Engine(speed=(1.0,), torque=(1.0,), brake_torque=0.0)) == 0
 
 
@@ -337,7 +337,8 @@ def test_no_point_of_a_cycle_asks_for_more_than_full_power(name, truck):
     engine = application.engine
     power = max(w * m for w, m in zip(engine.speed, engine.torque, strict=True))
     power *= application.gearbox.efficiency
-    asked = demand(replace(application, states=application.states[:3]), application.lines[0])
+    shown = replace(application, states=application.states[:3])
+    asked = demand(resolve(shown, application.lines[0]))
     torque = max(asked.torque) / application.lines[0].torque_ratio
     for p in cycle_points(cycle(name), torque=torque, speed=application.speed):
         assert p.torque * p.speed <= power

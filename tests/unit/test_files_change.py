@@ -72,9 +72,12 @@ def test_changes_add_up_and_leave_the_first_as_it_was():
     ("changes", "message"),
     [
         ({"tyre.frction": 0.7}, "tyre.frction: no number has this address; did you mean tyre.fric"),
-        ({"tyre.friction": -1.0}, r"truck.yaml:\d+:13: tyre.friction: must be a number above 0"),
+        (
+            {"tyre.friction": -1.0},
+            r"truck.yaml:\d+:13: tyre.friction: must be a number of at",
+        ),
         ({"tyre.friction": [0.5, 0.9, 3.0]}, r"at most 2 \(got 0.5 ... 3\)"),
-        ({"tyre.friction": [0.5, np.nan]}, r"tyre.friction: must be within ±1e\+12"),
+        ({"tyre.friction": [0.5, np.nan]}, r"tyre.friction: must be a number of at least 0.001"),
         ({"driveline.shafts[2].tube.wall_mm": [4.0, 80.0]}, "at most half its outside diameter"),
         ({"duty[1].share_percent": [30.0, 40.0]}, r"the shares must make 100 % \(got 110 %\)"),
     ],

@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
-from cardan.study.assess import assess
 
 from cardan.base.errors import DesignError, Place, about
 from cardan.files import loads, located, place, read, starter
+from cardan.study.approval import assess
 from cardan.study.stability import stability
 
 SMALL, TRUCK = starter("small"), starter("truck")

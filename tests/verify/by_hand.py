@@ -649,16 +649,16 @@ def load_at_rest(truck, load, slope=0.0):
     return load.weight * cos(slope) - held - rear, rear
 
 
-def load_at_slip(truck, load, friction, front_driven, rear_driven):
+def load_at_slip(truck, load, friction, front_driven, rear_driven, *, on_air=0.0):
     """The same while the driven wheels are about to slip, on the truck's grade.
 
-    Unknown front F and rear R: F + R stays, and R grows by the force mu (sf F + sr R) times
-    h/L. Two equations.
+    Unknown front F and rear R: F + R stays, and R grows by the force mu (sf F + sr R + A)
+    times h/L, with A the load of wheels on air if they brake too. Two equations.
     """
     front, rear = load_at_rest(truck, load, truck.grade)
     moved = friction * load.height / truck.wheelbase
     equations = [[1.0, 1.0], [-moved * front_driven, 1.0 - moved * rear_driven]]
-    return np.linalg.solve(equations, [front + rear, rear])
+    return np.linalg.solve(equations, [front + rear, rear + moved * on_air])
 
 
 def loads_on(truck, line, state):
@@ -680,7 +680,8 @@ def loads_on(truck, line, state):
     still = group(*load_at_rest(truck, load))
     drive = group(*load_at_slip(truck, load, truck.friction, *shares))
     coast = group(*load_at_slip(truck, load, -truck.friction, *shares))
-    brake = group(*load_at_slip(truck, load, -truck.friction, 1.0, 1.0))
+    on_air = sum(a for a, _ in load.auxiliary)
+    brake = group(*load_at_slip(truck, load, -truck.friction, 1.0, 1.0, on_air=on_air))
     return {
         "axle": still / axles,
         "rest": line.load_share * still,

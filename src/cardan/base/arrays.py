@@ -48,7 +48,10 @@ def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]
 def stacked(values: Iterable[ArrayLike]) -> FloatArray:
     """Return numbers, or arrays (...) of them, side by side on a new last axis, (..., n)."""
     columns = [np.asarray(v, dtype=float) for v in values]
-    return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
+    found = np.empty((*np.broadcast_shapes(*(c.shape for c in columns)), len(columns)))
+    for k, column in enumerate(columns):
+        found[..., k] = column
+    return found
 
 
 def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArray:

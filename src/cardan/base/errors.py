@@ -46,7 +46,7 @@ def failing(kept: npt.ArrayLike, *values: npt.ArrayLike) -> tuple[float, ...] | 
 
     Conditions are comparisons that nan does not pass.
     """
-    if np.all(kept):
+    if kept is True or np.all(kept):  # of one number NumPy takes longer than all the rest
         return None
     spread = np.broadcast_arrays(kept, *values)
     first = np.argmin(spread[0])

@@ -312,11 +312,11 @@ class Number(Rule):
         return f"is it the inverse of {1 / written:.4g}?" if inverse else ""
 
     def _within(self, si: float) -> bool:
-        return bool(
-            (self._above is None or np.all(si > self._above))
-            and (self._least is None or np.all(si >= self._least))
-            and (self._below is None or np.all(si < self._below))
-            and (self._most is None or np.all(si <= self._most))
+        return not (
+            (self._above is not None and failing(si > self._above, si))
+            or (self._least is not None and failing(si >= self._least, si))
+            or (self._below is not None and failing(si < self._below, si))
+            or (self._most is not None and failing(si <= self._most, si))
         )
 
     def _range(self, worth: float) -> str:
@@ -665,7 +665,8 @@ class Table:
         if not isinstance(root, Mapping):
             TableRule(cls).refuse(here)
         before, spoilt = len(here.reading.problems), False
-        here = replace(here, fixed=here.fixed or cls.fixed)
+        if cls.fixed:
+            here = replace(here, fixed=True)
         used: Used = {}
         values: dict[str, Any] = {}
         meant: set[str] = set()

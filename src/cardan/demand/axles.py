@@ -111,13 +111,14 @@ def at_slip(
     wheelbase: ArrayLike,
     front_share: ArrayLike = 0.0,
     rear_share: ArrayLike = 1.0,
+    auxiliary_share: float = 0.0,
 ) -> AxleLoads:
     r"""Return the loads while the driven wheels are about to slip.
 
-    With F = μ (sf Nf + sr Nr) the transfer feeds the force that makes it; solved for the
-    rear, from loads Nf, Nr without transfer,
+    With F = μ (sf Nf + sr Nr + sa A) the transfer feeds the force that makes it; solved for
+    the rear, from loads Nf, Nr without transfer and A of axles on air,
 
-    $$N_r' = \frac{N_r + \mu s_f (N_f + N_r) h/L}{1 - \mu (s_r - s_f) h/L}$$
+    $$N_r' = \frac{N_r + \mu (s_f (N_f + N_r) + s_a A) h/L}{1 - \mu (s_r - s_f) h/L}$$
 
     Rear drive gives W lf/(L − μ h), front drive Nf' = W lr/(L + μ h), all-wheel drive
     W (lf + μ h)/L, a bogie driven by a share s of its load W lf/(L − μ s h).
@@ -146,7 +147,8 @@ def at_slip(
     both = loads.front + loads.rear
     relief = 1 - lever * (rear - front)
     lifted = relief <= 0
-    rear = (loads.rear + lever * front * both) / np.where(lifted, 1.0, relief)
+    fed = lever * (front * both + auxiliary_share * loads.auxiliary.sum(-1))
+    rear = (loads.rear + fed) / np.where(lifted, 1.0, relief)
     return loads.shifted(np.where(lifted, both, rear) - loads.rear)
 
 
@@ -214,14 +216,17 @@ def line_loads(
         front, rear = driven_front * loads.front, driven_rear * loads.rear
         return {"rear": rear, "front": front, "all": front + rear}[drives]
 
-    def limit(friction: ArrayLike, front_share: ArrayLike, rear_share: ArrayLike) -> FloatArray:
+    def limit(
+        friction: ArrayLike, front: ArrayLike, rear: ArrayLike, auxiliary: float = 0.0
+    ) -> FloatArray:
         loads = at_slip(
             slope,
             friction=friction,
             cg_height=0.0 if load.cg_height is None else load.cg_height,
             wheelbase=vehicle.wheelbase,
-            front_share=front_share,
-            rear_share=rear_share,
+            front_share=front,
+            rear_share=rear,
+            auxiliary_share=auxiliary,
         )
         return driven(loads)
 
@@ -230,7 +235,7 @@ def line_loads(
         rest=part * driven(level),
         traction=part * limit(mu, driven_front, driven_rear),
         coast=part * limit(-mu, driven_front, driven_rear),
-        braked=limit(-mu, 1.0, 1.0) / axles,
+        braked=limit(-mu, 1.0, 1.0, 1.0) / axles,
     )
 
 

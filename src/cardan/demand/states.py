@@ -283,12 +283,16 @@ def _speed(line: ResolvedLine) -> FloatArray:
     The torque that winds an axle up is that of the lowest gear, and so is the speed.
     """
     ratio = np.asarray(line.installed.speed_ratio, dtype=float)
-    given = ratio * _by_state(_first(s.speed, line.speed) for s in line.states)
     if line.gears is None:
-        return given
+        return ratio * _by_state(_first(s.speed, line.speed) for s in line.states)
+    # A top speed is none of the gear that winds the axle up.
+    wound = line.winds("windup")
+    given = ratio * _by_state(
+        _first(s.speed, None if low else line.speed)
+        for s, low in zip(line.states, wound, strict=True)
+    )
     _, low = line.gears.strongest
-    geared = np.where(line.winds("windup"), low, line.gears.top_speed)
-    return np.where(np.isnan(given), geared, given)
+    return np.where(np.isnan(given), np.where(wound, low, line.gears.top_speed), given)
 
 
 # --------------------------------------------------------------------------- places
@@ -308,16 +312,17 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
                 f"state {state.name} cannot place the {line.installed.drives} axle of line "
                 f"{line.line.name}: give that axle a suspension, or the state a travel"
             )
-            raise DesignError(msg, about=f"states[{line.states.index(state) + 1}]")
+            raise DesignError(msg)
         start = axle_loads[line.reference_loading.key]
         reference = deflection(line.suspension, line.suspension.reference, axle_load=start)
         load = axle_loads[loading.key]
         return deflection(line.suspension, state.kind, axle_load=load) - reference
 
-    return _by_state(
-        rise(s, loading, free=free)
-        for s, loading, free in zip(line.states, line.loadings, line.free, strict=True)
-    )
+    risen: list[ArrayLike] = []
+    for k, (s, loading) in enumerate(zip(line.states, line.loadings, strict=True)):
+        with about(f"states[{k + 1}]"):
+            risen.append(rise(s, loading, free=bool(line.free[k])))
+    return _by_state(risen)
 
 
 def _ride(
@@ -353,7 +358,9 @@ def _windup(
     suspension, axle, tyre, vehicle = line.suspension, line.axle, line.tyre, line.vehicle
     behind = 1.0
     if vehicle:
-        behind = line.installed.load_share * driven_axles(vehicle, drives=line.installed.drives)
+        # How many axles stand behind the line; how they share their load is no matter of it.
+        axles = driven_axles(vehicle, drives=line.installed.drives)
+        behind = np.maximum(np.round(line.installed.load_share * axles), 1.0)
     ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (np.nan, 1.0)
     brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
     held = np.where(brakes > 0, brakes + np.nan_to_num(-torque * ratio / efficiency), np.nan)

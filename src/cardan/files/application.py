@@ -509,7 +509,8 @@ class ApplicationTable(Table):
             ("torque", "nothing pulls", "loads, strength and life"),
             ("speed", "nothing turns", "accelerations and critical speeds"),
         ):
-            if getattr(self, name) == 0:
+            given = getattr(self, name)
+            if given is not None and np.all(given == 0):
                 self.at(name).warn(f"{still}: {unchecked} cannot be checked")
         if self.engine is None and self.torque is None and any(s.torque is None for s in states):
             message = "no torque is given: loads, strength and life cannot be checked"

@@ -55,7 +55,7 @@ def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
     lengths = layout.lengths[..., None]
     # The two columns are factors of 1 and of e^{2iθ}.
     force = 0.5j * np.asarray(torque, dtype=float)[..., None, None] / lengths
-    couple = force * np.stack([mean, swing], axis=-1)
+    couple = force * np.stack(np.broadcast_arrays(mean, swing), axis=-1)
     overhangs = stacked(
         s.centre_bearing.from_rear_joint if s.centre_bearing else 0.0 for s in line.shafts
     )[..., None]

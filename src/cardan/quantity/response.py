@@ -267,13 +267,13 @@ class Response:
     def sizing_torque(self) -> FloatArray:
         """Largest torque round a turn at each joint, (..., n) N m, for the joints' size.
 
-        From the engine where it is known, times the application's shock factor; where
-        brakes wind the axle up, what the line itself carries.
+        From the engine where it is known, unless a state carries more, times the
+        application's shock factor; where brakes wind the axle up, what the line carries.
         """
         demand = self.demand
         braked = np.array([kind == "windup brake" for kind in self.kinds])
         own = np.isnan(demand.engine_torque) | braked
-        asked = np.where(own, demand.torque, demand.engine_torque)
+        asked = np.where(own, demand.torque, np.fmax(demand.engine_torque, demand.torque))
         uneven = np.abs(self.turn.phasors[..., :-1])
         uneven = np.concatenate([np.zeros_like(uneven[..., :1]), uneven], axis=-1)
         largest = self.application.shock_factor * np.abs(asked)
