@@ -485,7 +485,7 @@ def _windup(application: Application) -> Found:
         at, suspension = line.suspension
         behind = driven_axles(vehicle, drives=line.installed.drives) if vehicle else 1
         torque = float(line.reference.torque[0]) * axle.ratio * axle.efficiency
-        torque /= behind * line.installed.load_share
+        torque = _over(torque, behind * line.installed.load_share)
         yield (f"{at}.windup_stiffness",), _over(torque, suspension.windup_stiffness) / deg
 
 
