@@ -112,6 +112,37 @@ def contract() -> str:
     return "\n\n".join(_table(name, table) for name, table in tables.items())
 
 
+def relations() -> str:
+    """Return what values of an application file are held against each other."""
+    from cardan.files.plausible import RELATIONS
+
+    rows = ["| what | usual |", "|---|---|"]
+    for r in RELATIONS:
+        low, high = (f"{bound:.3g}{r.unit}" for bound in r.usual)
+        rows.append(
+            f"| {r.says.strip(',')} | {low} {'or more' if high == 'inf' else f'to {high}'} |"
+        )
+    return "\n".join(rows)
+
+
+def cycles() -> str:
+    """Return the duty cycles that come with the package, point by point."""
+    from cardan.files.cycle import cycle, names
+
+    pages: list[str] = []
+    for name in names():
+        found = cycle(name)
+        rows = ["| of the time | of the largest torque | of top speed |", "|---|---|---|"]
+        rows += [
+            " | ".join(f"{100 * v:g} %" for v in (p.share, p.torque_share, p.speed_share)).join(
+                "||"
+            )
+            for p in found.points
+        ]
+        pages.append(f"`{name}`: {found.says} {found.source}.\n\n" + "\n".join(rows))
+    return "\n\n".join(pages)
+
+
 def profiles() -> str:
     """Return the limit profiles that come with the package, limit by limit."""
     from cardan.files.limit import limits, names
@@ -166,7 +197,7 @@ WRITERS = {
     "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
-    "[[gallery]]": gallery,
+    "[[gallery]]": gallery, "[[relations]]": relations, "[[cycles]]": cycles,
 }  # fmt: skip
 
 

@@ -601,6 +601,8 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
          "front_axle_kg and rear_axle_kg without it"]),
         ("vehicle: {drive: 4x2, wheelbase_m: 4.8, grade_percent: 3, grade_deg: 2}", ["f.yaml:11:59: "
          "vehicle.grade_deg: grade_percent and grade_deg exclude each other; keep one of them"]),
+        ("vehicle: {drive: 4x2, wheelbase_m: 4.8, front_driven: true}", ["f.yaml:5:3: driveline: "
+         "a 4x2 drives no rear axle for a line to turn"]),
         ("vehicle: {drive: 4x2, wheelbase_m: 4.8, driven_share: 0.6}", ["f.yaml:11:55: vehicle."
          "driven_share: driven_share of a 4x2 whose rear group has 1 of 1 axles driven must be 1, "
          "got 0.6"]),

@@ -1,6 +1,5 @@
 """Where things stand in a file: numbers by their address, and errors found after the reading."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -81,11 +80,6 @@ REFUSED_LATER = {
     "a state without a load": (
         TRUCK.replace("    gvw: {mass_kg", "    full: {mass_kg"),
         "- full rebound", "states[1]: suspension state gvw needs the axle's load",
-    ),
-    "no axle to drive": (
-        re.sub("states:.*?\n\n", "\n", TRUCK, flags=re.DOTALL)
-        .replace("driveline:\n", "driveline:\n  drives: front\n"),
-        "front\n", "driveline.drives: a 6x2 drives no front axle",
     ),
 }  # fmt: skip
 

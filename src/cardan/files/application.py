@@ -39,6 +39,7 @@ from cardan.border.table import (
     key,
     nearest,
 )  # fmt: skip
+from cardan.demand.axles import driven_axles
 from cardan.files.bracket import BracketTable
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
@@ -440,6 +441,8 @@ class ApplicationTable(Table):
         if not tables:
             self.at("drivelines").refuse("needs at least one line")
         lines = tuple(table.installed(name, axle=self.axle) for name, table in tables.items())
+        if self.vehicle is not None:
+            self._find_driven(self.vehicle, list(tables.values()))
         states = self._states(lines)
         self._say_what_is_missing(states)
         name, held = self.limits or limits(DEFAULT)
@@ -471,6 +474,14 @@ class ApplicationTable(Table):
             include_unbalance="unbalance" in self.include,
             origins=self.at().reading.places,
         )
+
+    @staticmethod
+    def _find_driven(vehicle: Vehicle, tables: list[LineTable]) -> None:
+        """Refuse a line to axles that the vehicle does not drive."""
+        for table in tables:
+            if not driven_axles(vehicle, drives=table.drives):
+                message = f"a {vehicle.drive} drives no {table.drives} axle for a line to turn"
+                table.at("drives").refuse(message)
 
     def _states(self, lines: tuple[Installed, ...]) -> tuple[State, ...]:
         states: list[State] = []

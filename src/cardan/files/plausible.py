@@ -485,9 +485,8 @@ def _windup(application: Application) -> Found:
         at, suspension = line.suspension
         behind = driven_axles(vehicle, drives=line.installed.drives) if vehicle else 1
         torque = float(line.reference.torque[0]) * axle.ratio * axle.efficiency
-        torque /= float(behind * line.installed.load_share)
-        pitch = _over(torque, suspension.windup_stiffness) / deg
-        yield (f"{at}.windup_stiffness",), float(pitch)
+        torque = _over(torque, behind * line.installed.load_share)
+        yield (f"{at}.windup_stiffness",), _over(torque, suspension.windup_stiffness) / deg
 
 
 def _stops(name: str, sign: int) -> Callable[[Application], Found]:
