@@ -500,7 +500,7 @@ def _stops(name: str, sign: int) -> Callable[[Application], Found]:
             with suppress(DesignError):
                 rest = deflection(suspension, suspension.reference, axle_load=load)
                 if stop is not None and suspension.reference not in (name, "rebound"):
-                    yield (f"{at}.{name}_deflection",), 1e3 * sign * (stop - rest)
+                    yield (f"{at}.{name}_deflection",), 1e3 * sign * (stop - float(rest))
 
     return of
 
