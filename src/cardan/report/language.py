@@ -149,7 +149,11 @@ class Language:
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
-        return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
+        if margin < -9.99:
+            return "< -999 %"
+        if 0 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
+            return self.pointed(f"{100 * margin:+.2g} %")
+        return f"{round(100 * margin) + 0:+d} %"
 
     def list(self, *parts: str) -> str:
         """Return parts as a list in a line."""

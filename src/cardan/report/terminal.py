@@ -186,9 +186,14 @@ def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iter
         return
     yield ""
     yield _bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
+    hopeless: set[tuple[str, str]] = set()
     for one in of:
+        moves, what = moves_that_help(one, say), (one.check.line, one.check.quantity)
+        if not moves and what in hopeless:
+            continue  # said of the part that is worst
+        hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves_that_help(one, say)) or say('nothing that can be moved')}"
+        yield f"      {'; '.join(moves) or say('nothing that can be moved')}"
 
 
 def _line(r: Response, say: Language) -> Iterator[str]:

@@ -127,7 +127,7 @@ def unanswered(of: Approval, say: Language) -> list[str]:
 def _unanswered(same: list[Unanswered], say: Language, *, required: bool, several: bool) -> str:
     """Return limits of one quantity that miss the same, where they are a few with their places."""
     first = same[0]
-    needs = ", ".join(say.given(n) for n in first.needs) or say("a number nobody could compute")
+    needs = "; ".join(say.given(n) for n in first.needs) or say("a number nobody could compute")
     parts = dict.fromkeys(
         say.list(u.line if several else "", "" if u.part == LINE else say.part(u.part))
         for u in same

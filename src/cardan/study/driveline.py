@@ -97,8 +97,9 @@ def _question(limit: Limit, parts: tuple[Part, ...], asks: BoolArray, values: Fl
 
 
 def _known(quantity: Quantity, response: Response) -> FloatArray:
-    """Return the values limits may ask about: of what stands idle in every state nobody knows."""
+    """Return what limits ask about: sizes; of what stands idle in every state nobody knows."""
     values = quantity.values(response)
+    values = np.abs(values) if quantity.signed else values
     for need in quantity.needs:
         if need.idle is not None:
             values = np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)
