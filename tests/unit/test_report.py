@@ -32,11 +32,12 @@ from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language, catalogue
 from cardan.report.pdf import document
 from cardan.report.plots import plots
-from cardan.study.approval import STUDIES, approve, assess
+from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
-from cardan.study.stability import VibrationStudy, stability
+from cardan.study.stability import stability
+from cardan.study.studies import STUDIES, VibrationStudy
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), *(ROOT / "src/cardan/cli").glob("*.py")]

@@ -15,7 +15,8 @@ from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.model.application import Surroundings
 from cardan.study.approval import approve
-from cardan.study.stability import VibrationStudy, stability
+from cardan.study.stability import stability
+from cardan.study.studies import VibrationStudy
 
 
 @pytest.fixture(scope="module")

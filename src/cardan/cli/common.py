@@ -81,7 +81,8 @@ def approved(
     tell: "Progress | None" = None,
 ) -> Any:
     """Return the approval of a file's application, `also` by other studies than it asks for."""
-    from cardan.study.approval import STUDIES, approve, default_studies
+    from cardan.study.approval import approve, default_studies
+    from cardan.study.studies import STUDIES
 
     application = read(file, limits, allow_outside=allow_outside)
     chosen = {s.name: s for s in default_studies(application)}

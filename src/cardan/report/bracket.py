@@ -17,8 +17,9 @@ from cardan.report.contract import CONTRACT, check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN, checks, summary
 from cardan.study.approval import Approval
-from cardan.study.bracket import NAME, BracketAnswer, Found, Judged, Outcome
+from cardan.study.bracket import BracketAnswer, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
+from cardan.study.finding import BRACKET
 
 MICRO = 1e-6
 SETTLED = 0.05
@@ -30,7 +31,7 @@ SETTLED = 0.05
 
 def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict and a bracket's numbers, line by line of text."""
-    of: BracketAnswer = approval.of(NAME)
+    of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
     yield from summary(approval, say)
     yield say("limits: {profile}", profile=approval.application.profile)
@@ -168,7 +169,7 @@ def _place(point: tuple[float, ...]) -> str:
 
 def contract(approval: Approval) -> dict[str, Any]:
     """Return a bracket study as the JSON contract's document."""
-    of: BracketAnswer = approval.of(NAME)
+    of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
     return plain(
         {

@@ -46,11 +46,9 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval
-from cardan.study.bracket import NAME as BRACKET
-from cardan.study.finding import Finding
+from cardan.study.finding import BRACKET, VIBRATION, Finding
 from cardan.study.fix import Proposal
 from cardan.study.sensitivity import Sensitivity
-from cardan.study.stability import NAME as VIBRATION
 
 __all__ = ["Issue", "Story", "approval", "comparison", "figures"]
 

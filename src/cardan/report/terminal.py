@@ -4,12 +4,12 @@ Text is marked with colours; whoever prints it takes them out where there is no 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from cardan.base.verdict import GRADES, Check, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.report.compare import Variant, differences, effects
 from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
@@ -25,9 +25,12 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval
-from cardan.study.fix import Proposal
-from cardan.study.published import Published
 from cardan.study.sensitivity import Sensitivity
+
+if TYPE_CHECKING:  # one check of one design is not to wait for these
+    from cardan.report.compare import Variant
+    from cardan.study.fix import Proposal
+    from cardan.study.published import Published
 
 LABEL = 48
 """Width of the names of rows."""
@@ -77,8 +80,10 @@ def _unanswered(of: Approval, say: Language) -> Iterator[str]:
         yield from (f"  {line}" for line in found)
 
 
-def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
+def comparison(of: "Sequence[Variant]", say: Language = EN) -> Iterator[str]:
     """Yield variants side by side: verdicts, what differs in the input, each limit."""
+    from cardan.report.compare import differences, effects
+
     yield _bold(say("Variants side by side"))
     wide = 22
     head = "".join(_fit(f"{k}. {v.name}", wide) for k, v in enumerate(of, 1))
@@ -105,7 +110,7 @@ def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
     yield say("* the verdict differs")
 
 
-def proposals(of: tuple[Proposal, ...], say: Language = EN) -> Iterator[str]:
+def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
     """Yield corrections, best first, with what each moves, costs and wins."""
     if not of:
         yield say(
@@ -139,7 +144,7 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     yield f"  Key: {q.key}; {others}"
 
 
-def published(cases: Iterable[Published]) -> Iterator[str]:
+def published(cases: "Iterable[Published]") -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
     yield f"{'':6}{'case':<66}{'published':>13}{'computed':>13}{'difference':>12}"
     for c in cases:

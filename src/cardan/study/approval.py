@@ -11,17 +11,10 @@ from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.study.bracket import BracketStudy
-from cardan.study.driveline import NAME as DRIVELINE
 from cardan.study.driveline import DrivelineStudy
-from cardan.study.finding import Finding, Study, Tell, limits_of, silence, silent
+from cardan.study.finding import DRIVELINE, Finding, Study, Tell, limits_of, silence, silent
 from cardan.study.notes import SpringMismatch, mismatches
-from cardan.study.stability import VibrationStudy
-
-STUDIES: dict[str, Study[Any]] = {
-    s.name: s for s in (DrivelineStudy(), VibrationStudy(), BracketStudy())
-}
-"""The studies of an application by name, as they are where nobody says more."""
+from cardan.study.studies import STUDIES, VibrationStudy
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,16 +13,14 @@ from cardan.model.application import Application
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
-from cardan.study.finding import Finding, Tell, silent
-
-NAME = "driveline"
+from cardan.study.finding import DRIVELINE, Finding, Tell, silent
 
 
 @dataclass(frozen=True)
 class DrivelineStudy:
     """The study every approval begins with."""
 
-    name: str = NAME
+    name: str = DRIVELINE
 
     def concerns(self, application: Application) -> bool:
         """Whether the application is about this: always."""
@@ -42,16 +40,17 @@ class DrivelineStudy:
         DesignError
             If the chain cannot exist in a state (a joint locks, a spring has no load).
         """
-        tell(NAME, 0, len(application.lines))
+        tell(DRIVELINE, 0, len(application.lines))
         responses = tuple(
             respond(application, demand(resolve(application, installed)))
             for installed in application.lines
         )
+        questions = [(r, q) for r in responses for q in asked(r)]
         return Finding(
-            study=NAME,
+            study=DRIVELINE,
             answer=responses,
-            checks=tuple(c for r in responses for c in checks_of(r)),
-            unanswered=tuple(u for r in responses for u in unanswered_of(r)),
+            checks=tuple(c for r, q in questions for c in _answers(r, q)),
+            unanswered=tuple(u for r, q in questions for u in _silence(r, q)),
         )
 
 
@@ -148,23 +147,31 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
 def checks_of(response: Response) -> Iterator[Check]:
     """Yield a check for each limit, state and part of a line that has a number."""
     for question in asked(response):
-        for state, part in np.argwhere(~np.isnan(question.values)):
-            found = check(response, question, int(state), int(part))
-            if found:
-                yield found
+        yield from _answers(response, question)
 
 
 def unanswered_of(response: Response) -> Iterator[Unanswered]:
     """Yield each limit, state and part of a line that got no number, with what it needs."""
     for question in asked(response):
-        for state, part in np.argwhere(question.asks & np.isnan(question.values)):
-            yield Unanswered(
-                limit=question.limit,
-                line=response.line.name,
-                when=Occasion("state", response.demand.states[state]),
-                part=question.parts[part],
-                needs=tuple(_needs(response, question, int(state), int(part))),
-            )
+        yield from _silence(response, question)
+
+
+def _answers(response: Response, question: Asked) -> Iterator[Check]:
+    for state, part in np.argwhere(~np.isnan(question.values)).tolist():
+        found = check(response, question, state, part)
+        if found:
+            yield found
+
+
+def _silence(response: Response, question: Asked) -> Iterator[Unanswered]:
+    for state, part in np.argwhere(question.asks & np.isnan(question.values)).tolist():
+        yield Unanswered(
+            limit=question.limit,
+            line=response.line.name,
+            when=Occasion("state", response.demand.states[state]),
+            part=question.parts[part],
+            needs=tuple(_needs(response, question, state, part)),
+        )
 
 
 def _needs(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
