@@ -11,7 +11,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
-from cardan.study.fix import Move
+from cardan.study.moves import Move
 from cardan.study.sensitivity import Effect, Sensitivity
 
 

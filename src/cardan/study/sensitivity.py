@@ -11,7 +11,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
 from cardan.study.driveline import asked, check, checks_of
-from cardan.study.fix import adjustables, tried
+from cardan.study.moves import adjustables, tried
 
 
 @dataclass(frozen=True, kw_only=True)
