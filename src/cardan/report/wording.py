@@ -14,6 +14,9 @@ from cardan.study.approval import Approval
 from cardan.study.moves import Move
 from cardan.study.sensitivity import Effect, Sensitivity
 
+STUDY_TITLES = {"vibration": "Vibration and stability", "bracket": "Bracket"}
+"""What the chapters and sheets of studies are called beside the driveline's."""
+
 
 def counts(of: Approval, say: Language) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""

@@ -59,12 +59,14 @@ class Asked:
     """One limit asking about one quantity of a line.
 
     `asks` tells where it does, and `values` are its answers, both (..., states, parts): nan
-    where it does not ask, or nothing answers.
+    where it does not ask, or nothing answers. `may` (states, parts) tells where it would ask
+    at other angles, speeds and torques: it looks at the kinds of states and joints alone.
     """
 
     limit: Limit
     parts: tuple[Part, ...]
     asks: BoolArray
+    may: BoolArray
     values: FloatArray
 
 
@@ -81,18 +83,24 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         assert quantity.parts is not None  # of those that a line answers
         parts, values = quantity.parts(response), _known(quantity, response)
         rated = np.array([limit is not None for limit in own]) if own else np.array([False])
-        meant = _meant(quantity, response)
+        kinds = _of_kinds(quantity.states, response)
+        turning = ~_idle(quantity, response)
         for limit in asking:
-            asks = _asks(limit, response) & meant & ~(quantity.own_first & rated)
-            yield _question(limit, parts, asks, values)
+            may = kinds & _of_kinds(limit.states, response) & ~(quantity.own_first & rated)
+            yield _question(limit, parts, may, turning & _bent(limit, response), values)
         for k, limit in enumerate(own):
             if limit is not None:
-                yield _question(limit, parts, meant & (np.arange(len(parts)) == k), values)
+                may = kinds & (np.arange(len(parts)) == k)
+                yield _question(limit, parts, may, turning, values)
 
 
-def _question(limit: Limit, parts: tuple[Part, ...], asks: BoolArray, values: FloatArray) -> Asked:
-    asks = np.broadcast_to(asks, values.shape)
-    return Asked(limit=limit, parts=parts, asks=asks, values=np.where(asks, values, np.nan))
+def _question(
+    limit: Limit, parts: tuple[Part, ...], may: BoolArray, does: BoolArray, values: FloatArray
+) -> Asked:
+    may = np.broadcast_to(may, values.shape[-2:])
+    asks = np.broadcast_to(may & does, values.shape)
+    answers = np.where(asks, values, np.nan)
+    return Asked(limit=limit, parts=parts, asks=asks, may=may, values=answers)
 
 
 def _known(quantity: Quantity, response: Response) -> FloatArray:
@@ -105,28 +113,29 @@ def _known(quantity: Quantity, response: Response) -> FloatArray:
     return values
 
 
-def _meant(quantity: Quantity, response: Response) -> BoolArray:
-    """Return where a quantity means anything, (..., states, 1).
+def _of_kinds(kinds: frozenset[str] | None, response: Response) -> BoolArray:
+    """Return which states are of some kinds, None is all of them, (states, 1)."""
+    return np.array([[kinds is None or kind in kinds] for kind in response.kinds])
 
-    In the states it is declared for, and not where the application says that nothing turns
-    or carries, unless that is so in every state: then nobody has answered.
+
+def _idle(quantity: Quantity, response: Response) -> BoolArray:
+    """Return where the application says that nothing turns or carries, (..., states, 1).
+
+    Nowhere if that is so in every state: then nobody has answered.
     """
-    kinds = quantity.states
-    meant = np.array([[kinds is None or kind in kinds] for kind in response.kinds])
+    found = np.zeros((1, 1), dtype=bool)
     for need in quantity.needs:
         if need.idle is not None:
             idle = need.idle(response)
-            meant = meant & ~(idle & ~idle.all(axis=-2, keepdims=True))
-    return meant
+            found = found | (idle & ~idle.all(axis=-2, keepdims=True))
+    return found
 
 
-def _asks(limit: Limit, response: Response) -> BoolArray:
-    """Return where a limit asks: in its states, above its joint angle, (..., states, 1)."""
-    kinds = response.kinds
-    asks = np.array([[limit.states is None or kind in limit.states] for kind in kinds])
+def _bent(limit: Limit, response: Response) -> BoolArray:
+    """Return where a joint angle is above that of a limit, (..., states, 1)."""
     if limit.above_angle is None:
-        return asks
-    return asks & (response.angles.max(axis=-1, keepdims=True) > limit.above_angle)
+        return np.ones((1, 1), dtype=bool)
+    return response.angles.max(axis=-1, keepdims=True) > limit.above_angle
 
 
 def check(response: Response, question: Asked, state: int, part: int) -> Check | None:
@@ -170,11 +179,11 @@ def _silence(response: Response, question: Asked) -> Iterator[Unanswered]:
             line=response.line.name,
             when=Occasion("state", response.demand.states[state]),
             part=question.parts[part],
-            needs=tuple(_needs(response, question, state, part)),
+            needs=tuple(needs_of(response, question, state, part)),
         )
 
 
-def _needs(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
+def needs_of(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
     """Yield what an application would have to give for an answer."""
     shape = question.values.shape
     for need in ANSWERED[question.limit.quantity].needs:
