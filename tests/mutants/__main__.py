@@ -124,7 +124,9 @@ def main(words: list[str]) -> int:
             finally:
                 copies.put(copy)
             took = f"{time.monotonic() - start:.0f} s"
-            say(f"{found:<15} {took:>5}  {mutant.file}: {mutant.says}" + (f"  [{by}]" if by else ""))
+            say(
+                f"{found:<15} {took:>5}  {mutant.file}: {mutant.says}" + (f"  [{by}]" if by else "")
+            )
             return found
 
         with ThreadPoolExecutor(AT_ONCE) as threads:

@@ -10,6 +10,8 @@ whoever changes a line moves its mutant along. Nothing here is equivalent: each 
 to be noticed.
 """
 
+# ruff: noqa: E501  lines of the program stand here as they are
+
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,7 +117,7 @@ BORDER = (
     mutant("border/document.py", "self.open[-1].size += done.size - 1",
            "self.open[-1].size += 0", "references blow a file up", "unit/test_files_document.py"),
     mutant("border/document.py",
-           'return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)',  # noqa: E501
+           'return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)',
            "return text", "an error moves the terminal's cursor",
            "unit/test_files_application.py", "unit/test_files_document.py"),
     mutant("border/measure.py", '"lb": lb * g, "N": N', '"lb": lb, "N": N',
@@ -240,7 +242,7 @@ DEMAND = (
            '"full rebound": "empty", "rebound": "gvw"', "an axle that hangs carries a full load",
            "unit/test_resolve.py", HAND),
     mutant("demand/line.py",
-           "share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)",  # noqa: E501
+           "share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)",
            "share = installed.torque_ratio", "an axle's share of the torque is forgotten",
            "unit/test_resolve.py", "unit/test_states.py"),
     mutant("demand/torque.py", "return engine.brake_torque * lowest / gearbox.efficiency",
@@ -344,7 +346,7 @@ DYNAMICS = (
     mutant("dynamics/torsion.py", "damping=2 * damping_ratio / first * made.stiffness",
            "damping=damping_ratio / first * made.stiffness", "half the damping asked for",
            "unit/test_stability.py"),
-    mutant("dynamics/torsion.py", "beta=joints(line.beta), stiffness=joints(line.stiffness), damping=joints(line.damping),",  # noqa: E501
+    mutant("dynamics/torsion.py", "beta=joints(line.beta), stiffness=joints(line.stiffness), damping=joints(line.damping),",
            "beta=joints(line.beta), stiffness=joints(line.stiffness), damping=0.0,",
            "motions round a turn are not damped", "verify/test_torsion.py"),
     mutant("dynamics/torsion.py", "theta[..., 1:] - driven[..., :-1], 0 * theta",
@@ -353,12 +355,12 @@ DYNAMICS = (
     mutant("dynamics/torsion.py", 'wanted.append(("difference", i, j, (w[j] - w[i]) / 2))',
            'wanted.append(("difference", i, j, (w[j] + w[i]) / 2))',
            "zones of differences sit at the sums", "verify/test_torsion.py"),
-    mutant("dynamics/damping.py", "forward = -half + _forward(half**2 - k / m * (1 + 1j * eta * sense))",  # noqa: E501
+    mutant("dynamics/damping.py", "forward = -half + _forward(half**2 - k / m * (1 + 1j * eta * sense))",
            "forward = -half + _forward(half**2 - k / m * (1 + 1j * eta))",
            "a material's damping never drives", "verify/test_lateral.py"),
     mutant("dynamics/damping.py", "dtype=float) * (1 + share)", "dtype=float) * share",
            "a shaft grows below its critical speed", "verify/test_lateral.py"),
-    mutant("dynamics/lateral.py", "stiffness=_single(k - 1j * speed * ci + 0.5j * T * (1 - 2 * sigma))",  # noqa: E501
+    mutant("dynamics/lateral.py", "stiffness=_single(k - 1j * speed * ci + 0.5j * T * (1 - 2 * sigma))",
            "stiffness=_single(k - 1j * speed * ci + 0.5j * T * (1 - sigma))",
            "half of a follower torque follows", "verify/test_lateral.py"),
     mutant("dynamics/pendulum.py", "slender = np.maximum(A, B) - C",
@@ -392,12 +394,12 @@ FATIGUE = (
     mutant("fatigue/life.py", "speed = how.suspects[0].tone.rotation.speed(time)",
            "speed = 60 * how.suspects[0].tone.rotation.speed(time)",
            "turns a minute where turns a second are said", "unit/test_life.py"),
-    mutant("fatigue/life.py", "(k for k, s in enumerate(how.suspects) if s.cause == JOINTS and s.tone.order == 2)",  # noqa: E501
+    mutant("fatigue/life.py", "(k for k, s in enumerate(how.suspects) if s.cause == JOINTS and s.tone.order == 2)",
            "(k for k, s in enumerate(how.suspects) if s.tone.order == 2 or True)",
            "the joints' order 2 is read off the unbalance", "unit/test_life.py"),
     mutant("fatigue/cause.py", "math.comb(G - 1, int(k))", "math.comb(G, int(k))",
            "Shapley's weights do not add up", "verify/test_orders.py"),
-    mutant("fatigue/crack.py", "dK = np.maximum(top, 0.0) - np.maximum(bottom, 0.0)\n    return np.where",  # noqa: E501
+    mutant("fatigue/crack.py", "dK = np.maximum(top, 0.0) - np.maximum(bottom, 0.0)\n    return np.where",
            "dK = np.maximum(top, 0.0) - bottom\n    return np.where", "compression opens a crack",
            "verify/test_crack.py"),
     mutant("fatigue/reliability.py", "return NormalDist().cdf(-self.beta)",
@@ -462,7 +464,7 @@ QUANTITY = (
            "small angles weigh nothing", HAND),
     mutant("quantity/response.py", "for o in self.application.obstacles if o.line == self.line.name)",
            "for o in self.application.obstacles)", "a line clears another's obstacles", HAND),
-    mutant("quantity/declared.py", 'tuple(Part("centre bearing", k) for k in range(1, r.line.joint_count - 1))',  # noqa: E501
+    mutant("quantity/declared.py", 'tuple(Part("centre bearing", k) for k in range(1, r.line.joint_count - 1))',
            'tuple(Part("centre bearing", k) for k in range(2, r.line.joint_count))',
            "centre bearings count from 2", HAND),
     mutant("quantity/declared.py", "meant = np.array([[kind in self.states] for kind in r.kinds])",
@@ -473,8 +475,8 @@ QUANTITY = (
     mutant("quantity/declared.py", 'Limit(quantity=self.key, maximum=value, source=size.source)',
            'Limit(quantity=self.key, normal=value, source=size.source)',
            "a joint beyond its own limit only warns", HAND),
-    mutant("quantity/strength.py", "of=lambda r: r.joint_torque_utilisation,\n        parts=joints,\n        needs=(TORQUE, PEAK_RATING),",  # noqa: E501
-           "of=lambda r: r.joint_torque_utilisation,\n        parts=joints,\n        needs=(TORQUE, FATIGUE_RATING),",  # noqa: E501
+    mutant("quantity/strength.py", "of=lambda r: r.joint_torque_utilisation,\n        parts=joints,\n        needs=(TORQUE, PEAK_RATING),",
+           "of=lambda r: r.joint_torque_utilisation,\n        parts=joints,\n        needs=(TORQUE, FATIGUE_RATING),",
            "a joint's size asks for the wrong rating", "unit/test_study.py", "unit/test_cli.py"),
     mutant("quantity/strength.py", 'unit="deg_min"', 'unit="rpm"',
            "speed times angle in turns a minute", HAND),
@@ -483,7 +485,7 @@ QUANTITY = (
            "a profile limits a joint beside its own rating", HAND),
     mutant("quantity/strength.py", 'rating="speed_max"', 'rating="speed_angle_max"',
            "a joint's speed is held against its n beta", HAND, "unit/test_study.py"),
-    mutant("quantity/strength.py", 'states=RIDING,\n        section="Speed and strength",\n        contract="joints.life_h"',  # noqa: E501
+    mutant("quantity/strength.py", 'states=RIDING,\n        section="Speed and strength",\n        contract="joints.life_h"',
            'section="Speed and strength",\n        contract="joints.life_h"',
            "a life is asked for on the bump stop", "unit/test_study.py", HAND),
     mutant("quantity/room.py", "unit=\"mm\",\n        equation=\"c = distance",
@@ -493,7 +495,7 @@ QUANTITY = (
            "unit/test_files_limit.py"),
     mutant("quantity/excitation.py", "of=_exact(lambda e: e.coast_torque)",
            "of=_exact(lambda e: e.drive_torque)", "coasting shakes as driving", HAND),
-    mutant("quantity/excitation.py", 'methods={"ae7": _approximated("ae7", lambda e: e.coast.acceleration)}',  # noqa: E501
+    mutant("quantity/excitation.py", 'methods={"ae7": _approximated("ae7", lambda e: e.coast.acceleration)}',
            'methods={"ae7": _approximated("ae7", lambda e: e.drive.acceleration)}',
            "AE-7's coast is its drive", "golden/test_examples.py"),
     mutant("quantity/bearings.py", '_end_bearings("EF"),\n        parts=_lettered("EF")',
@@ -504,7 +506,7 @@ QUANTITY = (
            "the joint that stands alone is the last", HAND),
     mutant("quantity/vehicle.py", 'states=RIDING | KIND_GROUPS["wound up"],',
            'states=RIDING | KIND_GROUPS["stops"],', "comfort is asked for at the stops", HAND),
-    mutant("quantity/vehicle.py", 'rear = r.application.suspension if installed.drives == "rear" else None',  # noqa: E501
+    mutant("quantity/vehicle.py", 'rear = r.application.suspension if installed.drives == "rear" else None',
            "rear = r.application.suspension", "the rear springs are asked about in a front line",
            HAND),
 )  # fmt: skip
@@ -617,7 +619,7 @@ STUDY = (
     mutant("study/driveline.py", "meant = meant & ~(idle & ~idle.all(axis=-2, keepdims=True))",
            "meant = meant & ~idle", "a line that stands in every state is not asked",
            "unit/test_cli.py"),
-    mutant("study/driveline.py", "np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)",  # noqa: E501
+    mutant("study/driveline.py", "np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)",
            "values", "what stands idle in every state is known", "unit/test_cli.py"),
     mutant("study/driveline.py", "[[limit.states is None or kind in limit.states] for kind in kinds]",
            "[[True] for kind in kinds]", "a limit asks in states it is not for", HAND,
@@ -794,7 +796,7 @@ CLI = (
            "--bracket asks nothing", "unit/test_cli.py"),
     mutant("cli/check.py", "sha256(c).hexdigest()[:16]", "sha256(b\"\").hexdigest()[:16]",
            "every file has one print", "unit/test_cli.py"),
-    mutant("cli/check.py", "    claim(*files, limits, json_out=json_out,", "    claim(limits, json_out=json_out,",  # noqa: E501
+    mutant("cli/check.py", "    claim(*files, limits, json_out=json_out,", "    claim(limits, json_out=json_out,",
            "a report is written over its own file", "unit/test_border_writer.py"),
     mutant("cli/common.py", "replace(application, profile=name, limits=found)",
            "replace(application, profile=name)", "--limits changes the name alone",

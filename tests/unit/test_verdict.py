@@ -19,7 +19,9 @@ COLD = Limit(quantity="torsional_growth", normal=-2.0, maximum=-1.0, source=HOUS
 
 def check(value, limit):
     when = Occasion("state", "gvw")
-    return Check(quantity=limit.quantity, line="main", when=when, part=LINE, value=value, limit=limit)
+    return Check(
+        quantity=limit.quantity, line="main", when=when, part=LINE, value=value, limit=limit
+    )
 
 
 def missed(*, required):
