@@ -60,6 +60,17 @@ def test_a_disk_without_links_is_written_to_all_the_same(tmp_path, monkeypatch):
         write(tmp_path / "a", "2")
     assert [p.name for p in tmp_path.iterdir()] == ["a"]
 
+    def late(_, target):
+        """Somebody else writes the file while ours was being written."""
+        Path(target).write_text("theirs")
+        refused()
+
+    monkeypatch.setattr(os, "link", late)
+    with pytest.raises(BadFile, match="is there already"):
+        write(tmp_path / "b", "ours")
+    assert (tmp_path / "b").read_text() == "theirs"
+    assert {p.name for p in tmp_path.iterdir()} == {"a", "b"}
+
 
 def test_what_cannot_be_written_leaves_nothing_behind(tmp_path):
     (tmp_path / "folder").mkdir()

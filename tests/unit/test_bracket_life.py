@@ -1,18 +1,26 @@
 """From a load history on a bracket to damage: made-up unit stresses, no solver."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from cardan import files
 from cardan.base.errors import BadFile, DesignError
+from cardan.base.part import Occasion
+from cardan.base.source import MINER
 from cardan.base.units import MPa, rpm
+from cardan.base.verdict import Limit
 from cardan.bracket.gauges import recover
 from cardan.fatigue.strength import SNCurve
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
 from cardan.model.parts import Material
 from cardan.study.approval import assess
-from cardan.study.bracket import cases_of, duty_of
+from cardan.study.bracket import BracketAnswer, Case, cases_of, checks_of, duty_of
 from cardan.study.bracket_life import (
+    Endured,
     Strength,
     endured,
     gauge_damage,
@@ -190,6 +198,52 @@ def test_cases_and_duty_know_how_long_a_pass_lasts():
     whole = np.abs(np.fft.rfft(first.loads.reshape(8, 64, 9)[0, :, :3], axis=0)[1]) / 32
     assert passes[0].mean(axis=0) == pytest.approx(mean / 2)
     assert once == pytest.approx(whole / 16)
+
+
+def test_what_rides_on_a_bracket_weighs_on_it():
+    """Standing still is felt as 1 g up: 12 kg pull down with 117.7 N beside what is given."""
+    text = TEXT + "  carried_mass_kg: 12\n  cases: [{name: still, force_N: [0, 0, -50], "
+    application = files.loads(text + "acceleration_g: [0, 0, 1]}]\n")
+    (response,) = assess(application).responses
+    still = next(iter(cases_of(application.bracket, response)))
+    assert still.loads[0, :3] == pytest.approx([0, 0, -50 - 12 * 9.80665])
+    assert still.loads[0, 6:] == pytest.approx([0, 0, 9.80665])
+
+
+def test_nobody_drives_for_hours_on_the_bump_stop():
+    """A state with its own geometry counts as what its name says."""
+    states = "states: [{name: gvw, travel_mm: 0}, {name: jounce, travel_mm: 0}, {name: turning}]\n"
+    application = files.loads(TEXT + states)
+    (response,) = assess(application).responses
+    lasting = duty_of(application.bracket, response)
+    assert [str(when) for when in lasting] == ["duty cycle, gvw", "duty cycle, turning"]
+    assert [len(parts) for parts in lasting.values()] == [2, 2]
+
+
+def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
+    """250 MPa of 500 at spot 2; a mean second that does 2e-9 there lives 5e8 s."""
+    strong = replace(STRONG, yield_strength=500 * MPa)
+    answer = BracketAnswer(
+        title="", bracket=Bracket(shape=SHAPE, material=strong), top_speed=100.0, variants=()
+    )
+    outcome = SimpleNamespace(
+        case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa
+    )
+    spent = Endured(
+        when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9]), gauges=np.zeros(0),
+        turns=30.0, duration=1.0,
+    )  # fmt: skip
+    judged: Any = SimpleNamespace(outcomes=(outcome,), duty=(spent,))
+    limits = (
+        Limit(quantity="bracket_stress_utilisation", maximum=0.6, source=MINER),
+        Limit(quantity="bracket_life", maximum=1e8, sense=">=", source=MINER),
+    )
+    stress, life = checks_of(answer, judged, limits)
+    assert (str(stress.part), stress.state) == ("hot spot 2", "pothole")
+    assert stress.value == pytest.approx(0.5)
+    assert (str(life.part), life.state) == ("hot spot 2", "duty cycle, gvw")
+    assert life.value == pytest.approx(5e8)
+    assert [c.grade for c in (stress, life)] == ["pass", "pass"]
 
 
 def test_a_rest_in_the_duty_cycle_does_nothing_and_the_unknown_is_not_harmless():

@@ -95,6 +95,15 @@ def test_driving_loads_the_rear_and_holding_back_unloads_it():
     assert found.axle * 2 == pytest.approx(found.rest, rel=1e-14)
 
 
+def test_an_axle_on_air_brakes_too_and_leans_on_the_front():
+    """Every wheel holds 0.7 of its load: 0.7 W h / L leaves the rear, W the whole weight."""
+    tag = AuxiliaryAxle(behind_front=6.25, load=40e3)
+    vehicle = Vehicle(drive="6x2", wheelbase=5.0, auxiliary=(tag,))
+    rear = axle_loads(vehicle, LADEN).rear - 0.7 * 20e3 * g * 1.4 / 5.0
+    found = line_loads(vehicle, LADEN, friction=0.7)
+    assert found.braked == pytest.approx(rear, rel=1e-14)
+
+
 def test_without_a_height_nothing_is_transferred():
     vehicle = Vehicle(drive="4x2", wheelbase=5.0)
     found = line_loads(vehicle, replace(LADEN, cg_height=None), friction=0.8)

@@ -218,6 +218,14 @@ def test_references_cannot_blow_up():
     assert "with its references written out the file has over" in refused("\n".join(lines))
 
 
+def test_what_a_reference_holds_is_counted_to_its_bottom():
+    """A table of 100 rows of 1000 numbers is 100 101 entries: written once it may be, not twice."""
+    table = ", ".join(["[" + ", ".join(["1"] * 1000) + "]"] * 100)
+    assert tree(f"a: &a [{table}]\n")
+    said = refused(f"a: &a [{table}]\nb: *a\n")
+    assert "with its references written out the file has over 200000 entries" in said
+
+
 def test_nesting_has_a_bottom():
     assert tree("[" * DEEPEST + "]" * DEEPEST)
     assert f"may be nested {DEEPEST} deep" in refused("[" * (DEEPEST + 1) + "]" * (DEEPEST + 1))

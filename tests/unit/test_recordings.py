@@ -104,6 +104,14 @@ def test_a_hole_in_time_becomes_missing_samples(tmp_path):
     np.testing.assert_allclose(x[known], S1[known], atol=1e-12)
 
 
+@pytest.mark.parametrize(("unit", "rate"), [("s", 1), ("ms", 1e3), ("min", 1 / 60), ("us", 1e6)])
+def test_time_is_read_in_its_unit(tmp_path, unit, rate):
+    """A step of one of the unit is so many samples a second."""
+    file = tmp_path / "run.csv"
+    file.write_text(f"time [{unit}],S1\n0,1\n1,2\n2,3\n3,4\n")
+    assert open_recording(file).rate == pytest.approx(rate)
+
+
 def test_empty_fields_are_missing_samples(tmp_path):
     text = "time;S1;S2\n0;1;2\n0,002;;3\n0,004;5;NaN\n0,006;7;8\n"
     x = open_recording(write(tmp_path / "a.csv", text)).whole()

@@ -32,6 +32,7 @@ from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language, catalogue
 from cardan.report.pdf import document
 from cardan.report.plots import plots
+from cardan.report.workbook import column
 from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
@@ -292,6 +293,41 @@ def test_variants_differ_where_they_were_changed():
     first, second = (float(v.split()[0]) for v in forces[0].values)
     assert first == pytest.approx(2 * second, rel=1e-3)  # four figures are printed
     assert read(page(story.comparison(variants, say=EN, issue=story.Issue())))
+
+
+def test_variants_together_are_as_good_as_the_worst():
+    """One that passes and one that fails: whoever reads the head of the page alone knows."""
+    text = files.starter("small").replace("limits: protractor", "limits: [LIMIT]")
+    limit = "{quantity: joint_angle, maximum: %s, unit: deg, source: us}"
+    variants = [
+        Variant(name=name, approval=assess(files.loads(text.replace("LIMIT", limit % most))))
+        for name, most in (("good", 40), ("bad", 0.01))
+    ]
+    assert [v.approval.verdict for v in variants] == ["pass", "fail"]
+    for some in (variants, variants[::-1]):
+        assert story.comparison(some, say=EN, issue=story.Issue()).grade == "fail"
+    (row,) = effects(variants, EN)
+    worst = max(c.value for c in variants[1].approval.checks)
+    assert row.values[1].startswith(f"{EN.number(worst / deg)} (")
+    assert (row.grades, row.changed) == (("pass", "fail"), True)
+
+
+def test_inputs_are_quoted_in_the_units_they_name():
+    """As the starter's file gives them, read by eye."""
+    rows = {(i.group, i.name): i.value for i in inputs(files.loads(files.starter("truck")), EN)}
+    text = files.starter("truck")
+    given = dict(re.findall(r"(\w+?): ([\d.]+)", text))
+    stiffness = given["windup_stiffness_kNm_deg"]
+    assert rows["Suspension", "wind-up stiffness"] == f"{stiffness} kN·m/deg"
+    half = float(given["front_half_length_mm"])
+    assert rows["Suspension", "equivalent link radius"] == f"{0.75 * half:g} mm"
+    assert rows["Vehicle", "wheelbase"] == f"{given['wheelbase_mm']} mm"
+
+
+def test_columns_of_a_workbook_go_on_behind_z():
+    """As spreadsheets letter them: 26 is AA, 27 AB, 51 AZ, 52 BA, 701 ZZ, 702 AAA."""
+    lettered = {0: "A", 25: "Z", 26: "AA", 27: "AB", 51: "AZ", 52: "BA", 701: "ZZ", 702: "AAA"}
+    assert {k: column(k) for k in lettered} == lettered
 
 
 def test_side_view_is_to_scale():

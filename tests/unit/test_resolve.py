@@ -10,8 +10,9 @@ from cardan import files
 from cardan.base.errors import DesignError
 from cardan.demand.line import height
 from cardan.demand.states import demand, resolve
-from cardan.model.application import State
+from cardan.model.application import DutyPoint, State
 from cardan.model.layout import Layout
+from cardan.quantity.response import respond
 
 ROOT = Path(__file__).parents[2]
 TRUCK = files.read(ROOT / "tests" / "truck.yaml")
@@ -36,6 +37,19 @@ def test_each_line_has_its_own_share_and_obstacles():
     beam = replace(TRUCK.obstacles[0], line="inter-axle")
     with_beam = replace(TANDEM, obstacles=(beam,))
     assert [len(resolve(with_beam, i).obstacles) for i in TANDEM.lines] == [0, 1]
+
+
+def test_an_axle_takes_its_share_of_what_its_line_carries():
+    """A third of what a gear of 1.5 makes of the gearbox's torque, of the duty cycle's too."""
+    (installed,) = TRUCK.lines
+    axle = replace(installed.axle, torque_share=1 / 3)
+    shared = replace(installed, torque_ratio=1.5, axle=axle, speed_ratio=0.8)
+    whole, half = (resolve(TRUCK, i) for i in (installed, shared))
+    assert half.share == pytest.approx(0.5)
+    np.testing.assert_allclose(half.gears.torque, 0.5 * whole.gears.torque, rtol=1e-14)
+    duty = (DutyPoint(share=1.0, torque=1000.0, speed=100.0),)
+    response = respond(replace(TRUCK, duty=duty), demand(half))
+    assert response.duty == (DutyPoint(share=1.0, torque=500.0, speed=80.0),)
 
 
 def test_the_application_s_springs_are_those_of_the_rear():

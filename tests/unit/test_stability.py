@@ -13,6 +13,7 @@ from cardan.base.errors import BadFile
 from cardan.base.part import Occasion, Part
 from cardan.base.units import rpm
 from cardan.cli import cli
+from cardan.dynamics.torsion import mode_shapes, natural_frequencies, of_line
 from cardan.model.application import Surroundings
 from cardan.study.approval import approve
 from cardan.study.stability import stability
@@ -41,6 +42,18 @@ def test_frequencies_follow_from_the_parts(truck):
     low = (trace - np.sqrt(trace**2 - 4 * product)) / 2
     assert line.frequencies[0] == pytest.approx(np.sqrt(low), rel=1e-9)
     assert np.prod(line.frequencies**2) == pytest.approx(product, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.11])
+def test_the_first_mode_is_damped_as_asked(truck, ratio):
+    """Its motion alone is q'' + 2 ζ w q' + w² q = 0: the mass-normalised shape says C to ζ."""
+    (installed,) = files.read(truck).lines
+    made = of_line(
+        installed.line, installed.layout.directions, axle_inertia=2.0, damping_ratio=ratio
+    )
+    _, C, _ = made.mean_matrices
+    shape, w = mode_shapes(made)[:, 0], natural_frequencies(made)[0]
+    assert shape @ C @ shape == pytest.approx(2 * ratio * w, rel=1e-9)
 
 
 def test_a_gear_that_runs_through_a_resonance_warns(truck):

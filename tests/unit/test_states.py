@@ -165,6 +165,16 @@ def test_a_line_behind_a_transfer_case_turns_at_its_own_speed():
     assert found.speed[wound] == pytest.approx(1.2 * asked().speed[wound], rel=1e-14)
 
 
+def test_a_top_speed_is_none_of_the_gear_that_winds_the_axle_up():
+    """Full torque is there in first gear alone, 8 times slower than the engine; else 100 rad/s."""
+    found = asked(replace(TRUCK, speed=100.0))
+    first = max(TRUCK.engine.speed) / 8
+    wanted = [first if kind == "windup" else 100.0 for kind in KINDS]
+    assert found.speed == pytest.approx(wanted, rel=1e-14)
+    given = State(name="w", kind="windup", speed=20.0)
+    assert asked(with_states(given, speed=100.0)).speed == [20.0]
+
+
 def test_j3311_has_its_own_factors_for_converter_transfer_case_and_rolling_radius():
     application = replace(
         TRUCK,

@@ -45,6 +45,15 @@ def test_the_formula_as_printed():
     assert hours(T, rated=Td, n=n, beta=beta) == pytest.approx(printed, rel=1e-12)
 
 
+def test_a_joint_that_hardly_bends_wears_as_at_three_degrees():
+    """AE-7 and GWB: angles below 3 deg count as 3 deg; straight needles do not roll."""
+    at_three = hours(500, rated=2000, n=1500, beta=3)
+    assert at_three == pytest.approx(1.5e6 / (1500 * 3) * 4 ** (10 / 3), rel=1e-12)
+    for beta in (0.0, 0.5, 2.99):
+        assert hours(500, rated=2000, n=1500, beta=beta) == pytest.approx(at_three, rel=1e-12)
+    assert hours(500, rated=2000, n=1500, beta=3.01) < at_three
+
+
 def test_gwb_s_formula_is_the_same_law():
     """Lh = Lc 1e10/(n β T^(10/3) K1), T in kN m, of the Compact 2045: Lc = 0.104."""
     T, n, beta, Lc = 3000.0, 1500.0, 4.0, 0.104

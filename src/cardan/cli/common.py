@@ -174,7 +174,8 @@ def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
 
     Inputs that are no files, like the name of a profile of the package, are nobody's.
     """
-    if not any(name is not None and str(name) != "-" for name in outputs.values()):
+    printed = outputs | ({"json_out": None} if outputs.get("json_out") == "-" else {})
+    if all(name is None for name in printed.values()):
         return
     from cardan.border import writer
 

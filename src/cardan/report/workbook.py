@@ -53,9 +53,8 @@ from cardan.report.sheet import sections
 from cardan.report.wording import STUDY_TITLES, cited
 from cardan.shaft.life import life_rating
 from cardan.study.approval import Approval
-from cardan.study.driveline import NAME as DRIVELINE
 from cardan.study.driveline import Asked, asked, needs_of
-from cardan.study.finding import Finding
+from cardan.study.finding import DRIVELINE, Finding
 
 UNDATED = datetime(2000, 1, 1)
 """What a workbook says it was made on: when it really was is not what it is about."""

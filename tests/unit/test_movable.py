@@ -1,0 +1,111 @@
+"""What may be moved goes where its words say: up, to the right, nose up, turned right-handed.
+
+By the frame of METHOD: x rearward, y to the right, z up; slopes down to the rear positive.
+"""
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.units import deg, mm
+from cardan.demand.states import demand, resolve
+from cardan.files.change import change
+from cardan.model.application import Adjustable
+from cardan.quantity.response import respond
+from cardan.study.approval import assess
+from cardan.study.fix import Move, fix, tried
+from cardan.study.sensitivity import sensitivities
+
+CHAIN = """
+title: Three shafts
+speed_rpm: 2400
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0, 3.0], top_deg: [0.0, 1.5, -0.8, 0.6, 0.0]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, phase_deg: 0, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1100, tube: 120x4, phase_deg: 15, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4, phase_deg: 90}
+limits: protractor
+"""
+
+
+@pytest.fixture(scope="module")
+def line():
+    application = files.loads(CHAIN)
+    return respond(application, demand(resolve(application, application.lines[0])))
+
+
+def moved(line, what, part, amount):
+    """The line with one thing moved, and where its joints have gone."""
+    one = Adjustable(what=what, part=part, low=-1.0, high=1.0)
+    found = tried(line, (one,), np.array([[amount]]))
+    return found, (found.layout.points - line.layout.points)[0, 0]
+
+
+@pytest.mark.parametrize("bearing", [1, 2])
+@pytest.mark.parametrize(("what", "axis"), [("bearing_height", 2), ("bearing_side", 1)])
+def test_a_bearing_moves_up_or_to_the_right_and_its_own_joint_with_it(line, what, axis, bearing):
+    """The joint behind bearing k is joint k + 1; those ahead of the bearing stay."""
+    _, gone = moved(line, what, bearing, 10 * mm)
+    assert np.all(gone[:bearing] == 0)
+    way = gone[bearing]
+    assert way[axis] > 10 * mm  # it sits behind the bearing, on a shaft that tips
+    assert abs(way[3 - axis]) < 1 * mm
+
+
+def test_a_shim_lifts_the_pinions_nose(line):
+    """What faces forward and rises slopes down to the rear."""
+    found, _ = moved(line, "shim", 1, 1 * deg)
+    assert found.layout.side[0, 0, -1] - line.layout.side[0, -1] == pytest.approx(1 * deg)
+
+
+@pytest.mark.parametrize("shaft", [1, 2, 3])
+def test_a_turned_yoke_is_the_phase_the_file_would_give(line, shaft):
+    address = f"driveline.shafts[{shaft}].phase_deg"
+    installed = (0.0, 15.0, 90.0)[shaft - 1]
+    written = change(line.application, {address: installed + 30})
+    by_file = respond(written, demand(resolve(written, written.lines[0])))
+    found, gone = moved(line, "phase", shaft, 30 * deg)
+    assert not gone.any()
+    assert found.phases[0, 0] == pytest.approx(by_file.phases)
+    angle = found.excitation.torsional.angle[0, 0]
+    assert angle == pytest.approx(by_file.excitation.torsional.angle[0], rel=1e-12)
+    assert abs(angle - line.excitation.torsional.angle[0]) > 1e-5
+
+
+def test_a_cost_is_the_share_of_the_way_on_its_own_side():
+    """5 mm down of 10, and of 20 up; a turned yoke counts half, whichever way."""
+    height = Adjustable(what="bearing_height", part=1, low=-10 * mm, high=20 * mm)
+    assert Move(adjustable=height, amount=-5 * mm).cost == pytest.approx(0.5)
+    assert Move(adjustable=height, amount=5 * mm).cost == pytest.approx(0.25)
+    yoke = Adjustable(what="phase", part=1, low=0.0, high=90 * deg)
+    assert Move(adjustable=yoke, amount=-90 * deg).cost == 0.5
+
+
+def test_yokes_turn_to_aligned_and_crossed_wherever_they_are():
+    """A range of phases counts from the aligned yoke: 90 deg installed turns by 0 or by -90."""
+    text = CHAIN.replace("phase_deg: 15, ", "") + "adjust: {phase_deg: {3: [0, 90]}}\n"
+    turned = {round(m.amount / deg, 6) for p in fix(files.loads(text)) for m in p.moves}
+    assert turned == {-90}
+
+
+def test_what_helps_is_told_of_a_warning_too():
+    """Back is down and forth is up, by the step that is told; the gain is in margin."""
+    tight = CHAIN.replace("limits: protractor", "limits: [{quantity: joint_angle, normal: 2, "
+                          "unit: deg, source: us}]")  # fmt: skip
+    approval = assess(files.loads(tight))
+    assert approval.verdict == "warn"
+    found = sensitivities(approval)
+    assert found
+    (response,) = approval.responses
+    for one in found:
+        for effect in one.effects:
+            both = {}
+            for way, amount in (("back", -effect.step), ("forth", effect.step)):
+                there = tried(response, (effect.adjustable,), np.array([[amount]]))
+                k = int(one.check.part.number) - 1
+                both[way] = there.angles[0, 0, k]
+            assert (effect.back, effect.forth) == pytest.approx((both["back"], both["forth"]))
+            best = max(1 - both[way] / (2 * deg) for way in both)
+            assert one.gain(effect) == pytest.approx(best - one.check.margin)
