@@ -149,6 +149,8 @@ class Language:
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
+        if math.isinf(margin) and margin > 0:
+            return "∞"
         return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
 
     def list(self, *parts: str) -> str:
