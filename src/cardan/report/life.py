@@ -173,8 +173,7 @@ def _verdict(found: Finding[Heard], of: Heard, say: Language) -> Iterator[str]:
         yield say("limits: {profile}", profile=of.profile)
     elif of.profile:
         yield say("{profile} limits no fatigue_life and no fatigue_damage.", profile=of.profile)
-    if found.checks:
-        yield from table(worst_of_each(found.checks), say)
+    yield from table(worst_of_each(found.checks), say)
     yield from without_answer(gaps(found.unanswered, say), coverage_of(found), say)
 
 

@@ -168,6 +168,8 @@ def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]
 
 def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Iterator[str]:
     """Yield a table of checks as they come, and the sources of their limits."""
+    if not rows:
+        return
     sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
