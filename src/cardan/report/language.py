@@ -148,6 +148,8 @@ class Language:
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
+        if math.isinf(margin) and margin > 0:
+            return "∞"
         if margin < -9.99:
             return "< -999 %"
         if 0 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %

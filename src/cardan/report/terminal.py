@@ -6,7 +6,7 @@ Text is marked with colours; whoever prints it takes them out where there is no 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from cardan.base.verdict import GRADES, Check, Verdict
+from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
@@ -14,17 +14,18 @@ from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
     badness,
-    counts,
+    cited,
     move,
     moves_that_help,
     notes,
     place,
     problem,
     sentence,
+    tally,
     unanswered,
     worst_of_each,
 )
-from cardan.study.approval import Approval
+from cardan.study.approval import Approval, Coverage
 from cardan.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:  # one check of one design is not to wait for these
@@ -46,8 +47,19 @@ BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 
 def summary(of: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict in a line."""
-    verdict = _graded(of.verdict, say(of.verdict).upper())
-    yield f"{_bold(of.application.title)}: {verdict} ({counts(of, say)})"
+    yield headline(of.application.title, of.verdict, of.checks, of.coverage.unanswered, say)
+
+
+def headline(
+    title: str,
+    verdict: Verdict,
+    checks: Iterable[Check],
+    unanswered: Sequence[Unanswered],
+    say: Language = EN,
+) -> str:
+    """Return a verdict in a line: of what, and how many checks came to which grade."""
+    said = _graded(verdict, say(verdict).upper())
+    return f"{_bold(title)}: {said} ({tally(checks, say, unanswered)})"
 
 
 def approval(
@@ -60,18 +72,16 @@ def approval(
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
     yield from checks(of, say, every=every)
-    yield from _unanswered(of, say)
+    yield from without_answer(unanswered(of, say), of.coverage, say)
     yield from notes(of, say)
     yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response, say)
 
 
-def _unanswered(of: Approval, say: Language) -> Iterator[str]:
-    """Yield the limits that got no answer, and what the application would have to give."""
-    found = unanswered(of, say)
+def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:
+    """Yield the limits that got no answer, and what would have to be given for one."""
     if found:
-        coverage = of.coverage
         yield ""
         yield _bold(
             say("Without an answer ({answered} of {asked} answered)",
@@ -158,8 +168,14 @@ def published(cases: "Iterable[Published]") -> Iterator[str]:
 def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]:
     """Yield a table of checks, those that do not pass first, and the sources of its limits."""
     rows = sorted(of.checks, key=badness) if every else worst_of_each(of.checks)
-    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
-    several = len(of.responses) > 1
+    yield from table(rows, say, several=len(of.responses) > 1)
+
+
+def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Iterator[str]:
+    """Yield a table of checks as they come, and the sources of their limits."""
+    if not rows:
+        return
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
     yield _bold(
@@ -175,7 +191,7 @@ def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
             f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
-            f"  [{sources.index(str(c.limit.source)) + 1}]"
+            f"  [{sources.index(cited(c.limit.source, say)) + 1}]"
         )
     yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
 

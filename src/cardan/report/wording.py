@@ -1,6 +1,6 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from cardan.base.part import LINE
 from cardan.base.source import Source
@@ -20,17 +20,16 @@ STUDY_TITLES = {"vibration": "Vibration and stability", "bracket": "Bracket"}
 
 def counts(of: Approval, say: Language) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""
-    grades = [c.grade for c in of.checks]
-    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
-    if of.coverage.unanswered:
-        said.append(say("{count} unanswered", count=len(of.coverage.unanswered)))
-    return ", ".join(said)
+    return tally(of.checks, say, of.coverage.unanswered)
 
 
-def tally(checks: Iterable[Check], say: Language) -> str:
-    """Return how many checks have each grade, the worst first."""
+def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] = ()) -> str:
+    """Return how many checks have each grade, the worst first, and what has no answer."""
     grades = [c.grade for c in checks]
-    return ", ".join(f"{grades.count(g)} {say(g)}" for g in reversed(GRADES))
+    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
+    if missed:
+        said.append(say("{count} unanswered", count=len(missed)))
+    return ", ".join(said)
 
 
 def worst_of_each(checks: Iterable[Check]) -> list[Check]:
@@ -116,9 +115,13 @@ def unanswered(of: Approval, say: Language) -> list[str]:
 
     Studies that nobody asked are told by `notes`.
     """
-    several = len(of.responses) > 1
-    found: dict[tuple[bool, str, tuple[str, ...]], list[Unanswered]] = {}
     missed = [u for f in of.findings if f.asked for u in f.unanswered]
+    return gaps(missed, say, several=len(of.responses) > 1)
+
+
+def gaps(missed: Iterable[Unanswered], say: Language, *, several: bool = False) -> list[str]:
+    """Return limits that got no answer, with what each needs; the required ones first."""
+    found: dict[tuple[bool, str, tuple[str, ...]], list[Unanswered]] = {}
     for u in sorted(missed, key=lambda u: not u.limit.required):
         found.setdefault((u.limit.required, u.quantity, u.needs), []).append(u)
     return [

@@ -53,10 +53,7 @@ class Approval:
     @property
     def coverage(self) -> Coverage:
         """What was asked, and what got an answer."""
-        return Coverage(
-            answered=sum(len(f.checks) for f in self.findings),
-            unanswered=tuple(u for f in self.findings for u in f.unanswered),
-        )
+        return coverage_of(*self.findings)
 
     @property
     def verdict(self) -> Verdict:
@@ -100,6 +97,14 @@ class Approval:
         answered = {c.quantity for c in self.checks}
         missed = dict.fromkeys(u.quantity for u in self.coverage.unanswered)
         return tuple(q for q in missed if q not in answered)
+
+
+def coverage_of(*findings: Finding[Any]) -> Coverage:
+    """Return what studies were asked, and what got an answer."""
+    return Coverage(
+        answered=sum(len(f.checks) for f in findings),
+        unanswered=tuple(u for f in findings for u in f.unanswered),
+    )
 
 
 def verdict_of(checks: Sequence[Check], *, missed: bool) -> Verdict:
