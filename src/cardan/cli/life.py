@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -411,9 +412,53 @@ def _listened(source: Any, plan: Any, tell: Callable[[str, float], None], **how:
     return lives, causes
 
 
-def _run(path: Path, **how: Any) -> list[Any]:
+@dataclass(frozen=True, kw_only=True)
+class Heard:
+    """A recording, what was counted in it, the lives at its gauges, and their causes."""
+
+    recording: Any
+    plan: Any
+    lives: list[Any]
+    causes: Any
+
+
+def asked(path: str | Path, **options: Any) -> Heard:
+    """Return what a recording tells a script, with the options of the command.
+
+    `gauge=["bracket:MPa"], sn="90,2e6,5", low_pass_Hz=400`: their names with _ for -, lists
+    where an option may be repeated, numbers where it has commas between them.
+    """
+    several = {p.opts[0] for p in life.params if getattr(p, "multiple", False)}
+    said: list[str] = []
+    for name, value in options.items():
+        option = f"--{name.replace('_', '-')}"
+        each = value if option in several and not isinstance(value, str) else [value]
+        for one in each:
+            text = one if isinstance(one, str | Path) else _commas(one)
+            said += [option] if one is True else [option, str(text)]
+    try:
+        how = life.make_context("life", [*said, "--", str(path)]).params
+    except click.ClickException as error:
+        raise CardanError(error.format_message()) from error
+
+    def silent(name: str, seconds: float, total: float | None) -> None:
+        """Tell nobody."""
+
+    return heard(how.pop("recording"), silent, **how)
+
+
+def _commas(value: Any) -> str:
+    """Return a number, or numbers with commas between."""
+    return ",".join(map(str, value)) if hasattr(value, "__iter__") else str(value)
+
+
+def heard(path: Path, tell: Callable[[str, float, float | None], None], **how: Any) -> Heard:
+    """Return what a recording tells; `how` are the parameters of the command.
+
+    `tell` takes what is being done, how many seconds are, and of how many, where that is
+    known.
+    """
     from cardan.files.recordings import open_recording
-    from cardan.report import life as report
 
     source = open_recording(path, rate=how["rate"], time=how["time"], group=how["group"])
     if not how["gauges"] and not how["rosettes"]:
@@ -421,12 +466,20 @@ def _run(path: Path, **how: Any) -> list[Any]:
         raise ValueError(msg)
     plan = _plan(source, **how)
     total = source.samples / source.rate if source.samples else None
+    lives, causes = _listened(source, plan, lambda name, s: tell(name, s, total), **how)
+    return Heard(recording=source, plan=plan, lives=lives, causes=causes)
+
+
+def _run(path: Path, **how: Any) -> list[Any]:
+    from cardan.report import life as report
+
     with progress("reading", quiet=how["quiet"]) as line:
 
-        def tell(name: str, seconds: float) -> None:
+        def tell(name: str, seconds: float, total: float | None) -> None:
             line.at(f"{name} {seconds / total:.0%}" if total else f"{name} {seconds:.0f} s")
 
-        lives, causes = _listened(source, plan, tell, **how)
+        found = heard(path, tell, **how)
+    source, plan, lives, causes = found.recording, found.plan, found.lives, found.causes
     if how["json_out"] is not None:
         write_json(report.contract(source, plan=plan, lives=lives, causes=causes), how["json_out"])
     if how["json_out"] != "-":

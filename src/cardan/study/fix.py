@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.arrays import BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError
 from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, worst
 from cardan.demand.states import demand, resolve
@@ -103,7 +103,7 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
         response.application,
         response.demand,
         layout=response.demand.corrected(bearing_shift=moved.bearing_shift, shim=moved.shim),
-        phases=np.asarray(response.line.phases) + moved.phases,
+        phases=stacked(response.line.phases) + moved.phases,
     )
 
 
