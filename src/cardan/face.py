@@ -123,14 +123,18 @@ class Approval(approvals.Approval):
         return path
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Value:
-    """A number, and of what it is."""
+    """A number in the unit its quantity is shown in, and of what it is."""
 
     line: str
     when: Occasion
     part: Part
     value: float
+
+    def __repr__(self) -> str:
+        where = EN.list(self.line, EN.occasion(self.when), EN.part(self.part))
+        return f"{where}: {EN.number(self.value)}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -162,11 +166,7 @@ class Values:
 
     def __repr__(self) -> str:
         head = f"{QUANTITIES[self.quantity].name} [{self.unit or '1'}]"
-        rows = (
-            f"  {v.line}, {EN.occasion(v.when)}, {EN.part(v.part)}: {EN.number(v.value)}"
-            for v in self.values
-        )
-        return "\n".join([head, *rows])
+        return "\n  ".join([head, *map(repr, self.values)])
 
 
 class Proposals(tuple[fixes.Proposal, ...]):
