@@ -10,6 +10,8 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
+from functools import partial
 from html import unescape
 from pathlib import Path
 from zipfile import ZipFile
@@ -45,19 +47,19 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 DRAWN: dict[str, tuple] = {}
 
 
+def once(name: str, of: Callable[..., tuple], *asked: object) -> tuple:
+    if name not in DRAWN:
+        DRAWN[name] = of(*asked)
+    return DRAWN[name]
+
+
 @pytest.fixture
 def drawn_once(monkeypatch):
     """What takes most of the time says no verdict: pictures of one line stand in for all, and
     nobody looks for corrections."""
     monkeypatch.setattr("cardan.study.fix.fix", lambda *_, **__: ())
     for name in ("drawings", "plots"):
-
-        def once(*asked, name=name, of=getattr(story, name)):
-            if name not in DRAWN:
-                DRAWN[name] = of(*asked)
-            return DRAWN[name]
-
-        monkeypatch.setattr(story, name, once)
+        monkeypatch.setattr(story, name, partial(once, name, getattr(story, name)))
 
 
 def cached(book: Path) -> str:
@@ -160,11 +162,14 @@ def test_the_document_says_it_in_print(quantity, tmp_path):
 # --------------------------------------------------------------------------- a resonance
 
 
+UNDAMPED = files.starter("truck") + "\ntorsion: {damping_ratio: 1.0e-5, axle_inertia_kgm2: 8}\n"
+"""The truck starter with next to no damping, and an axle that puts a zone among its speeds."""
+
+
 @pytest.fixture(scope="module")
 def undamped() -> Approval:
-    """The truck starter with next to no damping, shaken up where it meets a zone."""
-    text = files.starter("truck") + "\ntorsion: {damping_ratio: 1.0e-5, axle_inertia_kgm2: 8}\n"
-    return approve(files.loads(text))
+    """The truck, shaken up where it meets a zone."""
+    return approve(files.loads(UNDAMPED))
 
 
 def test_a_line_that_shakes_itself_up_fails_in_headline_and_chapter(undamped, tmp_path):
@@ -187,10 +192,9 @@ def test_a_line_that_shakes_itself_up_fails_in_headline_and_chapter(undamped, tm
             assert text.paragraphs[0] in " ".join(printed(document(told), tmp_path).split())
 
 
-def test_the_resonance_fails_at_the_command_line(undamped, tmp_path):
+def test_the_resonance_fails_at_the_command_line(tmp_path):
     path = tmp_path / "undamped.yaml"
-    text = files.starter("truck") + "\ntorsion: {damping_ratio: 1.0e-5, axle_inertia_kgm2: 8}\n"
-    path.write_text(text, encoding="utf-8")
+    path.write_text(UNDAMPED, encoding="utf-8")
     for command in (["check"], ["stability"]):
         run = CliRunner().invoke(cli, [*command, str(path), "--json", "-"])
         assert run.exit_code == 1
@@ -204,8 +208,9 @@ bracket:
   line: main
   u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 3, height_mm: 90, flange_mm: 55,
             bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  material: S355MC
   element_mm: 16
-  carried_mass_kg: 18
+  carried_mass_kg: 25
   cases: [{name: pothole, acceleration_g: [0, 0, 40]}]
 """
 
