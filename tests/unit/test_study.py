@@ -53,6 +53,38 @@ def test_a_joint_brings_its_own_limit_in_place_of_the_profiles(truck):
     assert bounds == {("joint 1", 100.0), ("joint 2", 1000.0), ("joint 3", 1000.0)}
 
 
+@pytest.mark.parametrize(
+    ("size", "answered", "missed", "needs"),
+    [
+        (JointSize(name="p", peak_torque=20e3), "torque", "fatigue", "its reversing torque"),
+        (JointSize(name="f", reversing_torque=9e3), "fatigue", "torque", "its peak torque"),
+    ],
+)
+def test_each_rating_answers_its_own_limit(truck, size, answered, missed, needs):
+    """A catalogue may print one of the two; what it does not print is asked for by its name."""
+    asked = [f"joint_{what}_utilisation" for what in ("torque", "fatigue")]
+    limits = [Limit(quantity=q, maximum=1.0, source=HOUSE) for q in asked]
+    (installed,) = truck.lines
+    line = replace(installed.line, joints=(size,) * installed.line.joint_count)
+    found = assess(replace(only(truck, *limits), lines=(replace(installed, line=line),)))
+    everywhere = len(truck.states) * line.joint_count
+    assert [c.quantity for c in found.checks] == [f"joint_{answered}_utilisation"] * everywhere
+    unanswered = found.coverage.unanswered
+    assert [u.quantity for u in unanswered] == [f"joint_{missed}_utilisation"] * everywhere
+    assert {u.needs for u in unanswered} == {(f"a joint size with {needs}",)}
+
+
+def test_a_joint_s_own_limit_is_its_own(truck):
+    """Only the second joint is rated: the others have the profile's limit, or none."""
+    (installed,) = truck.lines
+    rated = JointSize(name="slow", speed_max=100.0)
+    line = replace(installed.line, joints=(None, rated, None))
+    bare = replace(only(truck), lines=(replace(installed, line=line),))
+    found = {(str(c.part), c.bound, c.grade) for c in assess(bare).checks}
+    assert {(part, bound) for part, bound, _ in found} == {("joint 2", 100.0)}
+    assert {grade for *_, grade in found} == {"pass", "fail"}  # in first gear it is slow enough
+
+
 def test_the_verdict_is_the_worst_check(truck):
     easy = replace(TORSIONAL, normal=1e6, maximum=1e7)
     hard = replace(TORSIONAL, normal=1e-6, maximum=1e-5)
@@ -146,6 +178,12 @@ def test_passing_states_have_no_life(truck):
     names = response.demand.states
     lasting = {n for n, life in zip(names, response.life[:, 0], strict=True) if not np.isnan(life)}
     assert lasting == {"empty", "gvw", "overload", "parked on a kerb"}
+    # Nor does anybody ask for one there: nothing required goes without an answer.
+    limit = Limit(quantity="joint_life", maximum=1.0, sense=">=", required=True, source=HOUSE)
+    found = assess(only(worn, limit))
+    assert {c.state for c in found.checks} == lasting
+    assert found.coverage.unanswered == ()
+    assert found.verdict == "pass"
 
 
 def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):
