@@ -352,6 +352,23 @@ def test_fix_ends_well_only_where_a_proposal_leaves_no_question(tmp_path):
         assert (best["verdict"], result.exit_code) == (verdict, code)
 
 
+def test_fix_moves_down_where_only_down_is_allowed(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 0]}\n")
+    found = json.loads(run("fix", "--json", "-", file).stdout)
+    assert found[0]["verdict"] == "pass"
+    amounts = [m["amount_deg"] for p in found for m in p["moves"]]
+    assert all(-4 <= a < 0 for a in amounts)
+
+
+def test_fix_leaves_in_place_what_the_file_holds(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4], hold: [shim]}\n")
+    result = run("fix", file)
+    assert result.stdout.startswith("Nothing that may be moved changes any limit")
+    assert result.exit_code == 1
+
+
 def test_fix_gives_as_many_proposals_as_are_wanted():
     file = EXAMPLES / "three-joint-chain.yaml"
     assert len(json.loads(run("fix", "--count", 2, "--json", "-", file).stdout)) == 2

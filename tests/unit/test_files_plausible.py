@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 from cardan.base.errors import BadFile
+from cardan.base.units import deg
+from cardan.demand.states import demand, resolve
 from cardan.files import loads, read, starter
+from cardan.files.plausible import RELATIONS
 
 ROOT = Path(__file__).parents[2]
 TRUCK = starter("truck")
@@ -207,6 +210,16 @@ def test_a_trap_is_told_in_its_own_line(trap):
     line = changed.count("\n", 0, start) + 1
     answers = told(changed)
     assert any(a.startswith(f"f:{line}:") for a in answers), (line, answers)
+
+
+def test_the_pitch_that_is_wondered_at_is_that_of_the_wound_up_axle():
+    """Half a bogie's line winds up one of its two axles, the line before it each of both."""
+    application = read(ROOT / "examples" / "tandem-6x4.yaml")
+    (relation,) = (r for r in RELATIONS if r.says == "the axle's pitch under full torque")
+    told = [value for _, value in relation.of(application)]
+    asked = [demand(resolve(application, i)) for i in application.lines]
+    turned = [d.pitch[d.states.index("windup")] / deg for d in asked]
+    assert told == pytest.approx(turned, rel=1e-9)
 
 
 @pytest.mark.parametrize("base", BASES)

@@ -12,10 +12,10 @@ from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand, resolve
-from cardan.model.application import Adjustable, Application, DutyPoint
+from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
-from cardan.study.approval import assess
+from cardan.study.approval import assess, held_to
 from cardan.study.fix import adjustables, fix, margins, tried
 from cardan.study.sensitivity import sensitivities
 
@@ -110,6 +110,45 @@ def test_a_limit_above_an_angle_asks_only_there(truck):
     steep = replace(band, above_angle=89 * deg)
     assert any(c.quantity == band.quantity for c in assess(only(truck, shallow)).checks)
     assert not any(c.quantity == band.quantity for c in assess(only(truck, steep)).checks)
+
+
+def test_a_limit_asks_in_its_own_states_alone(truck):
+    """A kind of state, not a name: what is parked on a kerb counts as given, and rides."""
+    kinds = {s.name: s.counts_as for s in truck.states}
+    for asked in ({"gvw"}, {"windup", "jounce"}, KIND_GROUPS["riding"], KIND_GROUPS["stops"]):
+        limit = replace(TORSIONAL, states=frozenset(asked))
+        found = assess(only(truck, limit))
+        states = {c.state for c in found.checks if c.quantity == limit.quantity}
+        assert states == {name for name, kind in kinds.items() if kind in asked}
+        assert states
+        assert found.coverage.unanswered == ()
+
+
+def test_a_limit_above_an_angle_looks_at_the_largest(truck):
+    """A line with one steep joint is asked, with its other joints straight or not."""
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
+    largest, smallest = response.angles.max(-1), response.angles.min(-1)
+    between = float((largest[0] + smallest[0]) / 2)
+    band = Limit(
+        quantity="half_critical_band", band=(0.01, 0.99), above_angle=between, source=HOUSE
+    )
+    asked = {c.state for c in assess(only(truck, band)).checks if c.quantity == band.quantity}
+    states = response.demand.states
+    assert asked == {s for s, a in zip(states, largest, strict=True) if a > between}
+    assert states[0] in asked
+
+
+def test_a_study_by_itself_is_held_to_the_file_s_limits_first(truck):
+    """Where the file limits nothing of it, the default profile does, beside the file's own."""
+    held = held_to(only(truck, TORSIONAL), "vibration")
+    assert held.limits[0] == TORSIONAL
+    more = held.limits[1:]
+    assert {m.quantity for m in more} == {
+        "torsional_resonance", "torsional_growth", "lateral_growth"
+    }  # fmt: skip
+    assert held.profile == f"{truck.profile}; vibration: heavy-truck"
+    own = only(truck, Limit(quantity="torsional_growth", maximum=1.0, source=HOUSE))
+    assert held_to(own, "vibration") is own
 
 
 def test_variants_are_the_cases_one_by_one(truck):
