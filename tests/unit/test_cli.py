@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from contextlib import redirect_stderr
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -16,10 +17,12 @@ from click.testing import CliRunner, Result
 
 from cardan import __version__, files
 from cardan.base.errors import DesignError
+from cardan.base.source import DERIVED
 from cardan.cli import cli
 from cardan.cli.common import progress
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.fix import fix
+from cardan.study.published import Published
 from cardan.study.stability import stability
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -426,6 +429,14 @@ def test_verify_recomputes_published_cases_and_they_agree():
     for case in cases:
         assert abs(case["computed"] - case["published"]) <= case["within"]
         assert case["source"] in result.stdout
+
+
+def test_a_published_number_is_met_to_its_last_digit_or_not_at_all():
+    """Printed 12.3, so 12.25 to 12.35; what is no number is not met."""
+    case = Published(title="", source=DERIVED, expected=12.3, computed=12.34, within=0.05)
+    assert case.agrees
+    for computed in (12.36, 12.24, float("nan")):
+        assert not replace(case, computed=computed).agrees
 
 
 def test_schema_is_a_json_schema_that_the_examples_and_starters_fit(tmp_path):

@@ -98,6 +98,42 @@ def test_damping_is_what_keeps_zones_closed(truck):
     assert approve(slow, (VibrationStudy(),)).verdict != "fail"
 
 
+HUNG = """
+title: A shaft on rubber
+speed_rpm: 1000
+torque_Nm: 20
+driveline:
+  slopes: {side_deg: [1, 1, 1, 1]}
+  shafts:
+    - {length_mm: 1200, tube: 120x6, yoke_mass_kg: [5, 7],
+       centre_bearing: {from_rear_joint_mm: 300, stiffness_N_mm: 20}}
+    - {length_mm: 1500, tube: 120x6}
+"""
+
+
+def test_a_hung_shaft_swings_about_its_joint_like_a_rod():
+    """On soft rubber, hardly any torque: w² = k / (m L/3 + M) and decay η w / 2, L to the bearing.
+
+    The rod bends a little and turns: 3 %.
+    """
+    application = files.loads(HUNG)
+    (line,) = stability(application, surroundings=Surroundings(rubber_loss=0.1)).lines
+    tube = line.line.shafts[0].tube
+    swing = np.sqrt(20e3 / (tube.mass_per_length * 0.9 / 3 + 7))
+    assert line.lateral[0, 0] == pytest.approx(-0.1 * swing / 2, rel=0.03)
+
+
+def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
+    """On ice the wheels slip in first gear, whatever the engine gives."""
+    application = files.read(truck)
+    ice = replace(application, tyre=replace(application.tyre, friction=0.05))
+    engine = replace(ice.engine, torque=tuple(3 * t for t in ice.engine.torque))
+    (weak,), (strong,) = (stability(a).lines for a in (ice, replace(ice, engine=engine)))
+    first = weak.gears.index(Occasion("gear", "1"))
+    assert first == 0
+    assert strong.amplitudes == pytest.approx(weak.amplitudes, rel=1e-9)
+
+
 def test_command_writes_contract_and_chart(truck, tmp_path):
     chart = tmp_path / "chart.svg"
     run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])
