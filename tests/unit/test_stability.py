@@ -1,6 +1,7 @@
 """`cardan stability`: gears against resonances and zones, in the words of `check`."""
 
 import json
+import re
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
@@ -15,6 +16,8 @@ from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.dynamics.torsion import mode_shapes, natural_frequencies, of_line
 from cardan.model.application import Surroundings
+from cardan.report.language import EN
+from cardan.report.stability import campbell, worst_of_parts
 from cardan.study.approval import approve
 from cardan.study.stability import VibrationStudy, stability
 
@@ -150,6 +153,37 @@ def test_command_writes_contract_and_chart(truck, tmp_path):
     drawn = "".join(ET.parse(chart).getroot().itertext())
     assert f"mode 1, {line['torsional_frequencies_Hz'][0]:.1f} Hz" in drawn
     assert "order 4" in drawn
+
+
+def test_resonances_are_drawn_where_orders_meet_frequencies(truck):
+    """Every circle lies on a slanted line, to the rounding of a pixel's hundredth."""
+    (line,) = stability(files.read(truck)).lines
+    root = ET.fromstring(campbell(line, EN).svg)
+    drawn = [e for e in root.iter() if e.tag.endswith("path")]
+    ends = [[float(x) for x in re.findall(r"[-0-9.]+", e.attrib["d"])] for e in drawn]
+    slanted = [p for p in ends if len(p) == 4 and p[0] != p[2] and p[1] != p[3]]
+    assert len(slanted) == 2
+    rings = [e for e in root.iter() if e.tag.endswith("circle") and e.attrib["fill"] == "none"]
+    top = 1.1 * line.ranges.max()
+    assert len(rings) == sum(w / o < top for w in line.frequencies for o in (2, 4))
+    assert rings
+    for ring in rings:
+        x, y = float(ring.attrib["cx"]), float(ring.attrib["cy"])
+        off = [abs(y - (b + (x - a) / (c - a) * (d - b))) for a, b, c, d in slanted]
+        assert min(off) < 0.1
+
+
+def test_the_worst_gear_speaks_for_each_part(truck):
+    """Without --all a resonance has one row, and no gear is nearer to it than that one."""
+    checks = approve(files.read(truck), (VibrationStudy(),)).checks
+    shown = {(c.quantity, c.part): c for c in worst_of_parts(checks)}
+    assert set(shown) == {(c.quantity, c.part) for c in checks}
+    assert len(shown) < len(checks)
+    for c in checks:
+        assert shown[c.quantity, c.part].margin <= c.margin
+    printed = CliRunner().invoke(cli, ["stability", str(truck)]).stdout.splitlines()
+    mode = [x for x in printed if "Speed over torsional resonance" in x and "mode 1, order 2" in x]
+    assert [x[:4] for x in mode] == ["warn"]
 
 
 def test_command_prints_what_it_assumes(truck):
