@@ -770,10 +770,10 @@ REPORT = (
            "_q(s.linkage.radius, 1,", "a link is said in metres under millimetres",
            "unit/test_report.py"),
     mutant("report/plots.py", "one.acceleration * w**2", "one.acceleration * w",
-           "a plotted acceleration grows as the speed", "unit/test_report.py"),
+           "a plotted acceleration grows as the speed", "unit/test_report.py::test_a_turn_is_plotted_in_the_units_it_names"),
     mutant("report/workbook.py", "letters = chr(65 + rest) + letters",
            "letters = letters + chr(65 + rest)", "columns beyond Z are somewhere else",
-           "unit/test_report.py"),
+           "unit/test_report.py::test_columns_of_a_workbook_go_on_behind_z"),
 )  # fmt: skip
 
 CLI = (

@@ -26,12 +26,12 @@ from cardan.report import extra, story, terminal
 from cardan.report.blocks import Chapter, Picture, Table
 from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
-from cardan.report.drawing import drawings
+from cardan.report.drawing import drawings, worst_state
 from cardan.report.html import page
 from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language, catalogue
 from cardan.report.pdf import document
-from cardan.report.plots import plots
+from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.wording import counts, sense
 from cardan.report.workbook import column
@@ -403,6 +403,18 @@ def test_cells_of_results_are_graded_as_their_checks():
     assert bad
     shown = rows["Clearance, auxiliary beam"]
     assert {s: g for s, g in shown.items() if g} == bad
+
+
+def test_a_turn_is_plotted_in_the_units_it_names(truck):
+    """The pinion swings as far to either side as the check says; points miss a crest by 0.1 %."""
+    (response,) = truck.responses
+    s = worst_state(response)
+    speed, acceleration = round_the_turn(response, EN)
+    rpms, rates = (float(f.alt.split()[-1]) for f in (speed, acceleration))
+    whole = response.excitation
+    assert rates == pytest.approx(2 * whole.torsional.acceleration[s], rel=2e-3)
+    turning = response.demand.speed[s] / rpm
+    assert rpms == pytest.approx(whole.irregularity[s] * turning, rel=2e-3)
 
 
 @pytest.mark.parametrize("bounds", [("normal", "maximum"), ("maximum", "normal")])
