@@ -306,7 +306,7 @@ def test_a_design_that_cannot_be_is_refused_with_the_reason(tmp_path):
     result = run("check", file)
     assert result.exit_code == 2
     assert result.stderr.endswith(
-        f"error: {file}:7:43: suspension.linkage: a link of radius 400 mm cannot follow an axle "
+        f"error: {file}:8:43: suspension.linkage: a link of radius 400 mm cannot follow an axle "
         "travel of -900 mm\n"
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from cardan.base.errors import DesignError
 from cardan.fatigue.conditioning import (
     band_pass,
     bridged,
@@ -157,11 +158,11 @@ def test_holes_stay_holes_through_a_filter():
 
 
 def test_nonsense_filters_are_refused():
-    with pytest.raises(ValueError, match="cutoff"):
+    with pytest.raises(DesignError, match="cutoff"):
         low_pass(600, rate=RATE)
     with pytest.raises(ValueError, match="rise"):
         band_pass(60, 20, rate=RATE)
-    with pytest.raises(ValueError, match="finite"):
+    with pytest.raises(DesignError, match="finite"):
         look(np.array([1.0, np.inf] * 100))
 
 

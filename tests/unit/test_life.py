@@ -290,3 +290,238 @@ def test_recordings_of_any_length_have_an_answer(n):
     found = causes(recording, plan=plan, healths=healths, how=how)
     assert found.attributions[0].whole == pytest.approx(counted, rel=1e-9)
     assert (counted > 0) == (n > 1)
+
+
+# --------------------------------------------------------------------------- verdict
+
+ONE = ("--gauge", "S1", "--sn", "30,2e6,5")
+
+PROFILE = """
+profile: ours
+limits:
+  - {quantity: fatigue_life, normal: NORMAL, maximum: 1, source: our rule 1}
+  - {quantity: fatigue_damage, maximum: 1, source: our rule 2}
+  - {quantity: joint_angle, maximum: 1, source: no business of a recording}
+"""
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory):
+    """One gauge that moves, one whose wire is off, one without a sample."""
+    path = tmp_path_factory.mktemp("broken") / "broken.csv"
+    t = np.arange(4000) / RATE
+    rows = [f"{s:.3f},{40 * np.sin(2 * np.pi * 7 * s):.6f},0.0," for s in t]
+    path.write_text("\n".join(["time,S1 [MPa],S2 [MPa],S3 [MPa]", *rows]) + "\n")
+    return path
+
+
+def hours_of(path, *arguments):
+    document = json.loads(run(path, *ONE, "--json", *arguments).output)
+    return document["gauges"][0]["hours"]
+
+
+def profile(folder, normal):
+    (folder / "ours.yaml").write_text(PROFILE.replace("NORMAL", f"{normal!r}"))
+    return folder / "ours.yaml"
+
+
+def test_a_target_missed_fails(broken):
+    done = run(broken, *ONE, "--target-hours", "1e9")
+    assert done.exit_code == 1, done.output
+    assert "broken.csv: FAIL (1 fail, 0 warn, 0 pass)" in done.output
+    assert "asked on the command line" in done.output
+    assert "-100 %" in done.output
+
+
+def test_a_life_equal_to_its_target_passes(broken):
+    """As printed, to the twelve digits of the contract; a thousandth more is missed."""
+    hours = hours_of(broken)
+    assert run(broken, *ONE, "--target-hours", repr(hours)).exit_code == 0
+    assert run(broken, *ONE, "--target-hours", repr(1.001 * hours)).exit_code == 1
+    done = run(broken, *ONE, "--target-hours", repr(hours))
+    assert "broken.csv: PASS (0 fail, 0 warn, 1 pass)" in done.output
+
+
+def test_a_row_of_a_profile_warns(broken, tmp_path):
+    """Past `normal` and not past `maximum`; the other row passes, joints are not asked."""
+    rows = profile(tmp_path, 2 * hours_of(broken))
+    done = run(broken, *ONE, "--limits", rows)
+    assert done.exit_code == 0, done.output
+    assert "broken.csv: WARN (0 fail, 1 warn, 1 pass)" in done.output
+    assert "limits: ours" in done.output
+    assert "our rule 1" in done.output
+    assert "no business" not in done.output
+    both = run(broken, *ONE, "--limits", rows, "--target-hours", "1e9")
+    assert both.exit_code == 1
+    assert "FAIL (1 fail, 1 warn, 1 pass)" in both.output
+
+
+@pytest.mark.parametrize("gauge", ["S2", "S3"])
+def test_a_gauge_that_said_nothing_is_no_pass(broken, gauge):
+    """A wire that is off would live for ever: no damage in any hour."""
+    done = run(broken, *ONE, "--gauge", gauge, "--target-hours", "0.001")
+    assert done.exit_code == 1, done.output
+    assert "broken.csv: INCOMPLETE (0 fail, 0 warn, 1 pass, 1 unanswered)" in done.output
+    needs = f"Fatigue life, {gauge}: required, and needs a recording in which all its channels move"
+    assert needs in done.output
+    assert f"{gauge}: said nothing, so its life is not known" in done.output
+    alone = run(broken, "--gauge", gauge, *ONE[2:], "--target-hours", "0.001")
+    assert alone.exit_code == 1
+    assert "INCOMPLETE (0 fail, 0 warn, 0 pass, 1 unanswered)" in alone.output
+    # Failing goes before missing.
+    assert "FAIL" in run(broken, *ONE, "--gauge", gauge, "--target-hours", "1e9").output
+
+
+def test_causes_leave_out_a_gauge_that_said_nothing(parquet, tmp_path):
+    """The gauges behind it keep their own causes."""
+    import pyarrow as pa
+    from pyarrow import parquet as pq
+
+    table = pq.read_table(parquet)
+    off = pa.array(np.full(table.num_rows, np.nan, np.float32))
+    field = pa.field("S0", pa.float32(), metadata={"unit": "MPa"})
+    pq.write_table(table.append_column(field, off), tmp_path / "off.parquet")
+    more = ("--sn", "30,2e6,5", "--speed", "shaft_speed", "--json")
+    told = run(tmp_path / "off.parquet", "--gauge", "S0", "--gauge", "S1", *more)
+    assert told.exit_code == 0, told.output
+    off_, on = json.loads(told.output)["gauges"]
+    (alone,) = json.loads(run(parquet, "--gauge", "S1", *more).output)["gauges"]
+    assert on == alone
+    assert "causes" not in off_
+    assert off_["damage"] is None
+
+
+def test_where_nothing_is_asked_nothing_is_judged(broken):
+    done = run(broken, *ONE)
+    assert done.exit_code == 0
+    said = "Nothing was asked: --target-hours or --limits hold the gauges' lives against a limit."
+    assert done.output.splitlines()[0] == said
+    assert not {"PASS", "FAIL", "INCOMPLETE", "WARN"} & set(done.output.split())
+    document = json.loads(run(broken, *ONE, "--json").output)
+    assert document["verdict"] is None
+    assert document["checks"] == []
+    assert document["coverage"] == {"asked": 0, "answered": 0, "unanswered": []}
+    joints = run(broken, *ONE, "--limits", "heavy-truck")
+    assert joints.exit_code == 0
+    assert joints.output.splitlines()[0] == said
+    assert "heavy-truck limits no fatigue_life" in joints.output
+
+
+@pytest.mark.parametrize(
+    ("more", "verdict", "code"),
+    [
+        ((), None, 0),
+        (("--target-hours", "1e-3"), "pass", 0),
+        (("--target-hours", "1e9"), "fail", 1),
+        (("--target-hours", "1e-3", "--gauge", "S2"), "incomplete", 1),
+        (("--target-hours", "1e9", "--gauge", "S3"), "fail", 1),
+    ],
+)
+def test_the_document_agrees_with_the_exit_code(broken, more, verdict, code):
+    done = run(broken, *ONE, *more, "--json")
+    document = json.loads(done.output)
+    assert (document["verdict"], done.exit_code) == (verdict, code)
+    for check in document["checks"]:
+        assert check["of"] == {"kind": "gauge", "number": 0, "other": check["part"]}
+        assert check["when"] == {"kind": "recording", "name": "broken.csv", "what": ""}
+        assert check["line"] == ""
+        assert (check["quantity"], check["unit"], check["sense"]) == ("fatigue_life", "h", ">=")
+        gauge = next(g for g in document["gauges"] if g["name"] == check["part"])
+        assert check["value"] == pytest.approx(gauge["hours"], rel=1e-9)
+    coverage = document["coverage"]
+    assert coverage["answered"] == len(document["checks"])
+    assert coverage["asked"] == coverage["answered"] + len(coverage["unanswered"])
+
+
+def test_a_life_without_end_passes(broken):
+    """Below the knee the original Miner counts nothing: no number, and no missing answer."""
+    done = run(broken, "--gauge", "S1", "--sn", "300,2e6,5", "--miner", "original",
+               "--target-hours", "1e9")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert "PASS" in done.output
+    assert "∞" in done.output
+
+
+def test_the_line_is_that_of_the_application(broken):
+    more = ("--application", TRUCK, "--target-hours", "1", "--json")
+    document = json.loads(run(broken, *ONE, *more).output)
+    from cardan import files
+
+    assert document["checks"][0]["line"] == files.read(TRUCK).lines[0].line.name
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("pt", ("REPROVADO (1 reprovado", "Vida à fadiga", "uma gravação em que todos",
+                "pedido na linha de comando")),
+        ("it", ("NON CONFORME (1 non conforme", "una registrazione in cui tutti i suoi canali",
+                "richiesto sulla riga di comando")),
+    ],
+)  # fmt: skip
+def test_the_verdict_is_told_in_other_languages(broken, code, said):
+    done = run(broken, *ONE, "--gauge", "S2", "--target-hours", "1e9", "--lang", code)
+    assert done.exit_code == 1
+    for words in said:
+        assert words in done.output
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--target-hours", "0"), "target_hours of a campaign must be above 0"),
+        (("--target-hours", "nan"), "target_hours of a campaign must be above 0"),
+        (("--limits", "heavy-trucks"), "no limit profile of this name"),
+        (("--gauge", "S1:kPa"), "two gauges are called S1"),
+        (("--axle-ratio", "-4"), "axle_ratio of a campaign must be above 0"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(broken, more, said):
+    done = run(broken, *ONE, *more)
+    assert done.exit_code == 2
+    assert said in done.output
+
+
+def test_a_fault_of_the_program_is_not_the_users(broken, monkeypatch):
+    """A ValueError that nobody meant for a user was told as bad input, exit code 2."""
+    from cardan.fatigue import life as room
+
+    def faulty(*_, **__):
+        msg = "operands could not be broadcast"
+        raise ValueError(msg)
+
+    monkeypatch.setattr(room, "counted", faulty)
+    done = run(broken, *ONE)
+    assert isinstance(done.exception, ValueError)
+
+
+def test_every_option_is_a_field_of_the_campaign():
+    """By name, default and choices, so neither can know what the other does not."""
+    from dataclasses import MISSING, fields
+
+    from cardan.study.campaign import CHOICES, Campaign
+
+    of_faces = {"recording", "json_out", "plot", "allow_outside", "lang", "quiet"}
+    options = {p.name: p for p in command.params if p.name not in of_faces}
+    declared = {f.name: f for f in fields(Campaign)}
+    assert set(options) == set(declared)
+    assert [n for n, f in declared.items() if f.default is MISSING] == ["sn"]
+    assert options["sn"].required
+    given = command.make_context("life", ["x", "--sn", "1,1,1"]).params
+    blank = Campaign(sn="1,1,1")
+    assert {n: given[n] for n in options} == {n: getattr(blank, n) for n in declared}
+    for name, choices in CHOICES.items():
+        assert tuple(options[name].type.choices) == choices
+    with pytest.raises(DesignError, match="miner must be one of original"):
+        Campaign(sn="1,1,1", miner="palmgren")
+
+
+def test_whatever_a_profile_may_ask_of_a_recording_is_answered(broken, tmp_path):
+    from cardan.quantity.quantities import QUANTITIES
+
+    asked = [k for k, q in QUANTITIES.items() if q.study == "recording"]
+    rows = "".join(f"  - {{quantity: {k}, maximum: 1, source: ours}}\n" for k in asked)
+    (tmp_path / "all.yaml").write_text(f"profile: all\nlimits:\n{rows}")
+    document = json.loads(run(broken, *ONE, "--limits", tmp_path / "all.yaml", "--json").output)
+    assert [c["quantity"] for c in document["checks"]] == asked
+    assert document["profile"] == "all"

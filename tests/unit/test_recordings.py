@@ -6,7 +6,7 @@ import wave
 import numpy as np
 import pytest
 
-from cardan.base.errors import BadFile
+from cardan.base.errors import BadFile, DesignError
 from cardan.fatigue.recording import cut, in_memory
 from cardan.files.recordings import open_recording
 
@@ -131,7 +131,7 @@ def test_what_is_not_there_or_unknown_is_said(tmp_path):
     (tmp_path / "b.csv").write_bytes(bytes(range(256)) * 10)
     refused(tmp_path / "b.csv", "not text")
     refused(write(tmp_path / "c.csv", "time,S1\n0,1\n1,2\n2,3\n"), "no time column", time="tme")
-    with pytest.raises(ValueError, match="did you mean 'S1'"):
+    with pytest.raises(DesignError, match="did you mean 'S1'"):
         open_recording(tmp_path / "c.csv").place("S11")
 
 

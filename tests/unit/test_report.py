@@ -24,6 +24,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import extra, story, terminal
 from cardan.report.blocks import Chapter, Picture, Table
+from cardan.report.book import column
 from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import drawings, worst_state
@@ -34,12 +35,12 @@ from cardan.report.pdf import document
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.wording import counts, sense
-from cardan.report.workbook import column
-from cardan.study.approval import STUDIES, approve, assess
+from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
-from cardan.study.stability import VibrationStudy, stability
+from cardan.study.stability import stability
+from cardan.study.studies import STUDIES, VibrationStudy
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), *(ROOT / "src/cardan/cli").glob("*.py")]

@@ -19,7 +19,8 @@ from cardan.model.application import Surroundings
 from cardan.report.language import EN
 from cardan.report.stability import campbell, worst_of_parts
 from cardan.study.approval import approve
-from cardan.study.stability import VibrationStudy, stability
+from cardan.study.stability import stability
+from cardan.study.studies import VibrationStudy
 
 
 @pytest.fixture(scope="module")

@@ -731,10 +731,10 @@ def speed(truck, line, state):
     governed = truck.engine[-1][0]
     if not isnan(state.speed):
         output = state.speed
+    elif state.kind == "windup":  # full torque is there in the lowest gear alone
+        output = governed / (truck.ratios[0] * truck.transfer)
     elif not isnan(truck.top_speed):
         output = truck.top_speed
-    elif state.kind == "windup":
-        output = governed / (truck.ratios[0] * truck.transfer)
     else:
         output = governed / truck.ratios[-1]
     return output * line.speed_ratio

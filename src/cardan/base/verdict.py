@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite, isnan
 from typing import Literal, TypeAlias, TypeVar
 
@@ -100,7 +101,7 @@ class Limit:
         return "warn" if never_fails and self.margin(value, to="normal") < -EQUAL else "pass"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Check:
     """One demand held against one limit, for one part of one line on one occasion.
 
@@ -120,7 +121,7 @@ class Check:
         """The occasion as the JSON contract names it: a state, a gear, a load case."""
         return str(self.when)
 
-    @property
+    @cached_property
     def grade(self) -> Grade:
         """Whether the demand passes, warns or fails."""
         return self.limit.grade(self.value)
@@ -137,7 +138,7 @@ class Check:
         assert chosen is not None  # __post_init__ refuses a limit without bounds
         return chosen
 
-    @property
+    @cached_property
     def margin(self) -> float:
         """Share of the deciding bound still free; negative where it is passed."""
         to = "maximum" if self.grade == "fail" else "normal"

@@ -25,7 +25,8 @@ import types
 from collections.abc import Callable, Iterable
 from collections.abc import Mapping as Mapped
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
+from importlib import import_module
 from math import pi
 from pathlib import Path
 from typing import (
@@ -756,6 +757,30 @@ class TableRule(Rule):
         return self.table.schema(defs)
 
 
+class Later(Rule):
+    """A table that few files have: what it takes is imported when one does."""
+
+    takes = (Mapping,)
+    one, many = "a table", "tables"
+
+    def __init__(self, module: str, table: str) -> None:
+        self.named = module, table
+
+    @cached_property
+    def rule(self) -> TableRule:
+        """The rule of the table itself."""
+        module, table = self.named
+        return TableRule(getattr(import_module(module), table))
+
+    def read(self, here: Here) -> Any:
+        """Return what the table becomes."""
+        return self.rule.read(here)
+
+    def schema(self, defs: Schema, unit: str) -> Schema:
+        """Return a reference to the table's schema."""
+        return self.rule.schema(defs, unit)
+
+
 def _in_order(node: Node) -> tuple[int, int]:
     return node.line, node.column
 
@@ -829,6 +854,8 @@ def _advice(cls: type[Table], name: str, node: Node) -> tuple[str, str]:
 
 def _tables_in(rule: Rule) -> list[type[Table]]:
     """Return the tables that an entry may hold directly."""
+    if isinstance(rule, Later):
+        rule = rule.rule
     if isinstance(rule, TableRule):
         return [rule.table]
     if isinstance(rule, OneOf):

@@ -65,7 +65,6 @@ def check(
     limit has no answer, 2 for a bad file.
     """
     from cardan.report import terminal
-    from cardan.report.compare import Variant
     from cardan.report.language import Language
     from cardan.study.sensitivity import sensitivities
 
@@ -79,14 +78,13 @@ def check(
             approved(file, limits, allow_outside=allow_outside, also=studies, tell=tell)
             for file in files
         ]
-    variants = [Variant(name=f.stem, approval=a) for f, a in zip(files, found, strict=True)]
     if json_out is not None:
         from cardan.report import contract
 
         documents = [contract.approval(a) for a in found]
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
-        told = _story(files, variants, say=say, quiet=quiet)
+        told = _story(files, found, say=say, quiet=quiet)
         _publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -97,23 +95,30 @@ def check(
             put_lines(terminal.summary(one, say))
     elif json_out != "-":
         if len(found) > 1:
-            put_lines(terminal.comparison(variants, say))
+            put_lines(terminal.comparison(_variants(files, found), say))
         else:
             helps = sensitivities(found[0])
             put_lines(terminal.approval(found[0], helps=helps, every=every, say=say))
     leave(*(a.verdict for a in found))
 
 
-def _story(paths: tuple[Path, ...], variants: list[Any], *, say: Any, quiet: bool) -> Any:
+def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
+    """Return approvals by the names of their files, to stand side by side."""
+    from cardan.report.compare import Variant
+
+    return [Variant(name=p.stem, approval=a) for p, a in zip(paths, found, strict=True)]
+
+
+def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) -> Any:
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
     from cardan.study.fix import fix as search
     from cardan.study.sensitivity import sensitivities
 
     issue = _issue(paths)
-    if len(variants) > 1:
-        return story.comparison(variants, say=say, issue=issue)
-    one = variants[0].approval
+    if len(found) > 1:
+        return story.comparison(_variants(paths, found), say=say, issue=issue)
+    (one,) = found
     helps = sensitivities(one)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
         fixes = search(one.application, count=3, tell=tell) if helps else ()

@@ -81,7 +81,8 @@ def approved(
     tell: "Progress | None" = None,
 ) -> Any:
     """Return the approval of a file's application, `also` by other studies than it asks for."""
-    from cardan.study.approval import STUDIES, approve, default_studies
+    from cardan.study.approval import approve, default_studies
+    from cardan.study.studies import STUDIES
 
     application = read(file, limits, allow_outside=allow_outside)
     chosen = {s.name: s for s in default_studies(application)}
@@ -173,6 +174,9 @@ def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
 
     Inputs that are no files, like the name of a profile of the package, are nobody's.
     """
+    printed = outputs | ({"json_out": None} if outputs.get("json_out") == "-" else {})
+    if all(name is None for name in printed.values()):
+        return
     from cardan.border import writer
 
     writer.claim(

@@ -63,17 +63,18 @@ def stability(
     from cardan.report import stability as report
     from cardan.report.language import Language
     from cardan.study.approval import approve, held_to
-    from cardan.study.stability import NAME, VibrationStudy
+    from cardan.study.finding import VIBRATION
+    from cardan.study.studies import VibrationStudy
 
     say = Language(lang)
     claim(file, limits, json_out=json_out, chart=chart)
     given = {name: value for name, value in surroundings.items() if value is not None}
-    application = held_to(read(file, limits, allow_outside=allow_outside), NAME)
+    application = held_to(read(file, limits, allow_outside=allow_outside), VIBRATION)
     study = VibrationStudy(Surroundings(**given))
     with of(file, application), progress(say("asking what vibrates"), quiet=quiet) as tell:
         found = approve(application, (study,), tell=tell.study)
     if chart:
-        shown = {v.line.name: v for v in found.of(NAME).lines}
+        shown = {v.line.name: v for v in found.of(VIBRATION).lines}
         if line is not None and line not in shown:
             refuse(f"there is no line {line}; the file has {', '.join(shown)}")
         write(chart, report.chart(shown[line] if line else next(iter(shown.values()))))

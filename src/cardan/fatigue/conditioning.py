@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
 
 CLIPPED_RUN = 4
 """Samples in a row at the very top or bottom of a channel that look cut off."""
@@ -102,7 +103,7 @@ def low_pass(cutoff: float, *, rate: float, width: float | None = None) -> Filte
     width = cutoff / 4 if width is None else width
     if not 0 < cutoff < rate / 2:
         msg = f"a filter's cutoff must lie within (0, {rate / 2:g}) Hz, got {cutoff:g} Hz"
-        raise ValueError(msg)
+        raise DesignError(msg)
     # Kaiser: β for 80 dB, and the length that gives the width.
     reach = int(np.ceil((80 - 7.95) / 14.36 * rate / width / 2))
     n = np.arange(-reach, reach + 1)
@@ -301,7 +302,7 @@ class _Survey:
             return
         if not np.isfinite(known).all():
             msg = "samples must be finite or missing (nan), got infinity"
-            raise ValueError(msg)
+            raise DesignError(msg)
         if self.samples - self.missing == known.size:
             self.shift = float(known[0])
         centred = known - self.shift

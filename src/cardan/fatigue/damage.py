@@ -46,6 +46,8 @@ class Life:
     @property
     def repeats(self) -> float:
         """Passages of the recording until failure; infinite where it does no harm."""
+        if math.isnan(self.damage):
+            return math.nan
         return self.allowed / self.damage if self.damage > 0 else math.inf
 
     @property

@@ -137,6 +137,11 @@ class GaugeLife:
     spectrum: Spectrum | None
     spectral: dict[str, float]
 
+    @property
+    def heard(self) -> bool:
+        """Whether it said anything: a stress that moved, of channels that all did."""
+        return self.low < self.high and not any(h.dead for h in self.health.values())
+
 
 class _Count:
     """One gauge's count, as pieces pass."""
@@ -158,8 +163,7 @@ class _Count:
     def result(self, gauge: Gauge, healths: dict[str, Health], duration: float) -> GaugeLife:
         plan, curve, correction = self.plan, self.plan.curve, self.plan.correction
         if not self.residue.size:
-            msg = f"gauge {gauge.name} has no samples to count"
-            raise DesignError(msg)
+            return self._silence(gauge, healths, duration)
         left = plan.rule(self.residue)
         damage = self.damage + miner(left, curve=curve, correction=correction)
         cycles = join([self.matrix.cycles(), left])
@@ -185,6 +189,15 @@ class _Count:
             exponent=damage_exponent(cycles, curve=curve, correction=correction),
             repeats={f: exact * n for f, n in lives.items()},
             spectrum=spectrum, spectral=spectral,
+        )  # fmt: skip
+
+    def _silence(self, gauge: Gauge, healths: dict[str, Health], duration: float) -> GaugeLife:
+        nan = float("nan")
+        return GaugeLife(
+            name=gauge.name, health=healths, low=nan, high=nan,
+            life=Life(damage=nan, duration=duration, allowed=self.plan.allowed),
+            closed=self.matrix, residue=NONE, cycles=self.matrix.cycles(), exponent=nan,
+            repeats=dict.fromkeys(self.plan.failures, nan), spectrum=None, spectral={},
         )  # fmt: skip
 
 
@@ -255,7 +268,27 @@ def life(
         Driven in the recording, if known.
     progress
         Told how far it is.
+
+    Raises
+    ------
+    DesignError
+        If a gauge has no samples; `counted` leaves what it did to that one unknown.
     """
+    found = counted(
+        recording, plan=plan, healths=healths, distance=distance, progress=progress
+    )  # fmt: skip
+    for one in found:
+        if not one.residue.size:
+            msg = f"gauge {one.name} has no samples to count"
+            raise DesignError(msg)
+    return found
+
+
+def counted(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health] | None = None,
+    distance: float = float("nan"), progress: Progress | None = None,
+) -> list[GaugeLife]:  # fmt: skip
+    """Damage and life at every gauge, as by `life`; nan at those without a sample."""
     if healths is None:
         healths = look(recording, channels=plan.channels, progress=progress)
     counts = [_Count(plan, recording.rate) for _ in plan.gauges]
@@ -281,8 +314,10 @@ class Causes:
 
     Attributes
     ----------
+    gauges
+        Their names, in the plan's order.
     attributions
-        One a gauge, in the plan's order.
+        One a gauge, in that order.
     time : (m,) s
         Middles of the spans in which orders were found.
     speed : (m,) turns/s
@@ -297,6 +332,7 @@ class Causes:
         What cannot be told apart in this recording, a sentence each.
     """
 
+    gauges: tuple[str, ...]
     attributions: list[Attribution]
     time: FloatArray
     speed: FloatArray
@@ -363,8 +399,8 @@ def causes(
         for a, b, share in pairs
     ]
     return Causes(
-        attributions=found, time=time, speed=speed, order2=order2, torque=load,
-        comparisons=comparisons, doubts=doubts,
+        gauges=tuple(g.name for g in plan.gauges), attributions=found, time=time, speed=speed,
+        order2=order2, torque=load, comparisons=comparisons, doubts=doubts,
     )  # fmt: skip
 
 

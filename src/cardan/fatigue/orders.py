@@ -161,7 +161,7 @@ def estimated_rotation(
     frequency, power = periodograms(bridged(signal), rate=rate, segment=n)
     if len(power) < 2:
         msg = f"the signal is too short: at least {1.5 * window:g} s are needed"
-        raise ValueError(msg)
+        raise DesignError(msg)
     level = np.log(power + 1e-9 * power.max())
     # Above the neighbourhood: half a window's median over a tenth of the band flattens roads.
     around = np.lib.stride_tricks.sliding_window_view(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
 
 SIZE = 1 << 18
 """Samples a channel in one piece: two megabytes, long against any filter or knot."""
@@ -58,7 +59,7 @@ class Recording:
 
         Raises
         ------
-        ValueError
+        DesignError
             If there is none of that name.
         """
         if name in self.names:
@@ -66,7 +67,7 @@ class Recording:
         near = difflib.get_close_matches(name, self.names, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(self.names)}"
         msg = f"{self.name} has no channel {name!r}; {hint}"
-        raise ValueError(msg)
+        raise DesignError(msg)
 
     def channel(self, name: str) -> Channel:
         """Return a channel by its name."""

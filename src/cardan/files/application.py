@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias, get_args
+from typing import Annotated, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from cardan.border.table import (
     Choice,
     Enough,
     Here,
+    Later,
     ListOf,
     MapOf,
     Number,
@@ -40,7 +41,6 @@ from cardan.border.table import (
     nearest,
 )  # fmt: skip
 from cardan.demand.axles import driven_axles
-from cardan.files.bracket import BracketTable
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
@@ -420,7 +420,9 @@ class ApplicationTable(Table):
         "how the life is spent: shares, or the name of a cycle", default=()
     )
     adjust: AdjustTable | None = key("what `cardan fix` may move", default=None)
-    bracket: BracketTable | None = key("what a centre bearing hangs in", default=None)
+    bracket: Annotated[Any, Later("cardan.files.bracket", "BracketTable")] | None = key(
+        "what a centre bearing hangs in", default=None
+    )
     torsion: Annotated[Surroundings, TorsionTable] | None = key(
         "what turns with the lines at both ends", default=None
     )

@@ -159,7 +159,8 @@ class ShaftTable(Table):
             odd = f"{written:g} deg looks like {written / deg:.0f} deg in radians"
             self.at("phase").warn(odd, "did you mean phase_rad?")
         if self.length is not None:
-            self.attempt(lambda: self.shaft(self.length or 0.0))
+            length = self.length
+            self.attempt(lambda: self.shaft(length))
         return self
 
     def shaft(self, length: float) -> Shaft:

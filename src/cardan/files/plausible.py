@@ -129,13 +129,23 @@ class Relation:
 
 def doubts(application: Application) -> tuple[Problem, ...]:
     """Return what values of an application say against each other, each at its own key."""
-    with np.errstate(all="ignore"):
-        found = (d for relation in RELATIONS for d in relation.doubts(application))
-        return tuple(islice(dict.fromkeys(found), MANY))  # one joint may stand for all
+    _SEEN[id(application)] = tuple(
+        _Seen(application=application, installed=i) for i in application.lines
+    )
+    try:
+        with np.errstate(all="ignore"):
+            found = (d for relation in RELATIONS for d in relation.doubts(application))
+            return tuple(islice(dict.fromkeys(found), MANY))  # one joint may stand for all
+    finally:
+        del _SEEN[id(application)]
+
+
+_SEEN: dict[int, tuple[_Seen, ...]] = {}
+"""Lines while their relations are asked: what each needs is resolved once for all of them."""
 
 
 def _lines(application: Application) -> Iterator[_Seen]:
-    return (_Seen(application=application, installed=i) for i in application.lines)
+    return iter(_SEEN[id(application)])
 
 
 def _over(a: float | None, b: float | None) -> float:
@@ -500,7 +510,7 @@ def _stops(name: str, sign: int) -> Callable[[Application], Found]:
             with suppress(DesignError):
                 rest = deflection(suspension, suspension.reference, axle_load=load)
                 if stop is not None and suspension.reference not in (name, "rebound"):
-                    yield (f"{at}.{name}_deflection",), 1e3 * sign * (stop - rest)
+                    yield (f"{at}.{name}_deflection",), 1e3 * sign * (stop - float(rest))
 
     return of
 

@@ -3,14 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from cardan.base.arrays import ArrayLike
 from cardan.base.errors import DesignError, Place, Problem, failing
 from cardan.base.source import Source
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
-from cardan.model.bracket import Bracket
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.model.vehicle import (
@@ -23,6 +22,9 @@ from cardan.model.vehicle import (
     Tyre,
     Vehicle,
 )
+
+if TYPE_CHECKING:  # few applications have one
+    from cardan.model.bracket import Bracket
 
 GIVEN = "given"
 """The kind of a state whose geometry is given: nothing else says what it is like."""
@@ -264,7 +266,7 @@ class Application:
     duty_cycle: DutyCycle | None = None
     """A cycle named in place of `duty`; `cycle_points` makes points of it."""
     adjustables: tuple[Adjustable, ...] = ()
-    bracket: Bracket | None = None
+    bracket: "Bracket | None" = None
     torsion: Surroundings | None = None
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0

@@ -131,6 +131,8 @@ class Quantity:
     """Limits of use: when the number can be trusted."""
     sense: Sense = "<="
     """Which side of a limit is safe."""
+    signed: bool = False
+    """Whether it has a direction: limits ask about its size."""
     parts: Parts | None = None
     of: Of | None = None
     needs: tuple[Need, ...] = ()

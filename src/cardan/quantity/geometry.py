@@ -61,6 +61,7 @@ DECLARED = (
     ),
     Quantity(
         key="side_angle",
+        signed=True,
         name="Side view angle",
         symbol="βv",
         unit="deg",
@@ -73,6 +74,7 @@ DECLARED = (
     ),
     Quantity(
         key="top_angle",
+        signed=True,
         name="Top view angle",
         symbol="βh",
         unit="deg",

@@ -6,6 +6,7 @@ last leading axis, variants of a study on axes before it.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -26,7 +27,13 @@ from cardan.loads import (
     small_angle,
     unbalance,
 )
-from cardan.model.application import RIDING, Application, DutyPoint, Obstacle
+from cardan.model.application import (
+    RIDING,
+    Application,
+    DutyPoint,
+    Obstacle,
+    cycle_points,
+)
 from cardan.model.layout import Layout
 from cardan.model.parts import JointSize, Line
 from cardan.shaft import beams, life, strength, whirl
@@ -72,13 +79,25 @@ class Response:
         """The duty cycle as the line turns in it; empty where the application has none.
 
         An application's cycle is that of the gearbox output, of which the line has its share.
+        A named one is of the line's largest torque and top speed in the states that last.
         """
-        installed = self.demand.installed
+        installed, named = self.demand.installed, self.application.duty_cycle
+        if named is not None:
+            torque, speed = map(self._largest, (self.demand.torque, self.demand.speed))
+            return cycle_points(named, torque=torque, speed=speed)
         share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
         return tuple(
             replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
             for p in self.application.duty
         )
+
+    def _largest(self, values: FloatArray) -> Any:
+        """Return the largest size of values (..., states) in states that last, (..., 1)."""
+        lasting = np.where(self.lasting, np.abs(values), np.nan)
+        if np.isnan(lasting).all():
+            return np.nan
+        most = np.nanmax(lasting, axis=-1, keepdims=values.ndim > 1)
+        return most if values.ndim > 1 else float(most)
 
     @cached_property
     def turn(self) -> Turn:

@@ -16,6 +16,7 @@ def _pairs(r: Response) -> tuple[Part, ...]:
 DECLARED = (
     Quantity(
         key="spline_travel",
+        signed=True,
         name="Spline travel",
         symbol="ΔL",
         unit="mm",

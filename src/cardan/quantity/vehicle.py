@@ -36,6 +36,7 @@ def _suspension_frequency(r: Response) -> FloatArray:
 DECLARED = (
     Quantity(
         key="torque",
+        signed=True,
         name="Shaft torque",
         symbol="T",
         unit="Nm",
@@ -168,6 +169,7 @@ DECLARED = (
     ),
     Quantity(
         key="axle_travel",
+        signed=True,
         name="Axle travel",
         symbol="z",
         unit="mm",
@@ -182,6 +184,7 @@ DECLARED = (
     ),
     Quantity(
         key="pinion_pitch",
+        signed=True,
         name="Pinion pitch",
         symbol="ψ",
         unit="deg",

@@ -10,16 +10,21 @@ import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
+from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.report.contract import CONTRACT, check, coverage, plain
 from cardan.report.language import EN, Language
-from cardan.report.terminal import BOLD, PLAIN, checks, summary
+from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
+from cardan.report.wording import cited, unanswered
 from cardan.study.approval import Approval
-from cardan.study.bracket import NAME, BracketAnswer, Found, Judged, Outcome
+from cardan.study.bracket import BracketAnswer, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
+from cardan.study.finding import BRACKET
 
+LABEL, CASE = 48, 38
+"""Widths of the names of rows: of what a variant is, of load cases."""
 MICRO = 1e-6
 SETTLED = 0.05
 """Share of a stress its error may be, before a report says that it is not known."""
@@ -30,94 +35,127 @@ SETTLED = 0.05
 
 def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict and a bracket's numbers, line by line of text."""
-    of: BracketAnswer = approval.of(NAME)
+    of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
     yield from summary(approval, say)
     yield say("limits: {profile}", profile=approval.application.profile)
     yield from checks(approval, say)
+    yield from without_answer(unanswered(approval, say), approval.coverage, say)
     yield ""
-    yield f"{BOLD}{of.title}: bracket of line {bracket.line}, bearing {bracket.bearing}{PLAIN}"
-    yield f"material {bracket.material.name}, {bracket.material.source}"
+    title = say(
+        "{title}: bracket of line {line}, bearing {bearing}", title=of.title, line=bracket.line,
+        bearing=bracket.bearing,
+    )  # fmt: skip
+    yield f"{BOLD}{title}{PLAIN}"
+    material, source = bracket.material.name, cited(bracket.material.source, say)
+    yield say("material {material}, {source}", material=material, source=source)
     yield ""
-    yield f"{BOLD}{'':34}{_columns([v.name for v in of.variants])}{PLAIN}"
-    yield _row("mass, kg", [v.mass for v in of.variants])
-    yield _row("unknowns", [float(v.units.elastic.unknowns) for v in of.variants])
-    for k, axis in enumerate("xyz"):
-        stiff = [1 / v.units.compliance[k, k] / (N / mm) for v in of.variants]
-        yield _row(f"stiffness at the bearing {axis}, N/mm", stiff)
-    for k in range(len(of.variants[0].carried)):
-        yield _row(f"frequency {k + 1}, loaded, Hz", [v.carried[k] for v in of.variants])
-    yield _row("frequency 1, bracket alone, Hz", [v.frequencies[0] for v in of.variants])
+    yield f"{BOLD}{'':{LABEL}}{_columns([say(v.name) for v in of.variants])}{PLAIN}"
+    for label, values in _rows(of, say):
+        yield f"{label:<{LABEL}}{_columns([say.number(v) for v in values])}"
     for v in of.variants:
-        yield from _crossings(v)
+        yield from _crossings(v, say)
     for v in of.variants:
-        yield from _stresses(v)
-        yield from _readings(v, [gauge.name for gauge in of.bracket.gauges])
-        yield from _lives(of, v)
+        yield from _stresses(v, say)
+        yield from _readings(v, [gauge.name for gauge in of.bracket.gauges], say)
+        yield from _lives(of, v, say)
     if len(of.variants) > 1:
-        yield from _compared(of)
+        yield from _compared(of, say)
 
 
 def _columns(cells: list[str]) -> str:
     return "".join(f"{c:>14}" for c in cells)
 
 
-def _row(label: str, values: list[float]) -> str:
-    return f"{label:<34}{_columns([EN.number(float(v)) for v in values])}"
+def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]:
+    """Yield what is known of the variants themselves, under no load case."""
+    yield say("mass, kg"), [v.mass for v in of.variants]
+    yield say("unknowns"), [float(v.units.elastic.unknowns) for v in of.variants]
+    for k, axis in enumerate("xyz"):
+        stiff = [float(1 / v.units.compliance[k, k]) / (N / mm) for v in of.variants]
+        yield say("stiffness at the bearing along {axis}, N/mm", axis=axis), stiff
+    for k in range(len(of.variants[0].carried)):
+        loaded = [float(v.carried[k]) for v in of.variants]
+        yield say("frequency {mode}, loaded, Hz", mode=k + 1), loaded
+    alone = [float(v.frequencies[0]) for v in of.variants]
+    yield say("first frequency by itself, Hz"), alone
 
 
-def _crossings(v: Judged) -> Iterator[str]:
+def _when(when: Occasion, say: Language) -> str:
+    """Return a load case, cut to its column."""
+    return f"{say.occasion(when)[: CASE - 1]:<{CASE}}"
+
+
+def _crossings(v: Judged, say: Language) -> Iterator[str]:
     met = [c for c in v.crossings if c.in_range]
     if not met:
-        yield f"{v.name}: no order 1, 2 or 4 meets a natural frequency within the speed range"
-    for mode in dict.fromkeys(c.mode for c in met):
-        some = [c for c in met if c.mode == mode]
-        at = ", ".join(f"order {c.order} at {EN.number(c.speed / rpm)} rpm" for c in some)
-        yield f"{v.name}: frequency {mode}, {EN.number(some[0].frequency)} Hz, meets {at}"
+        yield say(
+            "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.",
+            name=say(v.name),
+        )
+    for c in met:
+        yield say(
+            "{name}: order {order} meets frequency {mode}, {frequency} Hz, at {speed} rpm.",
+            name=say(v.name), order=c.order, mode=c.mode,
+            frequency=say.number(c.frequency), speed=say.number(c.speed / rpm),
+        )  # fmt: skip
 
 
-def _stresses(v: Judged) -> Iterator[str]:
+def _stresses(v: Judged, say: Language) -> Iterator[str]:
     """Yield the stresses of one variant, case by case."""
+
+    def one(value: float) -> str:
+        return say.pointed(f"{value / MPa:.1f}")
+
     yield ""
     spots = [f"H{k}" for k in range(1, len(v.hot_spots.points) + 1)]
+    head = ("von Mises", say("tension"), say("compression"))
+    title = say("{name}, {unit}", name=say(v.name), unit="MPa")
     yield (
-        f"{BOLD}{v.name + ', MPa':<30}{'von Mises':>10}{'tension':>10}{'compr.':>10}"
-        f"{''.join(f'{s:>16}' for s in spots)}{'on an edge':>12}{PLAIN}"
+        f"{BOLD}{title:<{CASE}}{''.join(f'{h:>13}' for h in head)}"
+        f"{''.join(f'{s:>16}' for s in spots)}{say('on an edge'):>16}{PLAIN}"
     )
     for o in v.outcomes:
         hot = "".join(
-            f"{h / MPa:>9.1f} ±{e / MPa:>4.1f}{' ' if e <= SETTLED * h else '!'}"
+            f"{one(h):>9} ±{one(e):>4}{' ' if e <= SETTLED * h else '!'}"
             for h, e in zip(o.hot, o.error, strict=True)
         )
+        away = (o.von_mises, o.highest, o.lowest)
         yield (
-            f"{str(o.case.when)[:29]:<30}{o.von_mises.value / MPa:>10.1f}"
-            f"{o.highest.value / MPa:>10.1f}{o.lowest.value / MPa:>10.1f}{hot}"
-            f"{o.on_edge.value / MPa:>12.1f}"
+            f"{_when(o.case.when, say)}{''.join(f'{one(f.value):>13}' for f in away)}{hot}"
+            f"{one(o.on_edge.value):>16}"
         )
-    for name, point in zip(spots, v.hot_spots.points, strict=True):
-        yield f"  {name} at {_place(tuple(point.tolist()))} mm"
-    yield (
-        "  The first three columns leave out what lies within 1.5 thicknesses of a sharp edge or "
+    for name, point in zip(spots, v.hot_spots.points.tolist(), strict=True):
+        at = "  ".join(say.pointed(f"{p / mm:.1f}") for p in point)
+        yield "  " + say("{name} at x, y, z = {point} mm", name=name, point=at)
+    yield "  " + say(
+        "The first three columns leave out what lies within 1.5 thicknesses of a sharp edge or "
         "a clamp; H are solved again, finer, ± their estimated error (! above 5 %)."
     )
     if any(o.on_edge.value > 1.001 * o.von_mises.value for o in v.outcomes):
-        yield "  'On an edge' grows as elements shrink: it says nothing about the bracket."
+        yield "  " + say(
+            "'On an edge' grows as elements shrink: it says nothing about the bracket."
+        )
 
 
-def _readings(v: Judged, names: list[str]) -> Iterator[str]:
+def _readings(v: Judged, names: list[str], say: Language) -> Iterator[str]:
     """Yield what the gauges read."""
     if not names:
         return
     yield ""
     head = "".join(f"{name:>18}" for name in names)
-    yield f"{BOLD}{v.name + ', microstrain':<30}{head}{PLAIN}"
+    title = say("{name}, {unit}", name=say(v.name), unit=say("microstrain"))
+    yield f"{BOLD}{title:<{CASE}}{head}{PLAIN}"
     for unit, column in zip(UNITS[:3], v.influence.T, strict=False):
-        cells = "".join(f"{EN.number(b * kN / MICRO):>18}" for b in column)
-        yield f"{'per kN of ' + unit:<30}{cells}"
+        cells = "".join(f"{say.number(b * kN / MICRO):>18}" for b in column)
+        yield f"{say('per kN of {load}', load=unit):<{CASE}}{cells}"
     for o in v.outcomes:
-        cells = "".join(f"{span(low / MICRO, high / MICRO):>18}" for low, high in o.strain.tolist())
-        yield f"{str(o.case.when)[:29]:<30}{cells}"
-    yield f"  Refining changes the gauges' influence by {v.influence_change:.1%} at most."
+        spans = [say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()]
+        yield f"{_when(o.case.when, say)}{''.join(f'{s:>18}' for s in spans)}"
+    yield "  " + say(
+        "Refining changes the gauges' influence by {change} % at most.",
+        change=say.pointed(f"{100 * v.influence_change:.1f}"),
+    )
 
 
 def lives(v: Judged) -> list[Endured]:
@@ -125,20 +163,30 @@ def lives(v: Judged) -> list[Endured]:
     return [o.life for o in v.outcomes if o.life is not None] + list(v.duty)
 
 
-def _lives(of: BracketAnswer, v: Judged) -> Iterator[str]:
+def _lives(of: BracketAnswer, v: Judged, say: Language) -> Iterator[str]:
     """Yield damage and life of one variant; nothing without an S-N curve."""
     if not lives(v):
         return
     yield ""
-    head = ("per turn", "per hour", "hours", "where")
-    yield f"{BOLD}{v.name + ', damage':<30}{''.join(f'{h:>12}' for h in head)}{PLAIN}"
+    head = (say("damage per turn"), say("damage per hour"), say("hours to failure"))
+    title = say("{name}, {unit}", name=say(v.name), unit=say("damage"))
+    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>20}' for h in head)}{say('hot spot'):>16}{PLAIN}"
     for e in lives(v):
-        numbers = (e.per_turn, e.per_hour, e.hours)
-        cells = "".join(f"{EN.number(x) if x > 1e9 else f'{x:.3g}':>12}" for x in numbers)
+        cells = "".join(f"{_small(x, say):>20}" for x in (e.per_turn, e.per_hour, e.hours))
         where = f"H{int(e.spots.argmax()) + 1}" if e.worst > 0 else ""
-        yield f"{str(e.when)[:29]:<30}{cells}{where:>12}"
-    mean = "Goodman" if of.bracket.material.ultimate_strength else "not counted"
-    yield f"  Rainflow, Miner with 2k - 1 beyond the knee, mean stress: {mean}; 1 is failure."
+        yield f"{_when(e.when, say)}{cells}{where:>16}"
+    yield "  " + (
+        say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
+        if of.bracket.material.ultimate_strength
+        else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
+    )
+
+
+def _small(value: float, say: Language) -> str:
+    """Return a damage or a life: both range over many powers of ten."""
+    if np.isnan(value) or value > 1e9:
+        return say.number(value)
+    return say.pointed(f"{value:.3g}")
 
 
 def span(low: float, high: float) -> str:
@@ -147,20 +195,22 @@ def span(low: float, high: float) -> str:
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 
 
-def _compared(of: BracketAnswer) -> Iterator[str]:
+def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what the reinforcement changes."""
     before, after = of.variants[0], of.variants[1]
     old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
     yield ""
-    yield (
-        f"{BOLD}Reinforced{PLAIN}: highest converged stress {old / MPa:.1f} -> {new / MPa:.1f} MPa "
-        f"({new / old - 1:+.0%}), mass {before.mass:.3f} -> {after.mass:.3f} kg, first loaded "
-        f"frequency {before.carried[0]:.1f} -> {after.carried[0]:.1f} Hz"
+    yield f"{BOLD}{say('What the reinforcement changes')}{PLAIN}"
+    changed = (
+        (say("highest stress at a hot spot, MPa"), old / MPa, new / MPa),
+        (say("mass, kg"), before.mass, after.mass),
+        (say("frequency {mode}, loaded, Hz", mode=1), before.carried[0], after.carried[0]),
     )
-
-
-def _place(point: tuple[float, ...]) -> str:
-    return "(" + ", ".join(f"{p / mm:.1f}" for p in point) + ")"
+    for label, was, now in changed:
+        yield (
+            f"{label:<{LABEL}}{_columns([say.number(float(was)), say.number(float(now))])}"
+            f"{say.percent(float(now / was) - 1):>14}"
+        )
 
 
 # --------------------------------------------------------------------------- contract
@@ -168,7 +218,7 @@ def _place(point: tuple[float, ...]) -> str:
 
 def contract(approval: Approval) -> dict[str, Any]:
     """Return a bracket study as the JSON contract's document."""
-    of: BracketAnswer = approval.of(NAME)
+    of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
     return plain(
         {

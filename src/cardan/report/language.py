@@ -10,17 +10,16 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import get_args
 
 from cardan.base.part import Occasion, Part
 from cardan.model.vehicle import SuspensionState
 from cardan.quantity.quantities import QUANTITIES
 
-_FOLDER = files("cardan.report.text")
+_FOLDER = Path(__file__).with_name("text")
 
-CODES = ("en", *sorted(p.name.removesuffix(".po") for p in _FOLDER.iterdir()
-                       if p.name.endswith(".po")))  # fmt: skip
+CODES = ("en", *sorted(p.stem for p in _FOLDER.glob("*.po")))
 """The languages by code: English, and one for each catalogue."""
 
 _STATES = frozenset(get_args(SuspensionState))
@@ -37,7 +36,7 @@ def catalogue(code: str) -> Mapping[Key, str]:
     """
     if code == "en":
         return {}
-    return dict(_entries(_FOLDER.joinpath(f"{code}.po").read_text(encoding="utf-8")))
+    return dict(_entries((_FOLDER / f"{code}.po").read_text(encoding="utf-8")))
 
 
 def _entries(text: str) -> Iterator[tuple[Key, str]]:
@@ -149,7 +148,13 @@ class Language:
 
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
-        return "< -999 %" if margin < -9.99 else f"{round(100 * margin) + 0:+d} %"
+        if math.isinf(margin) and margin > 0:
+            return "∞"
+        if margin < -9.99:
+            return "< -999 %"
+        if 0 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
+            return self.pointed(f"{100 * margin:+.2g} %")
+        return f"{round(100 * margin) + 0:+d} %"
 
     def list(self, *parts: str) -> str:
         """Return parts as a list in a line."""

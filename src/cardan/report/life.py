@@ -1,7 +1,7 @@
 """What a recording did, as lines of text, as the JSON contract and as a figure."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,14 @@ from cardan.fatigue.cause import MEANING, Comparison
 from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
+from cardan.report.contract import check, coverage, plain
+from cardan.report.language import EN, Language
+from cardan.report.terminal import headline, table, without_answer
+from cardan.report.wording import gaps, worst_of_each
+from cardan.study.approval import coverage_of
+from cardan.study.campaign import ASKED
+from cardan.study.finding import Finding
+from cardan.study.recording import Heard, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,17 +53,45 @@ def _cut(speed: FloatArray, amplitude: FloatArray, *, step: float = 100.0) -> li
     ]
 
 
+def document(found: Finding[Heard]) -> dict[str, Any]:
+    """Return the JSON contract of `cardan life`: what is null is infinite or not known."""
+    of = _heard(found)
+    return {
+        **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
+        "verdict": verdict_on(found),
+        "profile": of.profile or None,
+        **plain(
+            {
+                "checks": [check(c) for c in found.checks],
+                "coverage": coverage(coverage_of(found)),
+            }
+        ),
+    }
+
+
+def _heard(found: Finding[Heard]) -> Heard:
+    assert found.answer is not None  # of a recording that could be asked
+    return found.answer
+
+
+def _places(causes: Causes | None) -> dict[str, int]:
+    """Return where causes have each gauge: they leave out those that said nothing."""
+    return {name: k for k, name in enumerate(causes.gauges if causes else ())}
+
+
 def contract(
-    recording: Recording, *, plan: Plan, lives: list[GaugeLife], causes: Causes | None
+    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None
 ) -> dict[str, Any]:
-    """Return the JSON contract of `cardan life`. Infinite or unknown numbers are null."""
+    """Return what a recording did. Infinite or unknown numbers are null."""
     gauges: list[dict[str, Any]] = []
-    for k, one in enumerate(lives):
+    places = _places(causes)
+    for one in lives:
+        k = places.get(one.name)
         entry: dict[str, Any] = {
             "name": one.name,
-            "low_MPa": one.low / MPa,
-            "high_MPa": one.high / MPa,
-            "damage": one.life.damage,
+            "low_MPa": _number(one.low / MPa),
+            "high_MPa": _number(one.high / MPa),
+            "damage": _number(one.life.damage),
             "repeats": _number(one.life.repeats),
             "hours": _number(one.life.hours),
             "km": _number(one.life.kilometres),
@@ -63,7 +99,7 @@ def contract(
             "repeats_at_failure": {f"{f:g}": _number(n) for f, n in one.repeats.items()},
             "spectral_damage": one.spectral,
         }
-        if causes is not None:
+        if causes is not None and k is not None:
             found = causes.attributions[k]
             entry["causes"] = [
                 {
@@ -106,12 +142,43 @@ def contract(
     }  # fmt: skip
 
 
+def _known(value: float, as_: str) -> str:
+    return "-" if math.isnan(value) else format(value, as_)
+
+
 def _long(value: float) -> str:
+    if math.isnan(value):
+        return "not known"
     return f"{value:,.4g}" if math.isfinite(value) else "no end"
 
 
+def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
+    """Yield the verdict, the limits that were asked, and the report as lines of text."""
+    of = _heard(found)
+    yield from _verdict(found, of, say)
+    yield ""
+    yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes)
+
+
+def _verdict(found: Finding[Heard], of: Heard, say: Language) -> Iterator[str]:
+    """Yield the verdict and each limit where it is worst, or that there is none."""
+    verdict = verdict_on(found)
+    if verdict is None:
+        yield say(
+            "Nothing was asked: --target-hours or --limits hold the gauges' lives against a limit."
+        )
+    else:
+        yield headline(of.recording.name, verdict, found.checks, found.unanswered, say)
+    if any(x.limit.source != ASKED for x in (*found.checks, *found.unanswered)):
+        yield say("limits: {profile}", profile=of.profile)
+    elif of.profile:
+        yield say("{profile} limits no fatigue_life and no fatigue_damage.", profile=of.profile)
+    yield from table(worst_of_each(found.checks), say)
+    yield from without_answer(gaps(found.unanswered, say), coverage_of(found), say)
+
+
 def lines(
-    recording: Recording, *, plan: Plan, lives: list[GaugeLife], causes: Causes | None
+    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None
 ) -> Iterator[str]:
     """Yield the report as lines of text."""
     duration = lives[0].life.duration
@@ -127,14 +194,18 @@ def lines(
     yield f"{'gauge':<12}" + "".join(f"{name:>{width}}" for name, width in heads.items())
     yield f"{'':<12}{'MPa':>8}{'MPa':>8}"
     for one in lives:
-        life = one.life
-        km = "" if math.isnan(life.kilometres) else _long(life.kilometres)
+        life, hours = one.life, one.life.hours if one.heard else math.nan
+        km = "" if math.isnan(life.kilometres * hours) else _long(life.kilometres)
         yield (
-            f"{one.name:<12}{one.low / MPa:>8.1f}{one.high / MPa:>8.1f}{life.damage:>12.4g}"
-            f"{_long(life.hours):>12}{km:>12}{one.exponent:>15.2f}"
+            f"{one.name:<12}{_known(one.low / MPa, '.1f'):>8}{_known(one.high / MPa, '.1f'):>8}"
+            f"{_known(life.damage, '.4g'):>12}{_long(hours):>12}{km:>12}"
+            f"{_known(one.exponent, '.2f'):>15}"
         )
     yield ""
     for one in lives:
+        if not one.heard:
+            yield f"{one.name}: said nothing, so its life is not known"
+            continue
         rate = ", ".join(
             f"{f:.0%} failed {_long(n * duration / hour)} h" for f, n in one.repeats.items()
         )
@@ -148,7 +219,11 @@ def lines(
             yield f"{one.name}: damage by spectrum over rainflow: {beside}"
     if causes is None:
         return
-    for k, one in enumerate(lives):
+    places = _places(causes)
+    for one in lives:
+        k = places.get(one.name)
+        if k is None:
+            continue
         found = causes.attributions[k]
         yield ""
         yield f"{one.name + ': cause':<24}{'share':>9}{'without it':>13}{'alone':>10}"
@@ -175,11 +250,13 @@ def lines(
 
 
 def figure(
-    sheet: "Figure", *, recording: Recording, lives: list[GaugeLife], causes: Causes | None
+    sheet: "Figure", *, recording: Recording, lives: Sequence[GaugeLife], causes: Causes | None
 ) -> None:
     """Draw range pairs, spectra, shares and the joints' order 2 on a sheet of matplotlib."""
     (pairs, density), (shares, order) = sheet.subplots(2, 2)
-    for k, one in enumerate(lives):
+    places = _places(causes)
+    for one in lives:
+        k = places.get(one.name)
         top = one.cycles.range.max(initial=1.0)
         ranges = np.linspace(0, top, 400)[1:]
         pairs.semilogx(range_pairs(one.cycles, ranges=ranges), ranges / MPa, label=one.name)
@@ -187,7 +264,7 @@ def figure(
             density.loglog(
                 one.spectrum.frequency[1:], one.spectrum.density[1:] / MPa**2, label=one.name
             )
-        if causes is not None:
+        if causes is not None and k is not None:
             found = causes.attributions[k]
             place = np.arange(len(found.causes)) + 0.8 * (k + 0.5) / len(lives) - 0.4
             shares.barh(place, [100 * found.share(c) for c in found.causes], 0.8 / len(lives))

@@ -113,9 +113,10 @@ def _rows(r: Response, title: str) -> Iterator[Row]:
 def _of(q: Quantity, r: Response) -> Iterator[Row]:
     """Yield the rows of a quantity, each followed by its approximations."""
     assert q.parts is not None
+    exact = q.values(r) / q.factor
     others = {name: of(r) / q.factor for name, of in q.methods.items()}
     for part, places in _groups(q.parts(r)).items():
-        values = (q.values(r) / q.factor)[:, places].min(axis=-1)
+        values = exact[:, places].min(axis=-1)
         yield Row(quantity=q.key, values=values, part=part)
         for name, by_method in others.items():
             yield Row(quantity=q.key, values=by_method[:, places[0]], part=part, method=name)

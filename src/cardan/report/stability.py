@@ -19,7 +19,8 @@ from cardan.report.language import EN, Language
 from cardan.report.svg import GRADED, INK, PALETTE, Figure
 from cardan.report.terminal import BOLD, COLOURS, PLAIN, summary
 from cardan.study.approval import Approval
-from cardan.study.stability import NAME, ORDERS, LineVibration, Stability
+from cardan.study.finding import VIBRATION
+from cardan.study.stability import ORDERS, LineVibration, Stability
 
 KEYS = {
     "axle_inertia": "axle_inertia_kgm2",
@@ -37,7 +38,7 @@ def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[s
 
     With `every` each check has its row.
     """
-    found: Stability = of.of(NAME)
+    found: Stability = of.of(VIBRATION)
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
     yield from basis(found, say)
@@ -62,7 +63,7 @@ def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[s
 
 def document(of: Approval) -> dict[str, Any]:
     """Return the JSON document: verdict, checks and each line's numbers, units in the keys."""
-    found: Stability = of.of(NAME)
+    found: Stability = of.of(VIBRATION)
     s = found.surroundings
     return plain(
         {

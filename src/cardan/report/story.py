@@ -32,6 +32,7 @@ from cardan.report.language import Language
 from cardan.report.plots import plots
 from cardan.report.sheet import Row, line_title, sections, shown_as
 from cardan.report.wording import (
+    STUDY_TITLES,
     badness,
     cited,
     counts,
@@ -46,11 +47,9 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval
-from cardan.study.bracket import NAME as BRACKET
-from cardan.study.finding import Finding
+from cardan.study.finding import BRACKET, VIBRATION, Finding
 from cardan.study.fix import Proposal
 from cardan.study.sensitivity import Sensitivity
-from cardan.study.stability import NAME as VIBRATION
 
 __all__ = ["Issue", "Story", "approval", "comparison", "figures"]
 
@@ -344,11 +343,10 @@ def _studies(of: Approval, say: Language) -> Iterator[Chapter]:
         VIBRATION: vibration_chapter.chapter,
         BRACKET: bracket_chapter.chapter,
     }
-    titles = {VIBRATION: say("Vibration and stability"), BRACKET: say("Bracket")}
     for f in of.findings:
         if f.study in told and f.asked:
             blocks = told[f.study](f, say) if f.answer else _not_asked(f, say)
-            yield Chapter(title=titles[f.study], blocks=tuple(blocks))
+            yield Chapter(title=say(STUDY_TITLES[f.study]), blocks=tuple(blocks))
 
 
 def _not_asked(of: Finding[Any], say: Language) -> Iterator[Block]:

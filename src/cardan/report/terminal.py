@@ -4,30 +4,34 @@ Text is marked with colours; whoever prints it takes them out where there is no 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
-from cardan.base.verdict import GRADES, Check, Verdict
+from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.report.compare import Variant, differences, effects
 from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
     badness,
-    counts,
+    cited,
     move,
     moves_that_help,
     notes,
     place,
     problem,
     sentence,
+    tally,
     unanswered,
     worst_of_each,
 )
-from cardan.study.approval import Approval
-from cardan.study.fix import Proposal
-from cardan.study.published import Published
+from cardan.study.approval import Approval, Coverage
 from cardan.study.sensitivity import Sensitivity
+
+if TYPE_CHECKING:  # one check of one design is not to wait for these
+    from cardan.report.compare import Variant
+    from cardan.study.fix import Proposal
+    from cardan.study.published import Published
 
 LABEL = 48
 """Width of the names of rows."""
@@ -43,8 +47,19 @@ BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 
 def summary(of: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict in a line."""
-    verdict = _graded(of.verdict, say(of.verdict).upper())
-    yield f"{_bold(of.application.title)}: {verdict} ({counts(of, say)})"
+    yield headline(of.application.title, of.verdict, of.checks, of.coverage.unanswered, say)
+
+
+def headline(
+    title: str,
+    verdict: Verdict,
+    checks: Iterable[Check],
+    unanswered: Sequence[Unanswered],
+    say: Language = EN,
+) -> str:
+    """Return a verdict in a line: of what, and how many checks came to which grade."""
+    said = _graded(verdict, say(verdict).upper())
+    return f"{_bold(title)}: {said} ({tally(checks, say, unanswered)})"
 
 
 def approval(
@@ -57,18 +72,16 @@ def approval(
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
     yield from checks(of, say, every=every)
-    yield from _unanswered(of, say)
+    yield from without_answer(unanswered(of, say), of.coverage, say)
     yield from notes(of, say)
     yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response, say)
 
 
-def _unanswered(of: Approval, say: Language) -> Iterator[str]:
-    """Yield the limits that got no answer, and what the application would have to give."""
-    found = unanswered(of, say)
+def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:
+    """Yield the limits that got no answer, and what would have to be given for one."""
     if found:
-        coverage = of.coverage
         yield ""
         yield _bold(
             say("Without an answer ({answered} of {asked} answered)",
@@ -77,8 +90,10 @@ def _unanswered(of: Approval, say: Language) -> Iterator[str]:
         yield from (f"  {line}" for line in found)
 
 
-def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
+def comparison(of: "Sequence[Variant]", say: Language = EN) -> Iterator[str]:
     """Yield variants side by side: verdicts, what differs in the input, each limit."""
+    from cardan.report.compare import differences, effects
+
     yield _bold(say("Variants side by side"))
     wide = 22
     head = "".join(_fit(f"{k}. {v.name}", wide) for k, v in enumerate(of, 1))
@@ -105,7 +120,7 @@ def comparison(of: Sequence[Variant], say: Language = EN) -> Iterator[str]:
     yield say("* the verdict differs")
 
 
-def proposals(of: tuple[Proposal, ...], say: Language = EN) -> Iterator[str]:
+def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
     """Yield corrections, best first, with what each moves, costs and wins."""
     if not of:
         yield say(
@@ -139,7 +154,7 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     yield f"  Key: {q.key}; {others}"
 
 
-def published(cases: Iterable[Published]) -> Iterator[str]:
+def published(cases: "Iterable[Published]") -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
     yield f"{'':6}{'case':<66}{'published':>13}{'computed':>13}{'difference':>12}"
     for c in cases:
@@ -153,8 +168,14 @@ def published(cases: Iterable[Published]) -> Iterator[str]:
 def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]:
     """Yield a table of checks, those that do not pass first, and the sources of its limits."""
     rows = sorted(of.checks, key=badness) if every else worst_of_each(of.checks)
-    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
-    several = len(of.responses) > 1
+    yield from table(rows, say, several=len(of.responses) > 1)
+
+
+def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Iterator[str]:
+    """Yield a table of checks as they come, and the sources of their limits."""
+    if not rows:
+        return
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
     yield _bold(
@@ -170,7 +191,7 @@ def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
             f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
-            f"  [{sources.index(str(c.limit.source)) + 1}]"
+            f"  [{sources.index(cited(c.limit.source, say)) + 1}]"
         )
     yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
 
@@ -186,9 +207,14 @@ def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iter
         return
     yield ""
     yield _bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
+    hopeless: set[tuple[str, str]] = set()
     for one in of:
+        moves, what = moves_that_help(one, say), (one.check.line, one.check.quantity)
+        if not moves and what in hopeless:
+            continue  # said of the part that is worst
+        hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves_that_help(one, say)) or say('nothing that can be moved')}"
+        yield f"      {'; '.join(moves) or say('nothing that can be moved')}"
 
 
 def _line(r: Response, say: Language) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from cardan.base.part import LINE
 from cardan.base.source import Source
@@ -11,23 +11,25 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
-from cardan.study.fix import Move
+from cardan.study.moves import Move
 from cardan.study.sensitivity import Effect, Sensitivity
+
+STUDY_TITLES = {"vibration": "Vibration and stability", "bracket": "Bracket"}
+"""What the chapters and sheets of studies are called beside the driveline's."""
 
 
 def counts(of: Approval, say: Language) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""
-    grades = [c.grade for c in of.checks]
-    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
-    if of.coverage.unanswered:
-        said.append(say("{count} unanswered", count=len(of.coverage.unanswered)))
-    return ", ".join(said)
+    return tally(of.checks, say, of.coverage.unanswered)
 
 
-def tally(checks: Iterable[Check], say: Language) -> str:
-    """Return how many checks have each grade, the worst first."""
+def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] = ()) -> str:
+    """Return how many checks have each grade, the worst first, and what has no answer."""
     grades = [c.grade for c in checks]
-    return ", ".join(f"{grades.count(g)} {say(g)}" for g in reversed(GRADES))
+    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
+    if missed:
+        said.append(say("{count} unanswered", count=len(missed)))
+    return ", ".join(said)
 
 
 def worst_of_each(checks: Iterable[Check]) -> list[Check]:
@@ -113,9 +115,13 @@ def unanswered(of: Approval, say: Language) -> list[str]:
 
     Studies that nobody asked are told by `notes`.
     """
-    several = len(of.responses) > 1
-    found: dict[tuple[bool, str, tuple[str, ...]], list[Unanswered]] = {}
     missed = [u for f in of.findings if f.asked for u in f.unanswered]
+    return gaps(missed, say, several=len(of.responses) > 1)
+
+
+def gaps(missed: Iterable[Unanswered], say: Language, *, several: bool = False) -> list[str]:
+    """Return limits that got no answer, with what each needs; the required ones first."""
+    found: dict[tuple[bool, str, tuple[str, ...]], list[Unanswered]] = {}
     for u in sorted(missed, key=lambda u: not u.limit.required):
         found.setdefault((u.limit.required, u.quantity, u.needs), []).append(u)
     return [
@@ -127,7 +133,7 @@ def unanswered(of: Approval, say: Language) -> list[str]:
 def _unanswered(same: list[Unanswered], say: Language, *, required: bool, several: bool) -> str:
     """Return limits of one quantity that miss the same, where they are a few with their places."""
     first = same[0]
-    needs = ", ".join(say.given(n) for n in first.needs) or say("a number nobody could compute")
+    needs = "; ".join(say.given(n) for n in first.needs) or say("a number nobody could compute")
     parts = dict.fromkeys(
         say.list(u.line if several else "", "" if u.part == LINE else say.part(u.part))
         for u in same

@@ -7,7 +7,7 @@ its own column.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from io import BytesIO
@@ -18,48 +18,46 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.part import LINE, Part
+from cardan.base.part import LINE, Occasion, Part
 from cardan.base.units import GPa, MPa, deg, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.kinematics.equivalent import Excitation
 from cardan.loads import loads
 from cardan.model.application import Application
+from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report.book import (
+    EITHER_WAY,
+    EMPTY,
+    FIRST,
+    FRICTION,
+    NOT_COMPUTED,
+    NOT_NEGATIVE,
+    PHASE,
+    POSITIVE,
+    SHARE,
+    SLOPE,
+    SWITCH,
+    UNKNOWN,
+    Allowed,
+    Book,
+    Cell,
+    Sheet,
+    column,
+)
 from cardan.report.extra import needed
+from cardan.report.judged import Held, Judged, Live, verdict
 from cardan.report.language import Language
 from cardan.report.sheet import sections
-from cardan.report.wording import cited
+from cardan.report.wording import STUDY_TITLES, cited
 from cardan.shaft.life import life_rating
 from cardan.study.approval import Approval
-from cardan.study.driveline import asked
-
-FIRST = 4
-"""Number of the first state's column: E."""
+from cardan.study.driveline import Asked, asked, needs_of
+from cardan.study.finding import DRIVELINE, Finding
 
 UNDATED = datetime(2000, 1, 1)
 """What a workbook says it was made on: when it really was is not what it is about."""
-
-EMPTY = '""'
-"""No number, in a formula."""
-
-Cell: TypeAlias = float | str | None
-"""A value, a formula (it begins with =), or nothing."""
-
-Check: TypeAlias = dict[str, Any]
-"""What a cell may hold, as XlsxWriter takes it."""
-
-UNKNOWN = "?"
-"""In place of a number that nobody knows and nothing may stand for."""
-
-POSITIVE: Check = {"validate": "decimal", "criteria": ">", "value": 0}
-NOT_NEGATIVE: Check = {"validate": "decimal", "criteria": ">=", "value": 0}
-EITHER_WAY: Check = {"validate": "decimal", "criteria": ">=", "value": -1e12}
-SHARE: Check = {"validate": "decimal", "criteria": "between", "minimum": 0.01, "maximum": 1}
-SLOPE: Check = {"validate": "decimal", "criteria": "between", "minimum": -60, "maximum": 60}
-PHASE: Check = {"validate": "decimal", "criteria": "between", "minimum": -180, "maximum": 180}
-SWITCH: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 1}
-FRICTION: Check = {"validate": "decimal", "criteria": "between", "minimum": 0, "maximum": 2}
 
 
 def workbook(of: Approval, *, say: Language) -> bytes:
@@ -74,27 +72,43 @@ def workbook(of: Approval, *, say: Language) -> bytes:
     raw = BytesIO()
     file = xlsxwriter.Workbook(raw, {"in_memory": True})
     file.set_properties({"created": UNDATED})  # the same application, the same bytes
-    book = _Book(file, say)
-    several = len(of.responses) > 1
+    book = Book(file, say)
+    tags = dict(zip((r.line.name for r in of.responses), _tags(of), strict=True))
     inputs = book.sheet(say("Inputs"))
-    _general(inputs, of.application)
+    top = _general(inputs, of.application)
     for r in of.responses:
-        _line_inputs(inputs, r, tag=_tag(r, several=several))
+        _line_inputs(inputs, r, tag=tags[r.line.name])
+    judged: list[Judged] = []
     for r in of.responses:
-        end = f" {r.line.name}" if several else ""
-        line = _Line(book, r, tag=_tag(r, several=several), end=end)
-        line.write()
+        end = f" {r.line.name}" if len(tags) > 1 else ""
+        line = _Line(book, r, tag=tags[r.line.name], end=end)
+        judged.append(line.write())
+    judged += [
+        _study(book, finding, say, several=len(tags) > 1)
+        for finding in of.findings
+        if finding.study != DRIVELINE and (finding.checks or finding.unanswered)
+    ]
+    verdict(inputs, top, judged, name="verdict")
+    book.originals()
     book.file.close()
     return _computed_anew(raw.getvalue())
 
 
-def _tag(r: Response, *, several: bool) -> str:
-    """Return what begins the names of a line's cells."""
-    return re.sub(r"\W", "_", r.line.name) + "_" if several else ""
+def _tags(of: Approval) -> list[str]:
+    """Return what begins the names of each line's cells; nothing where there is one line."""
+    if len(of.responses) < 2:
+        return ["" for _ in of.responses]
+    tags: list[str] = []
+    for r in of.responses:
+        tag = re.sub(r"\W", "_", r.line.name) + "_"
+        tag = tag if tag[0].isalpha() or tag[0] == "_" else f"_{tag}"
+        taken = {t.casefold() for t in tags}
+        tags.append(f"{tag}{len(tags) + 1}_" if tag.casefold() in taken else tag)
+    return tags
 
 
 def _computed_anew(data: bytes) -> bytes:
-    """Return a workbook without the zeros that stand for results nobody has computed yet.
+    """Return a workbook without what stands for results that nobody has computed yet.
 
     A spreadsheet may believe the results in a file; one that is missing it computes.
     """
@@ -103,155 +117,15 @@ def _computed_anew(data: bytes) -> bytes:
         for item in old.infolist():
             content = old.read(item)
             if item.filename.startswith("xl/worksheets/sheet"):
-                content = content.replace(b"</f><v>0</v>", b"</f>")
+                content = content.replace(f"</f><v>{NOT_COMPUTED}</v>".encode(), b"</f>")
+                content = content.replace(b"</f><v></v>", b"</f>")
             item.date_time = (UNDATED.year, UNDATED.month, UNDATED.day, 0, 0, 0)
             new.writestr(item, content)
     return out.getvalue()
 
 
-class _Book:
-    """A workbook being written, its formats and the names of its cells."""
-
-    def __init__(self, file: Any, say: Language) -> None:
-        self.file, self.say = file, say
-        self.names: set[str] = set()
-        base = {"font_name": "Calibri", "font_size": 10, "valign": "top"}
-
-        def style(**more: object) -> Any:
-            return file.add_format({**base, **more})
-
-        self.plain = style()
-        self.wrapped = style(font_color="#55606D", font_size=9)
-        self.title = style(bold=True, font_size=14)
-        self.head = style(bold=True, bottom=1, text_wrap=True)
-        self.section = style(bold=True, bg_color="#E3EAF1")
-        self.heads = style(bold=True, bg_color="#E3EAF1", align="right", text_wrap=True)
-        self.input = style(
-            bg_color="#FFF8DC",
-            font_color="#0000AA",
-            border=1,
-            border_color="#D5C98F",
-            num_format="0.######",
-        )
-        self.formula = style(num_format="0.0000")
-        self.result = style(num_format="0.000", bold=True)
-        self.exact = style(num_format="0.000", italic=True, font_color="#55606D")
-        self.verdict = style(bold=True, align="center")
-        self.graded = {
-            "fail": file.add_format({"bg_color": "#F6C9C4", "font_color": "#8E1B12"}),
-            "warn": file.add_format({"bg_color": "#FBE7B2", "font_color": "#6B4A00"}),
-            "pass": file.add_format({"bg_color": "#D3F0DA", "font_color": "#13602A"}),
-        }
-
-    def sheet(self, name: str) -> "_Sheet":
-        """Return a new sheet."""
-        name = re.sub(r"[\[\]:*?/\\]", " ", name)[:31]
-        sheet = self.file.add_worksheet(name)
-        sheet.set_landscape()
-        sheet.set_paper(9)  # A4
-        sheet.fit_to_pages(1, 0)
-        sheet.hide_gridlines(2)
-        return _Sheet(self, sheet, name)
-
-
-class _Sheet:
-    """A sheet being written from top to bottom."""
-
-    def __init__(self, book: _Book, sheet: Any, name: str) -> None:
-        self.book, self.sheet, self.name, self.row = book, sheet, name, 0
-
-    def title(self, text: str, notes: Sequence[str] = ()) -> None:
-        """Write the sheet's title and what to know about it."""
-        self.sheet.write_string(self.row, 0, text, self.book.title)
-        for note in notes:
-            self.row += 1
-            self.sheet.write_string(self.row, 0, note, self.book.wrapped)
-        self.row += 2
-
-    def section(self, text: str, heads: Sequence[str] = ()) -> None:
-        """Write a heading over the rows that follow."""
-        self.row += 1
-        width = max(FIRST + 1, len(heads))
-        for k in range(width):
-            said = text if k == 0 else heads[k] if k < len(heads) else ""
-            style = self.book.heads if k >= FIRST else self.book.section
-            self.sheet.write_string(self.row, k, said, style)
-        self.row += 1
-
-    def put(
-        self,
-        label: str,
-        unit: str,
-        cells: Sequence[Cell],
-        *,
-        style: Any,
-        texts: tuple[str, str] = ("", ""),
-        values: FloatArray | None = None,
-        name: str = "",
-        allow: Check | None = None,
-        first: int = FIRST,
-    ) -> int:
-        """Write a row of cells with label, unit and two texts; return its number from 1.
-
-        `values` are what formulas give for the inputs written, `name` names the cells, and
-        `allow` says what may be typed into them.
-        """
-        row, sheet = self.row, self.sheet
-        for k, text in enumerate((label, unit, *texts)):
-            if text:
-                sheet.write_string(row, k, text, self.book.plain if k < 2 else self.book.wrapped)
-        for k, cell in enumerate(cells):
-            if isinstance(cell, str) and cell.startswith("="):
-                known = 0 if values is None or not np.isfinite(values[k]) else float(values[k])
-                sheet.write_formula(row, first + k, cell, style, known)
-            elif isinstance(cell, str):
-                sheet.write_string(row, first + k, cell, style)
-            elif cell is None or not np.isfinite(cell):
-                sheet.write_blank(row, first + k, None, style)
-            else:
-                sheet.write_number(row, first + k, float(cell), style)
-        last = first + max(len(cells), 1) - 1
-        if allow:
-            sheet.data_validation(
-                row,
-                first,
-                row,
-                last,
-                {
-                    "ignore_blank": True,
-                    "error_title": "cardan",
-                    **allow,
-                    "error_message": f"{label[:120]}: {_allowed(allow)}",
-                },
-            )
-        if name and name not in self.book.names:  # a second limit asks in a second row
-            self.book.names.add(name)
-            start, end = (f"${column(k)}${row + 1}" for k in (first, last))
-            place = start if start == end else f"{start}:{end}"
-            self.book.file.define_name(name, f"='{self.name}'!{place}")
-        self.row += 1
-        return row + 1
-
-
-def _allowed(check: Check) -> str:
-    """Return what a cell may hold, in signs."""
-    if "minimum" in check:
-        return f"{check['minimum']} … {check['maximum']}"
-    return f"{check['criteria']} {check['value']}"
-
-
-def column(number: int) -> str:
-    """Return the letters of a column, 0 is A."""
-    letters = ""
-    number += 1
-    while number:
-        number, rest = divmod(number - 1, 26)
-        letters = chr(65 + rest) + letters
-    return letters
-
-
-def _general(sheet: _Sheet, a: Application) -> None:
-    """Write what all lines share."""
+def _general(sheet: Sheet, a: Application) -> int:
+    """Write what all lines share; return the row, from 0, that is kept for the verdict."""
     say, book = sheet.book.say, sheet.book
     sheet.sheet.set_column(0, 0, 46)
     sheet.sheet.set_column(1, 3, 11)
@@ -266,9 +140,11 @@ def _general(sheet: _Sheet, a: Application) -> None:
             ),
         ),
     )
+    top = sheet.row
+    sheet.row += 1
 
     def put(
-        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Allowed = POSITIVE
     ) -> None:
         sheet.put(label, unit, cells, style=book.input, name=name, allow=allow)
 
@@ -352,16 +228,17 @@ def _general(sheet: _Sheet, a: Application) -> None:
             name="duty_work",
             texts=("p n T^(10/3)", ""),
         )
+    return top
 
 
-def _line_inputs(sheet: _Sheet, r: Response, *, tag: str) -> None:
+def _line_inputs(sheet: Sheet, r: Response, *, tag: str) -> None:
     """Write what belongs to one line but not to a state of it."""
     say, book, line, installed = sheet.book.say, sheet.book, r.line, r.demand.installed
     axle = installed.axle
     share = installed.torque_ratio * (axle.torque_share if axle else 1.0)
 
     def put(
-        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Check = POSITIVE
+        label: str, unit: str, cells: Sequence[Cell], name: str, allow: Allowed = POSITIVE
     ) -> None:
         sheet.put(label, unit, cells, style=book.input, name=tag + name, allow=allow)
 
@@ -413,7 +290,7 @@ class _Result:
     quantity: str
     part: Part
     row: int
-    values: FloatArray | None
+    values: FloatArray
 
 
 _Complex: TypeAlias = tuple[str, str]
@@ -435,7 +312,7 @@ def _modulus(of: _Complex) -> str:
 class _Line:
     """The sheets of one line: its states, the calculation, the results."""
 
-    def __init__(self, book: _Book, response: Response, *, tag: str, end: str) -> None:
+    def __init__(self, book: Book, response: Response, *, tag: str, end: str) -> None:
         self.book, self.r, self.tag = book, response, tag
         say = self.say = book.say
         self.n = response.line.joint_count
@@ -451,18 +328,20 @@ class _Line:
             one.sheet.set_column(2, 3, 12 if one is not self.sheet else 34)
             one.sheet.set_column(FIRST, FIRST + self.count, 13)
 
-    def write(self) -> None:
-        """Write all three."""
+    def write(self) -> Judged:
+        """Write all three; return the rows of limits."""
         self._states()
         self._calculation()
-        self._results()
+        return self._results()
 
     def _heads(self) -> list[str]:
         return [self.say.state(s) for s in self.r.demand.states]
 
     # States
 
-    def _given(self, label: str, unit: str, values: Sequence[Cell], name: str, allow: Check) -> int:
+    def _given(
+        self, label: str, unit: str, values: Sequence[Cell], name: str, allow: Allowed
+    ) -> int:
         return self.states.put(
             label, unit, values, style=self.book.input, name=self.tag + name, allow=allow
         )
@@ -586,7 +465,7 @@ class _Line:
         row = self.sheet.put(
             label,
             unit,
-            ["=" + formula.replace("§", c) for c in self.columns],
+            [f'=IFERROR({formula.replace("§", c)},"")' for c in self.columns],
             style=style or self.book.formula,
             texts=(note, source),
             values=values,
@@ -662,11 +541,14 @@ class _Line:
         self.torque = self._result(
             "torque",
             f"IF(ISNUMBER({given}),{given}*{tag}torque_share,"
-            f'IF({given}="{UNKNOWN}","",MIN({engine},{slip})))',
+            f'IF(OR({given}="{UNKNOWN}",COUNT({engine},{slip})=0),"",MIN({engine},{slip})))',
             d.torque,
         )
         given = self._of_state(self.speed_given)
-        top = "MAX(engine_speeds)/(MIN(gear_ratios)*MIN(1,transfer_ratio))"
+        top = (
+            'IF(COUNT(engine_speeds)=0,"",'
+            "MAX(engine_speeds)/(MIN(gear_ratios)*MIN(1,transfer_ratio)))"
+        )
         self.speed = self._result(
             "speed", f"IF(ISNUMBER({given}),{given},{top})*{tag}speed_ratio", d.speed
         )
@@ -679,6 +561,7 @@ class _Line:
         self.bv: list[str] = []
         self.bh: list[str] = []
         self.beta: list[str] = []
+        places: list[str] = []
         for k in each:
             part = Part("joint", k + 1)
             s1, s2, t1, t2 = (
@@ -693,11 +576,20 @@ class _Line:
             beta = f"DEGREES(ATAN2(1+{a}*{e}+{b}*{f},{sine}))"
             self.beta.append(self._result("joint_angle", beta, r.angles[:, k], part=part))
             position = f"IF(AND({v}=0,{h}=0),0,MOD(DEGREES(ATAN2({h},{v})),360))"
-            self._result("joint_position", position, r.positions[:, k], part=part)
+            places.append(self._result("joint_position", position, r.positions[:, k], part=part))
             self.bv.append(v)
             self.bh.append(h)
-        ends = np.abs(r.angles[:, 0] - r.angles[:, -1])
-        self._result("end_angle_difference", f"ABS({self.beta[0]}-{self.beta[-1]})", ends)
+        for k, left in zip(r.pairs, np.moveaxis(r.pair_differences, -1, 0), strict=True):
+            part, phase = Part("shaft", k + 1), self._of_part("yoke_phases", k + 1)
+            (front, at), (rear, behind) = (
+                (self.beta[j], f"RADIANS(2*{places[j]})") for j in (k, k + 1)
+            )
+            behind = f"({behind}+2*RADIANS({phase}))"
+            re_, im_ = (f"({front}^2*{f}({at})-{rear}^2*{f}({behind}))" for f in ("COS", "SIN"))
+            rest = f"IF({front}+{rear}=0,0,SQRT({re_}^2+{im_}^2)/({front}+{rear}))"
+            self._result("end_angle_difference", rest, left, part=part)
+        if self.n % 2:
+            self._result("odd_joint_angle", self.beta[0], r.angles[:, 0], part=Part("joint", 1))
         self.largest = self._row(
             self.say("largest joint angle"), "deg", f"MAX({','.join(self.beta)})"
         )
@@ -916,44 +808,38 @@ class _Line:
 
     # Results
 
-    def _results(self) -> None:
-        """Write each result against its limit, then what only the exact chain gives."""
+    def _results(self) -> Judged:
+        """Write each limit with its values, then other results, then the exact chain's."""
         say, sheet, r = self.say, self.results, self.r
         sheet.title(
             say("Results of line {line}", line=r.line.name),
-            (say("Live: they follow inputs and states. Limits may be changed."),),
+            (
+                say("Live: they follow inputs and states. Limits may be changed."),
+                say("As computed: what cardan found; stale once an input is changed."),
+            ),
         )
-        end = FIRST + self.count
         top = sheet.row
         sheet.row += 1
-        heads = ["", say("unit"), say("normal"), say("maximum"), *self._heads(), say("verdict")]
-        sheet.section(say("Checks"), heads)
-        limits = _limits(r)
-        rows = [
-            row
-            for one in self.found
-            for limit in limits.get((one.quantity, one.part), ())
-            for row in (self._checked(one, limit),)
+        judged = Judged(sheet, self._heads())
+        found = {(one.quantity, one.part): one for one in self.found}
+        held = [
+            (question, k, found.get((question.limit.quantity, part)))
+            for question in asked(r)
+            for k, part in enumerate(question.parts)
+            if question.may[:, k].any()
         ]
-        place = f"${column(end)}${rows[0]}:${column(end)}${rows[-1]}" if rows else f"{column(end)}1"
-        said = {g: say(g) for g in ("fail", "warn", "pass")}
-        sheet.sheet.write_string(top, 0, say("Verdict"), self.book.title)
-        verdict = (
-            f'=IF(COUNTIF({place},"{said["fail"]}")>0,"{said["fail"]}",'
-            f'IF(COUNTIF({place},"{said["warn"]}")>0,"{said["warn"]}","{said["pass"]}"))'
-        )
-        sheet.sheet.write_formula(top, 1, verdict, self.book.verdict, "")
-        self.book.file.define_name(f"{self.tag}verdict", f"='{sheet.name}'!$B${top + 1}")
-        self._colour(top, 1, top, 1)
-        if rows:
-            self._colour(rows[0] - 1, end, rows[-1] - 1, end)
-        checked = {
-            (one.quantity, one.part) for one in self.found if (one.quantity, one.part) in limits
-        }
+        for title, live in ((say("Checks, live"), True), (say("Checks, as computed"), False)):
+            rows = [h for h in held if (h[2] is not None) == live]
+            if rows:
+                judged.section(title)
+            for question, k, one in rows:
+                judged.row(self._held(question, k, one))
+        judged.close(top, f"{self.tag}verdict" if self.tag else "")
+        checked = {(q.limit.quantity, q.parts[k]) for q, k, _ in held}
         sheet.section(say("Other results"), ["", say("unit"), "", "", *self._heads()])
         for one in self.found:
             if (one.quantity, one.part) not in checked and one.quantity not in _ONLY_FOR_LIMITS:
-                self._shown(one, ("", ""))
+                self._shown(one)
         sheet.section(
             say("Exact results of cardan: values, they do not follow the inputs"),
             ["", say("unit"), "", "", *self._heads()],
@@ -969,93 +855,95 @@ class _Line:
                         texts=(say("value"), ""),
                     )
         sheet.sheet.freeze_panes(0, 1)
+        return judged
 
-    def _shown(self, one: _Result, texts: tuple[str, str]) -> int:
+    def _cells(self, one: _Result) -> tuple[str, ...]:
+        """Return cells that show a row of the calculation."""
+        return tuple(f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns)
+
+    def _shown(self, one: _Result) -> None:
         """Write a row that shows a row of the calculation."""
-        q = QUANTITIES[one.quantity]
-        label = _label(one.quantity, one.part, self.say)
-        name = self.tag + cell_name(one.quantity, one.part)
-        cells = [f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns]
-        return self.results.put(
-            label,
-            q.unit_name,
-            cells,
-            style=self.book.result,
-            texts=texts,
-            name=name,
-            values=one.values,
+        self.results.put(
+            _label(one.quantity, one.part, self.say), QUANTITIES[one.quantity].unit_name,
+            self._cells(one), style=self.book.result, values=one.values,
+            name=self.tag + cell_name(one.quantity, one.part),
+        )  # fmt: skip
+
+    def _held(self, question: Asked, k: int, one: _Result | None) -> Held:
+        """Return the row of one part that a limit asks about."""
+        limit, part, values = question.limit, question.parts[k], question.values[:, k]
+        missing = question.asks[:, k] & np.isnan(values)
+        lacks = [needs_of(self.r, question, int(s), k) for s in np.flatnonzero(missing)]
+        named = part.kind != "clearance"
+        return Held(
+            label=_label(limit.quantity, part, self.say),
+            limit=limit,
+            values=values,
+            may=question.may[:, k],
+            missing=missing,
+            needs=tuple(dict.fromkeys(n for needs in lacks for n in needs)),
+            name=self.tag + cell_name(limit.quantity, part) if named else "",
+            live=self._live(one) if one else None,
         )
 
-    def _checked(self, one: _Result, limit: Limit) -> int:
-        """Write a result with its limit as editable cells, its colours and its verdict."""
-        say, sheet, book = self.say, self.results, self.book
-        factor = QUANTITIES[one.quantity].factor
-        row = self._shown(one, ("", ""))
-        low, high = limit.band or (limit.normal, limit.maximum)
-        for k, bound in ((2, low), (3, high)):
-            if bound is None:
-                sheet.sheet.write_blank(row - 1, k, None, book.input)
-            else:
-                sheet.sheet.write_number(row - 1, k, bound / factor, book.input)
-        sheet.sheet.write_comment(row - 1, 2, str(limit.source), {"x_scale": 3})
-        first, last = self.columns[0], self.columns[-1]
-        normal, maximum, here = f"$C{row}", f"$D{row}", f"{first}{row}"
-        values = f"${first}{row}:${last}{row}"
-        if limit.band:
-            above = (limit.above_angle or 0.0) / deg
-            at = self.largest[1:]
-            angle = f"'{self.sheet.name}'!{first}${at}"
-            angles = f"'{self.sheet.name}'!${first}{at}:${last}{at}"
-            inside = f"AND({here}>{normal},{here}<{maximum},{angle}>{above:.12g})"
-            colours = (("warn", inside), ("pass", f"NOT({inside})"))
-            bad = f"SUMPRODUCT(({values}>{normal})*({values}<{maximum})*({angles}>{above:.12g}))>0"
-            verdict = f'=IF({bad},"{say("warn")}","{say("pass")}")'
-        else:
-            sign, worst = (">", "MAX") if limit.sense == "<=" else ("<", "MIN")
-            past = f"AND(ISNUMBER({maximum}),{{0}}{sign}{maximum})"
-            near = f"AND(ISNUMBER({normal}),{{0}}{sign}{normal})"
-            colours = (
-                ("fail", past.format(here)),
-                ("warn", near.format(here)),
-                ("pass", f"ISNUMBER({here})"),
-            )
-            at = f"{worst}({values})"
-            verdict = (
-                f'=IF(COUNT({values})=0,"",IF({past.format(at)},"{say("fail")}",'
-                f'IF({near.format(at)},"{say("warn")}","{say("pass")}")))'
-            )
-        for grade, rule in colours:
-            sheet.sheet.conditional_format(
-                row - 1,
-                FIRST,
-                row - 1,
-                FIRST + self.count - 1,
-                {
-                    "type": "formula",
-                    "criteria": f"={rule}",
-                    "format": book.graded[grade],
-                    "stop_if_true": True,
-                },
-            )
-        sheet.sheet.write_formula(row - 1, FIRST + self.count, verdict, book.verdict, "")
-        return row
+    def _live(self, one: _Result) -> Live:
+        """Return the formulas of a row of the calculation, as limits ask about it."""
+        here = f"'{self.sheet.name}'!"
+        still = self.r.gravity == 0 and self.r.unbalance is None
+        idle = {id(SPEED): self.speed, id(TORQUE): self.torque} | (
+            {id(LOAD): self.torque} if still else {}
+        )
+        needs = (idle.get(id(need)) for need in QUANTITIES[one.quantity].needs)
+        return Live(
+            cells=self._cells(one),
+            values=one.values,
+            angle=here + self.largest,
+            idle=tuple(here + n for n in needs if n),
+            method=_BY_METHOD.get(one.quantity, ""),
+        )
 
-    def _colour(self, top: int, left: int, bottom: int, right: int) -> None:
-        """Colour cells that hold verdicts."""
-        for grade, style in self.book.graded.items():
-            self.results.sheet.conditional_format(
-                top,
-                left,
-                bottom,
-                right,
-                {
-                    "type": "cell",
-                    "criteria": "==",
-                    "value": f'"{self.say(grade)}"',
-                    "format": style,
-                },
-            )
 
+def _study(book: Book, of: Finding[Any], say: Language, *, several: bool) -> Judged:
+    """Write the limits of a study beside the driveline's: all as computed."""
+    title = say.given(STUDY_TITLES.get(of.study, of.study))
+    sheet = book.sheet(title)
+    sheet.sheet.set_column(0, 0, 60)
+    sheet.sheet.set_column(1, 3, 12)
+    when = list(dict.fromkeys(c.when for c in of.checks))
+    sheet.title(title, (say("As computed: what cardan found; stale once an input is changed."),))
+    top = sheet.row
+    sheet.row += 1
+    judged = Judged(sheet, [say.occasion(w) for w in when] or [""])
+    judged.section(say("Checks, as computed"))
+    rows: dict[tuple[Limit, str, Part], dict[Occasion, float]] = {}
+    for c in of.checks:
+        rows.setdefault((c.limit, c.line, c.part), {})[c.when] = c.value
+    every = np.ones(judged.count, dtype=bool)
+    for (limit, line, part), values in rows.items():
+        label = say.list(line if several else "", _label(limit.quantity, part, say))
+        across = np.array([values.get(w, np.nan) for w in when])
+        judged.row(Held(label=label, limit=limit, values=across, may=every, missing=~every))
+    for u in of.unanswered:
+        label = say.list(u.line if several else "", _label(u.quantity, u.part, say))
+        nothing, first = np.full(judged.count, np.nan), np.arange(judged.count) == 0
+        judged.row(Held(label=label, limit=u.limit, values=nothing, may=every, missing=first,
+                        needs=u.needs))  # fmt: skip
+    judged.close(top, "")
+    sheet.sheet.freeze_panes(0, 1)
+    return judged
+
+
+_BY_METHOD = {
+    **dict.fromkeys(
+        (
+            "equivalent_angle", "torsional_acceleration", "inertia_drive_acceleration",
+            "inertia_coast_acceleration", "inertia_drive_torque", "inertia_coast_torque",
+        ),
+        "AE-7",
+    ),
+    **dict.fromkeys(("centre_bearing_static", "centre_bearing_dynamic"), "small angle"),
+}  # fmt: skip
+"""Quantities that the workbook's formulas only approximate, and how."""
 
 _ONLY_FOR_LIMITS = (
     "joint_angle_min",
@@ -1064,16 +952,6 @@ _ONLY_FOR_LIMITS = (
     "half_critical_band",
 )
 """Quantities that say the same as another; shown where a limit asks about them."""
-
-
-def _limits(r: Response) -> dict[tuple[str, Part], list[Limit]]:
-    """Return the limits that ask about each quantity and part of a line."""
-    found: dict[tuple[str, Part], list[Limit]] = {}
-    for question in asked(r):
-        for k, part in enumerate(question.parts):
-            if np.isfinite(question.values[..., k]).any() or question.limit.above_angle is not None:
-                found.setdefault((question.limit.quantity, part), []).append(question.limit)
-    return found
 
 
 def _label(quantity: str, part: Part, say: Language) -> str:
@@ -1085,9 +963,3 @@ def cell_name(quantity: str, part: Part) -> str:
     """Return the name of a row of results; tests and macros find it by this."""
     said = "" if part == LINE else str(part).removeprefix("centre ")
     return f"{quantity}_{said}".replace(" ", "_").rstrip("_")
-
-
-def named_cells(r: Response) -> Iterator[str]:
-    """Yield the names of a line's rows of results."""
-    for quantity, part in _limits(r):
-        yield cell_name(quantity, part)

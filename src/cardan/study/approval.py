@@ -11,17 +11,10 @@ from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.study.bracket import BracketStudy
-from cardan.study.driveline import NAME as DRIVELINE
 from cardan.study.driveline import DrivelineStudy
-from cardan.study.finding import Finding, Study, Tell, limits_of, silence, silent
+from cardan.study.finding import DRIVELINE, Finding, Study, Tell, limits_of, silence, silent
 from cardan.study.notes import SpringMismatch, mismatches
-from cardan.study.stability import VibrationStudy
-
-STUDIES: dict[str, Study[Any]] = {
-    s.name: s for s in (DrivelineStudy(), VibrationStudy(), BracketStudy())
-}
-"""The studies of an application by name, as they are where nobody says more."""
+from cardan.study.studies import STUDIES, VibrationStudy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,10 +53,7 @@ class Approval:
     @property
     def coverage(self) -> Coverage:
         """What was asked, and what got an answer."""
-        return Coverage(
-            answered=sum(len(f.checks) for f in self.findings),
-            unanswered=tuple(u for f in self.findings for u in f.unanswered),
-        )
+        return coverage_of(*self.findings)
 
     @property
     def verdict(self) -> Verdict:
@@ -107,6 +97,14 @@ class Approval:
         answered = {c.quantity for c in self.checks}
         missed = dict.fromkeys(u.quantity for u in self.coverage.unanswered)
         return tuple(q for q in missed if q not in answered)
+
+
+def coverage_of(*findings: Finding[Any]) -> Coverage:
+    """Return what studies were asked, and what got an answer."""
+    return Coverage(
+        answered=sum(len(f.checks) for f in findings),
+        unanswered=tuple(u for f in findings for u in f.unanswered),
+    )
 
 
 def verdict_of(checks: Sequence[Check], *, missed: bool) -> Verdict:

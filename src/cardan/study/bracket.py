@@ -37,14 +37,13 @@ from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, Shape
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_life import Endured, Strength, endured, mixed
-from cardan.study.finding import Finding, Tell, limits_of, silent
+from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 HOT_SPOTS = 3
-NAME = "bracket"
 
 
 @dataclass(frozen=True)
@@ -187,43 +186,27 @@ class BracketAnswer:
     variants: tuple[Judged, ...]
 
 
-@dataclass(frozen=True)
-class BracketStudy:
-    """The bracket a centre bearing hangs in, under the driveline's loads and those by hand.
+def judged(
+    application: Application, *, extra: Sequence[Case], tell: Tell
+) -> Finding[BracketAnswer]:
+    """Judge an application's bracket, and hold the shape that is installed against the limits.
 
-    `extra` cases count beside those of the application.
+    Raises
+    ------
+    DesignError
+        If the application has no bracket, or its shape cannot be built or meshed.
+    NotInstalled
+        Without the extra `cardan[bracket]`.
     """
-
-    extra: tuple[Case, ...] = ()
-    name: str = NAME
-
-    def concerns(self, application: Application) -> bool:
-        """Whether the application is about this: it has a bracket."""
-        return application.bracket is not None
-
-    def missing(self, application: Application) -> tuple[str, ...]:
-        """Return what the application would have to give."""
-        return () if application.bracket else ("bracket, with a shape",)
-
-    def run(self, application: Application, tell: Tell = silent) -> Finding[BracketAnswer]:
-        """Judge the bracket, and hold the shape that is installed against the limits.
-
-        Raises
-        ------
-        DesignError
-            If the application has no bracket, or its shape cannot be built or meshed.
-        NotInstalled
-            Without the extra `cardan[bracket]`.
-        """
-        answer = study(application, extra=self.extra, tell=lambda said: tell(said, 0, 0))
-        limits = limits_of(NAME, application)
-        installed = answer.variants[0]
-        return Finding(
-            study=NAME,
-            answer=answer,
-            checks=tuple(checks_of(answer, installed, limits)),
-            unanswered=tuple(_unanswered(answer, installed, limits)),
-        )
+    answer = study(application, extra=extra, tell=lambda said: tell(said, 0, 0))
+    limits = limits_of(BRACKET, application)
+    installed = answer.variants[0]
+    return Finding(
+        study=BRACKET,
+        answer=answer,
+        checks=tuple(checks_of(answer, installed, limits)),
+        unanswered=tuple(_unanswered(answer, installed, limits)),
+    )
 
 
 def study(

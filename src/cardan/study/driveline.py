@@ -13,16 +13,14 @@ from cardan.model.application import Application
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
-from cardan.study.finding import Finding, Tell, silent
-
-NAME = "driveline"
+from cardan.study.finding import DRIVELINE, Finding, Tell, silent
 
 
 @dataclass(frozen=True)
 class DrivelineStudy:
     """The study every approval begins with."""
 
-    name: str = NAME
+    name: str = DRIVELINE
 
     def concerns(self, application: Application) -> bool:
         """Whether the application is about this: always."""
@@ -42,16 +40,17 @@ class DrivelineStudy:
         DesignError
             If the chain cannot exist in a state (a joint locks, a spring has no load).
         """
-        tell(NAME, 0, len(application.lines))
+        tell(DRIVELINE, 0, len(application.lines))
         responses = tuple(
             respond(application, demand(resolve(application, installed)))
             for installed in application.lines
         )
+        questions = [(r, q) for r in responses for q in asked(r)]
         return Finding(
-            study=NAME,
+            study=DRIVELINE,
             answer=responses,
-            checks=tuple(c for r in responses for c in checks_of(r)),
-            unanswered=tuple(u for r in responses for u in unanswered_of(r)),
+            checks=tuple(c for r, q in questions for c in _answers(r, q)),
+            unanswered=tuple(u for r, q in questions for u in _silence(r, q)),
         )
 
 
@@ -60,12 +59,14 @@ class Asked:
     """One limit asking about one quantity of a line.
 
     `asks` tells where it does, and `values` are its answers, both (..., states, parts): nan
-    where it does not ask, or nothing answers.
+    where it does not ask, or nothing answers. `may` (states, parts) tells where it would ask
+    at other angles, speeds and torques: it looks at the kinds of states and joints alone.
     """
 
     limit: Limit
     parts: tuple[Part, ...]
     asks: BoolArray
+    may: BoolArray
     values: FloatArray
 
 
@@ -82,51 +83,59 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         assert quantity.parts is not None  # of those that a line answers
         parts, values = quantity.parts(response), _known(quantity, response)
         rated = np.array([limit is not None for limit in own]) if own else np.array([False])
-        meant = _meant(quantity, response)
+        kinds = _of_kinds(quantity.states, response)
+        turning = ~_idle(quantity, response)
         for limit in asking:
-            asks = _asks(limit, response) & meant & ~(quantity.own_first & rated)
-            yield _question(limit, parts, asks, values)
+            may = kinds & _of_kinds(limit.states, response) & ~(quantity.own_first & rated)
+            yield _question(limit, parts, may, turning & _bent(limit, response), values)
         for k, limit in enumerate(own):
             if limit is not None:
-                yield _question(limit, parts, meant & (np.arange(len(parts)) == k), values)
+                may = kinds & (np.arange(len(parts)) == k)
+                yield _question(limit, parts, may, turning, values)
 
 
-def _question(limit: Limit, parts: tuple[Part, ...], asks: BoolArray, values: FloatArray) -> Asked:
-    asks = np.broadcast_to(asks, values.shape)
-    return Asked(limit=limit, parts=parts, asks=asks, values=np.where(asks, values, np.nan))
+def _question(
+    limit: Limit, parts: tuple[Part, ...], may: BoolArray, does: BoolArray, values: FloatArray
+) -> Asked:
+    may = np.broadcast_to(may, values.shape[-2:])
+    asks = np.broadcast_to(may & does, values.shape)
+    answers = np.where(asks, values, np.nan)
+    return Asked(limit=limit, parts=parts, asks=asks, may=may, values=answers)
 
 
 def _known(quantity: Quantity, response: Response) -> FloatArray:
-    """Return the values limits may ask about: of what stands idle in every state nobody knows."""
+    """Return what limits ask about: sizes; of what stands idle in every state nobody knows."""
     values = quantity.values(response)
+    values = np.abs(values) if quantity.signed else values
     for need in quantity.needs:
         if need.idle is not None:
             values = np.where(need.idle(response).all(axis=-2, keepdims=True), np.nan, values)
     return values
 
 
-def _meant(quantity: Quantity, response: Response) -> BoolArray:
-    """Return where a quantity means anything, (..., states, 1).
+def _of_kinds(kinds: frozenset[str] | None, response: Response) -> BoolArray:
+    """Return which states are of some kinds, None is all of them, (states, 1)."""
+    return np.array([[kinds is None or kind in kinds] for kind in response.kinds])
 
-    In the states it is declared for, and not where the application says that nothing turns
-    or carries, unless that is so in every state: then nobody has answered.
+
+def _idle(quantity: Quantity, response: Response) -> BoolArray:
+    """Return where the application says that nothing turns or carries, (..., states, 1).
+
+    Nowhere if that is so in every state: then nobody has answered.
     """
-    kinds = quantity.states
-    meant = np.array([[kinds is None or kind in kinds] for kind in response.kinds])
+    found = np.zeros((1, 1), dtype=bool)
     for need in quantity.needs:
         if need.idle is not None:
             idle = need.idle(response)
-            meant = meant & ~(idle & ~idle.all(axis=-2, keepdims=True))
-    return meant
+            found = found | (idle & ~idle.all(axis=-2, keepdims=True))
+    return found
 
 
-def _asks(limit: Limit, response: Response) -> BoolArray:
-    """Return where a limit asks: in its states, above its joint angle, (..., states, 1)."""
-    kinds = response.kinds
-    asks = np.array([[limit.states is None or kind in limit.states] for kind in kinds])
+def _bent(limit: Limit, response: Response) -> BoolArray:
+    """Return where a joint angle is above that of a limit, (..., states, 1)."""
     if limit.above_angle is None:
-        return asks
-    return asks & (response.angles.max(axis=-1, keepdims=True) > limit.above_angle)
+        return np.ones((1, 1), dtype=bool)
+    return response.angles.max(axis=-1, keepdims=True) > limit.above_angle
 
 
 def check(response: Response, question: Asked, state: int, part: int) -> Check | None:
@@ -147,26 +156,34 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
 def checks_of(response: Response) -> Iterator[Check]:
     """Yield a check for each limit, state and part of a line that has a number."""
     for question in asked(response):
-        for state, part in np.argwhere(~np.isnan(question.values)):
-            found = check(response, question, int(state), int(part))
-            if found:
-                yield found
+        yield from _answers(response, question)
 
 
 def unanswered_of(response: Response) -> Iterator[Unanswered]:
     """Yield each limit, state and part of a line that got no number, with what it needs."""
     for question in asked(response):
-        for state, part in np.argwhere(question.asks & np.isnan(question.values)):
-            yield Unanswered(
-                limit=question.limit,
-                line=response.line.name,
-                when=Occasion("state", response.demand.states[state]),
-                part=question.parts[part],
-                needs=tuple(_needs(response, question, int(state), int(part))),
-            )
+        yield from _silence(response, question)
 
 
-def _needs(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
+def _answers(response: Response, question: Asked) -> Iterator[Check]:
+    for state, part in np.argwhere(~np.isnan(question.values)).tolist():
+        found = check(response, question, state, part)
+        if found:
+            yield found
+
+
+def _silence(response: Response, question: Asked) -> Iterator[Unanswered]:
+    for state, part in np.argwhere(question.asks & np.isnan(question.values)).tolist():
+        yield Unanswered(
+            limit=question.limit,
+            line=response.line.name,
+            when=Occasion("state", response.demand.states[state]),
+            part=question.parts[part],
+            needs=tuple(needs_of(response, question, state, part)),
+        )
+
+
+def needs_of(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
     """Yield what an application would have to give for an answer."""
     shape = question.values.shape
     for need in ANSWERED[question.limit.quantity].needs:

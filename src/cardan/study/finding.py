@@ -16,6 +16,9 @@ from cardan.quantity.quantities import QUANTITIES
 
 Answer = TypeVar("Answer", covariant=True)
 
+DRIVELINE, VIBRATION, BRACKET, RECORDING = "driveline", "vibration", "bracket", "recording"
+"""Names of the studies; a quantity says by them which one answers it."""
+
 Tell: TypeAlias = Callable[[str, int, int], None]
 """Takes what is being done, how much of it is done, and of how much (0: nobody knows)."""
 

@@ -17,9 +17,10 @@ from cardan.base.errors import DesignError
 from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, worst
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
-from cardan.model.movable import MOVABLES, Moved
+from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response, respond
 from cardan.study.driveline import asked, checks_of, unanswered_of
+from cardan.study.moves import Move, adjustables, tried
 
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
@@ -35,22 +36,6 @@ STILL = 1e-9
 
 Smooth: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
 Bound: TypeAlias = Literal["normal", "maximum"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Move:
-    """One thing moved, by how much: metres up or to the right, radians of shim or phase."""
-
-    adjustable: Adjustable
-    amount: float
-
-    @property
-    def cost(self) -> float:
-        """Share of its range that it uses; a turned yoke counts as half a full way."""
-        if MOVABLES[self.adjustable.what].choice:
-            return 0.5
-        bound = self.adjustable.high if self.amount > 0 else self.adjustable.low
-        return abs(self.amount / bound)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,31 +65,6 @@ class Proposal:
         found: list[Verdict] = [c.grade for c in self.checks]
         missed = any(u.limit.required for u in self.unanswered)
         return worst([*found, "incomplete"] if missed else found)
-
-
-def adjustables(response: Response) -> tuple[Adjustable, ...]:
-    """Return what may be moved in a line: what the application allows, or house practice."""
-    application, name = response.application, response.line.name
-    if application.adjustables:
-        return tuple(a for a in application.adjustables if a.line == name and not a.hold)
-    return tuple(
-        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
-        for m in MOVABLES.values()
-        for k in range(1, m.count(response.line) + 1)
-    )
-
-
-def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Response:
-    """Return the response of a line with each thing moved by its amount, (V, movable) SI."""
-    moved = Moved.still(response.line, variants=len(amounts))
-    for adjustable, amount in zip(movable, amounts.T, strict=True):
-        MOVABLES[adjustable.what].move(moved, adjustable.part, amount)
-    return respond(
-        response.application,
-        response.demand,
-        layout=response.demand.corrected(bearing_shift=moved.bearing_shift, shim=moved.shim),
-        phases=np.asarray(response.line.phases) + moved.phases,
-    )
 
 
 def margins(response: Response, *, to: Bound) -> FloatArray:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.errors import DesignError
 from cardan.demand.states import demand, resolve
 from cardan.fatigue.cause import stress_per_torque
 from cardan.model.application import Application
@@ -19,28 +20,28 @@ def bearing_order2(
 
     Raises
     ------
-    ValueError
+    DesignError
         If there is no such line, state or bearing, or the state carries no torque.
     """
     names = [installed.line.name for installed in application.lines]
     if line is not None and line not in names:
         msg = f"no line {line!r}; there are: {', '.join(names)}"
-        raise ValueError(msg)
+        raise DesignError(msg)
     installed = application.lines[0 if line is None else names.index(line)]
     asked = demand(resolve(application, installed))
     if state not in asked.states:
         msg = f"no state {state!r}; there are: {', '.join(asked.states)}"
-        raise ValueError(msg)
+        raise DesignError(msg)
     row = asked.states.index(state)
     response = respond(application, asked)
     forces = response.loads.bearing_forces.order(2)[row]
     if not 1 <= bearing <= len(forces):
         msg = f"line {installed.line.name} has {len(forces)} centre bearings, not a {bearing}."
-        raise ValueError(msg)
+        raise DesignError(msg)
     torque = float(np.broadcast_to(asked.torque, len(asked.states))[row])
     if not abs(torque) > 0:
         msg = f"state {state!r} carries no torque"
-        raise ValueError(msg)
+        raise DesignError(msg)
     return forces[bearing - 1] / torque
 
 

@@ -1,6 +1,6 @@
 """What each thing that can be moved does to each check that does not pass."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,8 @@ from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
-from cardan.study.driveline import asked, check, checks_of
-from cardan.study.fix import adjustables, tried
+from cardan.study.driveline import asked, check
+from cardan.study.moves import adjustables, tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,14 +47,15 @@ def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
 
     Worst margin first. What nothing can move shows no effects.
     """
-    found = [s for r in approval.responses for s in _of_line(r)]
+    found = [s for r in approval.responses for s in _of_line(r, approval.checks)]
     return tuple(sorted(found, key=lambda s: (s.check.grade != "fail", s.check.margin)))
 
 
-def _of_line(response: Response) -> Iterator[Sensitivity]:
+def _of_line(response: Response, every: Iterable[Check]) -> Iterator[Sensitivity]:
     """Yield the sensitivities of one line, from one batch of things moved back and forth."""
     states = response.demand.states
-    bad = {c.quantity for c in checks_of(response) if c.grade != "pass"}
+    name = response.line.name
+    bad = {c.quantity for c in every if c.line == name and c.grade != "pass"}
     if not bad:
         return
     movable = adjustables(response)

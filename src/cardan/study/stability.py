@@ -23,13 +23,10 @@ from cardan.dynamics.torsion import (
 )
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import Line, Shaft
-from cardan.quantity.declared import TUBES
-from cardan.study.finding import Finding, Tell, limits_of, silent
+from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
 
 ORDERS = (2, 4)
 """Orders of the turning that joints excite."""
-
-NAME = "vibration"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,42 +105,23 @@ class Stability:
     lines: tuple[LineVibration, ...]
 
 
-@dataclass(frozen=True)
-class VibrationStudy:
-    """Every gear's speeds against torsional resonances, parametric zones and flutter.
+def vibration(
+    application: Application, *, surroundings: Surroundings | None, tell: Tell
+) -> Finding[Stability]:
+    """Ask every line how it vibrates, and hold it against the limits on that.
 
-    What `surroundings` say goes before the application's own; `Assumed` fills the rest.
+    Raises
+    ------
+    DesignError
+        If only one of the gearbox's two values is given, or nothing says how fast the line
+        turns or what torque it carries.
+    NotConverged
+        If a line has no steady forced motion (no damping, in resonance).
     """
-
-    surroundings: Surroundings | None = None
-    name: str = NAME
-
-    def concerns(self, application: Application) -> bool:
-        """Whether the application is about this: every line vibrates."""
-        del application
-        return True
-
-    def missing(self, application: Application) -> tuple[str, ...]:
-        """Return what every line needs to be asked how it vibrates."""
-        lines = [i.line for i in application.lines]
-        tubes = all(s.tube or s.polar_inertia_given for line in lines for s in line.shafts)
-        return () if tubes else (TUBES.gives,)
-
-    def run(self, application: Application, tell: Tell = silent) -> Finding[Stability]:
-        """Ask every line.
-
-        Raises
-        ------
-        DesignError
-            If only one of the gearbox's two values is given, or nothing says how fast the
-            line turns or what torque it carries.
-        NotConverged
-            If a line has no steady forced motion (no damping, in resonance).
-        """
-        answer = stability(application, surroundings=self.surroundings, tell=tell)
-        limits = limits_of(NAME, application)
-        checks = tuple(c for line in answer.lines for c in _checks(line, limits))
-        return Finding(study=NAME, answer=answer, checks=checks)
+    answer = stability(application, surroundings=surroundings, tell=tell)
+    limits = limits_of(VIBRATION, application)
+    checks = tuple(c for line in answer.lines for c in _checks(line, limits))
+    return Finding(study=VIBRATION, answer=answer, checks=checks)
 
 
 def stability(
@@ -162,7 +140,7 @@ def stability(
     around = Assumed(**known)
     lines: list[LineVibration] = []
     for k, installed in enumerate(application.lines):
-        tell(NAME, k, len(application.lines))
+        tell(VIBRATION, k, len(application.lines))
         lines.append(_vibration(demand(resolve(application, installed)), around))
     return Stability(
         application=application, surroundings=around, given=frozenset(known), lines=tuple(lines)

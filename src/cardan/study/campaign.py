@@ -1,0 +1,363 @@
+"""A campaign: how a recording is to be listened to, and what its gauges are held against.
+
+It is written in the words of the command line, which are those of whoever measured:
+`CHANNEL:UNIT`, `NAME=A,B,C`, MPa and Hz. What they come to in SI follows from it and from a
+recording.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from cardan.base.errors import DesignError, positive
+from cardan.base.source import Source
+from cardan.base.units import GPa, MPa, deg, hour, rpm
+from cardan.base.verdict import Limit
+from cardan.fatigue import conditioning, correction, rainflow, strain
+from cardan.fatigue.correction import Correction
+from cardan.fatigue.life import Plan
+from cardan.fatigue.orders import (
+    Rotation,
+    estimated_rotation,
+    rotation_from_pulses,
+    rotation_from_speed,
+)
+from cardan.fatigue.recording import Recording
+from cardan.fatigue.strain import Gauge
+from cardan.fatigue.strength import SNCurve
+from cardan.files.limit import limits as profile
+from cardan.model.application import Application
+from cardan.quantity.quantities import QUANTITIES
+from cardan.study.recorded import predicted_stress
+
+NAME = "recording"
+ASKED = Source("asked on the command line")
+"""Who says how long a gauge has to live, where no profile does."""
+
+TURN = 2 * math.pi
+STRESS = {
+    "MPa": 1e6, "N/mm2": 1e6, "N/mm²": 1e6, "kPa": 1e3, "Pa": 1.0, "ksi": 6.894757293e6,
+}  # fmt: skip
+STRAIN = {
+    "um/m": 1e-6, "µm/m": 1e-6, "μm/m": 1e-6, "ue": 1e-6, "uE": 1e-6, "µε": 1e-6, "με": 1e-6,
+    "ustrain": 1e-6, "microstrain": 1e-6, "m/m": 1.0, "mm/m": 1e-3, "%": 1e-2,
+}  # fmt: skip
+SPEED = {
+    "rpm": rpm / TURN, "1/min": rpm / TURN, "U/min": rpm / TURN, "min-1": rpm / TURN,
+    "Hz": 1.0, "1/s": 1.0, "rad/s": 1 / TURN,
+}  # fmt: skip
+TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
+
+_KINDS = {"rectangular": strain.RECTANGULAR, "delta": strain.DELTA}
+_CURVES: dict[str, Callable[[SNCurve], SNCurve]] = {
+    "original": SNCurve.original,
+    "elementary": SNCurve.elementary,
+    "modified": SNCurve.modified,
+}
+_RESIDUES = {
+    "half": rainflow.half_cycles,
+    "repeat": rainflow.repeating,
+    "discard": rainflow.discarded,
+}
+_ZEROS = {
+    "none": conditioning.no_zero,
+    "start": conditioning.zero_at_start,
+    "median": conditioning.zero_at_median,
+    "drift": conditioning.slow_drift,
+}
+
+CHOICES: Mapping[str, tuple[str, ...]] = {
+    "rosette_kind": tuple(_KINDS),
+    "rosette_measure": ("mises", "principal", "planes"),
+    "miner": tuple(_CURVES),
+    "mean_stress": ("none", "goodman", "gerber", "swt", "walker", "fkm"),
+    "residue": tuple(_RESIDUES),
+    "zero": tuple(_ZEROS),
+}
+"""What an option may be, where it is one of a few."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """How a recording is listened to. Every field is an option of `cardan life`.
+
+    Attributes
+    ----------
+    gauges, rosettes
+        `CHANNEL[:UNIT]` of stress or strain; `NAME=A,B,C[:UNIT]`.
+    rosette_kind, rosette_measure, miner, mean_stress, residue, zero
+        One of `CHOICES`.
+    sn
+        `MPa,CYCLES,SLOPE` at the knee, half failed.
+    scatter
+        Standard deviation of log10 strength.
+    gauge_error
+        Relative standard deviation of the stress scale.
+    mean_sensitivity
+        M of fkm, or the exponent of walker.
+    allowed
+        Damage at failure.
+    speed, engine, torque, tacho
+        `CHANNEL[:UNIT]`; with a speed or a tacho causes are told.
+    estimate_speed
+        The gauge in which it is looked for where nobody measured it.
+    axle_ratio
+        Shaft turns per wheel turn.
+    predicted
+        `GAUGE=MPa_per_kNm` of order 2, to hold against the measured.
+    application, unit_stress, state, bearing
+        What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
+    rate, time, group
+        How the file is read.
+    limits
+        A profile by name or file; its rows of a recording count.
+    target_hours
+        What every gauge has to live.
+    """
+
+    sn: str
+    gauges: tuple[str, ...] = ()
+    rosettes: tuple[str, ...] = ()
+    rosette_kind: str = "rectangular"
+    rosette_measure: str = "mises"
+    modulus_GPa: float = 206.0  # noqa: N815
+    scatter: float = 0.0
+    gauge_error: float = 0.0
+    miner: str = "modified"
+    mean_stress: str = "none"
+    ultimate_MPa: float | None = None  # noqa: N815
+    mean_sensitivity: float | None = None
+    residue: str = "half"
+    allowed: float = 1.0
+    zero: str = "none"
+    low_pass_Hz: float | None = None  # noqa: N815
+    speed: str | None = None
+    tacho: str | None = None
+    pulses: int = 1
+    estimate_speed: str | None = None
+    joint_orders: str = "2,4"
+    engine: str | None = None
+    engine_orders: str = "3,6"
+    axle_ratio: float | None = None
+    tyre_radius_m: float | None = None
+    torque: str | None = None
+    predicted: tuple[str, ...] = ()
+    application: Application | None = None
+    unit_stress: tuple[str, ...] = ()
+    state: str = "gvw"
+    bearing: int = 1
+    rate: float | None = None
+    time: str | None = None
+    group: str = ""
+    limits: str | None = None
+    target_hours: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, choices in CHOICES.items():
+            if getattr(self, name) not in choices:
+                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
+                raise DesignError(msg)
+        positive(
+            "a campaign", modulus_GPa=self.modulus_GPa, ultimate_MPa=self.ultimate_MPa,
+            allowed=self.allowed, pulses=self.pulses, axle_ratio=self.axle_ratio,
+            tyre_radius_m=self.tyre_radius_m, rate=self.rate, target_hours=self.target_hours,
+        )  # fmt: skip
+        if self.unit_stress and self.application is None:
+            msg = "--unit-stress needs the --application whose bearing loads it is for"
+            raise DesignError(msg)
+
+    @property
+    def line(self) -> str:
+        """The line of the application whose bearing loads it predicts; "" without one."""
+        return self.application.lines[0].line.name if self.application else ""
+
+    def asked(self) -> tuple[str, tuple[Limit, ...]]:
+        """Return the name of the profile, "" without one, and the limits of gauges in SI.
+
+        Raises
+        ------
+        BadFile
+            If there is no such profile, or something is wrong in it.
+        """
+        name, rows = profile(self.limits) if self.limits else ("", ())
+        found = [m for m in rows if QUANTITIES[m.quantity].study == NAME]
+        if self.target_hours is not None:
+            found.append(
+                Limit(
+                    quantity="fatigue_life", sense=">=", maximum=self.target_hours * hour,
+                    required=True, source=ASKED,
+                )
+            )  # fmt: skip
+        return name, tuple(found)
+
+    def predictions(self) -> dict[str, float]:
+        """Return order-2 stress per shaft torque by gauge, Pa per N m: given, or predicted."""
+        found: dict[str, float] = {}
+        for text in self.unit_stress:
+            assert self.application is not None  # __post_init__ refuses
+            name, _, axes = text.rpartition("=")
+            unit = np.array(numbers(axes)) * MPa / 1e3
+            if unit.shape != (3,):
+                msg = f"a unit stress is GAUGE=X,Y,Z in MPa per kN, got {text!r}"
+                raise DesignError(msg)
+            found[name] = predicted_stress(
+                self.application, unit_stress=unit, state=self.state, bearing=self.bearing
+            )
+        for text in self.predicted:
+            name, _, value = text.rpartition("=")
+            try:
+                found[name] = float(value) * MPa / 1e3
+            except ValueError:
+                msg = f"a prediction is GAUGE=MPa_per_kNm, got {text!r}"
+                raise DesignError(msg) from None
+        return found
+
+    def plan(self, recording: Recording) -> Plan:
+        """Return what is counted of a recording, and held against which strength.
+
+        Raises
+        ------
+        DesignError
+            If it lacks a channel, a unit is not known, or an option is not as it should be.
+        """
+        gauges = (*self._singles(recording), *self._rosettes(recording))
+        if not gauges:
+            known = ", ".join(recording.names)
+            msg = f"name the gauges with --gauge; {recording.name} has {known}"
+            raise DesignError(msg)
+        names = [g.name for g in gauges]
+        for name in names:
+            if names.count(name) > 1:
+                msg = f"two gauges are called {name}"
+                raise DesignError(msg)
+        if self.low_pass_Hz is not None:
+            conditioning.low_pass(self.low_pass_Hz, rate=recording.rate)  # refuses what it cannot
+        return Plan(
+            gauges=gauges, curve=self._curve(), correction=self._correction(),
+            rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
+            allowed=self.allowed, gauge_error=self.gauge_error,
+        )  # fmt: skip
+
+    def shaft(self, recording: Recording) -> Rotation | None:
+        """Return the shaft's rotation: measured, counted, or found in a gauge."""
+        if self.tacho is not None:
+            return rotation_from_pulses(
+                recording.pieces([self.tacho]), rate=recording.rate, per_turn=self.pulses
+            )
+        if self.speed is not None:
+            return _turning(recording, self.speed)
+        if self.estimate_speed is not None:
+            signal = recording.whole([self.estimate_speed])[0]
+            return estimated_rotation(signal, rate=recording.rate)
+        return None
+
+    def engine_of(self, recording: Recording) -> Rotation | None:
+        """Return the engine's rotation, where it was measured."""
+        return None if self.engine is None else _turning(recording, self.engine)
+
+    def torque_of(self, recording: Recording) -> tuple[str, float] | None:
+        """Return the channel of the shaft torque, and N m in its unit."""
+        if self.torque is None:
+            return None
+        channel, given = _named(self.torque)
+        return channel, _unit(recording, channel, given, TORQUE)
+
+    def _singles(self, recording: Recording) -> list[Gauge]:
+        modulus = self.modulus_GPa * GPa
+        units = STRESS | {u: modulus * v for u, v in STRAIN.items()}
+        named = [_named(text) for text in self.gauges]
+        return [
+            strain.direct(channel, channel, factor=_unit(recording, channel, given, units))
+            for channel, given in named
+        ]
+
+    def _rosettes(self, recording: Recording) -> list[Gauge]:
+        found: list[Gauge] = []
+        for text in self.rosettes:
+            name, _, rest = text.partition("=")
+            grids, given = _named(rest)
+            channels = tuple(grids.split(","))
+            if len(channels) != 3:
+                msg = f"a rosette is NAME=A,B,C with three channels, got {text!r}"
+                raise DesignError(msg)
+            unit = _unit(recording, channels[0], given, STRAIN)
+            found += [
+                strain.rosette_gauge(
+                    name + end, channels, unit=unit, angles=_KINDS[self.rosette_kind],
+                    modulus=self.modulus_GPa * GPa, measure=of,
+                )
+                for end, of in self._measures().items()
+            ]  # fmt: skip
+        return found
+
+    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], strain.FloatArray]]:
+        """Return what is counted of a rosette, by the ending of the gauge's name."""
+        if self.rosette_measure == "planes":
+            angles = range(0, 180, 10)
+            return {f"@{a}": partial(strain.PlaneStress.normal, angle=a * deg) for a in angles}
+        return {"": strain.signed_mises if self.rosette_measure == "mises" else strain.largest}
+
+    def _curve(self) -> SNCurve:
+        try:
+            amplitude, cycles, slope = (float(v) for v in self.sn.split(","))
+        except ValueError:
+            msg = f"an S-N curve is AMPLITUDE_MPa,CYCLES,SLOPE at its knee, got {self.sn!r}"
+            raise DesignError(msg) from None
+        curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
+        return _CURVES[self.miner](curve)
+
+    def _correction(self) -> Correction:
+        name, given = self.mean_stress, self.mean_sensitivity
+        ultimate = None if self.ultimate_MPa is None else self.ultimate_MPa * MPa
+        if name in ("goodman", "gerber"):
+            if ultimate is None:
+                msg = f"{name} needs the tensile strength: --ultimate-MPa"
+                raise DesignError(msg)
+            return partial(getattr(correction, name), ultimate=ultimate)
+        if name == "fkm":
+            if given is None and ultimate is None:
+                msg = "fkm needs the tensile strength (--ultimate-MPa) or --mean-sensitivity"
+                raise DesignError(msg)
+            M = given if given is not None else correction.mean_sensitivity(ultimate or 0.0)
+            return partial(correction.fkm, sensitivity=M)
+        if name == "walker":
+            return partial(correction.walker, exponent=0.65 if given is None else given)
+        return correction.swt if name == "swt" else correction.uncorrected
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Return numbers that were written with commas between."""
+    try:
+        return tuple(float(v) for v in text.split(","))
+    except ValueError:
+        msg = f"expected numbers with commas between, got {text!r}"
+        raise DesignError(msg) from None
+
+
+def _named(text: str) -> tuple[str, str | None]:
+    """Split CHANNEL:UNIT; channel names may hold colons, units do not."""
+    name, _, unit = text.rpartition(":")
+    known = (*STRESS, *STRAIN, *SPEED, *TORQUE)
+    return (name, unit) if name and unit in known else (text, None)
+
+
+def _unit(
+    recording: Recording, channel: str, given: str | None, table: Mapping[str, float]
+) -> float:
+    """Return the SI value of a channel's unit, given by hand or by the file."""
+    name = given or recording.channel(channel).unit
+    if name not in table:
+        said = repr(name) if name else "no unit"
+        msg = f"{channel}: {said}; write {channel}:UNIT with one of {', '.join(table)}"
+        raise DesignError(msg)
+    return table[name]
+
+
+def _turning(recording: Recording, text: str) -> Rotation:
+    """Return what a channel of speed makes turn."""
+    channel, given = _named(text)
+    unit = _unit(recording, channel, given, SPEED)
+    return rotation_from_speed(recording.pieces([channel]), rate=recording.rate, unit=unit)

@@ -1,0 +1,75 @@
+"""The studies of an application: each imports what it computes with when it is asked.
+
+A check of a driveline is not to wait for finite elements that nobody asks for.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from cardan.model.application import Application, Surroundings
+from cardan.quantity.declared import TUBES
+from cardan.study.driveline import DrivelineStudy
+from cardan.study.finding import BRACKET, VIBRATION, Finding, Study, Tell, silent
+
+if TYPE_CHECKING:
+    from cardan.study.bracket import BracketAnswer, Case
+    from cardan.study.stability import Stability
+
+
+@dataclass(frozen=True)
+class VibrationStudy:
+    """Every gear's speeds against torsional resonances, parametric zones and flutter.
+
+    What `surroundings` say goes before the application's own; what nobody says is assumed.
+    """
+
+    surroundings: Surroundings | None = None
+    name: str = VIBRATION
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: every line vibrates."""
+        del application
+        return True
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return what every line needs to be asked how it vibrates."""
+        shafts = [s for i in application.lines for s in i.line.shafts]
+        known = all(s.tube is not None or s.polar_inertia_given is not None for s in shafts)
+        return () if known else (TUBES.gives,)
+
+    def run(self, application: Application, tell: Tell = silent) -> "Finding[Stability]":
+        """Ask every line."""
+        from cardan.study.stability import vibration
+
+        return vibration(application, surroundings=self.surroundings, tell=tell)
+
+
+@dataclass(frozen=True)
+class BracketStudy:
+    """The bracket a centre bearing hangs in, under the driveline's loads and those by hand.
+
+    `extra` cases count beside those of the application.
+    """
+
+    extra: "tuple[Case, ...]" = ()
+    name: str = BRACKET
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: it has a bracket."""
+        return application.bracket is not None
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return what the application would have to give."""
+        return () if application.bracket else ("bracket, with a shape",)
+
+    def run(self, application: Application, tell: Tell = silent) -> "Finding[BracketAnswer]":
+        """Judge the bracket in the shape that is installed, a reinforced one beside it."""
+        from cardan.study.bracket import judged
+
+        return judged(application, extra=self.extra, tell=tell)
+
+
+STUDIES: dict[str, Study[Any]] = {
+    s.name: s for s in (DrivelineStudy(), VibrationStudy(), BracketStudy())
+}
+"""The studies of an application by name, as they are where nobody says more."""

@@ -1,0 +1,106 @@
+"""A bracket's numbers in a terminal, in every language: without solving one."""
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.part import Occasion
+from cardan.report.bracket import terminal
+from cardan.report.language import CODES, Language
+from cardan.study.approval import Approval
+from cardan.study.bracket import BracketAnswer, Case, Crossing, Found, Judged, Outcome
+from cardan.study.bracket_life import Endured
+from cardan.study.finding import Finding, silence
+
+FILE = """
+title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
+"""
+
+HOT = np.array([120.5e6, 80.25e6])
+
+
+def outcome() -> Outcome:
+    at = (0.0, 0.05, 0.02)
+    when = Occasion("case", "gvw", "combined")
+    life = Endured(when=when, spots=np.array([1e-7, 2e-8]), gauges=np.array([1e-9]), turns=0.5,
+                   duration=0.012)  # fmt: skip
+    return Outcome(
+        case=Case("gvw", np.zeros((1, 9)), turns=0.5, duration=0.012, what="combined"),
+        von_mises=Found(110e6, at), highest=Found(115e6, at), lowest=Found(-90e6, at),
+        on_edge=Found(200e6, at), hot=HOT, error=HOT / 100, mean=HOT / 2, amplitude=HOT / 2,
+        strain=np.array([[-1e-4, 2e-4]]), bolts=np.array([1e3]), motion=1e-4, life=life,
+    )  # fmt: skip
+
+
+def judged(name: str) -> Judged:
+    units = SimpleNamespace(
+        elastic=SimpleNamespace(unknowns=72705), mass=1.25, compliance=np.diag([1e-7] * 6)
+    )
+    return Judged(
+        name=name, units=units, hot_spots=SimpleNamespace(points=np.array([[0, 0.05, 0.02]] * 2)),
+        influence=np.full((1, 9), 1e-7), influence_change=0.012, frequencies=np.full(6, 310.5),
+        carried=np.full(6, 60.25),
+        crossings=(Crossing(1, 60.25, 2, 189.3, in_range=True),),
+        outcomes=(outcome(),), duty=(replace(outcome().life, when=Occasion("duty", "gvw")),),
+    )  # fmt: skip
+
+
+def told(code: str, *variants: str) -> str:
+    application = files.loads(FILE)
+    answer = BracketAnswer(
+        title=application.title, bracket=application.bracket, top_speed=262.0,
+        variants=tuple(map(judged, variants)),
+    )  # fmt: skip
+    missed = tuple(silence("bracket", application, ("duty, and bracket.fatigue",)))
+    finding = Finding(study="bracket", answer=answer, unanswered=missed)
+    approval = Approval(application=application, findings=(finding,))
+    return re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(terminal(approval, Language(code))))
+
+
+@pytest.mark.parametrize("code", [c for c in CODES if c != "en"])
+def test_everything_is_told_in_the_language(code):
+    """No line of words stays as it is in English, but a material's name with its standard."""
+    english = told("en", "original", "reinforced").splitlines()
+    other = told(code, "original", "reinforced").splitlines()
+    assert len(other) == len(english)
+    words = [line for line in english if re.search("[a-z]{4}", line)]
+    assert len(words) > 30
+    assert [w for w in words if w in other and "EN 13906-1" not in w] == []
+
+
+def test_what_the_brackets_terminal_says():
+    said = told("en", "original", "reinforced")
+    for words in (
+        "Two-piece line: INCOMPLETE",
+        "Two-piece line: bracket of line main, bearing 1",
+        "stiffness at the bearing along x, N/mm",
+        "original: order 2 meets frequency 1, 60.25 Hz, at 1808 rpm.",
+        "gvw: combined",
+        "H1 at x, y, z = 0.0  50.0  20.0 mm",
+        "'On an edge' grows as elements shrink",
+        "original, microstrain",
+        "Refining changes the gauges' influence by 1.2 % at most.",
+        "original, damage",
+        "duty cycle, gvw",
+        "What the reinforcement changes",
+    ):
+        assert words in said, words
+    portuguese = told("pt", "original")
+    assert "120,5" in portuguese
+    assert "120.5" not in portuguese
+    assert "O que o reforço muda" not in portuguese
