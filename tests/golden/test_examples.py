@@ -289,6 +289,19 @@ def test_the_document_is_what_the_schema_of_the_contract_describes(name, assessm
     assert document == contract.approval(assessments[name])
 
 
+@pytest.mark.parametrize("key", ["name", "line", "torque_Nm", "joints", "spline_force_N"])
+def test_a_state_without_one_of_its_numbers_is_no_state_of_the_contract(key, assessments):
+    """Programs may count on them: the first line's as those of the others."""
+    document = contract.approval(assessments["tandem-6x4"])
+    first, *_ = document["states"]
+    (other,) = first["lines"].values()
+    for state in (first, other) if key not in ("name", "line") else (first,):
+        kept = state.pop(key)
+        assert not CONTRACT.is_valid(document)
+        state[key] = kept
+    assert CONTRACT.is_valid(document)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_schema_of_the_contract_describes_every_key(name, assessments):
     document = contract.approval(assessments[name])

@@ -105,6 +105,16 @@ def test_more_scatter_fails_the_first_tenth_sooner():
     assert unsure[0.5] == sure[0.5]
 
 
+def test_scatters_of_strength_and_gauge_add_as_squares():
+    """Of independent lognormals; 10 % of the scale is √ln 1.01 / ln 10 = 0.04332 in log10."""
+    z, gauge = 1.2815515655446004, math.sqrt(math.log(1.01)) / math.log(10)
+    assert gauge == pytest.approx(0.04332, abs=5e-6)
+    straight = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, beyond=5, scatter=0.05)
+    found = repeats_at(rainflow(history()), curve=straight, gauge_error=0.1)
+    both = math.sqrt(0.05**2 + gauge**2)
+    assert found[0.1] / found[0.5] == pytest.approx(10 ** (-5 * z * both), rel=1e-9)
+
+
 def test_probability_curves_are_their_scatter_apart():
     z = 1.2815515655446004  # the normal deviate of 90 %
     assert CURVE.at(0.1).amplitude == pytest.approx(100 * MPa * 10 ** (-0.05 * z), rel=1e-12)

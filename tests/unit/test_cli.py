@@ -1,10 +1,12 @@
 """Every command as somebody runs it who has just installed the program."""
 
+import hashlib
 import json
 import re
 import subprocess
 import sys
 from contextlib import redirect_stderr
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -15,10 +17,12 @@ from click.testing import CliRunner, Result
 
 from cardan import __version__, files
 from cardan.base.errors import DesignError
+from cardan.base.source import DERIVED
 from cardan.cli import cli
 from cardan.cli.common import progress
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.fix import fix
+from cardan.study.published import Published
 from cardan.study.stability import stability
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -95,6 +99,49 @@ def test_the_exit_code_is_the_verdict(tmp_path, speed, slope, word, code):
     result = run("check", "--quiet", file)
     assert result.stdout.startswith(f"One shaft: {word} (")
     assert result.exit_code == code
+
+
+def test_several_files_end_as_the_worst_of_them(tmp_path):
+    good = written(tmp_path, SMALL, "good.yaml")
+    bad = written(tmp_path, SMALL.replace("2500", "13000"), "bad.yaml")
+    for files_, code in (((good, good), 0), ((good, bad), 1), ((bad, good), 1)):
+        assert run("check", "-q", *files_).exit_code == code
+
+
+def test_another_study_counts_in_the_same_verdict(tmp_path):
+    """Its checks stand among the others; what was asked is not among what was not."""
+    file = written(tmp_path, files.starter("truck"))
+    plain, more = (
+        json.loads(run("check", file, "--json", *options).stdout)
+        for options in ((), ("--with", "vibration"))
+    )
+    assert plain["studies"] == ["driveline"]
+    assert more["studies"] == ["driveline", "vibration"]
+    asked = {c["quantity"] for c in more["checks"]} - {c["quantity"] for c in plain["checks"]}
+    assert asked == {"torsional_resonance", "torsional_growth", "lateral_growth"}
+    for document in (plain, more):
+        coverage = document["coverage"]
+        assert coverage["answered"] == len(document["checks"])
+        assert coverage["asked"] == coverage["answered"] + len(coverage["unanswered"])
+    assert {"torsional_resonance", "torsional_growth"} <= set(plain["not_asked"])
+    assert not asked & set(more["not_asked"])
+    unanswered = {u["quantity"] for u in more["coverage"]["unanswered"]}
+    assert not asked & unanswered
+    shown = run("check", file, "--with", "vibration").stdout
+    assert "Not part of this verdict" not in shown
+    assert "Not part of this verdict" in run("check", file).stdout
+
+
+def test_a_bracket_that_is_not_there_is_asked_for_all_the_same(small):
+    for options in (("--bracket",), ("--with", "bracket")):
+        shown = run("check", *options, small).stdout
+        assert "bracket could not be asked: bracket, with a shape" in shown
+
+
+def test_a_page_bears_the_print_of_its_file(small, tmp_path):
+    out = tmp_path / "page.html"
+    assert run("check", "-q", "--html", out, small).exit_code == 0
+    assert hashlib.sha256(small.read_bytes()).hexdigest()[:16] in out.read_text("utf-8")
 
 
 def test_quiet_says_the_verdict_alone(small):
@@ -296,6 +343,35 @@ def test_fix_leaves_in_place_what_is_held(tmp_path):
     assert result.exit_code == 1
 
 
+def test_fix_ends_well_only_where_a_proposal_leaves_no_question(tmp_path):
+    """The shim mends what fails, but nobody can say whether the joints carry the torque."""
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    text += "adjust: {shim_deg: [-4, 4]}\n"
+    limits = "limits: {profile: protractor, overrides: [{quantity: joint_torque_utilisation, "
+    open_ = text.replace("limits: protractor", limits + "maximum: 1, required: true, source: us}]}")
+    for file, verdict, code in ((text, "pass", 0), (open_, "incomplete", 1)):
+        result = run("fix", "--json", "-", written(tmp_path, file))
+        best, *_ = json.loads(result.stdout)
+        assert (best["verdict"], result.exit_code) == (verdict, code)
+
+
+def test_fix_moves_down_where_only_down_is_allowed(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 0]}\n")
+    found = json.loads(run("fix", "--json", "-", file).stdout)
+    assert found[0]["verdict"] == "pass"
+    amounts = [m["amount_deg"] for p in found for m in p["moves"]]
+    assert all(-4 <= a < 0 for a in amounts)
+
+
+def test_fix_leaves_in_place_what_the_file_holds(tmp_path):
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4], hold: [shim]}\n")
+    result = run("fix", file)
+    assert result.stdout.startswith("Nothing that may be moved changes any limit")
+    assert result.exit_code == 1
+
+
 def test_fix_gives_as_many_proposals_as_are_wanted():
     file = EXAMPLES / "three-joint-chain.yaml"
     assert len(json.loads(run("fix", "--count", 2, "--json", "-", file).stdout)) == 2
@@ -353,6 +429,14 @@ def test_verify_recomputes_published_cases_and_they_agree():
     for case in cases:
         assert abs(case["computed"] - case["published"]) <= case["within"]
         assert case["source"] in result.stdout
+
+
+def test_a_published_number_is_met_to_its_last_digit_or_not_at_all():
+    """Printed 12.3, so 12.25 to 12.35; what is no number is not met."""
+    case = Published(title="", source=DERIVED, expected=12.3, computed=12.34, within=0.05)
+    assert case.agrees
+    for computed in (12.36, 12.24, float("nan")):
+        assert not replace(case, computed=computed).agrees
 
 
 def test_schema_is_a_json_schema_that_the_examples_and_starters_fit(tmp_path):

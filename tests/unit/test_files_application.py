@@ -471,6 +471,16 @@ def test_one_number_is_an_engine_and_a_gearbox():
     assert application.gearbox.ratios == (1,)
 
 
+def test_what_rounding_leaves_of_a_life_is_shared_out():
+    """Three times 33.3 % are three thirds: nobody rests for the tenth of a per cent.
+
+    They were refused once: 0.999 is 1.0000000000000009e-3 short of 1.
+    """
+    point = "{share_percent: 33.3, torque_Nm: 900, speed_rpm: 900}"
+    points = loads(f"{SMALL}duty: [{point}, {point}, {point}]\n").duty
+    assert [p.share for p in points] == pytest.approx([1 / 3] * 3, rel=1e-12)
+
+
 def test_what_may_move_and_how_far():
     adjust = "adjust: {bearing_height_mm: {1: [-20, 30]}, shim_deg: [-3, 3], " \
              "phase_deg: [0, 90], hold: [phase 2]}\n"  # fmt: skip

@@ -329,6 +329,15 @@ def test_a_cycle_is_whole_and_says_who_says_so(name):
     assert sum(p.share for p in found.points) == pytest.approx(1, abs=1e-12)
 
 
+def test_torque_and_speed_of_a_cycle_are_not_each_other():
+    """The first two points of its file, as they stand there."""
+    first, second, *_ = cycle("construction").points
+    assert (first.share, first.torque_share, first.speed_share) == pytest.approx((0.05, 1.0, 0.04))
+    assert (second.share, second.torque_share, second.speed_share) == pytest.approx(
+        (0.10, 0.60, 0.08)
+    )
+
+
 @pytest.mark.parametrize("name", names())
 @pytest.mark.parametrize("truck", ["medium-truck-4x2", "refuse-collector-6x2", "tandem-6x4"])
 def test_no_point_of_a_cycle_asks_for_more_than_full_power(name, truck):

@@ -72,6 +72,38 @@ def test_a_band_and_the_angle_it_matters_above(tmp_path):
     assert found.above_angle == pytest.approx(3 * deg)
 
 
+def test_a_band_in_per_cent_is_the_same_band(tmp_path):
+    text = "  - {quantity: half_critical_band, unit: percent, band: [42, 58], source: us}\n"
+    _, (found,) = limits(own(tmp_path, text))
+    assert found.band == pytest.approx((0.42, 0.58))
+
+
+@pytest.mark.parametrize(
+    ("written", "kinds"),
+    [
+        ("", None),
+        (", states: [riding]", {"curb", "empty", "gvw", "overload", "given"}),
+        (", states: [stops]", {"full rebound", "rebound", "jounce"}),
+        (", states: [wound up]", {"windup", "windup brake"}),
+        (", states: [stops, gvw]", {"full rebound", "rebound", "jounce", "gvw"}),
+        (", states: [windup]", {"windup"}),
+    ],
+)
+def test_groups_of_states_stand_for_their_kinds(tmp_path, written, kinds):
+    """Riding is a state the axle is driven in for long, as given or under its load."""
+    text = f"  - {{quantity: joint_angle, maximum: 3, source: us{written}}}\n"
+    _, (found,) = limits(own(tmp_path, text))
+    assert found.states == kinds
+
+
+@pytest.mark.parametrize("required", ["true", "false"])
+def test_a_limit_is_required_where_it_says_so(tmp_path, required):
+    text = f"  - {{quantity: joint_angle, maximum: 3, required: {required}, source: us}}\n"
+    text += "  - {quantity: joint_angle, maximum: 3, source: us}\n"
+    _, (said, unsaid) = limits(own(tmp_path, text))
+    assert (said.required, unsaid.required) == (required == "true", False)
+
+
 @pytest.mark.parametrize(
     ("limit", "message"),
     [

@@ -5,11 +5,14 @@ values swapped) must not pass in silence. A trap is a file, what is changed in i
 what; the answer must stand in the line of the change, or in the line of a text that is named.
 """
 
+import re
 from pathlib import Path
 
 import pytest
 
 from cardan.base.errors import BadFile
+from cardan.base.units import deg
+from cardan.demand.states import demand, resolve
 from cardan.files import loads, read, starter
 
 ROOT = Path(__file__).parents[2]
@@ -207,6 +210,17 @@ def test_a_trap_is_told_in_its_own_line(trap):
     line = changed.count("\n", 0, start) + 1
     answers = told(changed)
     assert any(a.startswith(f"f:{line}:") for a in answers), (line, answers)
+
+
+def test_the_pitch_that_is_wondered_at_is_that_of_the_wound_up_axle():
+    """Half a bogie's line winds up one of its two axles, the line before it each of both."""
+    application = loads(
+        TANDEM.replace("windup_stiffness_kNm_deg: 30", "windup_stiffness_kNm_deg: 1")
+    )
+    said = "\n".join(w.message for w in application.warnings)
+    asked = [demand(resolve(application, i)) for i in application.lines]
+    turned = {f"{d.pitch[d.states.index('windup')] / deg:.3g}" for d in asked}
+    assert set(re.findall(r"pitch under full torque is ([\d.]+) deg", said)) == turned
 
 
 @pytest.mark.parametrize("base", BASES)

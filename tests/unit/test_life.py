@@ -63,6 +63,7 @@ def test_zero_spikes_and_residue_are_seen_to(drive):
     # No mean-stress correction: the zero shifts nothing; two bridged samples change little.
     assert one.life.damage == pytest.approx(clean, rel=1e-3)
     assert one.life.repeats == pytest.approx(0.5 / one.life.damage)
+    assert one.repeats[0.5] == pytest.approx(one.life.repeats, rel=1e-9)
     assert abs(one.high + one.low) < abs(dirty.max() * MPa)
 
 
@@ -175,6 +176,9 @@ def test_the_json_contract(parquet, drive, tmp_path):
     assert {c["cause"]: c["share"] for c in second["causes"]}[JOINTS] < 0.1
     cut = first["order2_by_speed"]
     assert [c["rpm"] for c in cut] == sorted(c["rpm"] for c in cut)
+    # Bands of 100 rpm by their middles; a span of a second or two cuts no more off the top.
+    fastest = 60 * drive.shaft.speed(np.arange(0, 150, 0.1)).max()
+    assert fastest - 250 < cut[-1]["rpm"] < fastest + 50
     assert 0 < max(c["MPa"] for c in cut) < 40
     assert first["order2"]["ratio"] == pytest.approx(1, abs=0.05)  # truth: 4 MPa per kN m
     x = drive.recording.whole(["S1"])[0].astype(np.float32) * MPa

@@ -13,7 +13,8 @@ from cardan.files.change import change
 from cardan.model.application import Adjustable
 from cardan.quantity.response import respond
 from cardan.study.approval import assess
-from cardan.study.fix import Move, fix, tried
+from cardan.study.fix import fix
+from cardan.study.moves import Move, tried
 from cardan.study.sensitivity import sensitivities
 
 CHAIN = """

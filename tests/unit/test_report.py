@@ -24,15 +24,17 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import extra, story, terminal
 from cardan.report.blocks import Chapter, Picture, Table
+from cardan.report.book import column
 from cardan.report.chart import Chart, bounds, ticks
 from cardan.report.compare import Variant, differences, effects
-from cardan.report.drawing import drawings
+from cardan.report.drawing import drawings, worst_state
 from cardan.report.html import page
 from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, Language, catalogue
 from cardan.report.pdf import document
-from cardan.report.plots import plots
-from cardan.report.workbook import column
+from cardan.report.plots import plots, round_the_turn
+from cardan.report.sheet import sections
+from cardan.report.wording import counts, sense
 from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
@@ -402,6 +404,97 @@ def test_cells_of_results_are_graded_as_their_checks():
     assert bad
     shown = rows["Clearance, auxiliary beam"]
     assert {s: g for s, g in shown.items() if g} == bad
+
+
+def test_a_turn_is_plotted_in_the_units_it_names(truck):
+    """The pinion swings as far to either side as the check says; points miss a crest by 0.1 %."""
+    (response,) = truck.responses
+    s = worst_state(response)
+    speed, acceleration = round_the_turn(response, EN)
+    rpms, rates = (float(f.alt.split()[-1]) for f in (speed, acceleration))
+    whole = response.excitation
+    assert rates == pytest.approx(2 * whole.torsional.acceleration[s], rel=2e-3)
+    turning = response.demand.speed[s] / rpm
+    assert rpms == pytest.approx(whole.irregularity[s] * turning, rel=2e-3)
+
+
+@pytest.mark.parametrize("bounds", [("normal", "maximum"), ("maximum", "normal")])
+def test_a_cell_has_the_colour_of_its_worst_check(bounds):
+    """Two limits on one angle: one warns, the other fails."""
+    first, second = (f"{{quantity: joint_angle, {b}: 0.001, source: us}}" for b in bounds)
+    limits = f"limits: [{first}, {second}]"
+    found = assess(files.loads(files.starter("small").replace("limits: protractor", limits)))
+    assert {c.grade for c in found.checks} == {"warn", "fail"}
+    whole = story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    cells = {
+        grade
+        for block in chapter(whole, "Results by state").blocks
+        if isinstance(block, Table)
+        for row in block.grades
+        for grade in row
+    }
+    assert cells == {"", "fail"}
+
+
+@pytest.mark.parametrize("quantity", ["joint_angle", "joint_angle_min", "odd_joint_angle"])
+def test_an_angle_is_coloured_by_every_limit_on_it(quantity):
+    """Too large, too small, or too large for the one that stands alone: one row shows them all."""
+    bound = 85 if quantity == "joint_angle_min" else 0.001
+    limits = f"limits: [{{quantity: {quantity}, maximum: {bound}, source: us}}]"
+    found = assess(files.loads(files.starter("small").replace("limits: protractor", limits)))
+    bad = {str(c.part) for c in found.checks if c.grade == "fail"}
+    assert bad
+    whole = story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    shown = {
+        row[0].removeprefix("Joint angle, "): grades[2]
+        for block in chapter(whole, "Results by state").blocks
+        if isinstance(block, Table)
+        for row, grades in zip(block.rows, block.grades, strict=True)
+        if row[0].startswith("Joint angle, ")
+    }
+    assert {joint for joint, grade in shown.items() if grade == "fail"} == bad
+
+
+def test_a_sheet_shows_the_shaft_that_is_nearest_to_an_obstacle():
+    """One row for an obstacle: the smallest of its clearances in each state."""
+    path = next(p for p in EXAMPLES if p.stem == "refuse-collector-6x2")
+    found = assess(files.read(path))
+    (response,) = found.responses
+    shown = [row for s in sections(response) for row in s.rows if row.quantity == "clearance"]
+    assert len(shown) == len(response.obstacles)
+    for row in shown:
+        for state, value in zip(response.demand.states, row.values, strict=True):
+            each = [
+                c.value for c in found.checks
+                if (c.quantity, c.state, c.part.other) == ("clearance", state, row.part.other)
+            ]  # fmt: skip
+            assert len(each) == response.line.joint_count - 1
+            assert value == pytest.approx(min(each) / mm)
+            assert min(each) < max(each)
+
+
+def test_every_medium_says_which_side_of_a_limit_is_safe():
+    """A lower limit is ≥, an upper one ≤, a band is to be kept out of."""
+    text = files.starter("small").replace("limits: protractor", "limits: [LIMITS]")
+    limits = "{quantity: joint_angle_min, maximum: 0.1, source: us}, " \
+             "{quantity: joint_angle, maximum: 40, source: us}, " \
+             "{quantity: half_critical_band, band: [0.42, 0.58], source: us}"  # fmt: skip
+    found = assess(files.loads(text.replace("LIMITS", limits)))
+    assert {c.quantity: sense(c, EN) for c in found.checks} == {
+        "joint_angle_min": "≥", "joint_angle": "≤", "half_critical_band": "outside",
+    }  # fmt: skip
+    printed = "\n".join(terminal.approval(found, helps=(), say=EN))
+    assert re.search(r"Smallest joint angle .* >= +0\.1000", printed)
+    assert re.search(r"Joint angle .* <= +40\.00", printed)
+
+
+def test_what_has_no_answer_is_counted_whether_required_or_not():
+    text = files.starter("small").replace("limits: protractor", "limits: [LIMITS]")
+    limits = "{quantity: joint_angle, maximum: 40, source: us}, " \
+             "{quantity: joint_life, maximum: 5000, source: us}"  # fmt: skip
+    found = assess(files.loads(text.replace("LIMITS", limits)))
+    assert found.verdict == "pass"
+    assert counts(found, EN) == "0 fail, 0 warn, 3 pass, 3 unanswered"
 
 
 # One white pixel.

@@ -1,6 +1,7 @@
 """`cardan stability`: gears against resonances and zones, in the words of `check`."""
 
 import json
+import re
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
@@ -15,6 +16,8 @@ from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.dynamics.torsion import mode_shapes, natural_frequencies, of_line
 from cardan.model.application import Surroundings
+from cardan.report.language import EN
+from cardan.report.stability import campbell, worst_of_parts
 from cardan.study.approval import approve
 from cardan.study.stability import stability
 from cardan.study.studies import VibrationStudy
@@ -99,6 +102,42 @@ def test_damping_is_what_keeps_zones_closed(truck):
     assert approve(slow, (VibrationStudy(),)).verdict != "fail"
 
 
+HUNG = """
+title: A shaft on rubber
+speed_rpm: 1000
+torque_Nm: 20
+driveline:
+  slopes: {side_deg: [1, 1, 1, 1]}
+  shafts:
+    - {length_mm: 1200, tube: 120x6, yoke_mass_kg: [5, 7],
+       centre_bearing: {from_rear_joint_mm: 300, stiffness_N_mm: 20}}
+    - {length_mm: 1500, tube: 120x6}
+"""
+
+
+def test_a_hung_shaft_swings_about_its_joint_like_a_rod():
+    """On soft rubber, hardly any torque: w² = k / (m L/3 + M) and decay η w / 2, L to the bearing.
+
+    The rod bends a little and turns: 3 %.
+    """
+    application = files.loads(HUNG)
+    (line,) = stability(application, surroundings=Surroundings(rubber_loss=0.1)).lines
+    tube = line.line.shafts[0].tube
+    swing = np.sqrt(20e3 / (tube.mass_per_length * 0.9 / 3 + 7))
+    assert line.lateral[0, 0] == pytest.approx(-0.1 * swing / 2, rel=0.03)
+
+
+def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
+    """On ice the wheels slip in first gear, whatever the engine gives."""
+    application = files.read(truck)
+    ice = replace(application, tyre=replace(application.tyre, friction=0.05))
+    engine = replace(ice.engine, torque=tuple(3 * t for t in ice.engine.torque))
+    (weak,), (strong,) = (stability(a).lines for a in (ice, replace(ice, engine=engine)))
+    first = weak.gears.index(Occasion("gear", "1"))
+    assert first == 0
+    assert strong.amplitudes == pytest.approx(weak.amplitudes, rel=1e-9)
+
+
 def test_command_writes_contract_and_chart(truck, tmp_path):
     chart = tmp_path / "chart.svg"
     run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])
@@ -115,6 +154,37 @@ def test_command_writes_contract_and_chart(truck, tmp_path):
     drawn = "".join(ET.parse(chart).getroot().itertext())
     assert f"mode 1, {line['torsional_frequencies_Hz'][0]:.1f} Hz" in drawn
     assert "order 4" in drawn
+
+
+def test_resonances_are_drawn_where_orders_meet_frequencies(truck):
+    """Every circle lies on a slanted line, to the rounding of a pixel's hundredth."""
+    (line,) = stability(files.read(truck)).lines
+    root = ET.fromstring(campbell(line, EN).svg)
+    drawn = [e for e in root.iter() if e.tag.endswith("path")]
+    ends = [[float(x) for x in re.findall(r"[-0-9.]+", e.attrib["d"])] for e in drawn]
+    slanted = [p for p in ends if len(p) == 4 and p[0] != p[2] and p[1] != p[3]]
+    assert len(slanted) == 2
+    rings = [e for e in root.iter() if e.tag.endswith("circle") and e.attrib["fill"] == "none"]
+    top = 1.1 * line.ranges.max()
+    assert len(rings) == sum(w / o < top for w in line.frequencies for o in (2, 4))
+    assert rings
+    for ring in rings:
+        x, y = float(ring.attrib["cx"]), float(ring.attrib["cy"])
+        off = [abs(y - (b + (x - a) / (c - a) * (d - b))) for a, b, c, d in slanted]
+        assert min(off) < 0.1
+
+
+def test_the_worst_gear_speaks_for_each_part(truck):
+    """Without --all a resonance has one row, and no gear is nearer to it than that one."""
+    checks = approve(files.read(truck), (VibrationStudy(),)).checks
+    shown = {(c.quantity, c.part): c for c in worst_of_parts(checks)}
+    assert set(shown) == {(c.quantity, c.part) for c in checks}
+    assert len(shown) < len(checks)
+    for c in checks:
+        assert shown[c.quantity, c.part].margin <= c.margin
+    printed = CliRunner().invoke(cli, ["stability", str(truck)]).stdout.splitlines()
+    mode = [x for x in printed if "Speed over torsional resonance" in x and "mode 1, order 2" in x]
+    assert [x[:4] for x in mode] == ["warn"]
 
 
 def test_command_prints_what_it_assumes(truck):

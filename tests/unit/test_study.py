@@ -12,10 +12,10 @@ from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand, resolve
-from cardan.model.application import Adjustable, Application, DutyPoint
+from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
-from cardan.study.approval import assess
+from cardan.study.approval import assess, held_to
 from cardan.study.fix import fix, margins
 from cardan.study.moves import adjustables, tried
 from cardan.study.sensitivity import sensitivities
@@ -54,6 +54,38 @@ def test_a_joint_brings_its_own_limit_in_place_of_the_profiles(truck):
     assert bounds == {("joint 1", 100.0), ("joint 2", 1000.0), ("joint 3", 1000.0)}
 
 
+@pytest.mark.parametrize(
+    ("size", "answered", "missed", "needs"),
+    [
+        (JointSize(name="p", peak_torque=20e3), "torque", "fatigue", "its reversing torque"),
+        (JointSize(name="f", reversing_torque=9e3), "fatigue", "torque", "its peak torque"),
+    ],
+)
+def test_each_rating_answers_its_own_limit(truck, size, answered, missed, needs):
+    """A catalogue may print one of the two; what it does not print is asked for by its name."""
+    asked = [f"joint_{what}_utilisation" for what in ("torque", "fatigue")]
+    limits = [Limit(quantity=q, maximum=1.0, source=HOUSE) for q in asked]
+    (installed,) = truck.lines
+    line = replace(installed.line, joints=(size,) * installed.line.joint_count)
+    found = assess(replace(only(truck, *limits), lines=(replace(installed, line=line),)))
+    everywhere = len(truck.states) * line.joint_count
+    assert [c.quantity for c in found.checks] == [f"joint_{answered}_utilisation"] * everywhere
+    unanswered = found.coverage.unanswered
+    assert [u.quantity for u in unanswered] == [f"joint_{missed}_utilisation"] * everywhere
+    assert {u.needs for u in unanswered} == {(f"a joint size with {needs}",)}
+
+
+def test_a_joint_s_own_limit_is_its_own(truck):
+    """Only the second joint is rated: the others have the profile's limit, or none."""
+    (installed,) = truck.lines
+    rated = JointSize(name="slow", speed_max=100.0)
+    line = replace(installed.line, joints=(None, rated, None))
+    bare = replace(only(truck), lines=(replace(installed, line=line),))
+    found = {(str(c.part), c.bound, c.grade) for c in assess(bare).checks}
+    assert {(part, bound) for part, bound, _ in found} == {("joint 2", 100.0)}
+    assert {grade for *_, grade in found} == {"pass", "fail"}  # in first gear it is slow enough
+
+
 def test_the_verdict_is_the_worst_check(truck):
     easy = replace(TORSIONAL, normal=1e6, maximum=1e7)
     hard = replace(TORSIONAL, normal=1e-6, maximum=1e-5)
@@ -79,6 +111,45 @@ def test_a_limit_above_an_angle_asks_only_there(truck):
     steep = replace(band, above_angle=89 * deg)
     assert any(c.quantity == band.quantity for c in assess(only(truck, shallow)).checks)
     assert not any(c.quantity == band.quantity for c in assess(only(truck, steep)).checks)
+
+
+def test_a_limit_asks_in_its_own_states_alone(truck):
+    """A kind of state, not a name: what is parked on a kerb counts as given, and rides."""
+    kinds = {s.name: s.counts_as for s in truck.states}
+    for asked in ({"gvw"}, {"windup", "jounce"}, KIND_GROUPS["riding"], KIND_GROUPS["stops"]):
+        limit = replace(TORSIONAL, states=frozenset(asked))
+        found = assess(only(truck, limit))
+        states = {c.state for c in found.checks if c.quantity == limit.quantity}
+        assert states == {name for name, kind in kinds.items() if kind in asked}
+        assert states
+        assert found.coverage.unanswered == ()
+
+
+def test_a_limit_above_an_angle_looks_at_the_largest(truck):
+    """A line with one steep joint is asked, with its other joints straight or not."""
+    response = respond(truck, demand(resolve(truck, truck.lines[0])))
+    largest, smallest = response.angles.max(-1), response.angles.min(-1)
+    between = float((largest[0] + smallest[0]) / 2)
+    band = Limit(
+        quantity="half_critical_band", band=(0.01, 0.99), above_angle=between, source=HOUSE
+    )
+    asked = {c.state for c in assess(only(truck, band)).checks if c.quantity == band.quantity}
+    states = response.demand.states
+    assert asked == {s for s, a in zip(states, largest, strict=True) if a > between}
+    assert states[0] in asked
+
+
+def test_a_study_by_itself_is_held_to_the_file_s_limits_first(truck):
+    """Where the file limits nothing of it, the default profile does, beside the file's own."""
+    held = held_to(only(truck, TORSIONAL), "vibration")
+    assert held.limits[0] == TORSIONAL
+    more = held.limits[1:]
+    assert {m.quantity for m in more} == {
+        "torsional_resonance", "torsional_growth", "lateral_growth"
+    }  # fmt: skip
+    assert held.profile == f"{truck.profile}; vibration: heavy-truck"
+    own = only(truck, Limit(quantity="torsional_growth", maximum=1.0, source=HOUSE))
+    assert held_to(own, "vibration") is own
 
 
 def test_variants_are_the_cases_one_by_one(truck):
@@ -147,6 +218,12 @@ def test_passing_states_have_no_life(truck):
     names = response.demand.states
     lasting = {n for n, life in zip(names, response.life[:, 0], strict=True) if not np.isnan(life)}
     assert lasting == {"empty", "gvw", "overload", "parked on a kerb"}
+    # Nor does anybody ask for one there: nothing required goes without an answer.
+    limit = Limit(quantity="joint_life", maximum=1.0, sense=">=", required=True, source=HOUSE)
+    found = assess(only(worn, limit))
+    assert {c.state for c in found.checks} == lasting
+    assert found.coverage.unanswered == ()
+    assert found.verdict == "pass"
 
 
 def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):
@@ -199,6 +276,11 @@ def test_a_spring_that_contradicts_its_table_is_noted(truck):
     (note,) = assess(replace(truck, suspension=suspension)).notes
     assert "192.2" in note
     assert "194.5" in note
+    # By hand, the second rate from 96 mm on: 120.6 · 96 + 192.2 · 89 = 28 683 N for 26 233.
+    assert "+9.3 % off the load of its own table at 185 mm" in note
+    rates = tuple(np.diff(spring.load) / np.diff(spring.deflection))
+    true = replace(spring, stated_rates=rates)
+    assert assess(replace(truck, suspension=replace(suspension, spring=true))).notes == ()
 
 
 def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):

@@ -545,7 +545,7 @@ class ApplicationTable(Table):
 
     def _duty(self, points: tuple[DutyPoint, ...]) -> tuple[DutyPoint, ...]:
         total = sum(point.share for point in points)
-        if points and (wrong := failing(abs(total - 1) <= 1e-3, total)):
+        if points and (wrong := failing(abs(total - 1) <= 1e-3 + 1e-9, total)):
             self.at("duty").refuse("the shares must make 100 %", got=f"{100 * wrong[0]:g} %")
         # What rounding leaves of 100 % is shared out: more than all of a life is no life.
         return tuple(replace(point, share=point.share / total) for point in points)
