@@ -41,7 +41,7 @@ from cardan.report.pdf import _told, document
 from cardan.report.vibration_chapter import chapter
 from cardan.report.workbook import workbook
 from cardan.study.approval import Approval, approve
-from cardan.study.stability import NAME as VIBRATION
+from cardan.study.finding import VIBRATION
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DRAWN: dict[str, tuple] = {}
