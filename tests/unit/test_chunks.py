@@ -59,12 +59,15 @@ def test_arrays_must_agree_on_the_cases():
 
 def test_a_blas_that_comes_later_keeps_to_one_thread_too():
     """SciPy brings its own; found once and for all, NumPy's alone was held."""
-    code = (
-        "from cardan.base.arrays import single_threaded; import threadpoolctl as t; "
-        "single_threaded().__enter__(); import scipy.linalg; "
-        't.threadpool_limits(2, "blas"); single_threaded().__enter__(); '
-        'print({b["num_threads"] for b in t.threadpool_info() if b["user_api"] == "blas"})'
-    )
+    code = """
+from cardan.base.arrays import single_threaded
+from threadpoolctl import threadpool_info, threadpool_limits
+
+with single_threaded():
+    import scipy.linalg
+with threadpool_limits(2, "blas"), single_threaded():
+    print({b["num_threads"] for b in threadpool_info() if b["user_api"] == "blas"})
+"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "{1}"
 
