@@ -1,5 +1,8 @@
 """Fill the pages with what the program itself says, so that no page can be out of date.
 
+On a page with [[executed]] every piece of Python is run, one after the other as in a notebook, and
+what it prints or comes to stands below it.
+
 A marker [[name]] stands for something declared in the package. [[cardan check FILE]] stands for
 what that command prints; [[cardan check FILE :: this ... that]] for its lines from the first that
 starts with "this" until one that starts with "that". Formulas become MathML, which browsers draw
@@ -18,6 +21,8 @@ def on_page_markdown(markdown: str, **_: object) -> str:
     for marker, write in WRITERS.items():
         if marker in markdown:
             markdown = markdown.replace(marker, write())
+    if "[[executed]]" in markdown:
+        markdown = executed(markdown)
     return re.sub(r"^\[\[cardan ([^\]]*)\]\]$", _printed, markdown, flags=re.MULTILINE)
 
 
@@ -38,6 +43,30 @@ def nomenclature() -> str:
         for q in QUANTITIES.values()
     ]
     return "\n".join(rows)
+
+
+def floors() -> str:
+    """Return the floors of the house, highest first, from the contract on imports."""
+    import tomllib
+
+    settings = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))
+    layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
+    rows = ["| floor | rooms | what they know |", "|---|---|---|"]
+    for floor, layer in zip(range(len(layers) - 1, -1, -1), layers, strict=True):
+        rooms = [room.strip() for room in layer.split("|")]
+        knows = "<br>".join(_cell(_knows(room)) for room in rooms)
+        rows.append(f"| {floor} | {'<br>'.join(f'`{r}`' for r in rooms)} | {knows} |")
+    return "\n".join(rows)
+
+
+def _knows(room: str) -> str:
+    """Return the first line of what a room says of itself."""
+    import ast
+
+    at = Path("src/cardan") / room
+    file = at / "__init__.py" if at.is_dir() else at.with_suffix(".py")
+    said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return said.split("\n\n")[0].replace("\n", " ").split(". ")[0].rstrip(".")
 
 
 def changelog() -> str:
@@ -151,8 +180,8 @@ def profiles() -> str:
     pages: list[str] = []
     for name in names():
         rows = [
-            "| quantity | unit | warns past | fails past | who says so |",
-            "|---|---|---|---|---|",
+            "| quantity | unit | warns past | fails past | in states | required | who says so |",
+            "|---|---|---|---|---|---|---|",
         ]
         for limit in limits(name)[1]:
             q = QUANTITIES[limit.quantity]
@@ -166,10 +195,21 @@ def profiles() -> str:
                 low, high = (b / q.factor for b in limit.band)
                 bounds[0] = f"inside {low:g} … {high:g}"
             rows.append(
-                f"| {q.name} | {q.unit_name} | {bounds[0]} | {bounds[1]} | {limit.source} |"
+                f"| {q.name} | {q.unit_name} | {bounds[0]} | {bounds[1]} | {_states(limit)} "
+                f"| {'yes' if limit.required else ''} | {limit.source} |"
             )
         pages.append(f"### {name}\n\n" + "\n".join(rows))
     return "\n\n".join(pages)
+
+
+def _states(limit: Any) -> str:
+    """Return the kinds of state a limit asks in, by their group where they are one."""
+    from cardan.model.application import KIND_GROUPS, STATE_KINDS
+
+    if limit.states is None:
+        return "all"
+    groups = {kinds: name for name, kinds in KIND_GROUPS.items()}
+    return groups.get(limit.states) or ", ".join(k for k in STATE_KINDS if k in limit.states)
 
 
 def published() -> str:
@@ -184,7 +224,7 @@ def published() -> str:
 def reports() -> str:
     """Return every example's report in every language, as pictures."""
     pictures = sorted(Path("docs/reports").glob("*.png"))
-    languages = {"en": "English", "pt": "português", "it": "italiano"}
+    languages = {"en": "English", **_languages()}
     parts: list[str] = []
     for picture in pictures:
         name, code, _ = picture.name.split(".")
@@ -193,7 +233,15 @@ def reports() -> str:
     return "\n".join(parts)
 
 
+def _languages() -> dict[str, str]:
+    """Return the name of each catalogue's language, from its first line."""
+    texts = Path("src/cardan/report/text").glob("*.po")
+    heads = {p.stem: p.read_text(encoding="utf-8").partition("\n")[0] for p in texts}
+    return {code: head.partition(", in ")[2].partition(".")[0] for code, head in heads.items()}
+
+
 WRITERS = {
+    "[[floors]]": floors,
     "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
@@ -221,6 +269,41 @@ def _kind(entry: dict[str, Any]) -> str:
     found = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
     names = dict.fromkeys(found)
     return "".join(f" → [{name}](#{name.lower()})" for name in names)
+
+
+def executed(markdown: str) -> str:
+    """Return a page with what its pieces of Python print and come to below each."""
+    space: dict[str, Any] = {"__name__": "__main__"}
+
+    def run(found: re.Match[str]) -> str:
+        return f"{found[0]}\n\n{_come_to(found[1], space)}".rstrip()
+
+    markdown = markdown.replace("[[executed]]", "")
+    return re.sub(r"^```python\n(.*?)^```$", run, markdown, flags=re.DOTALL | re.MULTILINE)
+
+
+def _come_to(code: str, space: dict[str, Any]) -> str:
+    """Run a piece of Python; return what it prints, and the value of its last line."""
+    import ast
+    import io
+    from contextlib import redirect_stdout
+
+    from cardan.base.errors import NotInstalled
+
+    tree, value = ast.parse(code), None
+    last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+    printed = io.StringIO()
+    try:
+        with redirect_stdout(printed):
+            exec(compile(tree, "<page>", "exec"), space)
+            if last is not None:
+                value = eval(compile(ast.Expression(last.value), "<page>", "eval"), space)
+    except NotInstalled as needed:
+        return f"*Not run here: {needed}.*"
+    if hasattr(value, "_repr_html_"):
+        return f'<div class="shown">{value._repr_html_()}</div>'
+    said = printed.getvalue().rstrip() + ("" if value is None else repr(value))
+    return f"```text\n{said}\n```" if said else ""
 
 
 def _printed(found: re.Match[str]) -> str:

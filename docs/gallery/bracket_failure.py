@@ -30,7 +30,7 @@ bracket, response = application.bracket, assess(application).responses[0]
 rib, thick = bracket.reinforced, replace(bracket.shape, thickness=8 * mm)
 
 # Eight cases: the peak over a turn in each of seven states, and a pothole.
-cases = [c for c in cases_of(bracket, response) if "peak" in c.name or "pothole" in c.name]
+cases = [c for c in cases_of(bracket, response) if c.what == "peak" or "pothole" in c.name]
 assert len(cases) == 8
 shapes = {"original": bracket.shape, "ribbed": rib, "8 mm sheet": thick}
 judged = {name: judge(bracket, shape, cases, name=name) for name, shape in shapes.items()}

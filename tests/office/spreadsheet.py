@@ -22,8 +22,8 @@ HARD_RECALCULATION = """<?xml version="1.0" encoding="UTF-8"?>
 class Sheet:
     """A workbook whose cells are found by their names."""
 
-    def __init__(self, path: Path, *, values: bool) -> None:
-        self.path = path
+    def __init__(self, path: Path, *, values: bool, written: Path | None = None) -> None:
+        self.path, self.written = path, written or path
         self.book = openpyxl.load_workbook(path, data_only=values)
 
     def cells(self, name: str) -> list:
@@ -55,4 +55,4 @@ def recalculated(books: list[Path], folder: Path) -> list[Sheet]:
          "--convert-to", "xlsx", "--outdir", str(out), *map(str, books)],
         check=True, capture_output=True, timeout=300,
     )  # fmt: skip
-    return [Sheet(out / b.name, values=True) for b in books]
+    return [Sheet(out / b.name, values=True, written=b) for b in books]

@@ -1,5 +1,7 @@
 """Many cases at a time: chunks on a pool give what one call gives, in order."""
 
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -53,6 +55,21 @@ def test_no_chunk_holds_more_than_its_size_and_any_executor_serves():
 def test_arrays_must_agree_on_the_cases():
     with pytest.raises(ValueError, match=r"same number of cases, got \[2, 3\]"):
         chunked(np.add, np.ones(2), np.ones(3))
+
+
+def test_a_blas_that_comes_later_keeps_to_one_thread_too():
+    """SciPy brings its own; found once and for all, NumPy's alone was held."""
+    code = """
+from cardan.base.arrays import single_threaded
+from threadpoolctl import threadpool_info, threadpool_limits
+
+with single_threaded():
+    import scipy.linalg
+with threadpool_limits(2, "blas"), single_threaded():
+    print({b["num_threads"] for b in threadpool_info() if b["user_api"] == "blas"})
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "{1}"
 
 
 def test_blas_keeps_to_one_thread_and_gets_its_own_back():

@@ -1,6 +1,7 @@
 """Arrays: their types, whose library they belong to, and many cases at a time."""
 
 import os
+import sys
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -64,13 +65,17 @@ def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArr
 @contextmanager
 def single_threaded() -> Generator[None, None, None]:
     """Keep BLAS to one thread: on many small matrices its own cost far more than they bring."""
-    with _blas().limit(limits=1, user_api="blas"):
+    with _blas("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
         yield
 
 
 @cache
-def _blas() -> Any:
-    """Return what controls the threads of NumPy's BLAS; to look for it takes milliseconds."""
+def _blas(scipys: bool) -> Any:  # noqa: FBT001  a key of the cache
+    """Return what controls the threads of BLAS; to look for it takes milliseconds.
+
+    SciPy brings one of its own, which is there once its linear algebra is: `scipys`.
+    """
+    del scipys
     from importlib import import_module  # untyped, and a check of one design needs none
 
     return import_module("threadpoolctl").ThreadpoolController()

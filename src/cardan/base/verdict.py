@@ -6,7 +6,9 @@ from functools import cached_property
 from math import isfinite, isnan
 from typing import Literal, TypeAlias, TypeVar
 
-from cardan.base.arrays import FloatArray
+import numpy as np
+
+from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part
 from cardan.base.source import Source
@@ -97,8 +99,28 @@ class Limit:
             return "fail"
         if self.maximum is not None and self.margin(value, to="maximum") < -EQUAL:
             return "fail"
-        never_fails = self.band is not None or self.normal is not None
-        return "warn" if never_fails and self.margin(value, to="normal") < -EQUAL else "pass"
+        return "warn" if self._warns and self.margin(value, to="normal") < -EQUAL else "pass"
+
+    def grades(self, values: FloatArray) -> IntArray:
+        """Return the places in `GRADES` of many values at once, as `grade` has them one by one."""
+        warned = self._warns & (self.margin(values, to="normal") < -EQUAL)
+        failed = np.isnan(values)
+        if self.maximum is not None:
+            failed |= self.margin(values, to="maximum") < -EQUAL
+        return np.where(failed, GRADES.index("fail"), np.where(warned, GRADES.index("warn"), 0))
+
+    def margins(self, values: FloatArray) -> FloatArray:
+        """Return the margins to the bounds that decide, as `Check.margin` has them one by one."""
+        failed = self.grades(values) == GRADES.index("fail")
+        found = np.where(
+            failed, self.margin(values, to="maximum"), self.margin(values, to="normal")
+        )
+        return np.where(np.abs(found) <= EQUAL, 0.0, found)
+
+    @property
+    def _warns(self) -> bool:
+        """Whether there is a bound past which it warns."""
+        return self.band is not None or self.normal is not None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -112,17 +112,12 @@ def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
 def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) -> Any:
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
-    from cardan.study.fix import fix as search
-    from cardan.study.sensitivity import sensitivities
 
     issue = _issue(paths)
     if len(found) > 1:
         return story.comparison(_variants(paths, found), say=say, issue=issue)
-    (one,) = found
-    helps = sensitivities(one)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
-        fixes = search(one.application, count=3, tell=tell) if helps else ()
-    return story.approval(one, helps=helps, fixes=fixes, say=say, issue=issue)
+        return story.whole(found[0], say=say, issue=issue, tell=tell)
 
 
 def _issue(paths: tuple[Path, ...]) -> Any:

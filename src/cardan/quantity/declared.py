@@ -7,11 +7,12 @@ What it is called in other languages stands in the catalogues of `cardan.report.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.errors import DesignError
 from cardan.base.part import LINE, Part
 from cardan.base.source import Source
 from cardan.base.units import UNITS
@@ -167,11 +168,15 @@ class Quantity:
         """Return the limit that each joint's catalogue brings, None where it has none."""
         if not self.rating:
             return ()
+        rated: list[tuple[Any, Any]] = [
+            (size, getattr(size, self.rating) if size else None) for size in r.sizes
+        ]
+        if any(np.ndim(value) for _, value in rated):
+            msg = f"{self.rating} of a joint is a limit, and limits have no variants"
+            raise DesignError(msg)
         return tuple(
-            Limit(quantity=self.key, maximum=value, source=size.source)
-            if size and (value := getattr(size, self.rating))
-            else None
-            for size in r.sizes
+            Limit(quantity=self.key, maximum=value, source=size.source) if size and value else None
+            for size, value in rated
         )
 
     def values(self, r: Response) -> FloatArray:

@@ -4,6 +4,7 @@ import json
 from importlib.resources import files
 from typing import Any
 
+from cardan.model.movable import MOVABLES
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import ANSWERED
 
@@ -14,7 +15,7 @@ def schema() -> dict[str, Any]:
     """Return the schema (draft 2020-12) of what `--json` writes.
 
     A quantity's place in a state comes from its declaration, unless the file beside this
-    module describes it at more length.
+    module describes it at more length; what can be moved comes from declarations too.
     """
     text = files("cardan.report").joinpath("contract.schema.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
@@ -22,6 +23,7 @@ def schema() -> dict[str, Any]:
     for quantity in ANSWERED.values():
         if quantity.contract:
             _add(tables["line_state"], quantity.contract.split("."), quantity, tables)
+    tables["move"]["properties"]["what"]["enum"] = list(MOVABLES)
     state, line = tables["state"], tables["line_state"]
     state["properties"] = {**line["properties"], **state["properties"]}
     state["required"] = [*line["required"], *state["required"]]

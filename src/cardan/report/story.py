@@ -48,10 +48,19 @@ from cardan.report.wording import (
 )
 from cardan.study.approval import Approval
 from cardan.study.finding import BRACKET, VIBRATION, Finding
-from cardan.study.fix import Proposal
-from cardan.study.sensitivity import Sensitivity
+from cardan.study.fix import Proposal, fix
+from cardan.study.sensitivity import Sensitivity, sensitivities
 
-__all__ = ["Issue", "Story", "approval", "comparison", "figures"]
+__all__ = ["Issue", "Story", "approval", "comparison", "figures", "verdict", "whole"]
+
+
+def whole(
+    of: Approval, *, say: Language, issue: Issue, tell: Callable[[int, int], None] | None = None
+) -> Story:
+    """Return the story of one application, with what would help and the best corrections."""
+    helps = sensitivities(of)
+    fixes = fix(of.application, count=3, tell=tell) if helps else ()
+    return approval(of, helps=helps, fixes=fixes, say=say, issue=issue)
 
 
 def approval(
@@ -69,7 +78,7 @@ def approval(
     """
     several = len(of.responses) > 1
     chapters = [
-        Chapter(title=say("Verdict"), blocks=tuple(_verdict(of, say))),
+        Chapter(title=say("Verdict"), blocks=tuple(verdict(of, say))),
         Chapter(
             title=say("What to change"), blocks=tuple(_changes(helps, fixes, say, several=several))
         ),
@@ -171,7 +180,7 @@ def _signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
     yield say("Made with"), f"cardan {__version__}"
 
 
-def _verdict(of: Approval, say: Language) -> Iterator[Block]:
+def verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
     sources = list(dict.fromkeys(str(c.limit.source) for c in rows))

@@ -3,6 +3,7 @@
 Text is marked with colours; whoever prints it takes them out where there is no terminal.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report.blocks import Table
 from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
@@ -69,14 +71,38 @@ def approval(
 
     With `every` each check has its row; without, each limit has one, the worst.
     """
+    yield from verdict(of, say, every=every)
+    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
+    for response in of.responses:
+        yield from _line(response, say)
+
+
+def verdict(of: Approval, say: Language = EN, *, every: bool = False) -> Iterator[str]:
+    """Yield the verdict, each limit where it is worst, what has no answer, and notes."""
     yield from summary(of, say)
     yield say("limits: {profile}", profile=of.application.profile)
     yield from checks(of, say, every=every)
     yield from without_answer(unanswered(of, say), of.coverage, say)
     yield from notes(of, say)
-    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
-    for response in of.responses:
-        yield from _line(response, say)
+
+
+def block(of: Table) -> Iterator[str]:
+    """Yield a table of a story, columns as wide as they need to be."""
+    rows = [of.head, *of.rows]
+    wide = [max(len(row[k]) for row in rows) for k in range(len(of.head))]
+    yield ""
+    yield _bold(of.caption)
+    for row in rows:
+        cells = [
+            f"{cell:<{w}}" if k < of.words else f"{cell:>{w}}"
+            for k, (cell, w) in enumerate(zip(row, wide, strict=True))
+        ]
+        yield "  " + "  ".join(cells).rstrip()
+
+
+def bare(lines: Iterable[str]) -> str:
+    """Return lines as one text without colours, for where nobody prints to a terminal."""
+    return re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(lines))
 
 
 def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:

@@ -6,16 +6,18 @@ recording.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from cardan.base.errors import DesignError, positive
+from cardan.base.errors import CardanError, DesignError, positive
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
+from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
 from cardan.fatigue.correction import Correction
 from cardan.fatigue.life import Plan
@@ -154,6 +156,25 @@ class Campaign:
     group: str = ""
     limits: str | None = None
     target_hours: float | None = None
+
+    @classmethod
+    def of(cls, **options: Any) -> "Campaign":
+        """Return a campaign from a script's values: what has commas in words may be a list.
+
+        Raises
+        ------
+        CardanError
+            If there is no such option, or no S-N curve.
+        """
+        several = {f.name: f.type == tuple[str, ...] for f in fields(cls)}
+        for name in options:
+            if name not in several:
+                msg = f"a recording is not asked with {name}; {nearest(name, several)}"
+                raise CardanError(msg)
+        if "sn" not in options:
+            msg = "a recording is asked with an S-N curve: sn=(MPa, cycles, slope)"
+            raise CardanError(msg)
+        return cls(**{name: _worded(v, several=several[name]) for name, v in options.items()})
 
     def __post_init__(self) -> None:
         for name, choices in CHOICES.items():
@@ -361,3 +382,10 @@ def _turning(recording: Recording, text: str) -> Rotation:
     channel, given = _named(text)
     unit = _unit(recording, channel, given, SPEED)
     return rotation_from_speed(recording.pieces([channel]), rate=recording.rate, unit=unit)
+
+
+def _worded(value: Any, *, several: bool) -> Any:
+    """Return a script's value as the command line has it: one of several, or with commas."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        return (value,) if several else value
+    return tuple(value) if several else ",".join(map(str, value))

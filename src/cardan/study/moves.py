@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, stacked
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES, Moved
 from cardan.quantity.response import Response, respond
@@ -47,5 +45,5 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
         response.application,
         response.demand,
         layout=response.demand.corrected(bearing_shift=moved.bearing_shift, shim=moved.shim),
-        phases=np.asarray(response.line.phases) + moved.phases,
+        phases=stacked(response.line.phases) + moved.phases,
     )

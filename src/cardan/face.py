@@ -1,0 +1,422 @@
+"""The public face, `import cardan`: read, ask, show, from a script or a notebook.
+
+It translates and never calculates: every answer is that of a study, every word and every
+document that of a report. Nothing below knows it.
+"""
+
+from collections.abc import Generator, Iterable, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, replace
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeVar
+
+from cardan import files
+from cardan.base.errors import CardanError, DesignError, NotInstalled
+from cardan.base.part import Occasion, Part
+from cardan.base.verdict import VERDICTS, Verdict
+from cardan.border.table import nearest
+from cardan.files import addresses, change, loads, read
+from cardan.model.application import Application, Surroundings
+from cardan.quantity.quantities import ANSWERED, LIMITABLE, QUANTITIES
+from cardan.report import contract, terminal
+from cardan.report.blocks import Issue
+from cardan.report.language import EN, Language
+from cardan.study import approval as approvals
+from cardan.study import fix as fixes
+from cardan.study import sweep as sweeps
+from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding, Study
+from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
+
+__all__ = [
+    "Application", "Approval", "Life", "Proposals", "Sweep", "Values", "addresses", "bracket",
+    "change", "check", "fix", "life", "loads", "read", "stability", "study",
+]  # fmt: skip
+
+Shown = TypeVar("Shown")
+
+
+# --------------------------------------------------------------------------- what is returned
+
+
+class Approval(approvals.Approval):
+    """The answer to an application: one verdict, and all that it stands on.
+
+    `verdict`, `checks`, `coverage` and `of(study)` are those of every approval.
+    """
+
+    def __repr__(self) -> str:
+        return terminal.bare(terminal.verdict(self))
+
+    def _repr_html_(self) -> str:
+        return _report("notebook").approval(self, EN)
+
+    def to_frame(self) -> Any:
+        """Return a pandas frame with a row for each check, and for each that has no answer."""
+        rows = [{**contract.check(c), "required": c.limit.required} for c in self.checks]
+        rows += [
+            {**contract.unanswered(u), "unit": QUANTITIES[u.quantity].unit_name, "verdict": None}
+            for u in self.coverage.unanswered
+        ]
+        names = (
+            "quantity", "line", "state", "part", "value", "unit", "sense", "limit", "margin",
+            "verdict", "required", "source", "needs",
+        )  # fmt: skip
+        return _frame({name: [row.get(name) for row in rows] for name in names})
+
+    def quantity(self, key: str) -> "Values":
+        """Return the values of a quantity by line, state and part, in the unit it is shown in.
+
+        Of the driveline every one, whether a limit asks about it or not; of another study
+        those that it held against a limit.
+        """
+        if key not in QUANTITIES or not (key in ANSWERED or key in LIMITABLE):
+            msg = f"there is no quantity {key}; {nearest(key, (*ANSWERED, *LIMITABLE))}"
+            raise ValueError(msg)
+        q = QUANTITIES[key]
+        if key not in ANSWERED:
+            found = [
+                Value(line=c.line, when=c.when, part=c.part, value=c.value / q.factor)
+                for c in self.checks
+                if c.quantity == key
+            ]
+        else:
+            assert q.parts is not None
+            found = [
+                Value(line=r.line.name, when=Occasion("state", state), part=part, value=float(v))
+                for r in self.responses
+                for state, row in zip(r.demand.states, q.values(r) / q.factor, strict=True)
+                for part, v in zip(q.parts(r), row, strict=True)
+            ]
+        return Values(quantity=key, unit=q.unit_name, values=tuple(found))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON contract's document; of a study alone that of its own command."""
+        if self.responses:
+            return contract.approval(self)
+        if self.findings[0].study == BRACKET:
+            return _report("bracket").contract(self)
+        return _report("stability").document(self)
+
+    def report(self, path: str | Path, *, lang: str = "en") -> Path:
+        """Write a report: .html, .pdf, .xlsx or .json, as the name ends.
+
+        Raises
+        ------
+        CardanError
+            If there is no report of that kind, or what it needs is not installed.
+        """
+        path, say = Path(path), Language(lang)
+        writers = {".html": _page, ".pdf": _document, ".xlsx": _workbook, ".json": _json}
+        if path.suffix.lower() not in writers:
+            msg = f"a report ends in {', '.join(writers)}; got {path.name}"
+            raise CardanError(msg)
+        if not self.responses and path.suffix.lower() != ".json":
+            msg = f"a report tells of a driveline: check it, with studies=({self.studies[0]!r},)"
+            raise CardanError(msg)
+        files.write(path, writers[path.suffix.lower()](self, say), replace=True)
+        return path
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Value:
+    """A number in the unit its quantity is shown in, and of what it is."""
+
+    line: str
+    when: Occasion
+    part: Part
+    value: float
+
+    def __repr__(self) -> str:
+        where = EN.list(self.line, EN.occasion(self.when), EN.part(self.part))
+        return f"{where}: {EN.number(self.value)}"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Values:
+    """The values of one quantity, in the unit it is shown in; nan where nothing is known."""
+
+    quantity: str
+    unit: str
+    values: tuple[Value, ...]
+
+    @property
+    def worst(self) -> Value | None:
+        """The value on the wrong side of all others; None where nothing is known."""
+        known = [v for v in self.values if v.value == v.value]
+        largest = QUANTITIES[self.quantity].sense == "<="
+        return (max if largest else min)(known, key=lambda v: v.value, default=None)
+
+    def to_frame(self) -> Any:
+        """Return a pandas frame with a row for each value."""
+        return _frame(
+            {
+                "line": [v.line for v in self.values],
+                "state": [str(v.when) for v in self.values],
+                "part": [str(v.part) for v in self.values],
+                "value": [v.value for v in self.values],
+                "unit": [self.unit] * len(self.values),
+            }
+        )
+
+    def __repr__(self) -> str:
+        head = f"{QUANTITIES[self.quantity].name} [{self.unit or '1'}]"
+        return "\n  ".join([head, *map(repr, self.values)])
+
+
+class Proposals(tuple[fixes.Proposal, ...]):
+    """Corrections, best first."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return terminal.bare(terminal.proposals(self))
+
+    def _repr_html_(self) -> str:
+        return _report("notebook").text(repr(self))
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Return what `cardan fix --json` writes."""
+        return contract.proposals(self)
+
+
+class Sweep(sweeps.Sweep):
+    """What variants come to: `yield_`, `shares`, `verdicts`, `margins`, and each limit's."""
+
+    def __repr__(self) -> str:
+        tables = (line for t in _report("sweep").tables(self) for line in terminal.block(t))
+        return terminal.bare([_report("sweep").summary(self), *tables])
+
+    def _repr_html_(self) -> str:
+        said = _report("notebook").tag("p", _report("sweep").summary(self))
+        return _report("notebook").tag(
+            "div", said, _report("notebook").blocks(_report("sweep").tables(self))
+        )
+
+    def to_frame(self) -> Any:
+        """Return a pandas frame with a row for each variant.
+
+        What varied, the verdict, the smallest margin, and of each limit the value where it
+        is worst, in the unit its quantity is shown in, and the margin there.
+        """
+        columns: dict[str, Any] = {v.name: v.values for v in self.varied}
+        columns |= {"verdict": self.verdicts, "margin": self.margins}
+        for name, held in self.named():
+            columns[name] = held.values / QUANTITIES[held.limit.quantity].factor
+            columns[f"{name} margin"] = held.margins
+        frame = _frame(columns)
+        frame["verdict"] = frame["verdict"].astype(
+            _pandas().CategoricalDtype(VERDICTS, ordered=True)
+        )
+        return frame
+
+
+class Life(Finding[Any]):
+    """What a recording tells: the lives at its gauges and, where a speed is known, the causes.
+
+    `answer` holds the recording, its `lives` and its `causes`; `verdict` is None where
+    nothing was asked of them.
+    """
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What the gauges come to, held against a target or limits."""
+        return _recording().verdict_on(self)
+
+    def __repr__(self) -> str:
+        return terminal.bare(_report("life").terminal(self))
+
+    def _repr_html_(self) -> str:
+        return _report("notebook").text(repr(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `cardan life --json` writes."""
+        return _report("life").document(self)
+
+    def to_frame(self) -> Any:
+        """Return a pandas frame with a row for each gauge."""
+        names = ("name", "low_MPa", "high_MPa", "damage", "hours", "km", "damage_exponent")
+        gauges = self.to_dict()["gauges"]
+        return _frame({name: [g[name] for g in gauges] for name in names})
+
+
+# --------------------------------------------------------------------------- what is asked
+
+
+def check(
+    app: Application,
+    limits: str | Path | None = None,
+    studies: Iterable[str] | None = None,
+) -> Approval:
+    """Hold an application against every limit, in every state.
+
+    Parameters
+    ----------
+    app
+        As read from a file.
+    limits
+        The name of a profile, or the file of one, in place of the application's own.
+    studies
+        Which to ask beside the driveline: "vibration", "bracket". By default vibration,
+        where the file says what turns at both ends.
+
+    Raises
+    ------
+    DesignError
+        If the driveline cannot exist in a state; the message says where in the file.
+    """
+    if limits is not None:
+        name, rows = files.limits(str(limits))
+        app = replace(app, profile=name, limits=rows)
+    if studies is None:
+        return _approved(app, *approvals.default_studies(app))
+    return _approved(app, *map(_study, dict.fromkeys((DRIVELINE, *studies))))
+
+
+def stability(app: Application, **torsion: float) -> Approval:
+    """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
+
+    `torsion` goes before the file's own: `axle_inertia` kg m², `axle_stiffness` N m/rad,
+    `gearbox_inertia`, `gearbox_stiffness`, `damping_ratio`, `rubber_loss`.
+    """
+    return _approved(approvals.held_to(app, VIBRATION), VibrationStudy(Surroundings(**torsion)))
+
+
+def bracket(app: Application) -> Approval:
+    """Judge the bracket of a centre bearing under the driveline's loads. Takes a while."""
+    return _approved(approvals.held_to(app, BRACKET), BracketStudy())
+
+
+def fix(
+    app: Application, *, line: str | None = None, hold: Iterable[str] = (), count: int = 5
+) -> Proposals:
+    """Propose what to change, over all states at once, as `cardan fix` does."""
+    with _told(app):
+        return Proposals(fixes.fix(app, line=line, hold=tuple(hold), count=count))
+
+
+def study(
+    app: Application,
+    vary: Mapping[str, sweeps.Spread],
+    *,
+    n: int = 10_000,
+    seed: int = 0,
+) -> Sweep:
+    """Ask the driveline of many variants at once.
+
+    Parameters
+    ----------
+    app
+        As read from a file.
+    vary
+        By the address of a number, as `cardan.addresses` has them, or the key of something
+        that can be moved (`bearing_height_mm[1]`, `shim_deg`): `[low, high]`,
+        `{"choice": [...]}`, `{"normal": sigma}` or `{"uniform": half}`.
+    n, seed
+        How many variants, and the seed of their points.
+    """
+    with _told(app):
+        return _shown(Sweep, sweeps.sweep(app, vary, count=n, seed=seed))
+
+
+def life(recording: str | Path, **options: Any) -> Life:
+    """Return damage and life at the gauges of a recording, and who did it.
+
+    The options are those of `cardan.study.campaign.Campaign`, named as on the command line:
+    `gauges=["bracket:MPa"], sn=(90, 2e6, 5), speed="shaft:rpm", low_pass_Hz=400`.
+    """
+    campaign = import_module("cardan.study.campaign").Campaign.of(**options)
+    return _shown(Life, _recording().listen(Path(recording), campaign))
+
+
+# --------------------------------------------------------------------------- how
+
+
+def _study(name: str) -> Study[Any]:
+    if name not in STUDIES:
+        msg = f"there is no study {name}; {nearest(name, STUDIES)}"
+        raise ValueError(msg)
+    return STUDIES[name]
+
+
+def _approved(app: Application, *studies: Study[Any]) -> Approval:
+    with _told(app):
+        return _shown(Approval, approvals.approve(app, studies))
+
+
+def _shown(kind: type[Shown], found: Any) -> Shown:
+    """Return what a room found, as what can show itself."""
+    return kind(**{f.name: getattr(found, f.name) for f in fields(found)})
+
+
+@contextmanager
+def _told(app: Application) -> Generator[None, None, None]:
+    """Name the place in its file that an impossible part stands at."""
+    try:
+        yield
+    except DesignError as error:
+        if app.written is None:
+            raise
+        raise DesignError(files.located(error, app, app.written.name)) from error
+
+
+def _report(medium: str) -> Any:
+    """Return a module of reports, imported where something is shown by it."""
+    return import_module(f"cardan.report.{medium}")
+
+
+def _recording() -> Any:
+    """Return the room that listens, imported where there is something to listen to."""
+    return import_module("cardan.study.recording")
+
+
+def _page(of: Approval, say: Language) -> str:
+    return _report("html").page(_story(of, say))
+
+
+def _document(of: Approval, say: Language) -> bytes:
+    return _report("pdf").document(_story(of, say))
+
+
+def _workbook(of: Approval, say: Language) -> bytes:
+    return _report("workbook").workbook(of, say=say)
+
+
+def _json(of: Approval, _: Language) -> str:
+    from json import dumps
+
+    return dumps(of.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _story(of: Approval, say: Language) -> Any:
+    return _report("story").whole(of, say=say, issue=_issue(of.application))
+
+
+def _issue(app: Application) -> Issue:
+    """Return what says which report this is: the day, the file, and what was changed in it."""
+    from datetime import date
+
+    written, today = app.written, date.today().isoformat()
+    if written is None:
+        return Issue(date=today)
+    changes = "".join(f"# changed: {at}: {to}\n" for at, to in written.changes.items())
+    text = written.text + (f"\n{changes}" if changes else "")
+    return Issue(
+        date=today,
+        files=(Path(written.name).name,),
+        prints=(sha256(text.encode()).hexdigest()[:16],),
+        texts=(text,),
+    )
+
+
+def _frame(columns: Mapping[str, Any]) -> Any:
+    return _pandas().DataFrame(columns)
+
+
+def _pandas() -> Any:
+    try:
+        return import_module("pandas")
+    except ModuleNotFoundError as error:
+        msg = "a frame needs pandas: pip install 'cardan[frame]'"
+        raise NotInstalled(msg) from error
