@@ -28,6 +28,21 @@ def test_a_named_cycle_is_of_the_largest_torque_and_the_top_speed():
     assert ours.life == pytest.approx(theirs.life, rel=1e-12, nan_ok=True)
 
 
+def test_what_happens_on_the_bump_stop_is_no_part_of_a_named_cycle():
+    """Nobody drives there for hours: ten times the torque at jounce takes no hour off a life."""
+    application = replace(files.read(EXAMPLE), duty=(), duty_cycle=files.cycle("refuse"))
+    states = tuple(
+        replace(s, torque=100e3) if s.kind == "jounce" else s for s in application.states
+    )
+    assert states != application.states
+    (plain,), (struck,) = (
+        assess(a).responses for a in (application, replace(application, states=states))
+    )
+    gvw = plain.demand.states.index("gvw")
+    assert np.abs(struck.demand.torque).max() > 2 * np.abs(plain.demand.torque).max()
+    assert struck.life[gvw] == pytest.approx(plain.life[gvw], rel=1e-12)
+
+
 def test_without_a_cycle_there_is_no_life_and_it_is_said_what_it_needs():
     """Worst torque and top speed never meet: 93 h where a cycle gives thousands."""
     found = assess(replace(files.read(EXAMPLE), duty=()))

@@ -12,6 +12,8 @@ from cardan.demand.states import demand, resolve
 from cardan.files.change import change
 from cardan.model.application import Adjustable
 from cardan.quantity.response import respond
+from cardan.report.language import EN
+from cardan.report.wording import moves_that_help
 from cardan.study.approval import assess
 from cardan.study.fix import fix
 from cardan.study.moves import Move, tried
@@ -89,6 +91,20 @@ def test_yokes_turn_to_aligned_and_crossed_wherever_they_are():
     text = CHAIN.replace("phase_deg: 15, ", "") + "adjust: {phase_deg: {3: [0, 90]}}\n"
     turned = {round(m.amount / deg, 6) for p in fix(files.loads(text)) for m in p.moves}
     assert turned == {-90}
+
+
+def test_what_helps_is_told_the_way_it_helps():
+    """A nose that is 1.5 deg too high: down a degree wins, up a degree loses."""
+    text = """
+title: One shaft
+speed_rpm: 2500
+driveline: {slopes: {side_deg: [4.0, 2.0, 5.5]}, shafts: [{length_mm: 1200, tube: 100x3}]}
+adjust: {shim_deg: [-4, 4]}
+limits: [{quantity: joint_angle, normal: 3, source: us}]
+"""
+    (one,) = sensitivities(assess(files.loads(text)))
+    (said,) = moves_that_help(one, EN)
+    assert said == "pinion nose down 1 deg gives 2.500"
 
 
 def test_what_helps_is_told_of_a_warning_too():

@@ -194,6 +194,17 @@ def test_command_prints_what_it_assumes(truck):
     assert "Speed over torsional resonance" in run.stdout
 
 
+@pytest.mark.parametrize(("most", "code"), [(1000, 0), (-1000, 1)])
+def test_the_exit_code_is_the_verdict_on_what_vibrates(tmp_path, most, code):
+    limit = f"{{quantity: torsional_growth, maximum: {most}, source: us}}"
+    file = tmp_path / "small.yaml"
+    text = files.starter("small").replace("limits: protractor", f"limits: [{limit}]")
+    file.write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(cli, ["stability", str(file)])
+    assert run.exit_code == code
+    assert run.stdout.splitlines()[0].startswith(f"Two-piece driveline: {('PASS', 'FAIL')[code]}")
+
+
 def test_half_a_gearbox_is_refused(truck):
     run = CliRunner().invoke(cli, ["stability", str(truck), "--gearbox-inertia", "1"])
     assert run.exit_code == 2

@@ -125,6 +125,18 @@ def test_a_limit_asks_in_its_own_states_alone(truck):
         assert found.coverage.unanswered == ()
 
 
+def test_a_limit_on_what_has_a_sign_holds_its_size(truck):
+    """View angles bend down or up, to the right or left; 1 deg is as much either way."""
+    limit = Limit(quantity="side_angle", maximum=1 * deg, source=HOUSE)
+    found = assess(only(truck, limit))
+    (response,) = found.responses
+    assert (response.side_angles < -1 * deg).any()
+    assert (response.side_angles > 1 * deg).any()
+    mine = [c for c in found.checks if c.quantity == "side_angle"]
+    assert [c.value for c in mine] == pytest.approx(np.abs(response.side_angles).ravel())
+    assert {c.grade for c in mine} == {"pass", "fail"}
+
+
 def test_a_limit_above_an_angle_looks_at_the_largest(truck):
     """A line with one steep joint is asked, with its other joints straight or not."""
     response = respond(truck, demand(resolve(truck, truck.lines[0])))
