@@ -14,9 +14,10 @@ from cardan.report import story
 from cardan.report.compare import Variant
 from cardan.report.html import page
 from cardan.report.language import Language
-from cardan.study.approval import assess
+from cardan.study.approval import approve, assess
+from cardan.study.driveline import DrivelineStudy
 from cardan.study.sensitivity import sensitivities
-from cardan.study.stability import stability
+from cardan.study.studies import VibrationStudy
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
@@ -48,11 +49,10 @@ def pages():
 
 @pytest.mark.parametrize(("path", "code"), list(pages()))
 def test_nothing_serious_and_nothing_fetched(browser, tmp_path, path, code):
-    found = assess(files.read(path))
+    found = approve(files.read(path), (DrivelineStudy(), VibrationStudy()))
     issue = story.Issue(files=(path.name,), prints=("0",), texts=(path.read_text("utf-8"),))
     told = story.approval(
-        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue,
-        vibration=stability(found.application),
+        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue
     )  # fmt: skip
     out = tmp_path / "report.html"
     out.write_text(page(told), encoding="utf-8")
@@ -60,7 +60,7 @@ def test_nothing_serious_and_nothing_fetched(browser, tmp_path, path, code):
 
 
 def test_a_comparison_is_as_good(browser, tmp_path):
-    variants = [Variant(name=p.stem, assessment=assess(files.read(p))) for p in EXAMPLES[:2]]
+    variants = [Variant(name=p.stem, approval=assess(files.read(p))) for p in EXAMPLES[:2]]
     told = story.comparison(variants, say=Language("en"), issue=story.Issue())
     out = tmp_path / "comparison.html"
     out.write_text(page(told), encoding="utf-8")
