@@ -201,11 +201,11 @@ class Judged:
         number = (*asked, f"ISNUMBER({values})")
 
         def past(which: str) -> str:
-            held = "*".join((*number, f"({_past(values, limit.sense, which, factor)})"))
+            held = "*".join((*number, _past(values, limit, which, factor)))
             return f"IF(ISNUMBER({which}),SUMPRODUCT({held})>0,FALSE)"
 
         if limit.band:
-            within = "*".join((*number, *(f"({w})" for w in _within(values, row))))
+            within = "*".join((*number, _within(values, limit, row)))
             inside = f"SUMPRODUCT({within})>0"
             fails, warns = (inside, "FALSE") if limit.maximum is not None else ("FALSE", inside)
         else:
@@ -250,11 +250,10 @@ class Judged:
             asks = f'{letter}{row}<>""'
         if of.limit.band:
             bad = "fail" if of.limit.maximum is not None else "warn"
-            rules = [(bad, ",".join(_within(here, row)))]
+            rules = [(bad, _within(here, of.limit, row))]
         else:
-            sense = of.limit.sense
             rules = [
-                (grade, f"ISNUMBER({bound}),{_past(here, sense, bound, factor)}")
+                (grade, f"ISNUMBER({bound}),{_past(here, of.limit, bound, factor)}")
                 for grade, bound in (("fail", f"$D{row}"), ("warn", f"$C{row}"))
             ]
         for grade, rule in (*rules, ("pass", "TRUE")):
@@ -314,18 +313,28 @@ def coloured(sheet: Any, book: Book, place: tuple[int, int, int, int]) -> None:
         sheet.conditional_format(*place, rule)
 
 
-def _past(values: str, sense: str, bound: str, factor: float) -> str:
+def _past(values: str, limit: Limit, bound: str, factor: float) -> str:
     """Return the formula for values past a bound; what is equal to it is not.
 
-    A share of the bound is let pass, and of one SI unit where the bound is 0.
+    A share of the bound is let pass, and of one SI unit where the bound is 0. What has a
+    direction is held by its size, though the cells show the sign.
     """
     free = f"{EQUAL:.0e}*IF({bound}=0,{1 / factor:.15g},ABS({bound}))"
-    return f"{values}>{bound}+{free}" if sense == "<=" else f"{values}<{bound}-{free}"
+    signed = QUANTITIES[limit.quantity].signed
+    if limit.sense == "<=":
+        above = f"({values}>{bound}+{free})"
+        return f"({above}+({values}<-{bound}-{free})>0)" if signed else above
+    below = f"({values}<{bound}-{free})"
+    return f"{below}*({values}>{free}-{bound})" if signed else below
 
 
-def _within(values: str, row: int) -> tuple[str, str]:
-    """Return the formulas for values within a band; what is equal to an edge is not."""
-    return f"{values}>$C{row}*(1+{EQUAL:.0e})", f"{values}<$D{row}*(1-{EQUAL:.0e})"
+def _within(values: str, limit: Limit, row: int) -> str:
+    """Return the formula for values within a band; what is equal to an edge is not."""
+    low, high = f"$C{row}*(1+{EQUAL:.0e})", f"$D{row}*(1-{EQUAL:.0e})"
+    inside = f"({values}>{low})*({values}<{high})"
+    if not QUANTITIES[limit.quantity].signed:
+        return inside
+    return f"({inside}+({values}<-{low})*({values}>-{high})>0)"
 
 
 def _finite(value: float) -> float:
