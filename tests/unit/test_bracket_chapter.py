@@ -124,12 +124,9 @@ def test_check_puts_the_bracket_into_page_and_document(tmp_path):
     assert b"/Subtype/Image" in data.replace(b" ", b"")
 
 
-def test_check_without_a_bracket_says_so(tmp_path):
+def test_check_without_a_bracket_says_what_it_needs(tmp_path):
     (tmp_path / "a.yaml").write_text(FILE[: FILE.index("bracket:")])
-    args = ["check", str(tmp_path / "a.yaml"), "-q", "--bracket"]
-    done = CliRunner().invoke(cli, [*args, "--html", str(tmp_path / "a.html")])
-    assert done.exit_code == 2
-    assert "has no bracket" in done.output
-    done = CliRunner().invoke(cli, args)
-    assert done.exit_code == 2
-    assert "--html or --pdf" in done.output
+    done = CliRunner().invoke(cli, ["check", str(tmp_path / "a.yaml"), "--bracket"])
+    assert done.exit_code == 1
+    assert "INCOMPLETE" in done.output
+    assert "needs bracket, with a shape" in done.output
