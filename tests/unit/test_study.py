@@ -313,3 +313,13 @@ def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):
     assert found.end_bearings["B"] == pytest.approx(np.linalg.norm(near, axis=-1).max(-1), rel=1e-2)
     assert found.end_bearings["A"] == pytest.approx(np.linalg.norm(far, axis=-1).max(-1), rel=1e-2)
     assert np.isnan(found.end_bearings["E"]).all()
+
+
+def test_limits_of_a_recording_are_not_dropped_by_a_check():
+    text = (Path(__file__).parents[2] / "examples" / "van.yaml").read_text(encoding="utf-8")
+    row = "{quantity: fatigue_life, unit: h, maximum: 100, required: true, source: asked}"
+    lines = [f"limits: [{row}]" if t.startswith("limits:") else t for t in text.splitlines()]
+    found = assess(files.loads("\n".join(lines) + "\n"))
+    assert found.verdict == "incomplete"
+    (open_,) = found.coverage.unanswered
+    assert open_.needs == ("cardan life, with a recording",)

@@ -12,7 +12,16 @@ from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.study.driveline import DrivelineStudy
-from cardan.study.finding import DRIVELINE, Finding, Study, Tell, limits_of, silence, silent
+from cardan.study.finding import (
+    DRIVELINE,
+    RECORDING,
+    Finding,
+    Study,
+    Tell,
+    limits_of,
+    silence,
+    silent,
+)
 from cardan.study.notes import SpringMismatch, mismatches
 from cardan.study.studies import STUDIES, VibrationStudy
 
@@ -211,3 +220,6 @@ def _unasked(application: Application, names: set[str]) -> Iterator[Finding[Any]
             needs = (f"--with {name}",)
             unanswered = tuple(silence(name, application, needs))
             yield Finding(study=name, answer=None, unanswered=unanswered, asked=False)
+    unheard = tuple(silence(RECORDING, application, ("cardan life, with a recording",)))
+    if unheard:  # of an application nobody can ask it, so its limits stay open
+        yield Finding(study=RECORDING, answer=None, unanswered=unheard)
