@@ -115,7 +115,9 @@ class Approval(approvals.Approval):
         if not self.responses and path.suffix.lower() != ".json":
             msg = f"a report tells of a driveline: check it, with studies=({self.studies[0]!r},)"
             raise CardanError(msg)
-        files.write(path, writers[path.suffix.lower()](self, say), replace=True)
+        from cardan.border.writer import write
+
+        write(path, writers[path.suffix.lower()](self, say), replace=True)
         return path
 
 

@@ -188,11 +188,11 @@ def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
     )
 
 
-def write(path: Path, content: str | bytes) -> None:
+def write(path: Path, content: str | bytes, *, replace: bool = True) -> None:
     """Write an output into its file, over what stands there."""
     from cardan.border import writer
 
-    writer.write(path, content, replace=True)
+    writer.write(path, content, replace=replace)
 
 
 def write_json(document: Any, out: str) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from cardan.cli.common import put
+from cardan.cli.common import put, write
 from cardan.cli.ending import kindly
 
 
@@ -20,5 +20,5 @@ def new(file: Path, *, kind: str, force: bool) -> None:
     """
     from cardan import files
 
-    files.write(file, files.starter(kind), replace=force)
+    write(file, files.starter(kind), replace=force)
     put(f"{file} is written; `cardan check {file}` assesses it.")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from cardan.cli.common import OUT, put_json
+from cardan.cli.common import OUT, put_json, write
 from cardan.cli.ending import kindly
 
 
@@ -26,6 +26,6 @@ def schema(*, out: Path | None, contract: bool, force: bool) -> None:
         document = files.schema()
     if out and out != Path("-"):
         text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-        files.write(out, text, replace=force)
+        write(out, text, replace=force)
     else:
         put_json(document, indent=2)

@@ -1,6 +1,5 @@
-"""Files: applications, limit profiles and catalogues, read into parts; and written safely."""
+"""Files: applications, limit profiles and catalogues, read into parts."""
 
-from cardan.border.writer import write
 from cardan.files.application import loads, read
 from cardan.files.change import addresses, change
 from cardan.files.cycle import cycle
@@ -11,5 +10,5 @@ from cardan.files.starter import starter
 
 __all__ = [
     "addresses", "change", "cycle", "limits", "loads", "located", "place", "read", "schema",
-    "starter", "write",
+    "starter",
 ]  # fmt: skip

@@ -11,7 +11,6 @@ from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.report.blocks import Table
 from cardan.report.language import CODES, EN, Language
 from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
@@ -31,6 +30,7 @@ from cardan.study.approval import Approval, Coverage
 from cardan.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:  # one check of one design is not to wait for these
+    from cardan.report.blocks import Table
     from cardan.report.compare import Variant
     from cardan.study.fix import Proposal
     from cardan.study.published import Published
@@ -86,7 +86,7 @@ def verdict(of: Approval, say: Language = EN, *, every: bool = False) -> Iterato
     yield from notes(of, say)
 
 
-def block(of: Table) -> Iterator[str]:
+def block(of: "Table") -> Iterator[str]:
     """Yield a table of a story, columns as wide as they need to be."""
     rows = [of.head, *of.rows]
     wide = [max(len(row[k]) for row in rows) for k in range(len(of.head))]
