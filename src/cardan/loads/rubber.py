@@ -1,0 +1,393 @@
+r"""A line on its rubber: how it moves and what its bearings carry when it is shaken.
+
+Statics (`cardan.loads.statics`) tells what a rigid support would feel. A centre bearing hangs
+in rubber, so the line has modes of 8 to 25 Hz, and what comes twice a turn crosses them at a
+few hundred revolutions a minute, in first gear.
+
+Small motions about where the line runs. A hung shaft tilts by D_k across itself, so joint
+k+1 moves by D_1 + ... + D_k; the axle holds the last joint, and the last shaft moves across
+itself alone. Each tube bends in sines between its joints besides. With rubber that loses η
+of its energy, the torque T and the speed Ω,
+
+$$[K (1 + i η) + T K_T + i W G(Ω) - W^2 M]\, q = f$$
+
+The bearings' forces are kept as unknowns beside the coordinates, so that a rigid bearing
+and one that slides along its shaft are no special cases. At W = 0 and small torque they are
+those of statics, to rounding.
+
+The torque is a stiffness too: the crosses' moments turn with the shafts. Its energy is
+(T/2) ∫ d · (e × de), e the tilts along the line, which jump at the joints.
+
+Source: derived from first principles; forced motion confirmed with independent multibody
+engines.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.model.layout import Layout, unit
+from cardan.model.parts import Line
+from cardan.shaft.beams import shear_coefficient
+
+LOSS = 0.1
+"""Loss factor of rubber that nobody gives, assumed: mounts have 0.08 to 0.2."""
+
+SINES = 1
+"""Sines in which each tube bends between its joints: its second one is above any order 2."""
+
+_STIFF = 1e6
+"""N/m; between a bearing that is soft and one that is rigid, so that equations are of a size."""
+
+_XI, _WEIGHT = (
+    x / 2 + y for x, y in zip(np.polynomial.legendre.leggauss(6), (0.5, 0.0), strict=True)
+)
+"""Gauss points and weights on [0, 1]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """How a line on rubber moves at one order: complex amplitudes a, the motion Re a e^{iWt}.
+
+    Attributes
+    ----------
+    coordinates : (..., N) m
+    bearing_forces : (..., n-2, 3) N
+        Force of each hung shaft on its centre bearing, in the layout's frame.
+    """
+
+    coordinates: ComplexArray
+    bearing_forces: ComplexArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Modes of a line on its bearings, slowest first, without loss; cases on leading axes.
+
+    Attributes
+    ----------
+    frequency : (..., m) rad/s
+    damping : (..., m) 1
+        Share of critical damping that the rubber's loss makes.
+    bending : (..., m) 1
+        Share of the energy that bends tubes; the rest is in the rubber.
+    upright : (..., m) 1
+        Share of the rubber's energy that is vertical.
+    travel : (..., m, n-2) 1
+        How far the bearings go, the largest 1, with signs along its own direction.
+    """
+
+    frequency: FloatArray
+    damping: FloatArray
+    bending: FloatArray
+    upright: FloatArray
+    travel: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suspended:
+    """A line in N coordinates of small motion; cases on leading axes, n-1 shafts.
+
+    Attributes
+    ----------
+    mass, bending, gyroscopic, torsion : (..., N, N)
+        kg; N/m of the tubes; kg for each rad/s of speed; N/m for each N m of torque.
+    bearing : (..., n-2, 3, N)
+        Motion of each shaft in its bearing: up, sideways and along the shaft.
+    frame : (..., n-2, 3, 3)
+        Those three directions, in rows.
+    stiffness : (..., n-2, 3) N/m
+        Infinite where rigid, 0 where free.
+    loss : (..., n-2) 1
+    front, rear : (..., n-1, 3, N)
+        Motion of the ends of each shaft.
+    front_tilt, rear_tilt : (..., n-1, 3, N) 1/m
+        Change of direction of the ends of each shaft.
+    along : (..., n-1, 3)
+        Directions of the shafts.
+    """
+
+    mass: FloatArray
+    bending: FloatArray
+    gyroscopic: FloatArray
+    torsion: FloatArray
+    bearing: FloatArray
+    frame: FloatArray
+    stiffness: FloatArray
+    loss: FloatArray
+    front: FloatArray
+    rear: FloatArray
+    front_tilt: FloatArray
+    rear_tilt: FloatArray
+    along: FloatArray
+
+    def pushed(self, moments: ComplexArray) -> ComplexArray:
+        """Return what crosses' moments (..., n, 3) N m do on the coordinates, (..., N) N."""
+        ahead = np.cross(moments[..., :-1, :], self.along)[..., None, :]
+        behind = np.cross(moments[..., 1:, :], self.along)[..., None, :]
+        return (ahead @ self.front_tilt - behind @ self.rear_tilt)[..., 0, :].sum(-2)
+
+    def moved(
+        self,
+        forces: ComplexArray,
+        *,
+        frequency: ArrayLike = 0.0,
+        speed: ArrayLike = 0.0,
+        torque: ArrayLike = 0.0,
+    ) -> Motion:
+        """Return how forces (..., N) on the coordinates move the line at a frequency.
+
+        Parameters
+        ----------
+        frequency, speed : (...) rad/s
+            Of the forces, W; of the line, Ω. At W = 0 rubber loses nothing.
+        torque : (...) N m
+            Signed, for the stiffness it makes.
+        """
+        W, omega, T = (
+            np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
+        )
+        inner = (
+            self.bending + T * self.torsion + 1j * W * omega * self.gyroscopic - W**2 * self.mass
+        )
+        rows, count = self._rows, self.stiffness.shape[-2] * 3
+        loss = np.where(W[..., 0] > 0, np.repeat(self.loss, 3, axis=-1), 0.0)
+        k = self.stiffness.reshape(*self.stiffness.shape[:-2], count)
+        rigid = np.isinf(k)
+        hold = np.where(rigid, 1.0, k / (np.where(rigid, 0.0, k) + _STIFF)) * (1 + 1j * loss)
+        give = np.where(rigid, 0.0, 1 / (np.where(rigid, 0.0, k) + _STIFF))
+        lead = np.broadcast_shapes(
+            inner.shape[:-2], rows.shape[:-2], hold.shape[:-1], forces.shape[:-1]
+        )
+        N = inner.shape[-1]
+        whole = np.zeros((*lead, N + count, N + count), dtype=complex)
+        whole[..., :N, :N] = inner
+        whole[..., :N, N:] = rows.mT
+        whole[..., N:, :N] = hold[..., None] * rows
+        whole[..., N:, N:] = -give[..., None] * np.eye(count)
+        right = np.zeros((*lead, N + count, 1), dtype=complex)
+        right[..., :N, 0] = forces
+        found = np.linalg.solve(whole, right)[..., 0].astype(complex)
+        local = found[..., N:].reshape(*lead, -1, 3)
+        return Motion(
+            coordinates=found[..., :N],
+            bearing_forces=np.asarray((local[..., None, :] @ self.frame)[..., 0, :], dtype=complex),
+        )
+
+    @property
+    def _rows(self) -> FloatArray:
+        """The bearings' motions one by one, (..., 3 (n-2), N)."""
+        return self.bearing.reshape(*self.bearing.shape[:-3], -1, self.bearing.shape[-1])
+
+    def modes(self, *, torque: ArrayLike = 0.0) -> Modes:
+        """Return the modes on the bearings, with the stiffness of a torque (...) N m.
+
+        A rigid bearing is one a thousand times as stiff as its shaft is in bending.
+        """
+        count = self.stiffness.shape[-2] * 3
+        k = self.stiffness.reshape(*self.stiffness.shape[:-2], count)
+        k = np.minimum(k, 1e10)
+        rows = self._rows
+        held = (rows.mT * k[..., None, :]) @ rows
+        K = self.bending + held + np.asarray(torque, float)[..., None, None] * self.torsion
+        lower = np.linalg.inv(np.linalg.cholesky(self.mass))
+        squares, shapes = np.linalg.eigh(lower @ K @ lower.mT)
+        shapes = lower.mT @ shapes
+        moves = (rows @ shapes).mT  # (..., m, count)
+        energy = (moves**2 * k[..., None, :]).reshape(*moves.shape[:-1], -1, 3)
+        rubber = energy.sum((-2, -1))
+        bent = (shapes * (self.bending @ shapes)).sum(-2)
+        lost = (energy.sum(-1) * self.loss[..., None, :]).sum(-1)
+        whole = np.where(rubber + bent > 0, rubber + bent, 1.0)
+        across = moves.reshape(*moves.shape[:-1], -1, 3)
+        upright = energy[..., 0].sum(-1) / np.where(rubber > 0, rubber, 1.0)
+        travel = np.where((upright >= 0.5)[..., None], across[..., 0], across[..., 1])
+        size = np.abs(travel).max(-1, keepdims=True)
+        return Modes(
+            frequency=np.sqrt(np.maximum(squares, 0.0)),
+            damping=lost / (2 * whole),
+            bending=bent / whole,
+            upright=upright,
+            travel=travel / np.where(size > 0, size, 1.0),
+        )
+
+
+def suspended(
+    layout: Layout,
+    line: Line,
+    *,
+    stiffness: ArrayLike,
+    loss: ArrayLike = LOSS,
+    sines: int = SINES,
+) -> Suspended:
+    """Return a line as it can move on its centre bearings.
+
+    Parameters
+    ----------
+    layout : (..., n, 3) m
+        Where it runs.
+    line
+        Its tubes (each shaft needs one), yokes, spline, and the places of its bearings.
+    stiffness : (..., n-2, 3) N/m
+        Of the rubber across the shaft, vertical and lateral, and along it.
+    loss : (..., n-2) 1
+        Share of energy η that it loses in a radian.
+    sines
+        In how many a tube bends; 0 takes the shafts as rigid.
+    """
+    d = layout.directions[..., 1:-1, :]
+    lengths = layout.lengths
+    frames = _frames(d)
+    fields = _fields(d, frames, sines=sines)
+    turned = _skew(d) @ fields.reshape(*fields.shape[:-2], -1)
+    turned = turned.reshape(fields.shape)
+    at, mass, across, polar = _masses(line, lengths)
+    w, e, _ = _shapes(at, lengths, sines)
+    kinetic = (w * mass[..., None]).mT @ w + (e * across[..., None]).mT @ e
+    spin = (e * polar[..., None]).mT @ e
+    ends = _shapes(np.broadcast_to([0.0, 1.0], (*lengths.shape, 2)), lengths, sines)
+    front, rear, front_tilt, rear_tilt = (
+        _of(shape[..., k, :], fields) for shape in ends[:2] for k in (0, 1)
+    )
+    ahead = stacked(s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing)
+    hung = _shapes((1 - ahead / lengths[..., :-1])[..., None], lengths[..., :-1], sines)
+    bearing = np.concatenate([frames, d[..., None]], axis=-1)[..., :-1, :, :].mT
+    stiff = np.broadcast_to(np.asarray(stiffness, dtype=float), bearing.shape[:-1])
+    between = _skew(unit(d[..., :-1, :] + d[..., 1:, :]))
+    at_joints = (rear_tilt[..., :-1, :, :].mT @ between @ front_tilt[..., 1:, :, :]).sum(-3)
+    half = -(at_joints + _summed(_wound(lengths, sines), fields, turned)) / 2
+    return Suspended(
+        mass=_summed(kinetic, fields, fields),
+        gyroscopic=-_summed(spin, fields, turned),
+        bending=_summed(_bending(line, lengths, sines), fields, fields),
+        torsion=half + half.mT,
+        bearing=bearing @ _of(hung[0][..., 0, :], fields[..., :-1, :, :, :]),
+        frame=bearing,
+        stiffness=stiff,
+        loss=np.broadcast_to(np.asarray(loss, dtype=float), stiff.shape[:-1]),
+        front=front,
+        rear=rear,
+        front_tilt=front_tilt,
+        rear_tilt=rear_tilt,
+        along=d,
+    )
+
+
+def _skew(d: FloatArray) -> FloatArray:
+    """Return the matrices (..., 3, 3) that cross vectors (..., 3) with what follows."""
+    x, y, z = d[..., 0], d[..., 1], d[..., 2]
+    o = np.zeros_like(x)
+    return np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(*d.shape, 3)
+
+
+def _frames(d: FloatArray) -> FloatArray:
+    """Directions across members (..., 3) in columns, (..., 3, 2): up, and level."""
+    level = unit(np.cross(np.array([0.0, 0.0, 1.0]), d))
+    return np.stack([np.cross(d, level), level], axis=-1)
+
+
+def _fields(d: FloatArray, frames: FloatArray, *, sines: int) -> FloatArray:
+    """Return what the coordinates move of each shaft, (..., n-1, 3, 2 + sines, N).
+
+    Its front joint, its rear joint against the front one, and the sines it bends in.
+    """
+    shafts = d.shape[-2]
+    hung = 2 * (shafts - 1)
+    found = np.zeros((*d.shape[:-2], shafts, 3, 2 + sines, hung + 2 * sines * shafts))
+    for k in range(shafts - 1):
+        here = slice(2 * k, 2 * k + 2)
+        found[..., k, :, 1, here] = frames[..., k, :, :]
+        found[..., k + 1 :, :, 0, here] = frames[..., None, k, :, :]
+    # The last shaft takes what comes along it in its spline.
+    last = d[..., -1, :]
+    ahead = found[..., -1, :, 0, :]
+    ahead = ahead - last[..., :, None] * (last[..., None, :] @ ahead)
+    found[..., -1, :, 0, :], found[..., -1, :, 1, :] = ahead, -ahead
+    for k in range(shafts):
+        for j in range(sines):
+            start = hung + 2 * (k * sines + j)
+            found[..., k, :, 2 + j, start : start + 2] = frames[..., k, :, :]
+    return found
+
+
+def _shapes(
+    at: FloatArray, lengths: FloatArray, sines: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return motion, tilt and curvature (..., P, 2 + sines) at places (..., P) of shafts."""
+    L = lengths[..., None]
+    one, none = np.ones_like(at), np.zeros_like(at)
+    w, e, bent = [one, at], [none, one / L], [none, none]
+    for j in range(1, sines + 1):
+        wave = j * pi * at
+        w.append(np.sin(wave))
+        e.append(j * pi / L * np.cos(wave))
+        bent.append(-((j * pi / L) ** 2) * np.sin(wave))
+    first, second, third = (np.stack(np.broadcast_arrays(*rows), axis=-1) for rows in (w, e, bent))
+    return first, second, third
+
+
+def _masses(
+    line: Line, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return where the masses of the shafts sit, and how much there, (..., n-1, P) each.
+
+    Places as shares of the length, kg, and kg m² about a diameter and about the axis: the
+    tube at Gauss's points, the yokes at the ends, the spline where it is.
+    """
+    tubes = [s.tube for s in line.shafts]
+    splines = [s.spline for s in line.shafts]
+    tube = stacked(t.mass_per_length if t else np.nan for t in tubes) * lengths
+    turning = stacked(t.polar_inertia_per_length if t else np.nan for t in tubes) * lengths
+    yoke = stacked(s.yoke_inertia / 2 for s in line.shafts)
+    polar = stacked(np.nan if s.polar_inertia is None else s.polar_inertia for s in line.shafts)
+    share = polar / (turning + 2 * yoke)  # 1, unless a given inertia takes the place of both
+    ends = np.moveaxis(stacked(stacked(s.yoke_mass) for s in line.shafts), -1, -2)
+    slide = stacked(s.mass if s else 0.0 for s in splines)
+    where = stacked(s.from_front_joint if s else 0.0 for s in splines) / lengths
+
+    def joined(*parts: FloatArray) -> FloatArray:
+        lead = np.broadcast_shapes(lengths.shape, *(p.shape[:-1] for p in parts))
+        return np.concatenate([np.broadcast_to(p, (*lead, p.shape[-1])) for p in parts], axis=-1)
+
+    both, none = np.stack([yoke, yoke], axis=-1), np.zeros_like(where)[..., None]
+    return (
+        joined(_XI, where[..., None], np.array([0.0, 1.0])),
+        joined(tube[..., None] * _WEIGHT, slide[..., None], ends),
+        joined(turning[..., None] / 2 * _WEIGHT, none, both),
+        joined((share * turning)[..., None] * _WEIGHT, none, share[..., None] * both),
+    )
+
+
+def _of(shape: FloatArray, fields: FloatArray) -> FloatArray:
+    """Return what the coordinates move where a shaft has a shape, (..., n-1, 3, N)."""
+    return (shape[..., None, None, :] @ fields)[..., 0, :]
+
+
+def _summed(form: FloatArray, one: FloatArray, other: FloatArray) -> FloatArray:
+    """Sum shafts' forms (..., n-1, B, B) in their fields (..., n-1, 3, B, N) to (..., N, N)."""
+    right = form[..., None, :, :] @ other
+    left = one.reshape(*one.shape[:-4], -1, one.shape[-1])
+    return left.mT @ right.reshape(*right.shape[:-4], -1, right.shape[-1])
+
+
+def _bending(line: Line, lengths: FloatArray, sines: int) -> FloatArray:
+    """Return the tubes' stiffness, (..., n-1, B, B) N/m: of sines it is exact, with shear."""
+    tubes = [s.tube for s in line.shafts]
+    EI = stacked(t.bending_stiffness if t else np.nan for t in tubes)
+    shear = stacked(
+        shear_coefficient(t) * t.material.shear_modulus * t.area if t else np.nan for t in tubes
+    )
+    wave = pi * np.arange(1, sines + 1) / lengths[..., None]
+    stiff = EI[..., None] * wave**4 * lengths[..., None] / 2
+    stiff = stiff / (1 + wave**2 * (EI / shear)[..., None])
+    diagonal = np.concatenate([np.zeros((*stiff.shape[:-1], 2)), stiff], axis=-1)
+    return diagonal[..., None] * np.eye(2 + sines)
+
+
+def _wound(lengths: FloatArray, sines: int) -> FloatArray:
+    """Return ∫ e e' of the shafts' shapes, (..., n-1, B, B): how a torque works on their bend."""
+    at = np.broadcast_to(_XI, (*lengths.shape, len(_XI)))
+    _, e, bent = _shapes(at, lengths, sines)
+    return (e * (_WEIGHT * lengths[..., None])[..., None]).mT @ bent

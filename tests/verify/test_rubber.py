@@ -1,0 +1,200 @@
+"""A line on rubber: METHOD's closed form, statics as its limit, the beam model, a gyroscope.
+
+The closed form is that of METHOD section 15: two uniform slender shafts of 20 and 25 kg, the
+bearing at joint 2, k_v 200 and k_l 120 N/mm, eta 0.1, 1000 N m. The beams are those of
+`cardan.shaft.beams`, which know nothing of this room's coordinates.
+"""
+
+import numpy as np
+import pytest
+
+from cardan.kinematics.chain import turn
+from cardan.loads import loads
+from cardan.loads.cycle import major_axis
+from cardan.loads.rubber import suspended
+from cardan.model.layout import Layout, direction, unit
+from cardan.model.parts import CentreBearing, Line, Material, Shaft, Spline, Tube
+from cardan.shaft.beams import assembled, line_beams
+
+RUBBER = (200e3, 120e3, 0.0)
+rpm = np.pi / 30
+
+
+def laid(line: Line, *, side, top, moved=0.0) -> Layout:
+    """Return a line along slopes in degrees, its joints moved (n, 3)."""
+    d = direction(side=np.radians(side), top=np.radians(top))
+    steps = np.array(line.lengths)[:, None] * d[1:-1]
+    points = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]) + moved
+    between = unit(np.diff(points, axis=0))
+    return Layout(points=points, directions=np.concatenate([d[:1], between, d[-1:]]))
+
+
+def slender(mass: float, length: float) -> Tube:
+    """A rod without thickness that does not bend: its mass is all it has."""
+    thin = {"outer": 1e-3, "wall": 0.5e-3}
+    area = Tube(**thin).area
+    heavy = Material(name="rod", youngs_modulus=1e25, density=mass / length / area)
+    return Tube(**thin, material=heavy)
+
+
+TWO = Line(
+    shafts=(
+        Shaft(length=1.2, tube=slender(20, 1.2), centre_bearing=CentreBearing()),
+        Shaft(length=1.5, tube=slender(25, 1.5)),
+    )
+)
+THREE = Line(
+    shafts=tuple(
+        Shaft(
+            length=length,
+            tube=Tube(outer=0.1, wall=0.004),
+            phase=phase,
+            yoke_mass=(5.0, 6.0),
+            yoke_inertia=0.02,
+            centre_bearing=CentreBearing(from_rear_joint=0.14, stiffness=RUBBER[:2])
+            if hung
+            else None,
+            spline=None if hung else Spline(mass=6.0, from_front_joint=0.3),
+        )
+        for length, hung, phase in ((1.2, True, 0.0), (1.1, True, np.pi / 2), (1.5, False, 0.3))
+    )
+)
+BENT = {"side": [3.0, 1.0, 4.5, 2.0, 1.0], "top": [0.0, 1.5, -0.8, 0.6, 1.0]}
+PUBLISHED = {"side": [3.0, 1.0, 4.5, 2.0], "top": [0.0, 1.5, -0.8, 0.6]}
+
+
+def of(line: Line, where: Layout, *, torque=1000.0):
+    return loads(
+        where, turn(where.directions, phases=np.array(line.phases), samples=16), line, torque=torque
+    )
+
+
+def shaken(line, where, speeds, *, torque=0.0, order=2, sines=1, stiffness=RUBBER, loss=0.1):
+    """Return the order 2 forces on the bearings at speeds (...), for 1000 N m."""
+    on = suspended(where, line, stiffness=stiffness, loss=loss, sines=sines)
+    push = on.pushed(of(line, where).joint_moments.order(order))
+    speeds = np.asarray(speeds, dtype=float)
+    return on, push, on.moved(push, frequency=order * speeds, speed=speeds, torque=torque)
+
+
+@pytest.mark.parametrize(
+    ("speed", "force"),
+    [(0, 20.0899), (100, 21.239), (300, 39.127), (426.6, 207.10), (500, 105.89), (551.3, 203.99),
+     (800, 18.265), (2400, 1.1272)],
+)  # fmt: skip
+def test_the_closed_form_of_one_bearing(speed, force):
+    where = laid(TWO, **PUBLISHED)
+    *_, found = shaken(TWO, where, speed * rpm, sines=0)
+    assert major_axis(found.bearing_forces) == pytest.approx([force], rel=5e-5)
+
+
+def test_its_resonances():
+    modes = suspended(laid(TWO, **PUBLISHED), TWO, stiffness=RUBBER, sines=0).modes()
+    assert modes.frequency / 2 / rpm == pytest.approx([427.25, 551.90], abs=5e-3)
+    assert modes.upright == pytest.approx([0.0, 1.0], abs=1e-4)
+    assert modes.damping == pytest.approx([0.05, 0.05], rel=1e-6)
+    assert modes.bending == pytest.approx([0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("sines", [0, 1, 2])
+@pytest.mark.parametrize("order", [0, 2])
+def test_standing_still_it_is_statics(sines, order):
+    """What holds a shaft still does not ask how soft it hangs, to rounding."""
+    where = laid(THREE, **BENT)
+    on = suspended(where, THREE, stiffness=RUBBER, sines=sines)
+    statics = of(THREE, where)
+    found = on.moved(on.pushed(statics.joint_moments.order(order))).bearing_forces
+    assert found == pytest.approx(statics.bearing_forces.order(order), rel=1e-12, abs=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 1e18])
+def test_on_rigid_bearings_it_is_statics_at_any_speed(stiffness):
+    where = laid(THREE, **BENT)
+    rigid = (stiffness, stiffness, 0.0)
+    *_, found = shaken(THREE, where, 300.0, sines=0, stiffness=rigid, loss=0.0)
+    statics = of(THREE, where).bearing_forces.order(2)
+    assert found.bearing_forces == pytest.approx(statics, rel=1e-9, abs=1e-7)
+
+
+@pytest.mark.parametrize(("stiffness", "sines"), [(RUBBER, 1), ((2e6, 9e5, 0.0), 3)])
+def test_its_modes_are_those_of_the_line_as_beams(stiffness, sines):
+    """Another model, of elements. On rubber one sine in each tube is enough."""
+    straight = laid(THREE, side=[0.0] * 5, top=[0.0] * 5)
+    beams = line_beams(THREE)
+    beams = type(beams)(
+        **{name: getattr(beams, name) for name in beams.__slots__}
+        | {"bearing_stiffness": np.array([stiffness[:2]] * 2)}
+    )
+    inverse = np.linalg.eigvalsh(assembled(beams, 8).flexibility)[:, -4:]
+    expected = np.sort((inverse**-0.5).ravel())[:6]
+    found = suspended(straight, THREE, stiffness=stiffness, sines=sines).modes().frequency[:6]
+    assert found == pytest.approx(expected, rel=2e-3)
+
+
+def test_the_torque_is_the_stiffness_of_the_moments_that_turn_with_the_shafts():
+    """Moments of the exact chain, in lines moved by each coordinate: a difference quotient."""
+    straight = {"side": np.multiply(BENT["side"], 0.01), "top": np.multiply(BENT["top"], 0.01)}
+    where = laid(THREE, **straight)
+    on = suspended(where, THREE, stiffness=RUBBER, sines=0)
+    step, columns = 1e-5, []
+    for motion in np.eye(on.mass.shape[-1]):
+        joints = np.concatenate([on.front @ motion, (on.rear @ motion)[-1:]])
+        push = [
+            on.pushed(of(THREE, laid(THREE, **straight, moved=by * joints)).joint_moments.static)
+            for by in (-step, step)
+        ]
+        columns.append((push[0] - push[1]) / (2 * step) / 1000.0)
+    assert np.abs(np.array(columns).T - on.torsion).max() < 2e-4
+    assert abs(on.torsion).max() > 0.5
+
+
+def test_the_rubber_loses_what_the_moments_feed_in():
+    on, push, found = shaken(THREE, laid(THREE, **BENT), np.array([30.0, 45.0, 80.0]), torque=5e3)
+    fed = np.imag((np.conj(found.coordinates) * push).sum(-1))
+    across = on.bearing @ found.coordinates[..., None, :, None]
+    lost = 0.1 * (np.array(RUBBER) * np.abs(across[..., 0]) ** 2).sum((-2, -1))
+    assert fed == pytest.approx(lost, rel=1e-9)
+    assert (lost > 0).all()
+
+
+def test_a_line_turns_round_its_axis_as_it_stands():
+    """Turned by 90 degrees, with the rubber's directions exchanged, nothing is different."""
+    where = laid(THREE, **BENT)
+    turned = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    other = Layout(points=where.points @ turned.T, directions=where.directions @ turned.T)
+    plain = (RUBBER[0], RUBBER[0], 0.0)
+    *_, one = shaken(THREE, where, 40.0, stiffness=plain, torque=5e3)
+    *_, two = shaken(THREE, other, 40.0, stiffness=plain, torque=5e3)
+    assert major_axis(two.bearing_forces) == pytest.approx(major_axis(one.bearing_forces), rel=1e-9)
+
+
+def test_a_spinning_shaft_precesses():
+    """A rigid disc's gyroscope: one hung shaft with all its inertia, forward and backward.
+
+    With J_t and J_p about a pin at one end and a spring k at the other, the whirl speeds of a
+    spherical pendulum solve W² J - W Ω J_p - k L² = 0, forward, and + backward.
+    """
+    polar, omega = 40.0, 300.0
+    line = Line(
+        shafts=(
+            Shaft(
+                length=1.2, tube=slender(20, 1.2), polar_inertia_given=polar,
+                centre_bearing=CentreBearing(),
+            ),
+            Shaft(length=500.0, tube=slender(1e-6, 500.0)),
+        )
+    )  # fmt: skip
+    where = laid(line, side=[0.0] * 4, top=[0.0] * 4)
+    on = suspended(where, line, stiffness=(2e5, 2e5, 0.0), loss=1e-9, sines=0)
+    J = 20 * 1.2**2 / 3
+    rise = np.sqrt((omega * polar / 2) ** 2 + J * 2e5 * 1.2**2)
+    for whirl, forward in ((rise + omega * polar / 2, 1), (rise - omega * polar / 2, -1)):
+        along = np.array([1.0, 1j * forward, 0, 0])[:2]  # up and level, as the shaft turns
+        met, against, beside = (
+            np.abs(on.moved(push, frequency=W, speed=omega).coordinates).max()
+            for push, W in (
+                (along, whirl / J), (np.conj(along), whirl / J), (along, 1.01 * whirl / J)
+            )
+        )  # fmt: skip
+        assert met > 1e3 * against
+        assert met > 1e3 * beside
