@@ -30,7 +30,6 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
-from cardan.shaft.beams import shear_coefficient
 
 LOSS = 0.1
 """Loss factor of rubber that nobody gives, assumed: mounts have 0.08 to 0.2."""
@@ -376,9 +375,7 @@ def _bending(line: Line, lengths: FloatArray, sines: int) -> FloatArray:
     """Return the tubes' stiffness, (..., n-1, B, B) N/m: of sines it is exact, with shear."""
     tubes = [s.tube for s in line.shafts]
     EI = stacked(t.bending_stiffness if t else np.nan for t in tubes)
-    shear = stacked(
-        shear_coefficient(t) * t.material.shear_modulus * t.area if t else np.nan for t in tubes
-    )
+    shear = stacked(t.shear_stiffness if t else np.nan for t in tubes)
     wave = pi * np.arange(1, sines + 1) / lengths[..., None]
     stiff = EI[..., None] * wave**4 * lengths[..., None] / 2
     stiff = stiff / (1 + wave**2 * (EI / shear)[..., None])

@@ -11,19 +11,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
 from cardan.base.errors import DesignError
-from cardan.model.parts import Line, Tube
-
-
-def shear_coefficient(tube: Tube) -> float:
-    """Share of a tube's section that carries shear, by Cowper.
-
-    κ = 6 (1+ν) (1+m²)² / ((7+6ν) (1+m²)² + (20+12ν) m²),  m = inside / outside diameter.
-
-    About 0.53 for a thin tube, 0.89 for a bar. Source: Cowper, The shear coefficient in
-    Timoshenko's beam theory, J. Applied Mechanics 33 (1966), table 1.
-    """
-    nu, m2 = tube.material.poisson, (tube.inner / tube.outer) ** 2
-    return 6 * (1 + nu) * (1 + m2) ** 2 / ((7 + 6 * nu) * (1 + m2) ** 2 + (20 + 12 * nu) * m2)
+from cardan.model.parts import Line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,9 +73,7 @@ def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
     return Beams(
         length=stacked(line.lengths) if lengths is None else np.asarray(lengths, dtype=float),
         bending_stiffness=stacked(t.bending_stiffness for t in tubes),
-        shear_stiffness=stacked(
-            shear_coefficient(t) * t.material.shear_modulus * t.area for t in tubes
-        ),
+        shear_stiffness=stacked(t.shear_stiffness for t in tubes),
         mass_per_length=stacked(t.mass_per_length for t in tubes),
         rotary_inertia=stacked(t.polar_inertia_per_length / 2 for t in tubes),
         yoke_mass=vectors((s.yoke_mass for s in line.shafts), size=2),
