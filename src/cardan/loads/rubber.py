@@ -122,7 +122,7 @@ class Suspended:
     rear_tilt: FloatArray
     along: FloatArray
 
-    def pushed(self, moments: ComplexArray) -> ComplexArray:
+    def pushed(self, moments: ComplexArray | FloatArray) -> ComplexArray:
         """Return what crosses' moments (..., n, 3) N m do on the coordinates, (..., N) N."""
         ahead = np.cross(moments[..., :-1, :], self.along)[..., None, :]
         behind = np.cross(moments[..., 1:, :], self.along)[..., None, :]
@@ -130,7 +130,7 @@ class Suspended:
 
     def moved(
         self,
-        forces: ComplexArray,
+        forces: ArrayLike,
         *,
         frequency: ArrayLike = 0.0,
         speed: ArrayLike = 0.0,
@@ -145,6 +145,24 @@ class Suspended:
         torque : (...) N m
             Signed, for the stiffness it makes.
         """
+        each = self.moved_by_each(
+            np.asarray(forces)[..., None, :], frequency=frequency, speed=speed, torque=torque
+        )
+        return Motion(
+            coordinates=each.coordinates[..., 0, :],
+            bearing_forces=each.bearing_forces[..., 0, :, :],
+        )
+
+    def moved_by_each(
+        self,
+        forces: ArrayLike,
+        *,
+        frequency: ArrayLike = 0.0,
+        speed: ArrayLike = 0.0,
+        torque: ArrayLike = 0.0,
+    ) -> Motion:
+        """Return the same for R forces by themselves, (..., R, N): motions (..., R, ...)."""
+        forces = np.asarray(forces)
         W, omega, T = (
             np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
         )
@@ -158,7 +176,7 @@ class Suspended:
         hold = np.where(rigid, 1.0, k / (np.where(rigid, 0.0, k) + _STIFF)) * (1 + 1j * loss)
         give = np.where(rigid, 0.0, 1 / (np.where(rigid, 0.0, k) + _STIFF))
         lead = np.broadcast_shapes(
-            inner.shape[:-2], rows.shape[:-2], hold.shape[:-1], forces.shape[:-1]
+            inner.shape[:-2], rows.shape[:-2], hold.shape[:-1], forces.shape[:-2]
         )
         N = inner.shape[-1]
         whole = np.zeros((*lead, N + count, N + count), dtype=complex)
@@ -166,14 +184,12 @@ class Suspended:
         whole[..., :N, N:] = rows.mT
         whole[..., N:, :N] = hold[..., None] * rows
         whole[..., N:, N:] = -give[..., None] * np.eye(count)
-        right = np.zeros((*lead, N + count, 1), dtype=complex)
-        right[..., :N, 0] = forces
-        found = np.linalg.solve(whole, right)[..., 0].astype(complex)
-        local = found[..., N:].reshape(*lead, -1, 3)
-        return Motion(
-            coordinates=found[..., :N],
-            bearing_forces=np.asarray((local[..., None, :] @ self.frame)[..., 0, :], dtype=complex),
-        )
+        right = np.zeros((*lead, N + count, forces.shape[-2]), dtype=complex)
+        right[..., :N, :] = forces.mT
+        found = np.linalg.solve(whole, right).mT.astype(complex)
+        local = found[..., N:].reshape(*found.shape[:-1], -1, 1, 3)
+        turned = (local @ self.frame[..., None, :, :, :])[..., 0, :]
+        return Motion(coordinates=found[..., :N], bearing_forces=np.asarray(turned, dtype=complex))
 
     @property
     def _rows(self) -> FloatArray:

@@ -1,0 +1,228 @@
+r"""What centre bearings carry as the line runs: torque, weight, thrust, unbalance, on rubber.
+
+The mean force sets the rubber down, and the line runs where that leaves it: one step is
+enough, for it moves by millimetres. What comes twice a turn, and through the shafts'
+inertia four and six times, shakes the line where it then runs, and so does unbalance once.
+
+A spline that sticks holds any thrust between plus and minus its slip force, and a moving
+suspension drives it to either end: the mean force is the worst of none and of both.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.units import mm
+from cardan.kinematics.chain import cross, turn
+from cardan.loads.cycle import major_axis
+from cardan.loads.rubber import Suspended, suspended
+from cardan.loads.statics import CARDAN_GRADE, Loads, loads, unbalance
+from cardan.model.layout import Layout, joined, unit
+from cardan.model.parts import Line
+
+ORDERS = (2, 4, 6)
+"""Orders of the joints; those above 2 come through inertia alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Running:
+    """Forces on the centre bearings, cases on leading axes, (..., n-2) N each.
+
+    Attributes
+    ----------
+    static
+        Size of the mean, with the thrust that makes it largest.
+    thrust
+        That thrust in the sliding fit, signed.
+    order1
+        0-to-peak of what unbalance makes, its heavy spots where they add up.
+    orders : (..., n-2, 3) N
+        0-to-peak along the major axis of orders 2, 4 and 6.
+    """
+
+    static: FloatArray
+    thrust: FloatArray
+    order1: FloatArray
+    orders: FloatArray
+
+    @property
+    def dynamic(self) -> FloatArray:
+        """What shakes the bearing twice a turn and faster, 0-to-peak: at most."""
+        return self.orders.sum(-1)
+
+    @property
+    def peak(self) -> FloatArray:
+        """The largest force: mean, orders and unbalance where they all add up."""
+        return self.static + self.dynamic + self.order1
+
+
+def running(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    torque: ArrayLike,
+    speed: ArrayLike,
+    stiffness: FloatArray | None,
+    loss: ArrayLike = 0.1,
+    inertias: FloatArray | None = None,
+    gravity: float = 0.0,
+    slip: ArrayLike = 0.0,
+    balanced_at: ArrayLike | None = None,
+) -> Running:
+    """Return what the centre bearings carry at a torque and a speed.
+
+    Parameters
+    ----------
+    layout, line, phases
+        Where the line runs before its rubber gives, (..., n, 3); its parts; (..., n-1) rad.
+    torque, speed : (...) N m, rad/s
+        Of the gearbox output, the torque signed. Where it turns backwards its speed is given
+        as its size: forces are the same.
+    stiffness, loss : (..., n-2, 3) N/m, (..., n-2) 1
+        Of the rubber: up, sideways, along the shaft. None takes bearings as rigid, and asks
+        for no masses.
+    inertias : (..., n-1) kg m²
+        Polar inertias of the shafts; None leaves their torque out.
+    gravity : m/s²
+        For the weight; 0 leaves it out. The layout is one of a line that already hangs.
+    slip : (...) N
+        Thrust at which the sliding fit slips.
+    balanced_at : (...) rad/s
+        Speed for which the shafts are balanced; None leaves unbalance out.
+    """
+    torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
+    carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
+    held = None
+    if stiffness is not None:
+        held = suspended(layout, line, stiffness=stiffness, loss=loss)
+        layout = set_down(layout, held, carried, torque=torque)
+        carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
+        held = suspended(layout, line, stiffness=stiffness, loss=loss)
+    static, thrust = mean(layout, line, phases, carried, gravity=gravity, slip=slip)
+    return Running(
+        static=static,
+        thrust=thrust,
+        order1=once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
+        orders=shaken(held, carried, torque=torque, speed=speed),
+    )
+
+
+def _loads(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    torque: FloatArray,
+    speed: FloatArray,
+    inertias: FloatArray | None,
+) -> Loads:
+    """Return the quasi-static loads with the torque that speeding up the shafts takes."""
+    turned = turn(layout.directions, phases=phases, samples=16)
+    # Who turns uniformly is the heavier side: in drive and in coast the wheels and the vehicle
+    # behind them, or the engine; the difference is of the angle squared.
+    return loads(
+        layout,
+        turned,
+        line,
+        torque=torque,
+        inertias=inertias,
+        accelerations=speed[..., None, None] ** 2 * turned.acceleration,
+    )
+
+
+def set_down(layout: Layout, held: Suspended, carried: Loads, *, torque: FloatArray) -> Layout:
+    """Return where a line runs when its rubber has given under the mean of its loads."""
+    push = held.pushed(carried.joint_moments.static)
+    found = held.moved(push, torque=torque).coordinates.real[..., None, :, None]
+    gone = np.concatenate([held.front @ found, 0 * held.front[..., :1, :, :] @ found], axis=-3)
+    points = layout.points + gone[..., 0]
+    d = layout.directions
+    between = unit(np.diff(points, axis=-2))
+    return Layout(points=points, directions=joined(d[..., 0, :], between, d[..., -1, :]))
+
+
+def mean(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    carried: Loads,
+    *,
+    gravity: float,
+    slip: ArrayLike,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the size of the mean force on each bearing, (..., n-2) N, at its worst thrust."""
+    still = turn(layout.directions, phases=phases, samples=4)
+    force = carried.bearing_forces.static
+    if gravity:
+        force = (
+            force + loads(layout, still, line, torque=0.0, gravity=gravity).bearing_forces.static
+        )
+    pulled = loads(layout, still, line, torque=0.0, thrust=1.0).bearing_forces.static
+    slip = np.nan_to_num(np.asarray(slip, dtype=float))[..., None]
+    each = np.stack(
+        np.broadcast_arrays(
+            *(
+                np.linalg.norm(force + sign * slip[..., None] * pulled, axis=-1)
+                for sign in (0, 1, -1)
+            )
+        ),
+        axis=-1,
+    )
+    worst = each.argmax(-1)
+    return each.max(-1), np.array([0.0, 1.0, -1.0])[worst] * slip
+
+
+def shaken(
+    held: Suspended | None, carried: Loads, *, torque: FloatArray, speed: FloatArray
+) -> FloatArray:
+    """Return 0-to-peak of each of `ORDERS` on each bearing, (..., n-2, 3) N."""
+    found: list[FloatArray] = []
+    for order in ORDERS:
+        if held is None:
+            found.append(major_axis(carried.bearing_forces.order(order)))
+        elif order // 2 < carried.joint_moments.waves.shape[-2]:
+            push = held.pushed(carried.joint_moments.order(order))
+            moved = held.moved(push, frequency=order * speed, speed=speed, torque=torque)
+            found.append(major_axis(moved.bearing_forces))
+        else:
+            found.append(0 * found[0])
+    return stacked(found)
+
+
+def once(
+    layout: Layout,
+    line: Line,
+    held: Suspended | None,
+    *,
+    torque: FloatArray,
+    speed: FloatArray,
+    balanced_at: ArrayLike | None,
+) -> FloatArray:
+    """Return 0-to-peak of what the permissible unbalance of every end makes, (..., n-2) N.
+
+    m/2 (G/ω₀) ω² at each end of each shaft, by ISO 21940-11; the ends' heavy spots where
+    they act together on the bearing in question.
+    """
+    cases = np.broadcast_shapes(layout.points.shape[:-2], speed.shape)
+    if balanced_at is None:
+        return np.zeros((*cases, len(line.shafts) - 1))
+    if held is None:
+        return unbalance(layout, line, speed=speed, balanced_at=balanced_at).bearing_forces
+    grades = stacked(
+        CARDAN_GRADE if s.balance_grade is None else s.balance_grade for s in line.shafts
+    )
+    at = np.asarray(balanced_at, dtype=float)
+    pace = np.divide(
+        speed**2, at, out=np.zeros(np.broadcast_shapes(speed.shape, at.shape)), where=at > 0
+    )
+    force = stacked(s.mass for s in line.shafts) / 2 * grades * mm * pace[..., None]
+    side = unit(cross(held.along, np.array([0.0, 0.0, 1.0])))
+    turning = force[..., None] * (side - 1j * cross(held.along, side))
+    # Each end by itself: motion of that end, against what turns there.
+    pushes = np.concatenate(
+        [(turning[..., None, :] @ end)[..., 0, :] for end in (held.front, held.rear)], axis=-2
+    )
+    moved = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
+    return major_axis(moved.bearing_forces).sum(-2)
