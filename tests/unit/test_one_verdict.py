@@ -121,6 +121,20 @@ READS_PAPER = bool(shutil.which("pdftotext"))
 KINDS = ("json", "html", "xlsx", *["pdf"][:READS_PAPER])
 
 
+@pytest.mark.skipif(not READS_PAPER, reason="pdftotext of poppler is not installed")
+def test_documents_are_read_back(tmp_path):
+    """Skipped it says that no document was looked at; and its reader sees what is wrong."""
+    path = put(tmp_path, "truck", failing("joint_angle").text)
+    told = story.approval(read(path), helps=(), fixes=(), say=Language("en"), issue=story.Issue())
+    for verdict, seen in (("FAIL", "fail"), ("PASS", None), ("", None)):
+        (tmp_path / "out.pdf").write_bytes(document(replace(told, verdict=verdict)))
+        if seen:
+            assert of_document(tmp_path / "out.pdf") == seen
+        else:
+            with pytest.raises((AssertionError, ValueError)):
+                of_document(tmp_path / "out.pdf")
+
+
 def said(case: Case, folder: Path) -> dict[str, object]:
     """What every medium of `cardan check` says of an application."""
     path = put(folder, case.name, case.text)
