@@ -209,6 +209,13 @@ def unasked() -> Case:
     return Case("unasked", text, "incomplete", "joint_life")
 
 
+def endless() -> Case:
+    """Bearings that nothing wears live for ever, which no cell can hold."""
+    limits = [limit("joint_life", maximum=1000, required=True)]
+    duty = [{"share_percent": 100, "torque_Nm": 0, "speed_rpm": 1000}]
+    return Case("endless", truck(limits, duty=duty), "pass", "joint_life")
+
+
 def unheard(quantity: str) -> Case:
     """A limit that is required, and whose study nobody asks: a bracket's, a recording's."""
     limits = [limit("joint_angle", maximum=45), limit(quantity, maximum=1, required=True)]
@@ -222,5 +229,5 @@ def cases() -> list[Case]:
         *map(failing, ASKED),
         *map(warning, ("torsional_acceleration", "clearance", "torsional_resonance")),
         *map(passing, ("torsional_acceleration", "clearance", "joint_angle", "joint_position")),
-        equal(), incomplete(), unasked(), *map(unheard, (*BRACKET, *RECORDING)),
+        equal(), incomplete(), unasked(), endless(), *map(unheard, (*BRACKET, *RECORDING)),
     ]  # fmt: skip

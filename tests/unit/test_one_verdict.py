@@ -31,6 +31,7 @@ from one_verdict import (
     RECORDING,
     Case,
     cases,
+    endless,
     equal,
     failing,
     incomplete,
@@ -192,6 +193,7 @@ OTHERS = {
     "equality": equal,
     "no answer": incomplete,
     "nothing asked": unasked,
+    "no end": endless,
     **{f"{q} required of nobody": partial(unheard, q) for q in (*BRACKET, *RECORDING)},
 }
 

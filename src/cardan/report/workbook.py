@@ -30,6 +30,7 @@ from cardan.quantity.response import Response
 from cardan.report.book import (
     EITHER_WAY,
     EMPTY,
+    ENDLESS,
     FIRST,
     FRICTION,
     NOT_COMPUTED,
@@ -805,13 +806,18 @@ class _Line:
                 f"SUMPRODUCT(duty_work,{own})"
                 f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
             )
-            wear = f"prime_mover_factor*{speed}*{torque}^(10/3)*({work})"
+            part = Part("joint", k + 1)
+            wear = self._row(
+                self.say.list(self.say("wear"), self.say.part(part)), "",
+                f"prime_mover_factor*{speed}*{torque}^(10/3)*({work})", note="K₁ Σ p n T^(10/3) β",
+            )  # fmt: skip
             rating, lasting = self._of_part("joint_ratings", k + 1), self._of_state(self.lasting)
+            hours = f"IF({wear}=0,{ENDLESS:.0E},1.5*10^6*{rating}^(10/3)/{wear})"
             self._result(
                 "joint_life",
-                f'IF({lasting}=1,1.5*10^6*{rating}^(10/3)/({wear}),"")',
+                f'IF(AND({lasting}=1,ISNUMBER({wear})),{hours},"")',
                 r.life[:, k],
-                part=Part("joint", k + 1),
+                part=part,
             )
 
     def _duty_of_line(self) -> tuple[str, str]:
@@ -831,9 +837,8 @@ class _Line:
             )
         )
         ends = self.columns[0], self.columns[-1]
-        torque, speed = (
-            f"MAX({':'.join(row.replace('§', f'${c}$') for c in ends)})" for row in found
-        )
+        places = (":".join(row.replace("§", f"${c}$") for c in ends) for row in found)
+        torque, speed = (f"IF(COUNT({place})=0,NA(),MAX({place}))" for place in places)
         return torque, speed
 
     # Results
