@@ -1,24 +1,43 @@
 """Applications made to come to one verdict by one quantity, for tests that ask every medium.
 
 The truck of `tests/verify/by_hand.yaml` knows every quantity of the driveline; two of its
-states and one of its lines are enough here, and its gearbox and axle turn with something.
-Its limits are replaced by one that a quantity just misses, or just meets.
+states and one of its lines are enough here, its gearbox and axle turn with something, and a
+centre bearing hangs in a bracket. Its limits are replaced by one that a quantity just
+misses, or just meets. What a recording tells is held against a profile of one row instead.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import patch
 
+import numpy as np
 import yaml
 
 from cardan import files
+from cardan.base.part import Occasion
+from cardan.base.units import MPa, hour
 from cardan.quantity.quantities import ANSWERED, LIMITABLE, QUANTITIES
-from cardan.study.approval import Approval, approve
+from cardan.study.approval import Approval, approve, default_studies
+from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket import Case as LoadCase
+from cardan.study.bracket_life import Endured
+from cardan.study.studies import BracketStudy
 
 HERE = Path(__file__).parent
+
+
+def _answered_by(study: str) -> list[str]:
+    return [q for q in LIMITABLE if QUANTITIES[q].study == study]
+
+
 DRIVELINE = [q for q in LIMITABLE if q in ANSWERED]
-VIBRATION = [q for q in LIMITABLE if QUANTITIES[q].study == "vibration"]
-ASKED = [*DRIVELINE, *VIBRATION]
+VIBRATION, BRACKET, RECORDING = map(_answered_by, ("vibration", "bracket", "recording"))
+ASKED = [*DRIVELINE, *VIBRATION, *BRACKET]
+"""What `cardan check` can be asked, with the studies that answer it."""
 CATALOGUE = HERE / "verify/by_hand.csv"
 JOINT = {"peak_kNm": 38, "reversing_kNm": 13, "pulsating_kNm": 21.5, "bearing_Td_kNm": 3.1}
 """A joint without limits of its own on angle and speed: what is asked is asked by one limit."""
@@ -26,6 +45,24 @@ JOINT = {"peak_kNm": 38, "reversing_kNm": 13, "pulsating_kNm": 21.5, "bearing_Td
 LITTLE = 1e-6
 """How far beyond a value its limit lies, as a share: a thousand times what counts as equal,
 and a thousandth of what AE-7 and the small angle are off."""
+
+
+GIVEN = {
+    "vibration": {"torsion": {"axle_inertia_kgm2": 2.0}},
+    "bracket": {
+        "bracket": {
+            "u_shape": {
+                "seat_diameter_mm": 100, "width_mm": 70, "thickness_mm": 6, "height_mm": 90,
+                "flange_mm": 55, "bend_radius_mm": 10, "bolt_diameter_mm": 11, "bolt_pitch_mm": 40,
+            },
+            "material": "S355MC",
+            "element_mm": 16,
+            "carried_mass_kg": 18,
+            "fatigue": {"amplitude_MPa": 40, "cycles": 1.0e6, "slope": 5},
+        }
+    },
+}  # fmt: skip
+"""What a study needs that the driveline does not."""
 
 
 @cache
@@ -67,16 +104,25 @@ class Case:
     verdict: str
     quantity: str
 
+    @property
+    def hangs(self) -> bool:
+        """Whether its bracket has to be asked."""
+        return self.quantity in BRACKET and self.verdict != "incomplete"
+
 
 @cache
-def values(odd: bool, vibrates: bool) -> dict[str, float]:
+def values(odd: bool, study: str) -> dict[str, float]:
     """The worst value of each quantity, in the unit that limits of it are given in."""
     import tempfile
 
-    asked = VIBRATION if vibrates else DRIVELINE
-    text = truck([limit(q, maximum=1.0) for q in asked], odd=odd, **_torsion(vibrates))
-    with tempfile.TemporaryDirectory() as folder:
-        found = read(put(Path(folder), "all", text))
+    asked = _answered_by(study) if study else DRIVELINE
+    text = truck([limit(q, maximum=1.0) for q in asked], odd=odd, **GIVEN.get(study, {}))
+    with tempfile.TemporaryDirectory() as folder, made_up_bracket():
+        return worst_of(read(put(Path(folder), "all", text), hangs=study == "bracket"))
+
+
+def worst_of(found: Approval) -> dict[str, float]:
+    """The worst value of each quantity of an approval."""
     worst: dict[str, float] = {}
     for c in found.checks:
         value = c.value / QUANTITIES[c.quantity].factor
@@ -85,38 +131,63 @@ def values(odd: bool, vibrates: bool) -> dict[str, float]:
     return worst
 
 
-def read(path: Path) -> Approval:
-    return approve(files.read(path))
+def read(path: Path, *, hangs: bool = False) -> Approval:
+    """The approval of a file, of its bracket too where it is asked."""
+    application = files.read(path)
+    bracket = (BracketStudy(),) if hangs else ()
+    return approve(application, (*default_studies(application), *bracket))
 
 
-def _torsion(vibrates: bool) -> dict:
-    return {"torsion": {"axle_inertia_kgm2": 2.0}} if vibrates else {}
+@contextmanager
+def made_up_bracket() -> Iterator[None]:
+    """Ask no solver: a bracket's stresses and damage are made up, all else is as it is."""
+    spots = np.array([180.0, 240.0]) * MPa
+    outcome = SimpleNamespace(case=LoadCase("gvw", np.zeros((1, 9)), what="peak"), hot=spots)
+    duty = Endured(
+        when=Occasion("duty", "gvw"), spots=np.array([1e-4, 4e-4]), gauges=np.zeros(0),
+        turns=np.nan, duration=hour,
+    )  # fmt: skip
+
+    def study(application, **_: object) -> BracketAnswer:
+        variant = SimpleNamespace(outcomes=(outcome,), duty=(duty,))
+        return BracketAnswer(
+            title=application.title, bracket=application.bracket, top_speed=np.nan,
+            variants=(variant, variant),
+        )  # fmt: skip
+
+    with patch("cardan.study.bracket.study", study):
+        yield
 
 
-def _case(quantity: str, verdict: str, **bounds: float) -> Case:
-    odd, vibrates = quantity == "odd_joint_angle", quantity in VIBRATION
-    text = truck([limit(quantity, **bounds)], odd=odd, **_torsion(vibrates))
+def made(quantity: str, verdict: str, **bounds: float) -> Case:
+    """A truck with one limit, and what it comes to."""
+    odd, study = quantity == "odd_joint_angle", QUANTITIES[quantity].study
+    text = truck([limit(quantity, **bounds)], odd=odd, **GIVEN.get(study, {}))
     return Case(f"{quantity}-{verdict}", text, verdict, quantity)
 
 
 def bound(quantity: str, share: float) -> float:
     """A bound that the worst value of a quantity is past, by a share of itself."""
-    odd = quantity == "odd_joint_angle"
-    value = values(odd, quantity in VIBRATION)[quantity]
+    found = values(quantity == "odd_joint_angle", QUANTITIES[quantity].study)
+    return past(quantity, found[quantity], share)
+
+
+def past(quantity: str, value: float, share: float) -> float:
+    """A bound that a value of a quantity is past, by a share of itself."""
     safe = -1 if QUANTITIES[quantity].sense == "<=" else 1
     return value + safe * share * (abs(value) or 1.0)
 
 
 def failing(quantity: str) -> Case:
-    return _case(quantity, "fail", maximum=bound(quantity, LITTLE))
+    return made(quantity, "fail", maximum=bound(quantity, LITTLE))
 
 
 def warning(quantity: str) -> Case:
-    return _case(quantity, "warn", normal=bound(quantity, LITTLE))
+    return made(quantity, "warn", normal=bound(quantity, LITTLE))
 
 
 def passing(quantity: str) -> Case:
-    return _case(quantity, "pass", maximum=bound(quantity, -LITTLE))
+    return made(quantity, "pass", maximum=bound(quantity, -LITTLE))
 
 
 def equal() -> Case:
@@ -138,11 +209,25 @@ def unasked() -> Case:
     return Case("unasked", text, "incomplete", "joint_life")
 
 
+def endless() -> Case:
+    """Bearings that nothing wears live for ever, which no cell can hold."""
+    limits = [limit("joint_life", maximum=1000, required=True)]
+    duty = [{"share_percent": 100, "torque_Nm": 0, "speed_rpm": 1000}]
+    return Case("endless", truck(limits, duty=duty), "pass", "joint_life")
+
+
+def unheard(quantity: str) -> Case:
+    """A limit that is required, and whose study nobody asks: a bracket's, a recording's."""
+    limits = [limit("joint_angle", maximum=45), limit(quantity, maximum=1, required=True)]
+    text = truck(limits, **GIVEN.get(QUANTITIES[quantity].study, {}))
+    return Case(f"{quantity}-unheard", text, "incomplete", quantity)
+
+
 def cases() -> list[Case]:
-    """One failing case of every quantity, and of each other verdict some."""
+    """One failing case of every quantity of `cardan check`, and of each other verdict some."""
     return [
         *map(failing, ASKED),
         *map(warning, ("torsional_acceleration", "clearance", "torsional_resonance")),
         *map(passing, ("torsional_acceleration", "clearance", "joint_angle", "joint_position")),
-        equal(), incomplete(), unasked(),
+        equal(), incomplete(), unasked(), endless(), *map(unheard, (*BRACKET, *RECORDING)),
     ]  # fmt: skip

@@ -146,6 +146,8 @@ def test_a_page_bears_the_print_of_its_file(small, tmp_path):
 
 def test_quiet_says_the_verdict_alone(small):
     assert len(run("check", "-q", small).stdout.splitlines()) == 1
+    # What is read by a program holds the verdict, and ends where it ends.
+    assert json.loads(run("check", "-q", "--json", "-", small).stdout)["verdict"]
 
 
 def test_all_has_a_row_for_each_check_and_without_it_each_limit_has_one():

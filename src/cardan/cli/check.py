@@ -90,7 +90,7 @@ def check(
         from cardan.report import workbook
 
         _write(xlsx, workbook.workbook(found[0], say=say), say)
-    if quiet:
+    if quiet and json_out != "-":
         for one in found:
             put_lines(terminal.summary(one, say))
     elif json_out != "-":

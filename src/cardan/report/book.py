@@ -87,7 +87,7 @@ class Book:
             num_format="0.######",
         )
         self.formula = style(num_format="0.0000")
-        self.result = style(num_format="0.000", bold=True)
+        self.result = style(num_format=NUMBER, bold=True)
         self.exact = style(num_format="0.000", italic=True, font_color="#55606D")
         self.known = style(num_format=NUMBER, italic=True, font_color="#55606D")
         self.verdict = style(bold=True, align="center")
@@ -237,6 +237,8 @@ def _cached(values: FloatArray | None, k: int) -> float | str:
     """Return the result that a formula's cell shows before anything is computed anew."""
     if values is None:
         return NOT_COMPUTED
+    if np.isposinf(values[k]):
+        return ENDLESS
     return float(values[k]) if np.isfinite(values[k]) else ""
 
 

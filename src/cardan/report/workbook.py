@@ -30,6 +30,7 @@ from cardan.quantity.response import Response
 from cardan.report.book import (
     EITHER_WAY,
     EMPTY,
+    ENDLESS,
     FIRST,
     FRICTION,
     NOT_COMPUTED,
@@ -197,38 +198,46 @@ def _general(sheet: Sheet, a: Application) -> int:
     put(
         say("tyre, static radius"), "mm", [tyre.static_radius / mm if tyre else None], "tyre_radius"
     )
-    if a.duty:
+    if a.duty or a.duty_cycle:
         sheet.section(say("Duty cycle"))
-        put(
-            say("share of the life"),
-            "%",
-            [100 * p.share for p in a.duty],
-            "duty_shares",
-            NOT_NEGATIVE,
-        )
-        put(say("shaft torque"), "N·m", [p.torque for p in a.duty], "duty_torques", NOT_NEGATIVE)
-        put(say("shaft speed"), "rpm", [p.speed / rpm for p in a.duty], "duty_speeds", NOT_NEGATIVE)
-        put(
-            say("joint angle, where given"),
-            "deg",
-            [None if p.angle is None else p.angle / deg for p in a.duty],
-            "duty_angles",
-            NOT_NEGATIVE,
-        )
-        up = sheet.row
-        work = [
-            f"={column(k)}{up - 3}/100*{column(k)}{up - 1}*ABS({column(k)}{up - 2})^(10/3)"
-            for k in range(FIRST, FIRST + len(a.duty))
-        ]
-        sheet.put(
-            say("wear without angle"),
-            "",
-            work,
-            style=book.formula,
-            name="duty_work",
-            texts=("p n T^(10/3)", ""),
-        )
+        _duty(sheet, a)
     return top
+
+
+def _duty(sheet: Sheet, a: Application) -> None:
+    """Write the duty cycle, and what each of its points wears a joint by without its angle.
+
+    Points are of the gearbox output. Those of a named cycle are shares of what a line carries
+    at most and of its top speed, which the line's own calculation says.
+    """
+    say, book, cycle = sheet.book.say, sheet.book, a.duty_cycle
+
+    def put(label: str, unit: str, cells: Sequence[Cell], name: str) -> int:
+        return sheet.put(label, unit, cells, style=book.input, name=name, allow=NOT_NEGATIVE)
+
+    shares = [100 * p.share for p in (cycle.points if cycle else a.duty)]
+    share = put(say("share of the life"), "%", shares, "duty_shares")
+    if cycle:
+        part = "/100"
+        torques = [100 * p.torque_share for p in cycle.points]
+        speeds = [100 * p.speed_share for p in cycle.points]
+        torque = put(say("share of the line's largest torque"), "%", torques, "duty_torques")
+        speed = put(say("share of the line's top speed"), "%", speeds, "duty_speeds")
+    else:
+        part = ""
+        torques, speeds = [p.torque for p in a.duty], [p.speed / rpm for p in a.duty]
+        torque = put(say("torque at the gearbox output"), "N·m", torques, "duty_torques")
+        speed = put(say("speed of the gearbox output"), "rpm", speeds, "duty_speeds")
+    angles = [None if p.angle is None else p.angle / deg for p in a.duty]
+    put(say("joint angle, where given"), "deg", angles or [None] * len(shares), "duty_angles")
+    work = [
+        f"={c}{share}/100*{c}{speed}{part}*ABS({c}{torque}{part})^(10/3)"
+        for c in map(column, range(FIRST, FIRST + len(shares)))
+    ]
+    sheet.put(
+        say("wear without angle"), "", work, style=book.formula, name="duty_work",
+        texts=("p n T^(10/3)", ""),
+    )  # fmt: skip
 
 
 def _line_inputs(sheet: Sheet, r: Response, *, tag: str) -> None:
@@ -782,29 +791,55 @@ class _Line:
                 )
 
     def _life(self) -> None:
-        """Life of the needle bearings, over the duty cycle where there is one."""
+        """Life of the needle bearings over the duty cycle; there is none without one."""
         r = self.r
         if np.isnan(r.life).all():
             return
         self._section(self.say.name("joint_life"))
+        torque, speed = self._duty_of_line()
+        own = "--ISNUMBER(duty_angles),(duty_angles>3)*(duty_angles-3)+3"
         for k in range(self.n):
             if np.isnan(r.life[:, k]).all():
                 continue
             rocking = f"MAX(3,{self.beta[k]})"
-            wear = f"{self.speed}*ABS({self.torque})^(10/3)*{rocking}"
-            if r.application.duty:
-                own = "--ISNUMBER(duty_angles),(duty_angles>3)*(duty_angles-3)+3"
-                wear = (
-                    f"SUMPRODUCT(duty_work,{own})"
-                    f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
-                )
+            work = (
+                f"SUMPRODUCT(duty_work,{own})"
+                f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
+            )
+            part = Part("joint", k + 1)
+            wear = self._row(
+                self.say.list(self.say("wear"), self.say.part(part)), "",
+                f"prime_mover_factor*{speed}*{torque}^(10/3)*({work})", note="K₁ Σ p n T^(10/3) β",
+            )  # fmt: skip
             rating, lasting = self._of_part("joint_ratings", k + 1), self._of_state(self.lasting)
+            hours = f"IF({wear}=0,{ENDLESS:.0E},1.5*10^6*{rating}^(10/3)/{wear})"
             self._result(
                 "joint_life",
-                f'IF({lasting}=1,1.5*10^6*{rating}^(10/3)/(prime_mover_factor*({wear})),"")',
+                f'IF(AND({lasting}=1,ISNUMBER({wear})),{hours},"")',
                 r.life[:, k],
-                part=Part("joint", k + 1),
+                part=part,
             )
+
+    def _duty_of_line(self) -> tuple[str, str]:
+        """Return what the line makes of the duty cycle's torques and of its speeds, as factors.
+
+        A cycle of the gearbox output gives the line its share. A named one is of the largest
+        torque and the top speed that the line has in any state that lasts.
+        """
+        if self.r.application.duty_cycle is None:
+            return f"{self.tag}torque_share", f"{self.tag}speed_ratio"
+        say, lasting = self.say, self._of_state(self.lasting)
+        found = (
+            self._row(label, unit, f'IF({lasting}=1,ABS({of}),"")')
+            for label, unit, of in (
+                (say("torque, where it counts for the life"), "N·m", self.torque),
+                (say("speed, where it counts for the life"), "rpm", self.speed),
+            )
+        )
+        ends = self.columns[0], self.columns[-1]
+        places = (":".join(row.replace("§", f"${c}$") for c in ends) for row in found)
+        torque, speed = (f"IF(COUNT({place})=0,NA(),MAX({place}))" for place in places)
+        return torque, speed
 
     # Results
 
