@@ -220,6 +220,11 @@ def _unasked(application: Application, names: set[str]) -> Iterator[Finding[Any]
             needs = (f"--with {name}",)
             unanswered = tuple(silence(name, application, needs))
             yield Finding(study=name, answer=None, unanswered=unanswered, asked=False)
+        elif name not in names:  # what is required stays open, whatever the application is about
+            needs = study.missing(application)
+            required = tuple(u for u in silence(name, application, needs) if u.limit.required)
+            if required:
+                yield Finding(study=name, answer=None, unanswered=required)
     unheard = tuple(silence(RECORDING, application, ("cardan life, with a recording",)))
     if unheard:  # of an application nobody can ask it, so its limits stay open
         yield Finding(study=RECORDING, answer=None, unanswered=unheard)
