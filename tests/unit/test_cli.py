@@ -506,13 +506,13 @@ def test_a_part_that_cannot_follow_is_named_with_its_file(tmp_path, command):
     file = written(tmp_path, text, "short.yaml")
     result = run(command, file)
     assert result.exit_code == 2
-    assert f"error: {file}:45:3: suspension.linkage: a link of radius 45 mm" in result.stderr
+    assert f"error: {file}:46:3: suspension.linkage: a link of radius 45 mm" in result.stderr
 
 
 def test_which_of_several_files_is_named(tmp_path, small):
     text = files.starter("truck").replace("front_half_length_mm: 760", "front_half_length_mm: 60")
     file = written(tmp_path, text, "short.yaml")
-    assert f"error: {file}:45:3: suspension.linkage: a link" in run("check", small, file).stderr
+    assert f"error: {file}:46:3: suspension.linkage: a link" in run("check", small, file).stderr
 
 
 # --------------------------------------------------------------------------- progress

@@ -96,6 +96,7 @@ def test_the_truck_is_read_in_si():
     assert truck.engine.torque == (850, 950, 950, 850, 700)
     assert truck.engine.brake_torque == 350
     assert truck.gearbox.ratios[0] == 9.2
+    assert (truck.gearbox.reverse_ratio, truck.gearbox.retarder_torque) == (8.6, None)
     assert installed.axle.ratio == 4.88
     assert installed.axle.pinion_joint == pytest.approx((-0.42, 0.02))
     assert truck.tyre.static_radius == pytest.approx(0.48)
@@ -110,6 +111,8 @@ def test_the_truck_is_read_in_si():
     assert [j.name for j in installed.line.joints] == ["2045"] * 3
     assert first.tube.outer == pytest.approx(5 * inch)
     assert first.centre_bearing.stiffness == pytest.approx((200e3, 120e3))
+    assert first.centre_bearing.axial_stiffness == pytest.approx(60e3)
+    assert first.centre_bearing.loss_factor == 0.1
     assert first.yoke_mass == (9, 11)
     assert first.balance_grade == 40
     assert last.spline.plunge == pytest.approx(0.06)
@@ -441,6 +444,16 @@ def test_stiffness_is_one_number_or_two():
     assert two.lines[0].line.shafts[0].centre_bearing.stiffness == pytest.approx((200e3, 90e3))
 
 
+def test_what_nobody_says_of_the_rubber_along_the_shaft_is_not_known():
+    bearing = small("x", "x").lines[0].line.shafts[0].centre_bearing
+    assert (bearing.axial_stiffness, bearing.loss_factor) == (None, None)
+
+
+def test_a_retarder_holds_at_the_gearbox_output():
+    text = TRUCK.replace("  efficiency: 0.95 ", "  retarder_torque_kNm: 1.5\n  efficiency: 0.95 ")
+    assert loads(text).gearbox.retarder_torque == 1500
+
+
 def suspension(spring="load_N: [0, 1000], deflection_mm: [0, 100]", more=""):
     return loads(f"{SMALL}suspension: {{spring: {{{spring}}}{more}}}\n").suspension
 
@@ -562,6 +575,9 @@ RANGE = f"{SHAFT}must be a number of at least 5 and at most 50000 mm"
         ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, vertical_stiffness_N_mm: 300",
          ["f.yaml:9:80: driveline.shafts[1].centre_bearing: lateral_stiffness_N_mm is missing beside "
           "the other one"]),
+        ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, loss_factor: 1",
+         ["f.yaml:9:119: driveline.shafts[1].centre_bearing.loss_factor: must be a number above 0 "
+          "and below 1 (got 1)"]),
         ("phase_deg: 0", "centre_bearing: {from_rear_joint_mm: 140}", ["f.yaml:10:64: driveline."
          "shafts[2].centre_bearing: the last shaft hangs on no bearing; it runs between two joints; "
          "add the shaft behind it, or remove this"]),

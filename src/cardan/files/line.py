@@ -15,6 +15,7 @@ from cardan.border.measure import (
     Distance,
     Inertia,
     LineRatio,
+    LossFactor,
     Mass,
     ShaftLength,
     Share,
@@ -65,6 +66,12 @@ class CentreBearingTable(Table):
     )
     vertical_stiffness: Stiffness | None = key("the same, up and down", default=None)
     lateral_stiffness: Stiffness | None = key("the same, side to side", default=None)
+    axial_stiffness: Stiffness | None = key(
+        "of the rubber along the shaft; slides freely if left out", default=None
+    )
+    loss_factor: LossFactor | None = key(
+        "of the rubber, the tangent of its loss angle; not known if left out", default=None
+    )
 
     def build(self) -> CentreBearing:
         """Return the bearing in SI."""
@@ -75,7 +82,12 @@ class CentreBearingTable(Table):
         pair = None if vertical is None or lateral is None else (vertical, lateral)
         if self.stiffness is not None:
             pair = (self.stiffness, self.stiffness)
-        return CentreBearing(from_rear_joint=self.from_rear_joint, stiffness=pair)
+        return CentreBearing(
+            from_rear_joint=self.from_rear_joint,
+            stiffness=pair,
+            axial_stiffness=self.axial_stiffness,
+            loss_factor=self.loss_factor,
+        )
 
 
 class SplineTable(Table):

@@ -363,6 +363,26 @@ def _gears(application: Application) -> Found:
         yield ("gearbox.ratios",), max(application.gearbox.ratios)
 
 
+def _reverse(application: Application) -> Found:
+    if gearbox := application.gearbox:
+        yield ("gearbox.reverse_ratio",), _over(gearbox.reverse_ratio, max(gearbox.ratios))
+
+
+def _retarding(application: Application) -> Found:
+    if gearbox := application.gearbox:
+        held = gearbox.retarder_torque or None
+        yield ("gearbox.retarder_torque",), _over(held, _most(application))
+
+
+def _axial(application: Application) -> Found:
+    for line in _lines(application):
+        for at, shaft, _ in line.shafts:
+            if (bearing := shaft.centre_bearing) and bearing.stiffness:
+                across = max(bearing.stiffness)
+                keys = (f"{at}.centre_bearing.axial_stiffness",)
+                yield keys, _over(bearing.axial_stiffness, across)
+
+
 def _spread(application: Application) -> Found:
     if application.gearbox:
         ratios = application.gearbox.ratios
@@ -558,6 +578,12 @@ RELATIONS: tuple[Relation, ...] = (
              hint="ratios are engine speed over output speed: are these the inverse?"),
     Relation(says="the lowest gear's ratio over the highest's", of=_spread, usual=(1, 30),
              hint="check the ratios"),
+    Relation(says="the reverse ratio over the lowest gear's", of=_reverse, usual=(0.4, 2.5),
+             hint="it is engine speed over output speed, without a sign"),
+    Relation(says="the retarder's torque over the engine's in its lowest gear", of=_retarding,
+             usual=(0.02, 1.5), hint="it is counted at the gearbox output"),
+    Relation(says="stiffness along the shaft over that across it", of=_axial, usual=(0.02, 10),
+             hint="is one of them in another unit?"),
     Relation(says="the vehicle's top speed", of=_road_speed, usual=(15, 300), unit=" km/h",
              hint="check speed, tyre and this ratio"),
     Relation(says="the mass empty over that at gvw", of=_lighter("empty", "gvw"),

@@ -90,6 +90,12 @@ class GearboxTable(Table):
     efficiency: Efficiency = key("of the gearbox", default=1.0)
     converter_ratio: ConverterRatio = key("torque ratio of a converter at stall", default=1.0)
     transfer_ratio: TransferRatio = key("low range of a transfer case", default=1.0)
+    reverse_ratio: GearRatio | None = key(
+        "engine speed over output speed in reverse; not asked if left out", default=None
+    )
+    retarder_torque: Torque | None = key(
+        "of a retarder at the gearbox output; none known if left out", default=None
+    )
 
     def build(self) -> Gearbox:
         """Return the gearbox."""
@@ -101,6 +107,8 @@ class GearboxTable(Table):
             efficiency=self.efficiency,
             converter_ratio=self.converter_ratio,
             transfer_ratio=self.transfer_ratio,
+            reverse_ratio=self.reverse_ratio,
+            retarder_torque=self.retarder_torque,
         )
 
 

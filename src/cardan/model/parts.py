@@ -140,11 +140,15 @@ class CentreBearing:
     """The bearing a shaft hangs on near its rear joint.
 
     `stiffness` is that of rubber and bracket across the shaft, N/m, vertical and lateral;
-    None is rigid. `from_rear_joint` is how far ahead of the rear joint centre it sits.
+    None is rigid. `axial_stiffness` is that of the rubber along the shaft, N/m; None slides
+    freely. `loss_factor` is the rubber's, the tangent of its loss angle; None is not known.
+    `from_rear_joint` is how far ahead of the rear joint centre it sits.
     """
 
     from_rear_joint: Metre = 0.0
     stiffness: tuple[float, float] | None = None
+    axial_stiffness: float | None = None
+    loss_factor: float | None = None
 
     def __post_init__(self) -> None:
         if wrong := failing(self.from_rear_joint >= 0, self.from_rear_joint):
@@ -158,6 +162,11 @@ class CentreBearing:
                 "a centre bearing",
                 **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
+        positive("a centre bearing", axial_stiffness=self.axial_stiffness)
+        loss = self.loss_factor
+        if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
+            msg = f"loss_factor of a centre bearing must be above 0 and below 1, got {wrong[0]:g}"
+            raise DesignError(msg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

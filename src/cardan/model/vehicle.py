@@ -53,6 +53,10 @@ class Gearbox:
     """Stall torque ratio of a converter; 1 without one."""
     transfer_ratio: float = 1.0
     """Low range of a transfer case; 1 without one."""
+    reverse_ratio: float | None = None
+    """Engine speed over output speed in reverse; None where nobody says, or nothing reverses."""
+    retarder_torque: NewtonMetre | None = None
+    """Torque of a retarder at the gearbox output, for coast; None where not known."""
 
     def __post_init__(self) -> None:
         if not self.ratios:
@@ -64,7 +68,12 @@ class Gearbox:
             efficiency=self.efficiency,
             converter_ratio=self.converter_ratio,
             transfer_ratio=self.transfer_ratio,
+            reverse_ratio=self.reverse_ratio,
         )
+        held = self.retarder_torque
+        if held is not None and (wrong := failing(held >= 0, held)):
+            msg = f"retarder_torque of a gearbox must be 0 or more, got {wrong[0]:g}"
+            raise DesignError(msg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

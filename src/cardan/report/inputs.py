@@ -129,6 +129,8 @@ def _engine(a: Application, say: Language) -> Iterator[tuple[str, str]]:
         yield say("gearbox efficiency"), say.short(g.efficiency)
         yield say("converter torque ratio"), say.short(g.converter_ratio)
         yield say("transfer case, low range"), say.short(g.transfer_ratio)
+        yield say("reverse ratio"), _q(g.reverse_ratio, 1, "", say)
+        yield say("retarder torque"), _q(g.retarder_torque, 1, "N·m", say)
 
 
 def _suspension(s: Suspension | None, say: Language) -> Iterator[tuple[str, str]]:
@@ -181,6 +183,8 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
                 say("bearing stiffness, vertical and lateral"),
                 _each(b.stiffness, 1 / mm, "N/mm", say),
             )
+        yield say("bearing stiffness along the shaft"), _q(b.axial_stiffness, 1 / mm, "N/mm", say)
+        yield say("loss factor of the bearing's rubber"), _q(b.loss_factor, 1, "", say)
     if s.spline:
         yield say("spline plunge"), _q(s.spline.plunge, mm, "mm", say)
         yield say("spline draw"), _q(s.spline.draw, mm, "mm", say)
