@@ -147,7 +147,7 @@ def changed(r: Response, rng: np.random.Generator) -> tuple[dict[str, list], Res
     )
     layout = from_slopes(side=side * deg, top=top * deg, lengths=lengths * mm)
     application = replace(r.application, include_gravity=False)
-    return typed, respond(application, demand, layout=layout, phases=line.phases)
+    return typed, respond(application, demand, lay=lambda _: layout, phases=line.phases)
 
 
 @pytest.fixture(scope="module")

@@ -247,7 +247,7 @@ def test_a_proposal_is_what_a_check_of_the_corrected_truck_says(truck):
     found = demand(resolve(application, application.lines[0]))
     shift = np.zeros((1, found.layout.points.shape[-2] - 2, 3))
     shift[..., 2] = rise
-    by_hand = respond(application, found, layout=found.corrected(bearing_shift=shift))
+    by_hand = respond(application, found, lay=lambda of: of.corrected(bearing_shift=shift))
     expected = margins(by_hand, to="normal").min()
     assert min(c.limit.margin(c.value, to="normal") for c in proposal.checks) == pytest.approx(
         expected, rel=1e-9

@@ -104,7 +104,9 @@ def test_what_a_workshop_moves_varies_beside_the_files_numbers():
         response = respond(changed, demand(resolve(changed, changed.lines[0])))
         amounts = np.array([[values[n][k] * worth for n, (_, _, worth) in moved.items()]])
         one = tried(response, parts, amounts)
-        alone = respond(changed, response.demand, layout=one.layout[0], phases=one.phases[0])
+        alone = respond(
+            changed, response.demand, lay=lambda _, one=one: one.layout[0], phases=one.phases[0]
+        )
         checks = tuple(checks_of(alone))
         agrees(found, k, checks, worst(c.grade for c in checks))
 

@@ -52,6 +52,19 @@ LINE = Part("line")
 
 
 @dataclass(frozen=True, slots=True)
+class Point:
+    """An operating point of a line: torque and speed that it has together, SI.
+
+    `direction` is drive, coast, reverse or brake; `gear` is "" where none says the torque.
+    """
+
+    gear: str
+    direction: str
+    speed: float
+    torque: float
+
+
+@dataclass(frozen=True, slots=True)
 class Occasion:
     """When a number was asked for: a state, a range of speed, a load case, a recording.
 

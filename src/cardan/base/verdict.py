@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError
-from cardan.base.part import Occasion, Part
+from cardan.base.part import Occasion, Part, Point
 from cardan.base.source import Source
 
 Grade: TypeAlias = Literal["pass", "warn", "fail"]
@@ -137,6 +137,8 @@ class Check:
     part: Part
     value: float
     limit: Limit
+    point: Point | None = None
+    """Where in its state it is worst, if that was sought over the state's operating points."""
 
     @property
     def state(self) -> str:

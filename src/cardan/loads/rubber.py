@@ -84,6 +84,21 @@ class Modes:
     upright: FloatArray
     travel: FloatArray
 
+    def names(self, *case: int) -> list[str]:
+        """Return what each mode of a case is called: bounce, lateral, pitch, yaw or bending.
+
+        Bounce and pitch are upright, lateral and yaw level: the bearings together, or against
+        each other.
+        """
+        of = (self.bending[case], self.upright[case], self.travel[case])
+        return [
+            "bending" if bent > 0.5 else (
+                ("bounce" if up > 0.5 else "lateral") if (going > -0.1).all() or (going < 0.1).all()
+                else ("pitch" if up > 0.5 else "yaw")
+            )
+            for bent, up, going in zip(*of, strict=True)
+        ]  # fmt: skip
+
 
 @dataclass(frozen=True, kw_only=True)
 class Suspended:

@@ -16,7 +16,7 @@ from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.units import mm
 from cardan.kinematics.chain import cross, turn
 from cardan.loads.cycle import major_axis
-from cardan.loads.rubber import Suspended, suspended
+from cardan.loads.rubber import Suspended
 from cardan.loads.statics import CARDAN_GRADE, Loads, loads, unbalance
 from cardan.model.layout import Layout, joined, unit
 from cardan.model.parts import Line
@@ -64,8 +64,7 @@ def running(
     *,
     torque: ArrayLike,
     speed: ArrayLike,
-    stiffness: FloatArray | None,
-    loss: ArrayLike = 0.1,
+    held: Suspended | None = None,
     inertias: FloatArray | None = None,
     gravity: float = 0.0,
     slip: ArrayLike = 0.0,
@@ -80,9 +79,9 @@ def running(
     torque, speed : (...) N m, rad/s
         Of the gearbox output, the torque signed. Where it turns backwards its speed is given
         as its size: forces are the same.
-    stiffness, loss : (..., n-2, 3) N/m, (..., n-2) 1
-        Of the rubber: up, sideways, along the shaft. None takes bearings as rigid, and asks
-        for no masses.
+    held
+        How the line can move on its rubber (`suspended`), close to that layout; None takes
+        bearings as rigid, and asks for no masses.
     inertias : (..., n-1) kg m²
         Polar inertias of the shafts; None leaves their torque out.
     gravity : m/s²
@@ -94,12 +93,9 @@ def running(
     """
     torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
     carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
-    held = None
-    if stiffness is not None:
-        held = suspended(layout, line, stiffness=stiffness, loss=loss)
+    if held is not None:
         layout = set_down(layout, held, carried, torque=torque)
         carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
-        held = suspended(layout, line, stiffness=stiffness, loss=loss)
     static, thrust = mean(layout, line, phases, carried, gravity=gravity, slip=slip)
     return Running(
         static=static,

@@ -35,6 +35,12 @@ def _placed(letters: str, end: str) -> Need:
     )
 
 
+_ON_RUBBER = (
+    "At the worst operating point of the state, from standstill to top speed in every gear and "
+    "direction, on the rubber where its stiffness and the tubes are given: a steady response, "
+    "which passing quickly does not reach."
+)
+
 DECLARED = (
     Quantity(
         key="centre_bearing_static",
@@ -43,41 +49,61 @@ DECLARED = (
         unit="N",
         equation="Fs = |mean over a turn of the force on the bearing|",
         source=DERIVED,
-        use="Quasi-static, massless members; gravity and unbalance only where asked for.",
-        of=lambda r: np.linalg.norm(r.loads.bearing_forces.static, axis=-1),
+        use=f"{_ON_RUBBER} With the thrust of the spline, the worst of none and of both ways.",
+        of=lambda r: r.bearing_force("static"),
+        sought=lambda r: r.worst.get("static"),
         parts=centre_bearings,
         needs=(LOAD,),
         section="Centre bearings",
-        methods={"small_angle": lambda r: np.linalg.norm(r.small_angle_bearings[0], axis=-1)},
+        methods={
+            "rigid": lambda r: np.linalg.norm(r.loads.bearing_forces.static, axis=-1),
+            "small_angle": lambda r: np.linalg.norm(r.small_angle_bearings[0], axis=-1),
+        },
     ),
     Quantity(
         key="centre_bearing_dynamic",
         name="Centre bearing, dynamic force",
         symbol="Fd",
         unit="N",
-        equation="Fd = 0-to-peak along the major axis of the order 2 force ellipse",
+        equation="Fd = F2 + F4 + F6, F = k (1 + iη) c,  [K (1 + iη) + T K_T + iWG − W²M] q = f",
+        where={
+            "F2, F4, F6": "0-to-peak along the major axis of the force ellipse of each order",
+            "k, η": "stiffness and loss factor of the rubber",
+            "c": "motion at the bearing, of the line's coordinates q",
+            "K, M, G": "stiffness of rubber and tubes, mass, gyroscope",
+            "K_T": "stiffness of the torque T, whose moments turn with the shafts",
+            "f, W": "the crosses' moments on the shafts, and their frequency",
+        },
         source=DERIVED,
-        use="Quasi-static, massless members: under a constant torque there is no other order.",
-        of=lambda r: r.loads.bearing_forces.dynamic,
+        use=_ON_RUBBER,
+        of=lambda r: r.bearing_force("dynamic"),
+        sought=lambda r: r.worst.get("dynamic"),
         parts=centre_bearings,
         needs=(TORQUE,),
         section="Centre bearings",
-        methods={"small_angle": lambda r: r.small_angle_bearings[1]},
-        contract="centre_bearings.dynamic_N",
+        methods={
+            "rigid": lambda r: r.loads.bearing_forces.dynamic,
+            "small_angle": lambda r: r.small_angle_bearings[1],
+        },
     ),
     Quantity(
         key="centre_bearing_peak",
         name="Centre bearing, peak force",
         symbol="Fp",
         unit="N",
-        equation="Fp = max over a turn of |F|",
+        equation="Fp = Fs + Fd + F1",
+        where={
+            "Fs, Fd": "static and dynamic force",
+            "F1": "0-to-peak of the unbalance, where it is asked for",
+        },
         source=DERIVED,
-        use="Quasi-static, massless members; gravity and unbalance only where asked for.",
-        of=lambda r: r.bearing_peaks,
+        use=f"{_ON_RUBBER} All parts where they add up.",
+        of=lambda r: r.bearing_force("peak"),
+        sought=lambda r: r.worst.get("peak"),
         parts=centre_bearings,
         needs=(LOAD,),
         section="Centre bearings",
-        contract="centre_bearings.peak_N",
+        methods={"rigid": lambda r: r.bearing_peaks},
     ),
     Quantity(
         key="joint_force",

@@ -18,6 +18,7 @@ from cardan.base.source import Source
 from cardan.base.units import UNITS
 from cardan.base.verdict import Limit, Sense
 from cardan.model.application import RIDING
+from cardan.quantity.points import Points
 from cardan.quantity.response import Response
 
 Of: TypeAlias = Callable[[Response], FloatArray]
@@ -136,6 +137,8 @@ class Quantity:
     """Whether it has a direction: limits ask about its size."""
     parts: Parts | None = None
     of: Of | None = None
+    sought: Callable[[Response], Points | None] | None = None
+    """At which operating points its values stand, where it is sought over those."""
     needs: tuple[Need, ...] = ()
     states: frozenset[str] | None = None
     """Kinds of state in which it means anything; None is all."""

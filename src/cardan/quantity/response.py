@@ -4,7 +4,8 @@ One code path serves one design and a million: the states of an application stan
 last leading axis, variants of a study on axes before it.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -27,6 +28,8 @@ from cardan.loads import (
     small_angle,
     unbalance,
 )
+from cardan.loads.rubber import Suspended
+from cardan.loads.running import Running
 from cardan.model.application import (
     RIDING,
     Application,
@@ -36,10 +39,16 @@ from cardan.model.application import (
 )
 from cardan.model.layout import Layout
 from cardan.model.parts import JointSize, Line
+from cardan.quantity import points
+from cardan.quantity.points import Points
 from cardan.shaft import beams, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
+
+
+def _as_it_is(demand: Demand) -> Layout:
+    return demand.layout
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +62,8 @@ class Response:
     demand: Demand
     layout: Layout
     phases: FloatArray
+    lay: Callable[[Demand], Layout] = field(default=_as_it_is, repr=False, compare=False)
+    """Where the line runs at other torques: with its bearings and axle moved like here."""
 
     @property
     def line(self) -> Line:
@@ -188,8 +199,38 @@ class Response:
         return unbalance(self.layout, self.line, speed=self.demand.speed)
 
     @cached_property
+    def held(self) -> Suspended | None:
+        """How the line can move on its rubber, in each state; None where it has none."""
+        return points.held(self)
+
+    @cached_property
+    def running(self) -> Running:
+        """What the bearings carry on their rubber at the state's own torque and top speed."""
+        return points.run(self, self.demand, self.layout)
+
+    @cached_property
+    def worst(self) -> dict[str, Points]:
+        """The operating point at which each bearing's mean, orders and peak are largest."""
+        return points.worst(self)
+
+    def bearing_force(self, name: str) -> FloatArray:
+        """Return a force of `points.FORCES` on each bearing where it is largest, (..., n-2) N.
+
+        Where a line has no operating point it is that of rigid bearings at its own torque.
+        """
+        rigid = {
+            "static": np.linalg.norm(self.loads.bearing_forces.static, axis=-1),
+            "dynamic": self.loads.bearing_forces.dynamic,
+            "peak": self.bearing_peaks,
+        }[name]
+        if name not in self.worst:
+            return rigid
+        found = getattr(self.worst[name].running, name)
+        return np.where(np.isnan(found), rigid, found)
+
+    @cached_property
     def bearing_peaks(self) -> FloatArray:
-        """Largest force on each centre bearing, (..., n-2) N."""
+        """Largest force on each centre bearing if it is rigid, (..., n-2) N."""
         once = self.unbalance
         peak = self.loads.bearing_forces.peak
         return peak + once.bearing_forces if once else peak
@@ -220,12 +261,14 @@ class Response:
     @cached_property
     def spline_force(self) -> FloatArray:
         """Axial force that slides the spline at the state's torque, (...) N; nan if not known."""
+        return self.slip_at(self.demand.torque) + np.zeros(self.layout.directions.shape[:-2])
+
+    def slip_at(self, torque: FloatArray) -> FloatArray:
+        """Return the axial force (...) N that slides the spline at torques (...) N m."""
         spline = self.line.shafts[-1].spline
-        radius = spline.mean_radius if spline else None
-        if spline is None or radius is None:
-            return np.full(self.layout.directions.shape[:-2], np.nan)
-        force = slip_force(self.demand.torque, friction=spline.friction, mean_radius=radius)
-        return force + np.zeros(self.layout.directions.shape[:-2])
+        if spline is None or spline.mean_radius is None:
+            return np.full(np.shape(torque), np.nan)
+        return slip_force(torque, friction=spline.friction, mean_radius=spline.mean_radius)
 
     @cached_property
     def small_angle_bearings(self) -> tuple[FloatArray, FloatArray]:
@@ -415,18 +458,20 @@ def respond(
     application: Application,
     demand: Demand,
     *,
-    layout: Layout | None = None,
+    lay: Callable[[Demand], Layout] = _as_it_is,
     phases: ArrayLike | None = None,
 ) -> Response:
-    """Return the response of a line, as installed or with another layout and yoke phases.
+    """Return the response of a line, as installed or moved, and with other yoke phases.
 
-    `layout` (..., S) and `phases` (..., n-1) may bring variants on axes before the states;
-    give the phases of V variants as (V, 1, n-1).
+    `lay` says where the line runs, (..., S), at the torques of a demand: as its own layout, or
+    with bearings and axle moved (`Demand.corrected`). That and `phases` (..., n-1) may bring
+    variants on axes before the states; give the phases of V variants as (V, 1, n-1).
     """
     line = demand.installed.line
     return Response(
         application=application,
         demand=demand,
-        layout=demand.layout if layout is None else layout,
+        layout=lay(demand),
+        lay=lay,
         phases=stacked(line.phases) if phases is None else np.asarray(phases, dtype=float),
     )

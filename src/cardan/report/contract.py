@@ -5,14 +5,14 @@ quantity declares as its place in a state is filled in from the declaration; vec
 and approximations stand beside.
 """
 
-from math import isfinite
+from math import isfinite, pi
 from typing import Any
 
 import numpy as np
 
 from cardan import __version__
-from cardan.base.part import Occasion, Part
-from cardan.base.units import deg
+from cardan.base.part import Occasion, Part, Point
+from cardan.base.units import deg, rpm
 from cardan.base.verdict import Check, Unanswered
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
 from cardan.model.movable import MOVABLES
@@ -71,6 +71,17 @@ def check(of: Check) -> dict[str, Any]:
         "margin": of.margin,
         "verdict": of.grade,
         "source": str(of.limit.source),
+        **({"point": point(of.point)} if of.point else {}),
+    }
+
+
+def point(of: Point) -> dict[str, Any]:
+    """Return an operating point."""
+    return {
+        "gear": of.gear,
+        "direction": of.direction,
+        "speed_rpm": of.speed / rpm,
+        "torque_Nm": of.torque,
     }
 
 
@@ -199,6 +210,9 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
             {
                 "shaft": k + 1,
                 "static_N": bearings.static[s, k].tolist(),
+                "dynamic_N": bearings.dynamic[s, k],
+                "peak_N": r.bearing_peaks[s, k],
+                "on_rubber": _on_rubber(r, s, k),
                 "orders": {str(o): f[k] for o, f in orders.items()},
                 "approximations": {
                     "small_angle": {
@@ -215,6 +229,42 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
         "clearances_mm": {},
         "end_bearings_N": {},
     }
+
+
+def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:
+    """Return what a bearing carries as it runs; None where the line has no operating point."""
+    worst = r.worst.get("peak")
+    at = worst.named((s, k)) if worst else None
+    if worst is None or at is None:
+        return None
+    found, own = worst.running, r.running
+    modes = r.held.modes() if r.held else None
+    return {
+        "at_speed": {
+            "dynamic_N": own.dynamic[s, k],
+            "order1_N": own.order1[s, k],
+            "static_N": own.static[s, k],
+        },
+        "worst": {
+            "peak_N": found.peak[s, k],
+            "dynamic_N": found.dynamic[s, k],
+            "order1_N": found.order1[s, k],
+            "static_N": found.static[s, k],
+            "thrust_N": found.thrust[s, k],
+            **point(at),
+        },
+        "modes": [] if modes is None else [
+            {
+                "frequency_Hz": frequency / (2 * pi),
+                "shape": shape,
+                "damping": damping,
+                "speed_of_order_2_rpm": frequency / 2 / rpm,
+            }
+            for frequency, shape, damping in zip(
+                modes.frequency[s], modes.names(s), modes.damping[s], strict=True
+            )
+        ],
+    }  # fmt: skip
 
 
 def _angles(e: Excitation, s: int) -> dict[str, Any]:

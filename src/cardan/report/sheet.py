@@ -70,7 +70,8 @@ class Section:
 
 
 METHODS = {
-    "ae7": "AE-7", "in_plane": "all joints in one plane", "spicer_sine": "ω² sin²",
+    "rigid": "rigid bearing, at its own torque", "ae7": "AE-7",
+    "in_plane": "all joints in one plane", "spicer_sine": "ω² sin²",
     "spicer_rpm": "3.3403e-6 N²θ²", "small_angle": "small angle",
 }  # fmt: skip
 """How the approximations are called in print, by their names in the JSON contract."""

@@ -205,7 +205,7 @@ def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Ite
     wide = 2 + max(len(say(g)) for g in GRADES)
     yield ""
     yield _bold(
-        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 40)}"
+        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 56)}"
         f"{say('value'):>9} {'':8}{_fit(say('limit'), 9)}"
         f"{_fit(say('unit'), 9)}{say('margin'):>7}  {say('source')}"
     )
@@ -213,7 +213,7 @@ def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Ite
         q = QUANTITIES[c.quantity]
         yield (
             f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(say.name(c.quantity), 36)}"
-            f"{_fit(place(c, say, several=several), 40)}"
+            f"{_fit(place(c, say, several=several), 56)}"
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
             f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"

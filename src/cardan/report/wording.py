@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from cardan.base.part import LINE
 from cardan.base.source import Source
-from cardan.base.units import mm
+from cardan.base.units import mm, rpm
 from cardan.base.verdict import GRADES, Check, Limit, Unanswered
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
@@ -47,9 +47,24 @@ def badness(c: Check) -> tuple[int, float]:
 
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
     """Return where a check is: state, part and, with several lines, which line."""
-    state = say.occasion(c.when)
+    state = occasion(c, say)
     where = state if c.part == LINE else f"{state}, {say.part(c.part)}"
     return f"{c.line}: {where}" if several else where
+
+
+def occasion(c: Check | Unanswered, say: Language) -> str:
+    """Return when a check was asked: the state, and where in it a worst point was found."""
+    at = c.point if isinstance(c, Check) else None
+    if at is None:
+        return say.occasion(c.when)
+    means = {
+        "drive": "gear {gear} at {speed} rpm" if at.gear else "drive at {speed} rpm",
+        "coast": "coast in gear {gear} at {speed} rpm" if at.gear else "coast at {speed} rpm",
+        "reverse": "reverse at {speed} rpm",
+        "brake": "braking at {speed} rpm",
+    }
+    said = say(means[at.direction], gear=at.gear, speed=say.short(round(at.speed / rpm), 6))
+    return say.list(say.occasion(c.when), said)
 
 
 def sense(c: Check, say: Language) -> str:
@@ -63,7 +78,7 @@ def sentence(c: Check, say: Language) -> str:
     return say(
         "{what} in {state}: {value} against {limit} {unit}",
         what=name if c.part == LINE else f"{name}, {say.part(c.part)}",
-        state=say.occasion(c.when),
+        state=occasion(c, say),
         value=say.number(c.value / q.factor),
         limit=say.number(c.bound / q.factor),
         unit=q.unit_name,

@@ -143,6 +143,8 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
     value = question.values[state, part]
     if np.isnan(value):
         return None
+    sought = ANSWERED[question.limit.quantity].sought
+    points = sought(response) if sought else None
     return Check(
         quantity=question.limit.quantity,
         line=response.line.name,
@@ -150,6 +152,7 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
         part=question.parts[part],
         value=float(value),
         limit=question.limit,
+        point=points.named((state, part)) if points else None,
     )
 
 

@@ -306,9 +306,7 @@ def _proposal(
     """Return the proposal that moves things by these amounts, with the checks it gives."""
     both = tried(response, movable, np.stack([np.zeros_like(amounts), amounts]))
     before, after = margins(both, to="normal")[:, changed].min(-1)
-    corrected = respond(
-        response.application, response.demand, layout=both.layout[1], phases=both.phases[1]
-    )
+    corrected = tried(response, movable, amounts)
     return Proposal(
         line=response.line.name,
         moves=tuple(

@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cardan.base.arrays import FloatArray, stacked
+from cardan.demand.states import Demand
 from cardan.model.application import Adjustable
+from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Moved
 from cardan.quantity.response import Response, respond
 
@@ -37,13 +41,23 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
 
 
 def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Response:
-    """Return the response of a line with each thing moved by its amount, (V, movable) SI."""
-    moved = Moved.still(response.line, variants=len(amounts))
-    for adjustable, amount in zip(movable, amounts.T, strict=True):
+    """Return the response of a line with each thing moved by its amount, (V, movable) SI.
+
+    Of one variant, (movable,), it has no axis of variants.
+    """
+    moved = Moved.still(response.line, variants=len(np.atleast_2d(amounts)))
+    for adjustable, amount in zip(movable, np.atleast_2d(amounts).T, strict=True):
         MOVABLES[adjustable.what].move(moved, adjustable.part, amount)
+    shift, shim, phases = moved.bearing_shift, moved.shim, moved.phases
+    if amounts.ndim == 1:
+        shift, shim, phases = shift[0], shim[0], phases[0]
+
+    def lay(demand: Demand) -> Layout:
+        return demand.corrected(bearing_shift=shift, shim=shim)
+
     return respond(
         response.application,
         response.demand,
-        layout=response.demand.corrected(bearing_shift=moved.bearing_shift, shim=moved.shim),
-        phases=stacked(response.line.phases) + moved.phases,
+        lay=lay,
+        phases=stacked(response.line.phases) + phases,
     )
