@@ -81,8 +81,8 @@ CHANGES = {
         "driveline.shafts[1].centre_bearing.from_rear_joint_mm", "states[1].speed_rpm",
     ),
     "tandem-6x4": (
-        "engine.brake_torque_Nm", "gearbox.retarder_torque_Nm", "drivelines.inter-axle.axle.efficiency",
-        "drivelines.inter-axle.torque_share", "tyre.friction", "suspension.brake_torque_Nm",
+        "engine.brake_torque_Nm", "gearbox.retarder_torque_Nm", "gearbox.reverse_ratio",
+        "drivelines.inter-axle.axle.efficiency", "drivelines.inter-axle.torque_share",
     ),
 }  # fmt: skip
 

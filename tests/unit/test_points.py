@@ -81,22 +81,30 @@ def test_drive_by_hand():
 
 
 def test_the_tyres_hold_no_more():
-    """Empty: 6500 kg on the bogie and what moves there under its own force."""
-    of = asked()
-    total, rear, h = 11300 * g, 6500 * g, 1.1
-    # The transfer feeds the force that makes it: N = R + 0.8 0.6 N h/L.
-    load = 0.6 * rear / (1 - 0.8 * 0.6 * h / 4.8)
-    assert total > load
-    slip = load * GRIP / 0.96
-    assert torque(of, "drive", "1", 0, "empty") == pytest.approx(slip, rel=1e-12)
-    k, s = curve(curves(of), "drive", "1"), of.states.index("empty")
-    corners = curves(of).corners()[:, k, s]
-    # The gear's own curve falls to what the tyres hold between 2200 and 2500 rpm.
-    falls = (850 * 9.2 * 0.95 - slip) / (150 * 9.2 * 0.95)
-    expected = [0, 2200 + 300 * falls, 2500]
-    inside = 0 < falls < 1
-    assert inside == any(np.isclose(corners, expected[1] / 9.2 * rpm, rtol=1e-12))
-    assert corners[~np.isnan(corners)][-1] == pytest.approx(2500 / 9.2 * rpm, rel=1e-13)
+    """Empty, 6500 kg on the bogie and what moves there under its own force; friction 0.9.
+
+    In second gear that is between what 2200 and 2500 rpm give, so the curve bends there alone.
+    """
+    of = asked(replace(TRUCK, tyre=replace(TRUCK.tyre, friction=0.9)))
+    load = 0.6 * 6500 * g / (1 - 0.9 * 0.6 * 1.1 / 4.8)  # N = s (R + mu N h/L)
+    slip = 0.9 * load * 0.48 / (4.88 * 0.96)
+    full = np.array([850, 700]) * 5.3 * 0.95
+    assert full[1] < slip < full[0]
+    assert torque(of, "drive", "2", 0, "empty") == pytest.approx(slip, rel=1e-12)
+    meets = 2200 + 300 * (full[0] - slip) / (full[0] - full[1])
+    found = curves(of)
+    corners = found.corners()[:, curve(found, "drive", "2"), of.states.index("empty")]
+    expected = np.array([0, meets, 2500]) / 5.3 * rpm
+    np.testing.assert_allclose(corners[~np.isnan(corners)], expected, rtol=1e-12)
+
+
+def test_a_line_between_axles_has_its_share_of_all():
+    of = [asked(files.read(ROOT / "examples" / "tandem-6x4.yaml"), line=k) for k in (0, 1)]
+    share = of[1].standing.line.share
+    assert share == 0.5
+    for direction in ("drive", "coast"):
+        main, between = (torque(o, direction, "5", 1.0) for o in of)
+        assert between == pytest.approx(share * main, rel=1e-13)
 
 
 def test_coast_holds_with_engine_brake_and_retarder():
@@ -252,6 +260,18 @@ def test_springs_place_the_axle_as_in_its_state_and_torque_turns_it_there():
     np.testing.assert_array_equal(found.travel[0], of.travel)
     given = of.states.index("parked on a kerb")  # the file says its pitch
     assert found.pitch[0, given] == of.pitch[given]
+
+
+def test_a_front_axle_winds_up_the_other_way_in_its_line():
+    of = asked(files.read(ROOT / "tests" / "verify" / "by_hand_front.yaml"), line=2)
+    line = of.standing.line
+    assert line.installed.drives == "front"
+    found, axle = at(of, "drive", "1", 0), line.axle
+    up = found.pitch[0] - of.pitch
+    expected = -found.torque[0] * axle.ratio * axle.efficiency / line.suspension.windup_stiffness
+    free = ~line.winds("windup") & ~line.winds("windup brake") & of.standing.yields
+    assert free.any()
+    np.testing.assert_allclose(up[free], expected[free], rtol=1e-9)
 
 
 @pytest.mark.parametrize(
