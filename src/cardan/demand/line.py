@@ -8,7 +8,7 @@ from cardan.base.arrays import BoolArray
 from cardan.base.errors import DesignError
 from cardan.base.units import NewtonMetre, RadianPerSecond
 from cardan.demand.suspension import AT_LIMIT, OVERLOAD
-from cardan.demand.torque import DIRECT, Gears, gears
+from cardan.demand.torque import DIRECT, Gears, gears, reverse_gears
 from cardan.model.application import Application, Installed, Obstacle, State
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
@@ -73,6 +73,8 @@ class ResolvedLine:
         Of the gearbox output where the application says so, in place of engine and tyres.
     gears
         Its torque and speed gear by gear; None without an engine.
+    reverse
+        The same in reverse; None where nobody gives the ratio.
     obstacles
         What it must clear.
     """
@@ -93,6 +95,7 @@ class ResolvedLine:
     coast_torque: NewtonMetre | None
     speed: RadianPerSecond | None
     gears: Gears | None
+    reverse: Gears | None
     obstacles: tuple[Obstacle, ...]
 
     @property
@@ -104,6 +107,11 @@ class ResolvedLine:
     def axle(self) -> Axle | None:
         """The axle its pinion is part of."""
         return self.installed.axle
+
+    @property
+    def ahead(self) -> float:
+        """Sign of the vehicle's x and pitch in the line's frame: they turn on the way forward."""
+        return -1.0 if self.installed.drives == "front" else 1.0
 
     @property
     def free(self) -> BoolArray:
@@ -136,6 +144,7 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
     reference = State(name="reference", kind=suspension.reference if suspension else "gvw")
     share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
     engine, gearbox = application.engine, application.gearbox or DIRECT
+    line_over_output = {"torque_ratio": share, "speed_ratio": installed.speed_ratio}
     return ResolvedLine(
         installed=installed,
         states=states,
@@ -152,8 +161,8 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
         torque=application.torque,
         coast_torque=application.coast_torque,
         speed=application.speed,
-        gears=engine
-        and gears(engine, gearbox, torque_ratio=share, speed_ratio=installed.speed_ratio),
+        gears=engine and gears(engine, gearbox, **line_over_output),
+        reverse=engine and reverse_gears(engine, gearbox, **line_over_output),
         obstacles=tuple(o for o in application.obstacles if o.line == installed.line.name),
     )
 

@@ -1,4 +1,4 @@
-"""What the vehicle asks of one line in every state: `demand`.
+"""What the vehicle asks of one line in every state: `demand`, and `demand_under` other torques.
 
 Every line is seen in its own frame, x along the flow of torque. An axle moves in the
 vehicle's frame; for a line that runs forward to a front axle, fore-aft motion and pitch
@@ -8,7 +8,7 @@ All of it is array code: the states are the last leading axis, the variants of a
 whose numbers come as (V, 1), the one before it.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from functools import partial
 
@@ -39,12 +39,57 @@ from cardan.model.application import Installed, State
 from cardan.model.layout import Layout
 from cardan.model.vehicle import Linkage
 
-__all__ = ["Demand", "ResolvedLine", "demand", "moved", "resolve"]
+__all__ = [
+    "Demand",
+    "ResolvedLine",
+    "Standing",
+    "demand",
+    "demand_under",
+    "moved",
+    "resolve",
+    "said_speed",
+]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Standing:
+    """A line in its states before any torque winds its axle up: what all its points share.
+
+    Attributes
+    ----------
+    line
+        The line.
+    braked : (..., S) N
+        Load on its axle with every wheel of the vehicle braked to its limit.
+    ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
+        Where the springs have the axle.
+    yields : (S,)
+        Where torque winds it up: the suspension places it, and nobody gives its pitch.
+    slip_back, slip_reverse : (..., S) N m
+        Torques at which the wheels slip as the line holds them back, and drives them in
+        reverse; nan where nobody knows.
+    """
+
+    line: ResolvedLine
+    braked: FloatArray
+    ride: Ride
+    yields: BoolArray
+    slip_back: FloatArray
+    slip_reverse: FloatArray
+
+    def wound(self, pitch: ArrayLike) -> Ride:
+        """Return the ride with the axle wound up by (...) rad about the vehicle's y."""
+        return replace(
+            self.ride, pitch=np.asarray(self.ride.pitch) + self.line.ahead * np.asarray(pitch)
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Demand:
     """What one line has to bear, (variants ..., states). What nothing given can tell is nan.
+
+    `demand_under` torques of its own the points come before all other axes, so that numbers
+    of the line, which come as (V, 1), stand beside both.
 
     Attributes
     ----------
@@ -80,6 +125,8 @@ class Demand:
         nan in states that are no equilibrium: rebound and jounce.
     gears
         Torque and speed of the line gear by gear; None without an engine.
+    standing
+        Where it stands before torque winds its axle up.
     """
 
     installed: Installed
@@ -101,6 +148,7 @@ class Demand:
     driven_load: FloatArray
     suspension_frequency: FloatArray
     gears: Gears | None
+    standing: Standing
 
     def corrected(self, *, bearing_shift: ArrayLike = 0.0, shim: ArrayLike = 0.0) -> Layout:
         """Return the layout in every state with bearings moved and the pinion shimmed.
@@ -140,22 +188,92 @@ def demand(line: ResolvedLine) -> Demand:
     loads = _of_states(each[loading.key] for loading in line.loadings)
     torques = _torques(line, loads)
     travel = _travel(line, {key: found.axle for key, found in each.items()})
-    ride = _ride(line, travel, torque=torques["torque"], braked=loads.braked)
+    standing = _standing(line, travel, loads)
+    ride = standing.wound(_own_windup(standing, torques["torque"]))
     given, installed = _given(line), line.installed
-    layout = _ridden(given, installed, ride)
-    _bending(line, layout)
     asked = torques | {
         "speed": _speed(line),
         "travel": np.where(line.free, travel, _rise(given) - _rise(installed.layout)),
-        "pitch": layout.side[..., -1] - installed.layout.side[..., -1],
-        "spline_travel": layout.lengths[..., -1] - installed.layout.lengths[..., -1],
         "axle_load": loads.axle,
         "driven_load": loads.traction,
         "suspension_frequency": _frequency(line, loads),
     }
+    return _demand(standing, given, ride, asked)
+
+
+def demand_under(
+    asked: Demand,
+    *,
+    torque: ArrayLike,
+    speed: ArrayLike,
+    coasts: ArrayLike = False,
+    brakes: ArrayLike = False,
+    named: Callable[[tuple[int, ...]], str] = str,
+) -> Demand:
+    """Return what a line has to bear at P points, its axle wound up by each point's torque.
+
+    Parameters
+    ----------
+    asked
+        The line in its states.
+    torque, speed : (P, ..., S) N m, rad/s
+        Of the points; where a torque is nan there is no point, and the layout is the state's.
+    coasts, brakes : (P, ..., S)
+        Where the wheels turn the line, and where brakes hold the axle as well.
+    named
+        Names the point of an index (P, ..., S), for errors.
+
+    Returns
+    -------
+    Demand
+        (P, ..., S). Loads and slip torques are those of the states.
+
+    Raises
+    ------
+    DesignError
+        If a joint reaches a right angle at a point: it has no answer, and to leave the point
+        out would approve what nobody looked at.
+
+    Notes
+    -----
+    The axle pitches by its torque over `windup_stiffness`, in any state in which the
+    suspension places it and nobody gives its pitch; without a stiffness it stays.
+    """
+    standing, T = asked.standing, np.asarray(torque, dtype=float)
+    turned = _on_axle(standing.line, T, braked=standing.braked, coasts=coasts, brakes=brakes)
+    pitch = np.where(np.isnan(T) | np.isnan(turned), np.nan, _pitch(standing.line, turned))
+    wound = np.asarray(standing.wound(pitch).pitch)
+    stays = ~standing.yields | np.isnan(wound)
+    ride = replace(standing.ride, pitch=np.where(stays, asked.ride.pitch, wound))
+    same = (
+        "engine_torque", "slip_torque", "coast_torque", "low_gear_torque", "wheel_slip_torque",
+        "travel", "axle_load", "driven_load", "suspension_frequency",
+    )  # fmt: skip
+    numbers = {name: getattr(asked, name) for name in same}
+    numbers |= {"torque": T, "speed": np.where(np.isnan(T), np.nan, speed)}
+    return _demand(standing, asked.given, ride, numbers, named=named)
+
+
+def _demand(
+    standing: Standing,
+    given: Layout,
+    ride: Ride,
+    asked: dict[str, FloatArray],
+    *,
+    named: Callable[[tuple[int, ...]], str] | None = None,
+) -> Demand:
+    """Return what a line has to bear where its axle rides: some numbers, and what follows."""
+    line, installed = standing.line, standing.line.installed
+    layout = _ridden(given, installed, ride)
+    _bending(line, layout, named)
+    asked = asked | {
+        "pitch": layout.side[..., -1] - installed.layout.side[..., -1],
+        "spline_travel": layout.lengths[..., -1] - installed.layout.lengths[..., -1],
+    }
     cases = np.broadcast_shapes(layout.points.shape[:-2], *(v.shape for v in asked.values()))
     return Demand(
         installed=installed,
+        standing=standing,
         states=tuple(s.name for s in line.states),
         layout=Layout(
             points=np.broadcast_to(layout.points, (*cases, *layout.points.shape[-2:])),
@@ -174,15 +292,19 @@ def _by_state(values: Iterable[ArrayLike | None]) -> FloatArray:
     return np.concatenate(np.broadcast_arrays(*columns), axis=-1)
 
 
-def _bending(line: ResolvedLine, layout: Layout) -> None:
-    """Refuse a state of a layout (..., S) in which a joint reaches a right angle and locks."""
+def _bending(
+    line: ResolvedLine, layout: Layout, named: Callable[[tuple[int, ...]], str] | None
+) -> None:
+    """Refuse a layout (..., S) in which a joint reaches a right angle and locks."""
     d = layout.directions
     cosines = (d[..., :-1, :] * d[..., 1:, :]).sum(axis=-1)
-    for *_, s, k in np.argwhere(~(cosines > 0)):
-        angle = np.degrees(np.arccos(np.clip(cosines[..., s, k].min(), -1, 1)))
+    for *case, s, k in np.argwhere(~(cosines > 0)).tolist():
+        worst = cosines[..., s, k].min() if named is None else cosines[(*case, s, k)]
+        angle = np.degrees(np.arccos(np.clip(worst, -1, 1)))
+        where = "" if named is None else f", {named((*case, s))}"
         msg = (
             f"joint {k + 1} of line {line.line.name} locks in state "
-            f"{line.states[s].name}: its angle must stay below 90 deg, got {angle:.4g} deg"
+            f"{line.states[s].name}{where}: its angle must stay below 90 deg, got {angle:.4g} deg"
         )
         raise DesignError(msg, about=f"states[{s + 1}]")
 
@@ -230,14 +352,10 @@ def _of_states(each: Iterable[LineLoads]) -> LineLoads:
 def _torques(line: ResolvedLine, loads: LineLoads) -> dict[str, FloatArray]:
     """Return the torques of `Demand`, by name: as given, or the smaller of engine and slip."""
     engine, held, low_gear = _engine_torques(line)
-    slip = slip_back = wheel_slip = np.asarray(np.nan)
+    slip, slip_back, _ = _slips(line, loads)
+    wheel_slip = np.asarray(np.nan)
     axle, tyre = line.axle, line.tyre
     if axle and tyre:
-        grip = partial(
-            slip_torque, friction=tyre.friction, radius=tyre.static_radius, ratio=axle.ratio
-        )
-        slip = grip(loads.traction, efficiency=axle.efficiency)
-        slip_back = grip(loads.coast, efficiency=1 / axle.efficiency)
         rolling = tyre.static_radius if tyre.dynamic_radius is None else tyre.dynamic_radius
         wheel_slip = wheel_slip_torque(loads.rest, radius=rolling, ratio=axle.ratio)
     own = line.share * _by_state(s.torque for s in line.states)
@@ -259,11 +377,30 @@ def _torques(line: ResolvedLine, loads: LineLoads) -> dict[str, FloatArray]:
     }
 
 
+def _slips(line: ResolvedLine, loads: LineLoads) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the line's torque at which its wheels slip: in drive, coast and reverse, (...) N m.
+
+    Driven in reverse the wheels push as they do in coast, and load moves off the rear axle
+    alike; but power runs to them as in drive.
+    """
+    axle, tyre = line.axle, line.tyre
+    if not (axle and tyre):
+        unknown = np.asarray(np.nan)
+        return unknown, unknown, unknown
+    grip = partial(slip_torque, friction=tyre.friction, radius=tyre.static_radius, ratio=axle.ratio)
+    return (
+        grip(loads.traction, efficiency=axle.efficiency),
+        grip(loads.coast, efficiency=1 / axle.efficiency),
+        grip(loads.coast, efficiency=axle.efficiency),
+    )
+
+
 def _engine_torques(line: ResolvedLine) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the line's engine torque, brake torque, and low gear torque by J3311, (...) N m."""
     engine, gearbox = line.engine, line.gearbox
     if engine is None or line.gears is None:
-        return np.asarray(np.nan), np.asarray(np.nan), np.asarray(np.nan)
+        held = np.asarray(_first(gearbox.retarder_torque), dtype=float)
+        return np.asarray(np.nan), line.share * held, np.asarray(np.nan)
     low = np.asarray(gearbox.transfer_ratio)
     by_j3311 = low_gear_torque(
         stacked(engine.torque).max(-1),
@@ -277,22 +414,29 @@ def _engine_torques(line: ResolvedLine) -> tuple[FloatArray, FloatArray, FloatAr
     return strongest, line.share * brake_torque(engine, gearbox), line.share * by_j3311
 
 
+def said_speed(line: ResolvedLine) -> FloatArray:
+    """Speed of the line that state or application give, (..., S) rad/s; nan where neither does.
+
+    A top speed is none of the gear that winds the axle up.
+    """
+    wound = line.winds("windup") & (line.gears is not None)
+    return np.asarray(line.installed.speed_ratio, dtype=float) * _by_state(
+        _first(s.speed, None if low else line.speed)
+        for s, low in zip(line.states, wound, strict=True)
+    )
+
+
 def _speed(line: ResolvedLine) -> FloatArray:
     """Top speed of the line in each state, (..., S) rad/s.
 
     The torque that winds an axle up is that of the lowest gear, and so is the speed.
     """
-    ratio = np.asarray(line.installed.speed_ratio, dtype=float)
+    given = said_speed(line)
     if line.gears is None:
-        return ratio * _by_state(_first(s.speed, line.speed) for s in line.states)
-    # A top speed is none of the gear that winds the axle up.
-    wound = line.winds("windup")
-    given = ratio * _by_state(
-        _first(s.speed, None if low else line.speed)
-        for s, low in zip(line.states, wound, strict=True)
-    )
+        return given
     _, low = line.gears.strongest
-    return np.where(np.isnan(given), np.where(wound, low, line.gears.top_speed), given)
+    top = np.where(line.winds("windup"), low, line.gears.top_speed)
+    return np.where(np.isnan(given), top, given)
 
 
 # --------------------------------------------------------------------------- places
@@ -325,36 +469,67 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     return _by_state(risen)
 
 
-def _ride(
-    line: ResolvedLine, travel: FloatArray, *, torque: FloatArray, braked: FloatArray
-) -> Ride:
-    """Ride of the axle in the line's frame, (..., S); none in states that are not free."""
+def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
+    """Return the line with its axle where springs and linkage have it, (..., S)."""
     free, states = line.free, line.states
     own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
     with about(f"{own}suspension"):
         dx, pitch = axle_path(line.suspension.linkage if line.suspension else Linkage(), travel)
     turned = _by_state(s.pitch if f else 0.0 for s, f in zip(states, free, strict=True))
-    asks = free & np.array([s.pitch is None for s in states])
-    wound = _windup(line, torque=torque, braked=braked, asks=asks)
-    pitch = np.where(asks, pitch + wound, turned)
-    ahead = -1.0 if line.installed.drives == "front" else 1.0
+    yields = free & np.array([s.pitch is None for s in states])
     x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
-    return Ride(
-        shift=stacked((ahead * dx, 0.0, travel)), pitch=ahead * pitch, arm=stacked((x, 0.0, z))
+    _, slip_back, slip_reverse = _slips(line, loads)
+    return Standing(
+        line=line,
+        braked=loads.braked,
+        ride=Ride(
+            shift=stacked((line.ahead * dx, 0.0, travel)),
+            pitch=line.ahead * np.where(yields, pitch, turned),
+            arm=stacked((x, 0.0, z)),
+        ),
+        yields=yields,
+        slip_back=slip_back,
+        slip_reverse=slip_reverse,
     )
 
 
-def _windup(
-    line: ResolvedLine, *, torque: FloatArray, braked: FloatArray, asks: BoolArray
-) -> FloatArray:
-    """Wind-up of the axle, (..., S) rad about the vehicle's y, in wind-up states that ask.
+def _own_windup(standing: Standing, torque: FloatArray) -> FloatArray:
+    """Wind-up of the axle, (..., S) rad about the vehicle's y, in states that are wind-up.
 
-    The line's torque splits between the axles it drives. Brakes and coasting together
-    hold no more than the tyres do.
+    Raises
+    ------
+    DesignError
+        If one of these does not say enough to know it.
     """
-    driven, braking = (line.winds(kind) & asks for kind in ("windup", "windup brake"))
+    line = standing.line
+    driven, braking = (line.winds(k) & standing.yields for k in ("windup", "windup brake"))
     if not (driven | braking).any():
-        return np.zeros(asks.shape)
+        return np.zeros(driven.shape)
+    on_axle = _on_axle(line, torque, braked=standing.braked, brakes=~driven)
+    pitch = _pitch(line, on_axle)
+    for k in np.flatnonzero(driven | braking):
+        if np.isnan(pitch[..., k]).any():
+            msg = (
+                f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
+                "the axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
+            )
+            raise DesignError(msg, about=f"states[{k + 1}]")
+    return np.where(driven | braking, pitch, 0.0)
+
+
+def _on_axle(
+    line: ResolvedLine,
+    torque: FloatArray,
+    *,
+    braked: FloatArray,
+    coasts: ArrayLike = False,
+    brakes: ArrayLike = False,
+) -> FloatArray:
+    """Torque on the axle's housing, (...) N m, where a line carries some, (...) N m.
+
+    The line's torque splits between the axles it drives. Brakes and coasting together hold
+    no more than the tyres do.
+    """
     suspension, axle, tyre, vehicle = line.suspension, line.axle, line.tyre, line.vehicle
     behind = 1.0
     if vehicle:
@@ -362,21 +537,20 @@ def _windup(
         axles = driven_axles(vehicle, drives=line.installed.drives)
         behind = np.maximum(np.round(line.installed.load_share * axles), 1.0)
     ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (np.nan, 1.0)
-    brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
-    held = np.where(brakes > 0, brakes + np.nan_to_num(-torque * ratio / efficiency), np.nan)
+    turned = torque * ratio / efficiency  # by the wheels, which turn the line
+    by_brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
+    held = np.where(by_brakes > 0, by_brakes + np.nan_to_num(-turned), np.nan)
     grip = tyre.friction * tyre.static_radius * braked if tyre else np.nan
-    on_axle = np.where(driven, torque * ratio * efficiency, -np.fmin(held, grip))
-    stiffness = suspension.windup_stiffness if suspension else None
-    unknown = np.isnan(on_axle) if stiffness is not None else np.ones(on_axle.shape, dtype=bool)
-    for k in np.flatnonzero(driven | braking):
-        if unknown[..., k].any():
-            msg = (
-                f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
-                "the axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
-            )
-            raise DesignError(msg, about=f"states[{k + 1}]")
-    assert stiffness is not None  # else all was unknown
-    return np.where(driven | braking, windup(on_axle, stiffness=stiffness), 0.0)
+    driven = np.where(coasts, turned, torque * ratio * efficiency)
+    return np.where(brakes, -np.fmin(held, grip), driven)
+
+
+def _pitch(line: ResolvedLine, on_axle: FloatArray) -> FloatArray:
+    """Wind-up of the axle under torques on its housing, (...) rad; nan without a stiffness."""
+    stiffness = line.suspension.windup_stiffness if line.suspension else None
+    if stiffness is None:
+        return np.full(on_axle.shape, np.nan)
+    return windup(on_axle, stiffness=stiffness)
 
 
 def _frequency(line: ResolvedLine, loads: LineLoads) -> FloatArray:

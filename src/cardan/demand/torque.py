@@ -1,6 +1,6 @@
 """Torque and speed of a line: what the engine gives in each gear, what the tyres can hold."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ class Gears:
     Attributes
     ----------
     names
-        "1", "2", ... and "low 1", "low 2", ... where there is a low range.
+        "1", "2", ... and "low 1", "low 2", ... where there is a low range; "R" in reverse.
     ratios : (..., G) 1
         Engine speed over line speed.
     speed : (..., G, E) rad/s
@@ -82,8 +82,7 @@ def gears(
     gear and at every speed it is an upper bound. The low range counts for torque; the
     gearbox's own speeds stand in the high range. Source: Souza (2014), eq. 1.
     """
-    low = gearbox.transfer_ratio
-    ranges = {"": 1.0} if np.all(np.asarray(low) == 1) else {"": 1.0, "low ": low}
+    ranges = _ranges(gearbox)
     ratios = stacked(low * ratio for low in ranges.values() for ratio in gearbox.ratios)
     _, pace, share, eta, stall = floats(
         speed_ratio, torque_ratio, gearbox.efficiency, gearbox.converter_ratio
@@ -101,18 +100,84 @@ def gears(
     )
 
 
-def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> FloatArray:
-    """Torque at the gearbox output that engine brake or retarder hold, in the lowest gear.
+def _ranges(gearbox: Gearbox) -> dict[str, FloatArray]:
+    """Return what the ranges of a transfer case multiply ratios by, high range first."""
+    high, low = np.asarray(1.0), np.asarray(gearbox.transfer_ratio, dtype=float)
+    return {"": high} if np.all(low == 1) else {"": high, "low ": low}
 
-    (...) N m.
 
-    T = Tb i / η: what gears lose helps to brake; nan where nobody knows Tb. Derived from
-    Souza (2014), eq. 1.
+def reverse_gears(
+    engine: Engine,
+    gearbox: Gearbox,
+    *,
+    torque_ratio: ArrayLike = 1.0,
+    speed_ratio: ArrayLike = 1.0,
+) -> Gears | None:
+    """Torque and speed of a line in reverse, by size; None where nobody gives its ratio.
+
+    `gears` of the reverse ratio alone, in every range of the transfer case.
     """
-    if engine.brake_torque is None:
-        return np.asarray(np.nan)
-    lowest = stacked(gearbox.ratios).max(-1) * np.maximum(gearbox.transfer_ratio, 1.0)
-    return engine.brake_torque * lowest / gearbox.efficiency
+    if gearbox.reverse_ratio is None:
+        return None
+    alone = replace(gearbox, ratios=(gearbox.reverse_ratio,))
+    found = gears(engine, alone, torque_ratio=torque_ratio, speed_ratio=speed_ratio)
+    return replace(found, names=tuple(f"{low}R" for low in _ranges(gearbox)))
+
+
+def from_standstill(speed: FloatArray, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Largest torque that a gear can give at line speeds from standstill on, as a curve.
+
+    A slipping clutch or a stalled converter lets the engine turn faster than the line, so at
+    a line speed n it is the largest torque at engine speeds of n and above: constant from
+    standstill to the last peak, then along the full-load curve.
+
+    Parameters
+    ----------
+    speed, torque : (..., E) rad/s, N m
+        Full load of a gear, straight between points.
+
+    Returns
+    -------
+    (..., 2 E) rad/s, (..., 2 E) N m
+        Its corners, exactly: speeds from 0, which may repeat; torques that never rise.
+    """
+    rest = np.maximum.accumulate(torque[..., ::-1], axis=-1)[..., ::-1]
+    after, fall = rest[..., 1:], torque[..., :-1] - torque[..., 1:]
+    falls = torque[..., :-1] > after
+    # Where the curve falls to a later peak's torque, which holds from there on.
+    share = np.where(falls, (torque[..., :-1] - after) / np.where(falls, fall, 1.0), 1.0)
+    bends = speed[..., :-1] + share * np.diff(speed, axis=-1)
+    corners = np.stack([np.concatenate([np.zeros_like(speed[..., :1]), bends], -1), speed], -1)
+    held = np.stack([np.concatenate([rest[..., :1], after], -1), rest], -1)
+    many = (*speed.shape[:-1], -1)
+    return corners.reshape(many), held.reshape(many)
+
+
+def brake_torques(engine: Engine, gearbox: Gearbox = DIRECT) -> FloatArray:
+    """Torque at the gearbox output that engine brake and retarder hold in each gear.
+
+    (..., G) N m, gears as `gears` has them.
+
+    T = Tb i / η + Tr: what gears lose helps to brake; a low range behind the retarder
+    multiplies that too. What nobody knows holds nothing; nan where nobody knows either.
+    Derived from Souza (2014), eq. 1.
+    """
+    brake, retarder = engine.brake_torque, gearbox.retarder_torque
+    none = np.nan if brake is None and retarder is None else 0.0
+    brake, retarder = (none if held is None else held for held in (brake, retarder))
+    return stacked(
+        brake * (ratio * low) / gearbox.efficiency + retarder * low
+        for low in _ranges(gearbox).values()
+        for ratio in gearbox.ratios
+    )
+
+
+def brake_torque(engine: Engine, gearbox: Gearbox = DIRECT) -> FloatArray:
+    """Largest torque at the gearbox output that engine brake and retarder hold, (...) N m.
+
+    That of the lowest gear; nan where nobody knows what holds.
+    """
+    return brake_torques(engine, gearbox).max(axis=-1)
 
 
 def slip_torque(

@@ -1,0 +1,320 @@
+"""What torque, speed and geometry a line has together: its operating points, state by state.
+
+Torque and speed that cannot occur together prove nothing, and angles belong to a torque: the
+axle winds up under it. `curves` says what torque each gear and direction has over the line's
+speed in each state; `demand_at` lays the line out at points of them.
+
+Points come first, then curves where there are all of them, then the variants of a study, and
+the states last: so the numbers of a line, which come as (V, 1), stand beside all of it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray
+from cardan.demand.states import Demand, demand_under, said_speed
+from cardan.demand.torque import Gears, brake_torques, from_standstill
+
+Direction: TypeAlias = Literal["drive", "coast", "reverse", "brake"]
+"""The engine drives ahead or is driven; it drives astern; the brakes hold while it is driven."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Curves:
+    """Torque over speed that a line can have in each state, a curve for each gear and direction.
+
+    C curves of E corners in S states; the dots are the variants of a study.
+
+    Attributes
+    ----------
+    gears : C
+        "1", "2", ..., "low 1", ..., "R", "low R"; "" where no gear says the torque.
+    directions : C
+        What turns the line, and which way.
+    speed : (C, ..., S, E) rad/s
+        Size, from 0; it never falls, and repeats where a curve has fewer corners than others.
+    torque : (C, ..., S, E) N m
+        Above 0 in drive, below in coast, braking and reverse; straight between corners, its
+        size never rising. What the tyres hold is not in it.
+    most : (C, ..., S) N m
+        Size of torque that the tyres hold there; inf where nobody knows, or it is no matter.
+    fastest : (C, ..., S) rad/s
+        Where the curve ends in a state; nan where that state has no such points.
+    """
+
+    gears: tuple[str, ...]
+    directions: tuple[Direction, ...]
+    speed: FloatArray
+    torque: FloatArray
+    most: FloatArray
+    fastest: FloatArray
+
+    def torque_at(self, speed: ArrayLike) -> FloatArray:
+        """Return the torque at speeds (Q, C, ..., S) rad/s, N m; nan where a curve has none."""
+        return _torque(np.asarray(speed, dtype=float), *self._all)
+
+    @property
+    def _all(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        return self.speed, self.torque, self.most, self.fastest
+
+    def corners(self) -> FloatArray:
+        """Return speeds (Q, C, ..., S) rad/s where a curve starts, bends or ends; rising.
+
+        A curve bends where its line does and where it meets what the tyres hold. Between
+        neighbours it is straight, so no torque is larger than at its corners. nan fills up.
+        """
+        x, size, most, end = self.speed, np.abs(self.torque), self.most[..., None], self.fastest
+        flat = np.diff(size, axis=-1) == 0
+        bends = np.zeros(x.shape, dtype=bool)
+        bends[..., 1:-1] = ~(flat[..., :-1] & flat[..., 1:]) & (size[..., 1:-1] <= most)
+        before, after = size[..., :-1], size[..., 1:]
+        meets = (before > most) & (after < most)  # a size never rises with speed
+        share = (before - most) / np.where(meets, before - after, 1.0)
+        meeting = x[..., :-1] + np.where(meets, share, 0.0) * np.diff(x, axis=-1)
+        found = np.concatenate(
+            [np.where(bends, x, np.nan), np.where(meets, meeting, np.nan),
+             np.zeros_like(end)[..., None], end[..., None]], axis=-1,
+        )  # fmt: skip
+        found = np.sort(np.where(found <= end[..., None], found, np.nan), axis=-1)
+        again = np.diff(found, axis=-1) == 0
+        found = np.sort(np.where(np.insert(again, 0, False, axis=-1), np.nan, found), axis=-1)
+        some = ~np.isnan(found).all(axis=tuple(range(found.ndim - 1)))
+        return np.moveaxis(found[..., some], -1, 0)
+
+    def points(self, speed: ArrayLike) -> tuple[IntArray, FloatArray]:
+        """Return the points that speeds (Q, C, ..., S) make, in one row.
+
+        Which curve each is on, (P,), and its speed (P, ..., S); where no state has the
+        point it is left out, and where some has not its speed is nan there.
+        """
+        x = np.asarray(speed, dtype=float)
+        x = np.where((x >= 0) & (x <= self.fastest), x, np.nan)
+        some = ~np.isnan(x).all(axis=tuple(range(2, x.ndim)))
+        _, curve = np.nonzero(some)
+        return curve, x[some]
+
+
+def demand_at(asked: Demand, found: Curves, *, curve: ArrayLike, speed: ArrayLike) -> Demand:
+    """Return what a line has to bear at points of its curves, (P, ..., S).
+
+    Parameters
+    ----------
+    asked
+        The line in its states, whose curves they are.
+    found
+        `curves` of it.
+    curve : (P,) or (P, ..., S)
+        Which curve each point is on.
+    speed : (P, ..., S) rad/s
+        How fast the line turns there. Where a curve has no such speed there is no point:
+        torque and speed are nan, and the layout is that of the state.
+    """
+    speed = np.asarray(speed, dtype=float)
+    speed = np.broadcast_to(speed, np.broadcast_shapes(speed.shape, found.fastest.shape[1:]))
+    curve = np.asarray(curve)
+    curve = np.broadcast_to(
+        curve.reshape(*curve.shape, *(1,) * (speed.ndim - curve.ndim)), speed.shape
+    )
+    gears, directions = np.array(found.gears), np.array(found.directions)
+
+    def picked(values: FloatArray) -> FloatArray:
+        beyond = values.ndim - found.fastest.ndim
+        return np.take_along_axis(values, curve.reshape(*curve.shape, *(1,) * beyond), axis=0)
+
+    torque = _torque(speed, *map(picked, (found.speed, found.torque, found.most, found.fastest)))
+
+    def named(case: tuple[int, ...]) -> str:
+        gear = f" in gear {gears[curve[case]]}" if gears[curve[case]] else ""
+        return f"{directions[curve[case]]}{gear} with {torque[case]:.4g} N m"
+
+    turns = directions[curve]
+    return demand_under(
+        asked, torque=torque, speed=speed,
+        coasts=turns == "coast", brakes=turns == "brake", named=named,
+    )  # fmt: skip
+
+
+def _torque(
+    x: FloatArray, speed: FloatArray, torque: FloatArray, most: FloatArray, fastest: FloatArray
+) -> FloatArray:
+    """Torque at speeds (..., S) of curves (..., S, E); nan where they have none."""
+    x, fastest = np.broadcast_arrays(x, fastest)
+    speed, torque = (np.broadcast_to(v, (*x.shape, v.shape[-1])) for v in (speed, torque))
+    before = np.sum(speed <= x[..., None], axis=-1) - 1
+    k = np.clip(before, 0, speed.shape[-1] - 2)[..., None]
+
+    def corner(values: FloatArray, k: IntArray) -> FloatArray:
+        return np.take_along_axis(values, k, axis=-1)[..., 0]
+
+    start, end, low, high = (corner(v, k + i) for v in (speed, torque) for i in (0, 1))
+    wide = end > start
+    share = np.where(wide, (x - start) / np.where(wide, end - start, 1.0), 1.0)
+    there = low + np.clip(share, 0.0, 1.0) * (high - low)
+    held = np.copysign(np.minimum(np.abs(there), most), there)
+    return np.where((x >= 0) & (x <= fastest), held, np.nan)
+
+
+# --------------------------------------------------------------------------- curves
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Curve:
+    """One curve, of shapes that `curves` makes alike: (..., S or 1, E) and (..., S)."""
+
+    gear: str
+    direction: Direction
+    speed: FloatArray
+    torque: FloatArray
+    most: FloatArray = field(default_factory=lambda: np.asarray(np.inf))
+    fastest: FloatArray
+
+
+def curves(asked: Demand) -> Curves:
+    """Return the torque over speed that a line can have in each state.
+
+    In drive and reverse each gear gives its largest torque from standstill, a clutch slipping
+    or a converter stalled, then what full load gives up to governed speed; in coast it holds
+    with engine brake and retarder, as much at any speed; tyres hold no more than their grip.
+    What a state or the application says replaces it: a torque that of all gears in drive, a
+    coast torque that in coast, and no point is faster than a speed said. A wind-up state has
+    drive, a brake wind-up state braking alone; others all that is known, braking where the
+    suspension's `brake_torque` is given.
+
+    Notes
+    -----
+    A converter's stall ratio counts at any speed, and coast and braking take the largest
+    torque at any speed: upper bounds. Where nobody knows a speed the line stands still.
+    Source: METHOD 15, operating points.
+    """
+    found = [c for c in (*_drive(asked), *_coast(asked), *_reverse(asked), *_brake(asked))
+             if not np.isnan(c.fastest).all()]  # fmt: skip
+    cases = np.broadcast_shapes(
+        asked.torque.shape,
+        *(s for c in found for s in (c.speed.shape[:-1], c.torque.shape[:-1], c.fastest.shape)),
+    )
+    most = max((c.speed.shape[-1] for c in found), default=2)
+
+    def alike(values: list[FloatArray], *shape: int) -> FloatArray:
+        filled = [v if not shape else _filled(v, *shape) for v in values]
+        each = [np.broadcast_to(v, (*cases, *shape)) for v in filled]
+        return np.stack(each) if each else np.zeros((0, *cases, *shape))
+
+    return Curves(
+        gears=tuple(c.gear for c in found),
+        directions=tuple(c.direction for c in found),
+        speed=alike([c.speed for c in found], most),
+        torque=alike([c.torque for c in found], most),
+        most=alike([np.where(np.isnan(c.most), np.inf, c.most) for c in found]),
+        fastest=alike([c.fastest for c in found]),
+    )
+
+
+def _filled(values: FloatArray, size: int) -> FloatArray:
+    """Return corners (..., E) with the last repeated to (..., size)."""
+    last = np.repeat(values[..., -1:], size - values.shape[-1], axis=-1)
+    return np.concatenate([values, last], axis=-1)
+
+
+def _driven(asked: Demand) -> BoolArray:
+    """Where the axle is not wound up by definition, (S,)."""
+    line = asked.standing.line
+    return ~(line.winds("windup") | line.winds("windup brake"))
+
+
+def _level(
+    asked: Demand, direction: Direction, torque: FloatArray, *, there: BoolArray
+) -> Iterator[_Curve]:
+    """Yield the curve of one torque (..., S) N m from standstill to the line's speed."""
+    end = np.where(there & ~np.isnan(torque), np.nan_to_num(asked.speed), np.nan)
+    reach = np.nan_to_num(asked.speed)
+    yield _Curve(
+        gear="",
+        direction=direction,
+        speed=np.stack([np.zeros_like(reach), reach], axis=-1),
+        torque=np.stack([torque, torque], axis=-1),
+        fastest=end,
+    )
+
+
+def _geared(
+    asked: Demand,
+    direction: Direction,
+    gears: Gears,
+    torque: FloatArray,
+    speed: FloatArray,
+    *,
+    most: FloatArray,
+    there: BoolArray,
+) -> Iterator[_Curve]:
+    """Yield a curve for each gear from its corners (..., G, E), at most as fast as is said."""
+    for g, name in enumerate(gears.names):
+        end = np.fmin(speed[..., g, -1], said_speed(asked.standing.line))
+        yield _Curve(
+            gear=name,
+            direction=direction,
+            speed=_beside_states(speed[..., g, :]),
+            torque=_beside_states(torque[..., g, :]),
+            most=most,
+            fastest=np.where(there, end, np.nan),
+        )
+
+
+def _beside_states(values: FloatArray) -> FloatArray:
+    """Corners (E,), or (V, 1, E) of variants, as (..., 1, E): alike in every state."""
+    return values[None] if values.ndim == 1 else values
+
+
+def _drive(asked: Demand) -> Iterator[_Curve]:
+    line = asked.standing.line
+    there = ~line.winds("windup brake")
+    said = np.array([(s.torque is not None) or (line.torque is not None) for s in line.states])
+    if line.gears is None:
+        yield from _level(asked, "drive", asked.torque, there=there)
+        return
+    if said.any():
+        yield from _level(asked, "drive", asked.torque, there=there & said)
+    speed, torque = from_standstill(line.gears.speed, line.gears.torque)
+    yield from _geared(
+        asked, "drive", line.gears, torque, speed, most=asked.slip_torque, there=there & ~said
+    )
+
+
+def _coast(asked: Demand) -> Iterator[_Curve]:
+    line, there = asked.standing.line, _driven(asked)
+    if line.engine is None or line.gears is None or line.coast_torque is not None:
+        yield from _level(asked, "coast", 0.0 - asked.coast_torque, there=there)
+        return
+    held = np.asarray(line.share)[..., None] * brake_torques(line.engine, line.gearbox)
+    speed = line.gears.speed.max(-1)
+    both = np.broadcast_arrays(held, speed)
+    torque, reach = (np.stack([v, v], axis=-1) for v in both)
+    reach = reach * (0.0, 1.0)
+    if not np.isnan(torque).any():
+        yield from _geared(
+            asked, "coast", line.gears, 0.0 - torque, reach,
+            most=asked.standing.slip_back, there=there,
+        )  # fmt: skip
+
+
+def _reverse(asked: Demand) -> Iterator[_Curve]:
+    line = asked.standing.line
+    if line.reverse is None:
+        return
+    speed, torque = from_standstill(line.reverse.speed, line.reverse.torque)
+    yield from _geared(
+        asked, "reverse", line.reverse, 0.0 - torque, speed,
+        most=asked.standing.slip_reverse, there=_driven(asked),
+    )  # fmt: skip
+
+
+def _brake(asked: Demand) -> Iterator[_Curve]:
+    line = asked.standing.line
+    wound = line.winds("windup brake")
+    given = np.asarray(line.suspension.brake_torque if line.suspension else 0.0) > 0
+    coasting = np.where(wound, asked.torque, 0.0 - asked.coast_torque)
+    yield from _level(
+        asked, "brake", np.nan_to_num(coasting), there=wound | (given & ~line.winds("windup"))
+    )
