@@ -12,6 +12,7 @@ from cardan.kinematics.chain import turn
 from cardan.loads import loads
 from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import suspended
+from cardan.loads.running import running
 from cardan.model.layout import Layout, direction, unit
 from cardan.model.parts import CentreBearing, Line, Material, Shaft, Spline, Tube
 from cardan.shaft.beams import assembled, line_beams
@@ -86,6 +87,58 @@ def test_the_closed_form_of_one_bearing(speed, force):
     where = laid(TWO, **PUBLISHED)
     *_, found = shaken(TWO, where, speed * rpm, sines=0)
     assert major_axis(found.bearing_forces) == pytest.approx([force], rel=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("speed", "force"),
+    [(100, 21.2516), (426.6, 207.225), (500, 105.955), (551.3, 204.108), (800, 18.2756),
+     (2400, 1.12789)],
+)  # fmt: skip
+def test_the_geometry_moves_as_an_engine_moves_it(speed, force):
+    """EXUDYN, geometry moving, as METHOD prints it: within the last digit of what it gives."""
+    where = laid(TWO, **PUBLISHED)
+    held = suspended(where, TWO, stiffness=RUBBER, sines=0)
+    found = running(where, TWO, np.zeros(2), torque=1000.0, speed=speed * rpm, held=held)
+    assert found.dynamic == pytest.approx([force], rel=3e-5)
+    assert found.orders[..., 1:] == pytest.approx(0, abs=1e-12)  # no inertia was given
+
+
+def test_unbalance_at_a_crawl_is_that_of_rigid_bearings():
+    where = laid(THREE, **BENT)
+    on = suspended(where, THREE, stiffness=RUBBER)
+    slow = 0.05
+    soft, rigid = (
+        running(where, THREE, THREE.phases, torque=0.0, speed=slow, held=h, balanced_at=200.0)
+        for h in (on, None)
+    )
+    assert soft.order1 == pytest.approx(rigid.order1, rel=1e-3)
+    assert (soft.order1 > 0).all()
+
+
+def test_thrust_is_the_worst_of_none_and_both_ways():
+    where = laid(THREE, **BENT)
+    phases = np.array(THREE.phases)
+    still = turn(where.directions, phases=phases, samples=16)
+    found = running(where, THREE, phases, torque=2000.0, speed=0.0, slip=5000.0)
+    each = [
+        loads(where, still, THREE, torque=2000.0, thrust=thrust).bearing_forces.static
+        for thrust in (-5000.0, 0.0, 5000.0)
+    ]
+    sizes = np.linalg.norm(each, axis=-1)
+    assert found.static == pytest.approx(sizes.max(axis=0), rel=1e-12)
+    assert np.abs(found.thrust) == pytest.approx([5000.0, 5000.0])
+    assert (sizes.max(axis=0) > 1.2 * sizes[1]).any()
+
+
+def test_the_shafts_inertia_brings_order_four():
+    where = laid(THREE, **BENT)
+    phases, inertias = np.array(THREE.phases), np.array([0.05, 0.06, 0.08])
+    slow, fast = (
+        running(where, THREE, phases, torque=2000.0, speed=n, inertias=inertias).orders
+        for n in (100.0, 200.0)
+    )
+    assert fast[..., 1] == pytest.approx(4 * slow[..., 1], rel=1e-9)
+    assert (slow[..., 1] > 0).all()
 
 
 def test_its_resonances():

@@ -856,7 +856,9 @@ class _Line:
         top = sheet.row
         sheet.row += 1
         judged = Judged(sheet, self._heads())
-        found = {(one.quantity, one.part): one for one in self.found}
+        # What is sought over operating points the formulas have at the state's own alone.
+        followed = [one for one in self.found if not QUANTITIES[one.quantity].sought]
+        found = {(one.quantity, one.part): one for one in followed}
         held = [
             (question, k, found.get((question.limit.quantity, part)))
             for question in asked(r)
@@ -873,7 +875,8 @@ class _Line:
         checked = {(q.limit.quantity, q.parts[k]) for q, k, _ in held}
         sheet.section(say("Other results"), ["", say("unit"), "", "", *self._heads()])
         for one in self.found:
-            if (one.quantity, one.part) not in checked and one.quantity not in _ONLY_FOR_LIMITS:
+            beside = (one.quantity, one.part) not in checked or one not in followed
+            if beside and one.quantity not in _ONLY_FOR_LIMITS:
                 self._shown(one)
         sheet.section(
             say("Exact results of cardan: values, they do not follow the inputs"),
@@ -897,11 +900,15 @@ class _Line:
         return tuple(f"='{self.sheet.name}'!{c}{one.row}" for c in self.columns)
 
     def _shown(self, one: _Result) -> None:
-        """Write a row that shows a row of the calculation."""
+        """Write a row that shows a row of the calculation, and how that approximates."""
+        label, name = _label(one.quantity, one.part, self.say), cell_name(one.quantity, one.part)
+        if QUANTITIES[one.quantity].sought:
+            method = _BY_METHOD[one.quantity]
+            label = f"{label} ({self.say(method)})"
+            name = f"{name}_{method.replace(' ', '_')}"
         self.results.put(
-            _label(one.quantity, one.part, self.say), QUANTITIES[one.quantity].unit_name,
-            self._cells(one), style=self.book.result, values=one.values,
-            name=self.tag + cell_name(one.quantity, one.part),
+            label, QUANTITIES[one.quantity].unit_name, self._cells(one),
+            style=self.book.result, values=one.values, name=self.tag + name,
         )  # fmt: skip
 
     def _held(self, question: Asked, k: int, one: _Result | None) -> Held:

@@ -1,0 +1,86 @@
+"""No point of a dense sweep of speed, in any gear and direction, is above the worst one found."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.units import rpm
+from cardan.demand.line import resolve
+from cardan.demand.points import curves, demand_at
+from cardan.demand.states import demand
+from cardan.model.parts import CentreBearing
+from cardan.quantity import points
+from cardan.quantity.response import Response, respond
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TRUCKS = ("refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4")
+
+
+def responses(name: str) -> list[Response]:
+    application = files.read(EXAMPLES / f"{name}.yaml")
+    hung = [i for i in application.lines if i.line.joint_count > 2]
+    return [respond(application, demand(resolve(application, i))) for i in hung]
+
+
+def swept(r: Response, speeds: np.ndarray):
+    """Return what bearings carry at all speeds of all curves, (points, states, bearings)."""
+    found = curves(r.demand)
+    every = np.broadcast_to(speeds[:, None, None], (len(speeds), *found.fastest.shape))
+    asked = demand_at(
+        r.demand, found, **dict(zip(("curve", "speed"), found.points(every), strict=True))
+    )
+    return points.run(r, asked, r.lay(asked))
+
+
+@pytest.mark.parametrize("name", TRUCKS)
+def test_no_point_is_worse_than_the_worst(name):
+    for r in responses(name):
+        speeds = np.concatenate([np.arange(4.0, 600.0, 4.0), np.arange(600.0, 3000.0, 60.0)]) * rpm
+        found = swept(r, speeds)
+        for force in points.FORCES:
+            dense = np.nanmax(getattr(found, force), axis=0)
+            worst = getattr(r.worst[force].running, force)
+            assert (worst >= dense * 0.99).all(), (r.line.name, force, (dense / worst).max())
+            assert (worst > 0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nor_on_any_rubber(seed):
+    """Random rubber, losses and torque stiffness: modes that meet, cross and lie far apart."""
+    random = np.random.default_rng(seed)
+    (r, *_) = responses(TRUCKS[seed % 2])
+    shafts = tuple(
+        s if s.centre_bearing is None else replace(
+            s,
+            centre_bearing=CentreBearing(
+                from_rear_joint=s.centre_bearing.from_rear_joint,
+                stiffness=tuple(10 ** random.uniform(4.7, 6.0, size=2)),
+                loss_factor=float(random.uniform(0.05, 0.3)),
+            ),
+        )
+        for s in r.line.shafts
+    )  # fmt: skip
+    installed = r.application.lines[0]
+    other = replace(installed, line=replace(installed.line, shafts=shafts))
+    application = replace(r.application, lines=(other,))
+    soft = respond(application, demand(resolve(application, other)))
+    found = swept(soft, np.geomspace(40.0, 1400.0, 180) * rpm)
+    for force in points.FORCES:
+        dense = np.nanmax(getattr(found, force), axis=0)
+        worst = getattr(soft.worst[force].running, force)
+        assert (worst >= dense * 0.99).all(), (force, (dense / worst).max())
+
+
+def test_variants_see_nearly_the_same():
+    """Of many variants fewer points are asked: within 5 % of what one design is asked."""
+    (r, *_) = responses("medium-truck-4x2")
+    shift = np.zeros((2, 1, 1, 3))
+    many = respond(r.application, r.demand, lay=lambda of: of.corrected(bearing_shift=shift))
+    for force in points.FORCES:
+        one = getattr(r.worst[force].running, force)
+        two = getattr(many.worst[force].running, force)
+        assert two.shape == (2, *one.shape)
+        assert two == pytest.approx(np.stack([one, one]), rel=0.05)
