@@ -23,10 +23,8 @@ shares = st.floats(0, 1)
 @cache
 def application(name: str) -> Application:
     text = NAMES[name].read_text(encoding="utf-8")
-    if "  reverse_ratio" not in text:
-        text = text.replace(
-            "gearbox:\n", "gearbox:\n  reverse_ratio: 6.9\n  retarder_torque_Nm: 900\n"
-        )
+    reverse = "" if "  reverse_ratio" in text else "  reverse_ratio: 6.9\n"
+    text = text.replace("gearbox:\n", f"gearbox:\n  retarder_torque_Nm: 900\n{reverse}")
     if "  brake_torque_Nm: 14000" not in text:
         text = text.replace("  reference: gvw\n", "  reference: gvw\n  brake_torque_Nm: 9000\n")
     return files.loads(text, folder=NAMES[name].parent)
