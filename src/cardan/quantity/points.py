@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 FORCES = ("static", "dynamic", "peak")
 """The forces that are sought where they are largest."""
 
-CLOSER = (0.25, 0.06)
+CLOSER = 0.25
 """How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
 
 
@@ -104,7 +104,7 @@ def run(r: "Response", of: Demand, layout: Layout, *, inertia: bool = True) -> R
         inertias=r.inertias if inertia else None,
         gravity=r.gravity,
         slip=r.slip_at(of.torque),
-        balanced_at=np.nan_to_num(r.demand.speed) if r.application.include_unbalance else None,
+        balanced_at=r.balanced_at if r.application.include_unbalance else None,
     )
     nothing = np.where(known, 0.0, np.nan)[..., None]
     return Running(
@@ -119,42 +119,94 @@ def worst(r: "Response") -> dict[str, Points]:
     """Return the point where each of `FORCES` is largest on each bearing, (..., S, n-2).
 
     Nothing where the line has no point, or no bearing. It is sought without the shafts'
-    inertia, whose share is small where resonance is; what is found has it. Of variants only
-    the curves of most torque are asked, at their ends and where order 2 meets a mode.
+    inertia, whose share is small where resonance is; what is found has it.
     """
     found = curves(r.demand)
     if not found.gears or r.line.joint_count < 3:
         return {}
-    many = r.layout.points.ndim > 3
     cases = np.broadcast_shapes(found.fastest.shape[1:], r.layout.points.shape[:-2])
-    found = _beside_variants(_strongest(found) if many else found, cases)
-    corners = np.stack([0 * found.fastest, found.fastest]) if many else found.corners()
-    tried = [found.points(corners), *_crossings(r, found, many=many)]
-    best = _best(_at(r, found, *_together(tried), inertia=False))
-    loss = 0.0 if many or r.held is None else float(r.held.loss.max())
-    for width in CLOSER if loss else ():
-        closer = _together([_beside(p, width * loss) for p in best.values()])
-        again = _best(_at(r, found, *closer, inertia=False))
-        best = {name: _better(name, best[name], again[name]) for name in FORCES}
-    return _best(_at(r, found, *_together([_apart(p) for p in best.values()])))
+    found = _beside_variants(found, cases)
+    best = _best(_at(r, found, *_candidates(r, found), inertia=False))
+    ends = [_apart(p) for p in best.values()]
+    if r.held is not None:
+        ends.append(_crests(r, found, best))
+    curve, speed = (np.concatenate(values) for values in zip(*ends, strict=True))
+    return _best(_at(r, found, curve, speed))
 
 
-def _strongest(found: Curves) -> Curves:
-    """Return of each direction the curve that starts with most torque in any state."""
-    size = np.abs(np.where(np.isnan(found.fastest), 0.0, found.torque[..., 0]))
-    size = np.minimum(size, found.most).reshape(len(found.gears), -1).max(axis=-1)
-    of: dict[str, int] = {}
-    for c in np.argsort(-size).tolist():
-        of.setdefault(found.directions[c], c)
-    keep = sorted(of.values())
-    return Curves(
-        gears=tuple(found.gears[c] for c in keep),
-        directions=tuple(found.directions[c] for c in keep),
-        speed=found.speed[keep],
-        torque=found.torque[keep],
-        most=found.most[keep],
-        fastest=found.fastest[keep],
-    )
+def _candidates(r: "Response", found: Curves) -> tuple[IntArray, FloatArray]:
+    """Return curves and speeds (P, ..., S) that may be worst, of each direction.
+
+    The corners of the curve of most torque, the highest speed, and with most torque each
+    speed at which an order meets a mode on rubber: order 2, and the first where unbalance
+    counts.
+    """
+    standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
+    standing = np.minimum(standing, found.most)
+    reach = np.nan_to_num(found.fastest, nan=-1.0)
+    corners, meets = found.corners(), _crossings(r, found)
+    size = np.abs(found.torque_at(np.broadcast_to(meets[:, None], (len(meets), *reach.shape))))
+    size = np.nan_to_num(size, nan=-1.0)
+    curves_, speeds = [], []
+    for direction in dict.fromkeys(found.directions):
+        of = np.flatnonzero([d == direction for d in found.directions])
+        strong, quick = (of[values[of].argmax(axis=0)] for values in (standing, reach))
+        bends = np.take_along_axis(corners, strong[None, None], axis=1)[:, 0]
+        top = np.take_along_axis(reach, quick[None], axis=0)
+        curves_ += [
+            np.broadcast_to(strong, bends.shape),
+            quick[None],
+            of[size[:, of].argmax(axis=1)],
+        ]
+        speeds += [bends, top, meets]
+    if r.application.include_unbalance:  # grows with the speed, as torque falls from gear to gear
+        curves_.append(_beside_cases(np.arange(len(reach)), reach))
+        speeds.append(reach)
+    return np.concatenate(curves_), np.concatenate(speeds)
+
+
+def _beside_cases(values: IntArray, like: FloatArray) -> IntArray:
+    """Return one number for each curve (C,) as (C, ..., S)."""
+    return np.broadcast_to(values.reshape(-1, *(1,) * (like.ndim - 1)), like.shape)
+
+
+def _crossings(r: "Response", found: Curves) -> FloatArray:
+    """Return the speeds (Q, ..., S) at which an order meets a mode within reach."""
+    cases = found.fastest.shape[1:]
+    if r.held is None:
+        return np.zeros((0, *cases))
+    frequency = np.moveaxis(r.held.modes().frequency, -1, 0)
+    orders = (2, 1) if r.application.include_unbalance else (2,)
+    meets = np.concatenate([frequency / k for k in orders])
+    meets = np.broadcast_to(meets, (len(meets), *cases))
+    within = meets <= np.nanmax(found.fastest, initial=0.0)
+    return meets[within.any(axis=tuple(range(1, meets.ndim)))]
+
+
+def _crests(r: "Response", found: Curves, best: dict[str, Points]) -> tuple[IntArray, FloatArray]:
+    """Return the points of largest orders beside those found, for each bearing: (P, ..., S).
+
+    Where a mode alone shakes, 1/F² is a parabola over the square of the speed.
+    """
+    assert r.held is not None
+    seeds = [best["dynamic"], best["peak"]]
+    curve, speed = (np.concatenate(v) for v in zip(*map(_apart, seeds), strict=True))
+    centre = np.concatenate([np.moveaxis(p.running.dynamic, -1, 0) for p in seeds])
+    width = CLOSER * r.held.loss.min(axis=-1)  # as narrow as the narrowest mode
+    speeds = np.stack([speed * (1 - width), speed * (1 + width)])
+    sides = _at(r, found, np.concatenate([curve] * 2), np.concatenate(speeds), inertia=False)
+    bearings = centre.shape[0] // len(seeds)
+    own = (np.arange(len(sides.speed)) % bearings).reshape(-1, *(1,) * speed.ndim)
+    before, after = np.split(np.take_along_axis(sides.running.dynamic, own, axis=-1)[..., 0], 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = np.stack([speeds[0], speed, speeds[1]]) ** 2
+        y = np.stack([before, centre, after]) ** -2.0
+        slopes = np.diff(y, axis=0) / np.diff(x, axis=0)
+        bend = (slopes[1] - slopes[0]) / (x[2] - x[0])
+        crest = (x[0] + x[1]) / 2 - slopes[0] / (2 * bend)
+    reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
+    crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
+    return curve, np.sqrt(crest)
 
 
 def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
@@ -174,45 +226,6 @@ def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
         most=wide(found.most),
         fastest=wide(found.fastest),
     )
-
-
-def _together(points: list[tuple[IntArray, FloatArray]]) -> tuple[IntArray, FloatArray]:
-    """Return curves and speeds (P, ..., S) of several sets of points in one row."""
-    cases = np.broadcast_shapes(*(speed.shape[1:] for _, speed in points))
-
-    def row(values: Any) -> Any:
-        values = values.reshape(*values.shape, *(1,) * (1 + len(cases) - values.ndim))
-        return np.broadcast_to(values, (len(values), *cases))
-
-    curve, speed = ([row(values) for values in each] for each in zip(*points, strict=True))
-    return np.concatenate(curve), np.concatenate(speed)
-
-
-def _crossings(r: "Response", found: Curves, *, many: bool) -> list[tuple[IntArray, FloatArray]]:
-    """Return points at which an order meets a mode: of each direction, that of most torque.
-
-    Of variants the modes on rubber with order 2, else all that are met, with unbalance too.
-    """
-    if r.held is None:
-        return []
-    frequency = np.moveaxis(r.held.modes().frequency, -1, 0)
-    meets = frequency / 2
-    if many:
-        meets = meets[: 2 * (r.line.joint_count - 2)]
-    elif r.application.include_unbalance:
-        meets = np.concatenate([meets, frequency])
-    cases = found.fastest.shape[1:]
-    meets = np.broadcast_to(meets, (len(meets), *cases))
-    meets = meets[(meets <= np.nanmax(found.fastest)).any(axis=tuple(range(1, meets.ndim)))]
-    size = np.abs(
-        found.torque_at(np.broadcast_to(meets[:, None], (len(meets), *found.fastest.shape)))
-    )
-    size = np.where(np.isnan(size), -1.0, size)
-    points: list[tuple[IntArray, FloatArray]] = []
-    for direction in dict.fromkeys(found.directions):
-        of = np.flatnonzero([d == direction for d in found.directions])
-        points.append((of[size[:, of].argmax(axis=1)], meets))
-    return points
 
 
 def _at(
@@ -249,22 +262,3 @@ def _best(p: Points) -> dict[str, Points]:
 def _apart(p: Points) -> tuple[IntArray, FloatArray]:
     """Return curves and speeds of the points of each bearing, (n-2, ..., S)."""
     return np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)
-
-
-def _beside(p: Points, width: float) -> tuple[IntArray, FloatArray]:
-    """Return curves and speeds (P, ..., S) a little beside the points of each bearing."""
-    steps = 1 + width * np.array([-1.0, -0.5, 0.5, 1.0])
-    curve, speed = _apart(p)
-    speeds = (steps.reshape(-1, *(1,) * speed.ndim) * speed).reshape(-1, *speed.shape[1:])
-    return np.concatenate([curve] * len(steps)), speeds
-
-
-def _better(name: str, one: Points, other: Points) -> Points:
-    """Return the point of two at which a force is larger, of each bearing by itself."""
-    first, second = (np.nan_to_num(getattr(p.running, name), nan=-1.0) for p in (one, other))
-    take = second > first
-
-    def chosen(a: Any, b: Any) -> Any:
-        return np.where(take if a.ndim == take.ndim else take[..., None], b, a)
-
-    return _each(chosen, one, other)

@@ -198,6 +198,11 @@ class Response:
             return None
         return unbalance(self.layout, self.line, speed=self.demand.speed)
 
+    @property
+    def balanced_at(self) -> FloatArray:
+        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s."""
+        return np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+
     @cached_property
     def held(self) -> Suspended | None:
         """How the line can move on its rubber, in each state; None where it has none."""
