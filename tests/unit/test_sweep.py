@@ -102,12 +102,8 @@ def test_what_a_workshop_moves_varies_beside_the_files_numbers():
         at = "driveline.shafts[1].phase_deg"
         changed = files.change(application, {at: float(values[at][k])})
         response = respond(changed, demand(resolve(changed, changed.lines[0])))
-        amounts = np.array([[values[n][k] * worth for n, (_, _, worth) in moved.items()]])
-        one = tried(response, parts, amounts)
-        alone = respond(
-            changed, response.demand, lay=lambda _, one=one: one.layout[0], phases=one.phases[0]
-        )
-        checks = tuple(checks_of(alone))
+        amounts = np.array([values[n][k] * worth for n, (_, _, worth) in moved.items()])
+        checks = tuple(checks_of(tried(response, parts, amounts)))
         agrees(found, k, checks, worst(c.grade for c in checks))
 
 

@@ -284,7 +284,9 @@ def suspended(
     ahead = stacked(s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing)
     hung = _shapes((1 - ahead / lengths[..., :-1])[..., None], lengths[..., :-1], sines)
     bearing = np.concatenate([frames, d[..., None]], axis=-1)[..., :-1, :, :].mT
-    stiff = np.broadcast_to(np.asarray(stiffness, dtype=float), bearing.shape[:-1])
+    stiff = np.asarray(stiffness, dtype=float)
+    stiff = np.broadcast_to(stiff, np.broadcast_shapes(stiff.shape, bearing.shape[:-1]))
+    eta = np.asarray(loss, dtype=float)
     between = _skew(unit(d[..., :-1, :] + d[..., 1:, :]))
     at_joints = (rear_tilt[..., :-1, :, :].mT @ between @ front_tilt[..., 1:, :, :]).sum(-3)
     half = -(at_joints + _summed(_wound(lengths, sines), fields, turned)) / 2
@@ -296,7 +298,7 @@ def suspended(
         bearing=bearing @ _of(hung[0][..., 0, :], fields[..., :-1, :, :, :]),
         frame=bearing,
         stiffness=stiff,
-        loss=np.broadcast_to(np.asarray(loss, dtype=float), stiff.shape[:-1]),
+        loss=np.broadcast_to(eta, np.broadcast_shapes(eta.shape, stiff.shape[:-1])),
         front=front,
         rear=rear,
         front_tilt=front_tilt,

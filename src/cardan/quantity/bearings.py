@@ -66,7 +66,7 @@ DECLARED = (
         name="Centre bearing, dynamic force",
         symbol="Fd",
         unit="N",
-        equation="Fd = F2 + F4 + F6, F = k (1 + iη) c,  [K (1 + iη) + T K_T + iWG − W²M] q = f",
+        equation="Fd = F2 + F4 + F6, F = k (1 + iη) c,  [K (1 + iη) + T K_T + i W G − W² M] q = f",
         where={
             "F2, F4, F6": "0-to-peak along the major axis of the force ellipse of each order",
             "k, η": "stiffness and loss factor of the rubber",

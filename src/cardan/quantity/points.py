@@ -124,7 +124,8 @@ def worst(r: "Response") -> dict[str, Points]:
     found = curves(r.demand)
     if not found.gears or r.line.joint_count < 3:
         return {}
-    cases = np.broadcast_shapes(found.fastest.shape[1:], r.layout.points.shape[:-2])
+    # Whatever varies shows in what the bearings carry at the states' own torques.
+    cases = np.broadcast_shapes(found.fastest.shape[1:], r.running.peak.shape[:-1])
     found = _beside_variants(found, cases)
     best = _best(_at(r, found, *_candidates(r, found), inertia=False))
     ends = [_apart(p) for p in best.values()]
@@ -175,10 +176,10 @@ def _crossings(r: "Response", found: Curves) -> FloatArray:
     cases = found.fastest.shape[1:]
     if r.held is None:
         return np.zeros((0, *cases))
-    frequency = np.moveaxis(r.held.modes().frequency, -1, 0)
+    modes = r.held.modes().frequency
+    frequency = np.moveaxis(np.broadcast_to(modes, (*cases, modes.shape[-1])), -1, 0)
     orders = (2, 1) if r.application.include_unbalance else (2,)
     meets = np.concatenate([frequency / k for k in orders])
-    meets = np.broadcast_to(meets, (len(meets), *cases))
     within = meets <= np.nanmax(found.fastest, initial=0.0)
     return meets[within.any(axis=tuple(range(1, meets.ndim)))]
 
