@@ -8,6 +8,7 @@ import json
 import math
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -29,12 +30,14 @@ CONTRACT = jsonschema.Draft202012Validator(SCHEMA)
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 UPDATE = bool(os.environ.get("UPDATE_GOLDEN"))
 
+BEARINGS = ("centre_bearing_static", "centre_bearing_dynamic", "centre_bearing_peak")
 FAILS = {
-    "medium-truck-4x2": set(),
+    "medium-truck-4x2": set(BEARINGS),
     "refuse-collector-6x2": {
         "clearance", "torsional_acceleration", "inertia_coast_acceleration",
+        "centre_bearing_dynamic", "centre_bearing_peak",
     },
-    "tandem-6x4": set(),
+    "tandem-6x4": set(BEARINGS),
     "three-joint-chain": set(),
     "van": set(),
 }  # fmt: skip
@@ -206,9 +209,11 @@ def test_every_state_of_the_refuse_collector_clears_the_beam_as_far_as_it_should
     assert [s for s in gap if gap[s] < 15e-3] == ["jounce"]
 
 
-def test_the_refuse_collector_can_be_repaired_within_what_may_be_moved(assessments):
+def test_the_geometry_of_the_refuse_collector_can_be_repaired_within_what_may_be_moved(assessments):
+    """What its bearings carry in first gear is for softer mounts: without those limits."""
     application = assessments["refuse-collector-6x2"].application
-    best, *_ = proposals = fix(application)
+    limits = tuple(m for m in application.limits if m.quantity not in BEARINGS)
+    best, *_ = proposals = fix(replace(application, limits=limits))
     assert best.verdict == "warn"
     assert {m.adjustable.what for m in best.moves} == {"bearing_height", "shim"}
     assert all(m.adjustable.what != "bearing_side" for p in proposals for m in p.moves)  # held

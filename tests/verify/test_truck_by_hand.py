@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 
 from cardan.files.application import loads, read
-from cardan.quantity.quantities import ANSWERED
+from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.report import contract
 from cardan.study.approval import assess
 
@@ -100,7 +100,18 @@ def test_every_quantity_of_every_part(file, line, state):
         for part, value in hand.items():
             wanted = pytest.approx(value, rel=tolerance(quantity, part), abs=1e-15)
             for check in ours[part]:
-                assert check.value == wanted, (quantity, part)
+                asked = rigid(file, check) if QUANTITIES[quantity].sought else check.value
+                assert asked == wanted, (quantity, part)
+
+
+def rigid(file, check):
+    """A bearing's force as if it were rigid, at the state's own torque: what pencils can do.
+
+    Limits ask for the worst operating point on rubber, which is held against an engine.
+    """
+    (response,) = (r for r in assessed(file).responses if r.line.name == check.line)
+    values = QUANTITIES[check.quantity].methods["rigid"](response)
+    return values[response.demand.states.index(check.when.name), check.part.number - 1]
 
 
 @pytest.mark.parametrize("file", TRUCKS)
@@ -192,6 +203,9 @@ def told(file):
     for state in document["states"]:
         name, lines = state.pop("name"), state.pop("lines", {})
         assert state.pop("line") == first
+        for of in (state, *lines.values()):
+            for bearing in of["centre_bearings"]:
+                bearing.pop("on_rubber")
         assert set(lines) == set(others)
         found |= {(line, name): leaves(of) for line, of in {first: state, **lines}.items()}
     return found

@@ -11,9 +11,8 @@ of its energy, the torque T and the speed Ω,
 
 $$[K (1 + i η) + T K_T + i W G(Ω) - W^2 M]\, q = f$$
 
-The bearings' forces are kept as unknowns beside the coordinates, so that a rigid bearing
-and one that slides along its shaft are no special cases. At W = 0 and small torque they are
-those of statics, to rounding.
+At W = 0 and small torque the bearings' forces are those of statics, to rounding; so they are
+at any speed where bearings and shafts are rigid.
 
 The torque is a stiffness too: the crosses' moments turn with the shafts. Its energy is
 (T/2) ∫ d · (e × de), e the tilts along the line, which jump at the joints.
@@ -23,11 +22,12 @@ engines.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, stacked
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 
@@ -37,8 +37,8 @@ LOSS = 0.1
 SINES = 1
 """Sines in which each tube bends between its joints: its second one is above any order 2."""
 
-_STIFF = 1e6
-"""N/m; between a bearing that is soft and one that is rigid, so that equations are of a size."""
+_RIGID = 1e10
+"""N/m; stiffer than any support."""
 
 _XI, _WEIGHT = (
     x / 2 + y for x, y in zip(np.polynomial.legendre.leggauss(6), (0.5, 0.0), strict=True)
@@ -177,36 +177,56 @@ class Suspended:
         torque: ArrayLike = 0.0,
     ) -> Motion:
         """Return the same for R forces by themselves, (..., R, N): motions (..., R, ...)."""
-        forces = np.asarray(forces)
+        forces = np.asarray(forces, dtype=complex)
         W, omega, T = (
             np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
         )
-        inner = (
-            self.bending + T * self.torsion + 1j * W * omega * self.gyroscopic - W**2 * self.mass
-        )
-        rows, count = self._rows, self.stiffness.shape[-2] * 3
-        loss = np.where(W[..., 0] > 0, np.repeat(self.loss, 3, axis=-1), 0.0)
-        k = self.stiffness.reshape(*self.stiffness.shape[:-2], count)
-        rigid = np.isinf(k)
-        hold = np.where(rigid, 1.0, k / (np.where(rigid, 0.0, k) + _STIFF)) * (1 + 1j * loss)
-        give = np.where(rigid, 0.0, 1 / (np.where(rigid, 0.0, k) + _STIFF))
-        lead = np.broadcast_shapes(
-            inner.shape[:-2], rows.shape[:-2], hold.shape[:-1], forces.shape[:-2]
-        )
-        N = inner.shape[-1]
-        whole = np.zeros((*lead, N + count, N + count), dtype=complex)
-        whole[..., :N, :N] = inner
-        whole[..., :N, N:] = rows.mT
-        whole[..., N:, :N] = hold[..., None] * rows
-        whole[..., N:, N:] = -give[..., None] * np.eye(count)
-        right = np.zeros((*lead, N + count, forces.shape[-2]), dtype=complex)
-        right[..., :N, :] = forces.mT
+        k, loss = self._stiffness, np.repeat(self.loss, 3, axis=-1)
+        rigid, rows = np.isinf(k), self._rows
+        spring = np.where(rigid, 0.0, k)
+        lost = (rows.mT * (spring * loss)[..., None, :]) @ rows
+        whole = self._held + T * self.torsion - W**2 * self.mass
+        whole = whole + 1j * (W * omega * self.gyroscopic + np.sign(W) * lost)
+        N, bound = whole.shape[-1], rigid.any()
+        if bound:  # what holds a rigid bearing is unknown beside the motion
+            whole, forces = self._bound(whole, forces, rigid)
+        right = np.broadcast_to(forces, np.broadcast_shapes(
+            forces.shape, (*whole.shape[:-2], 1, 1))).mT  # fmt: skip
         found = np.linalg.solve(whole, right).mT.astype(complex)
-        local = found[..., N:].reshape(*found.shape[:-1], -1, 1, 3)
+        moved = found[..., :N] @ rows.mT
+        pull = moved * (spring * (1 + 1j * np.sign(W[..., 0]) * loss))[..., None, :]
+        pull = pull + found[..., N:] if bound else pull
+        local = pull.reshape(*pull.shape[:-1], -1, 1, 3)
         turned = (local @ self.frame[..., None, :, :, :])[..., 0, :]
         return Motion(coordinates=found[..., :N], bearing_forces=np.asarray(turned, dtype=complex))
 
-    @property
+    def _bound(
+        self, whole: ComplexArray, forces: ComplexArray, rigid: BoolArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return equations and forces with rigid bearings' own forces beside the coordinates."""
+        rows = np.where(rigid[..., None], self._rows, 0.0)
+        N, count = whole.shape[-1], rows.shape[-2]
+        lead = np.broadcast_shapes(whole.shape[:-2], rows.shape[:-2])
+        found = np.zeros((*lead, N + count, N + count), dtype=complex)
+        found[..., :N, :N] = whole
+        found[..., :N, N:] = rows.mT
+        found[..., N:, :N] = rows
+        found[..., N:, N:] = np.where(rigid, 0.0, 1.0)[..., None] * np.eye(count)
+        still = np.zeros((*forces.shape[:-1], count), dtype=complex)
+        return found, np.concatenate([forces, still], axis=-1)
+
+    @cached_property
+    def _stiffness(self) -> FloatArray:
+        """Stiffness of the bearings' directions one by one, (..., 3 (n-2)) N/m."""
+        return self.stiffness.reshape(*self.stiffness.shape[:-2], -1)
+
+    @cached_property
+    def _held(self) -> FloatArray:
+        """Stiffness of tubes and of the rubber that gives, (..., N, N) N/m."""
+        spring = np.where(np.isinf(self._stiffness), 0.0, self._stiffness)
+        return self.bending + (self._rows.mT * spring[..., None, :]) @ self._rows
+
+    @cached_property
     def _rows(self) -> FloatArray:
         """The bearings' motions one by one, (..., 3 (n-2), N)."""
         return self.bearing.reshape(*self.bearing.shape[:-3], -1, self.bearing.shape[-1])
@@ -214,11 +234,9 @@ class Suspended:
     def modes(self, *, torque: ArrayLike = 0.0) -> Modes:
         """Return the modes on the bearings, with the stiffness of a torque (...) N m.
 
-        A rigid bearing is one a thousand times as stiff as its shaft is in bending.
+        A rigid bearing is taken as one that no shaft moves.
         """
-        count = self.stiffness.shape[-2] * 3
-        k = self.stiffness.reshape(*self.stiffness.shape[:-2], count)
-        k = np.minimum(k, 1e10)
+        k = np.minimum(self._stiffness, _RIGID)
         rows = self._rows
         held = (rows.mT * k[..., None, :]) @ rows
         K = self.bending + held + np.asarray(torque, float)[..., None, None] * self.torsion

@@ -24,6 +24,9 @@ from cardan.model.parts import Line
 ORDERS = (2, 4, 6)
 """Orders of the joints; those above 2 come through inertia alone."""
 
+SMALL = 0.03
+"""Share of the shortest shaft that a joint may go as its bearing's rubber sets down."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Running:
@@ -133,7 +136,11 @@ def set_down(layout: Layout, held: Suspended, carried: Loads, *, torque: FloatAr
     push = held.pushed(carried.joint_moments.static)
     found = held.moved(push, torque=torque).coordinates.real[..., None, :, None]
     gone = np.concatenate([held.front @ found, 0 * held.front[..., :1, :, :] @ found], axis=-3)
-    points = layout.points + gone[..., 0]
+    # Small motions: where more is asked, a mount has long met its stop.
+    size = np.linalg.norm(gone[..., 0], axis=-1).max(axis=-1)
+    most = SMALL * layout.lengths.min(axis=-1)
+    share = np.minimum(1.0, most / np.where(size > 0, size, most))
+    points = layout.points + share[..., None, None] * gone[..., 0]
     d = layout.directions
     between = unit(np.diff(points, axis=-2))
     return Layout(points=points, directions=joined(d[..., 0, :], between, d[..., -1, :]))
