@@ -26,7 +26,7 @@ from cardan.report.language import EN, Language
 from cardan.study import approval as approvals
 from cardan.study import fix as fixes
 from cardan.study import sweep as sweeps
-from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding, Study
+from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
 from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
 
 __all__ = [
@@ -282,12 +282,12 @@ def stability(app: Application, **torsion: float) -> Approval:
     `torsion` goes before the file's own: `axle_inertia` kg m², `axle_stiffness` N m/rad,
     `gearbox_inertia`, `gearbox_stiffness`, `damping_ratio`, `rubber_loss`.
     """
-    return _approved(approvals.held_to(app, VIBRATION), VibrationStudy(Surroundings(**torsion)))
+    return _approved(app, VibrationStudy(Surroundings(**torsion)))
 
 
 def bracket(app: Application) -> Approval:
     """Judge the bracket of a centre bearing under the driveline's loads. Takes a while."""
-    return _approved(approvals.held_to(app, BRACKET), BracketStudy())
+    return _approved(app, BracketStudy())
 
 
 def fix(
