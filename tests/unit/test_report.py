@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+import yaml
 from babel.messages.pofile import read_po
 from click.testing import CliRunner
 
@@ -596,3 +597,66 @@ def test_a_file_without_speed_or_torque_is_told_all_the_same(key, tmp_path):
     run = CliRunner().invoke(cli, ["check", str(file), "--html", str(out), "-q"])
     assert run.exit_code in (0, 1), run.output
     assert out.exists()
+
+
+# --------------------------------------------------------------------------- what to change
+
+
+def what_to_change(found, code="en"):
+    """All that a report says under that heading, without corrections."""
+    told = story.approval(
+        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=ISSUE
+    )
+    (chapter,) = [c for c in told.chapters if c.title == Language(code)("What to change")]
+    for block in chapter.blocks:
+        yield from getattr(block, "paragraphs", ())
+        for point, more in getattr(block, "points", ()):
+            yield from (point, *more)
+
+
+def limited(*rows, profile="protractor", **more):
+    """The truck starter under other limits."""
+    text = yaml.safe_load(files.starter("truck")) | more
+    return files.loads(yaml.safe_dump(text | {"limits": list(rows) or profile}))
+
+
+FLAT = {"quantity": "joint_angle", "maximum": 45, "source": "made up"}
+GROWS = {"quantity": "torsional_growth", "unit": "1/s", "maximum": -100, "source": "made up"}
+LIVES = {"quantity": "fatigue_life", "unit": "h", "maximum": 5000, "source": "made up"}
+
+
+def test_a_report_says_that_all_passes_only_where_all_does():
+    assert list(what_to_change(approve(limited(FLAT)))) == [
+        "Everything passes; nothing needs to change."
+    ]
+    assert list(what_to_change(approve(limited(FLAT, LIVES)))) == [
+        "What has an answer passes; nothing needs to change."
+    ]
+
+
+def test_a_report_names_the_study_that_fails_where_no_move_helps():
+    """It said "Everything passes; nothing needs to change." under a headline that said FAIL."""
+    found = with_vibration(limited(FLAT, GROWS))
+    assert found.verdict == "fail"
+    (said,) = what_to_change(found)
+    assert re.fullmatch(
+        r"fail \(vibration\): Growth of torsional vibration, zone of .*: -\S+ against -100.0 1/s",
+        said,
+    )
+    assert next(what_to_change(found, "pt")).startswith("reprovado (vibração): ")
+
+
+def test_a_report_names_what_is_required_and_unanswered():
+    found = approve(limited(FLAT, LIVES | {"required": True}))
+    assert found.verdict == "incomplete"
+    (said,) = what_to_change(found)
+    assert said.endswith("required, and needs cardan life, with a recording")
+
+
+def test_a_report_of_nothing_says_that_nothing_is_approved():
+    small = yaml.safe_load(files.starter("small")) | {"limits": [LIVES]}
+    found = approve(files.loads(yaml.safe_dump(small)))
+    assert found.verdict == "incomplete"
+    assert list(what_to_change(found)) == [
+        "Nothing was held against a limit, so nothing is approved."
+    ]

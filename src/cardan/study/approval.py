@@ -153,7 +153,9 @@ def approve(
     """
     chosen = default_studies(application) if studies is None else studies
     names = {study.name for study in chosen}
-    for name in sorted(names - {DRIVELINE}):  # a profile that says nothing of the line asks nothing of it
+    for name in sorted(
+        names - {DRIVELINE}
+    ):  # a profile that says nothing of the line asks nothing of it
         application = held_to(application, name)
     return Approval(
         application=application,
