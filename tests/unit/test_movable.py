@@ -88,7 +88,16 @@ def test_a_cost_is_the_share_of_the_way_on_its_own_side():
 
 def test_yokes_turn_to_aligned_and_crossed_wherever_they_are():
     """A range of phases counts from the aligned yoke: 90 deg installed turns by 0 or by -90."""
-    text = CHAIN.replace("phase_deg: 15, ", "") + "adjust: {phase_deg: {3: [0, 90]}}\n"
+    text = """
+title: One shaft
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes: {side_deg: [4.0, 1.0, 4.0]}
+  shafts: [{length_mm: 1200, tube: 100x3, phase_deg: 90}]
+limits: protractor
+adjust: {phase_deg: {1: [0, 90]}}
+"""
     turned = {round(m.amount / deg, 6) for p in fix(files.loads(text)) for m in p.moves}
     assert turned == {-90}
 

@@ -188,7 +188,7 @@ def test_a_correction_repairs_what_fails(truck):
     tight = replace(TORSIONAL, normal=180.0, maximum=250.0)
     failing = replace(only(truck, tight, SPLINE), lines=_without_sizes(truck))
     assert assess(failing).verdict == "fail"
-    best = fix(failing)[0]
+    (best,) = fix(failing, count=1)
     assert best.verdict == "pass"
     assert best.margin > 0 > best.before
     for move in best.moves:

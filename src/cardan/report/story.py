@@ -37,6 +37,7 @@ from cardan.report.wording import (
     cited,
     counts,
     gaps,
+    left,
     move,
     moves_that_help,
     notes,
@@ -262,7 +263,7 @@ def _changes(
                 for one in helps
             ),
         )
-    # Moves are tried on what the driveline answers: of what others find nobody knows one that helps.
+    # Moves are tried on what the driveline answers: nobody knows one against what others find.
     beyond = [
         c for c in of.checks if c.grade != "pass" and QUANTITIES[c.quantity].study != DRIVELINE
     ]
@@ -292,12 +293,8 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
         margin=say.percent(p.margin),
         cost=say.short(round(p.cost, 2)),
     )
-    bad = worst_of_each(c for c in p.checks if c.grade != "pass")
-    still = tuple(
-        say("still {grade}: {check}", grade=say(c.grade), check=sentence(c, say)) for c in bad[:3]
-    )
     moves = tuple(move(m, say) for m in p.moves)
-    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *still)
+    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *left(p, say))
 
 
 def _inputs(of: Approval, say: Language) -> Iterator[Block]:

@@ -153,9 +153,8 @@ def approve(
     """
     chosen = default_studies(application) if studies is None else studies
     names = {study.name for study in chosen}
-    for name in sorted(
-        names - {DRIVELINE}
-    ):  # a profile that says nothing of the line asks nothing of it
+    # A profile that says nothing of the driveline asks nothing of it.
+    for name in sorted(names - {DRIVELINE}):
         application = held_to(application, name)
     return Approval(
         application=application,
