@@ -135,3 +135,24 @@ def test_what_helps_is_told_of_a_warning_too():
             assert (effect.back, effect.forth) == pytest.approx((both["back"], both["forth"]))
             best = max(1 - both[way] / (2 * deg) for way in both)
             assert one.gain(effect) == pytest.approx(best - one.check.margin)
+
+
+@pytest.mark.parametrize(("shafts", "choices"), [(3, 8), (4, 5), (7, 8)])
+def test_choices_of_phases_do_not_double_without_end(shafts, choices):
+    """Five shafts took a minute: 32 choices of their yokes, each a search of its own."""
+    hung = "    - {length_mm: 1100, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}\n"
+    slopes = ", ".join(["3.0", "1.0"] * 5)[: 5 * (shafts + 2) - 2]
+    text = f"""
+title: Many shafts
+speed_rpm: 2400
+torque_Nm: 8000
+driveline:
+  slopes: {{side_deg: [{slopes}]}}
+  shafts:
+{hung * (shafts - 1)}    - {{length_mm: 1500, tube: 120x4}}
+limits: protractor
+"""
+    told = []
+    stepless = ("bearing_height", "bearing_side", "shim")
+    fix(files.loads(text), hold=stepless, tell=lambda *at: told.append(at))
+    assert told == [(k, choices) for k in range(choices)]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
+from math import prod
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -30,6 +31,9 @@ RESERVE = 0.02
 
 TRIALS = 48
 """Trials spread over each way that is free before the search follows the best of them."""
+
+TURNINGS = 8
+"""Choices of yoke phases that are searched together at most: two of each of three shafts."""
 
 PLENTY = 10.0
 """Margins are cut here."""
@@ -365,14 +369,27 @@ def _positions(search: _Search) -> Iterator[FloatArray]:
 
 
 def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[FloatArray]:
-    """Yield the amounts (movable) of every choice of yoke phases, as installed first."""
+    """Yield the amounts (movable) of choices of yoke phases, as installed first.
+
+    Every combination while they are few; each yoke turned by itself where they are not: each
+    choice is a search of its own, and they double with every shaft.
+    """
     choices = []
     for adjustable in movable:
         turns = [0.0]
         if MOVABLES[adjustable.what].choice:
             turns += _ends(response, adjustable)
         choices.append(list(dict.fromkeys(t for t in turns if t == 0 or abs(t) > 1e-9)))
-    yield from (np.array(choice) for choice in product(*choices))
+    if prod(map(len, choices)) <= TURNINGS:
+        yield from (np.array(choice) for choice in product(*choices))
+        return
+    still = np.zeros(len(movable))
+    yield still
+    for k, turns in enumerate(choices):
+        for turn in turns[1:]:
+            turned = still.copy()
+            turned[k] = turn
+            yield turned
 
 
 def _ends(response: Response, adjustable: Adjustable) -> list[float]:
