@@ -115,8 +115,9 @@ class Approval(approvals.Approval):
         if not self.responses and path.suffix.lower() != ".json":
             msg = f"a report tells of a driveline: check it, with studies=({self.studies[0]!r},)"
             raise CardanError(msg)
-        from cardan.border.writer import write
+        from cardan.border.writer import claim, write
 
+        claim({"the report": path}, inputs=_read_from(self.application))
         write(path, writers[path.suffix.lower()](self, say), replace=True)
         return path
 
@@ -410,6 +411,14 @@ def _issue(app: Application) -> Issue:
         prints=(sha256(text.encode()).hexdigest()[:16],),
         texts=(text,),
     )
+
+
+def _read_from(app: Application) -> tuple[Path, ...]:
+    """Return the files that an application was read from."""
+    written = app.written
+    if written is None or written.folder is None:
+        return ()
+    return Path(written.name), *written.beside
 
 
 def _frame(columns: Mapping[str, Any]) -> Any:

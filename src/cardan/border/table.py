@@ -95,6 +95,8 @@ class Reading:
     fixed: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     places: dict[str, Place] = field(default_factory=dict[str, Place])
     """Where everything that was read stands, by its key."""
+    beside: list[Path] = field(default_factory=list[Path])
+    """Files that this one names."""
 
 
 @dataclass
@@ -151,6 +153,7 @@ class Here:
         if not (inside or self.reading.allow_outside):
             message = f"lies outside the folder of this file, {folder.resolve()}"
             self.refuse(message, "put it beside this file, or say --allow-outside", got=name)
+        self.reading.beside.append(path)
         return path
 
     def keep(self, written: Node | None = None) -> None:

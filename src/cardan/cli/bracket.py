@@ -65,8 +65,8 @@ def bracket(
 
     say = Language(lang)
     beside = _beside(vtu, REINFORCED) if vtu else None
-    claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
-    application = read(file, limits, allow_outside=allow_outside)
+    outputs = claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
         approval = approve(application, (BracketStudy(),), tell=tell.study)
     found: BracketAnswer = approval.of(BRACKET)

@@ -59,8 +59,8 @@ def fix(
     from cardan.study.fix import fix as search
 
     say = Language(lang)
-    claim(file, limits, json_out=json_out)
-    application = read(file, limits, allow_outside=allow_outside)
+    outputs = claim(file, limits, json_out=json_out)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("looking for corrections"), quiet=quiet) as tell:
         found = search(application, line=line, hold=hold, count=count, tell=tell)
     if json_out is not None:

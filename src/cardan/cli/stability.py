@@ -67,9 +67,9 @@ def stability(
     from cardan.study.studies import VibrationStudy
 
     say = Language(lang)
-    claim(file, limits, json_out=json_out, chart=chart)
+    outputs = claim(file, limits, json_out=json_out, chart=chart)
     given = {name: value for name, value in surroundings.items() if value is not None}
-    application = read(file, limits, allow_outside=allow_outside)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     study = VibrationStudy(Surroundings(**given))
     with of(file, application), progress(say("asking what vibrates"), quiet=quiet) as tell:
         found = approve(application, (study,), tell=tell.study)
