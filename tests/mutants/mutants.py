@@ -809,7 +809,7 @@ CLI = (
            "--bracket asks nothing", "unit/test_cli.py::test_a_bracket_that_is_not_there_is_asked_for_all_the_same"),
     mutant("cli/check.py", "sha256(c).hexdigest()[:16]", "sha256(b\"\").hexdigest()[:16]",
            "every file has one print", "unit/test_cli.py::test_a_page_bears_the_print_of_its_file"),
-    mutant("cli/check.py", "    claim(*files, limits, json_out=json_out,", "    claim(limits, json_out=json_out,",
+    mutant("cli/check.py", "claim(*files, limits, json_out=json_out,", "claim(limits, json_out=json_out,",
            "a report is written over its own file", "unit/test_border_writer.py::test_what_is_read_is_never_written_over"),
     mutant("cli/common.py", "replace(application, profile=name, limits=found)",
            "replace(application, profile=name)", "--limits changes the name alone",

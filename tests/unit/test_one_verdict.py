@@ -460,3 +460,24 @@ def test_a_bracket_s_own_limits_are_asked_beside_the_driveline_too(tmp_path):
         alone.checks
     )
     assert beside.application.profile == "limits of the application; bracket: heavy-truck"
+
+
+# --------------------------------------------------------------------------- no life at all
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "said"),
+    [
+        (None, ("--allowed", "inf"), "must be finite"),
+        (None, ("--low-pass-Hz", "0.001"), "keeps not one period"),
+        (3, (), "holds 3 samples"),
+    ],
+)
+def test_a_life_that_nothing_is_known_of_is_refused(recording, tmp_path, rows, options, said):
+    """Damage that nothing allows, a filter slower than the recording, one of three samples."""
+    short = tmp_path / "short.csv"
+    lines = recording.read_text(encoding="utf-8").splitlines()
+    short.write_text("\n".join(lines[: rows and rows + 1]) + "\n", encoding="utf-8")
+    run = CliRunner().invoke(cli, ["life", str(short), *GAUGE, *options])
+    assert (run.exit_code, run.stdout) == (2, "")
+    assert said in run.stderr

@@ -72,7 +72,7 @@ def read(file: Path, limits: str | None, *, allow_outside: bool, outputs: Output
     from cardan.border import writer
 
     application = files.read(file, allow_outside=allow_outside)
-    writer.claim(outputs, inputs=application.written.beside)
+    writer.claim(outputs, inputs=application.written.beside if application.written else ())
     if limits:
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
