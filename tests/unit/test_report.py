@@ -36,6 +36,7 @@ from cardan.report.pdf import document
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.wording import counts, sense
+from cardan.report.workbook import workbook
 from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
@@ -660,3 +661,35 @@ def test_a_report_of_nothing_says_that_nothing_is_approved():
     assert list(what_to_change(found)) == [
         "Nothing was held against a limit, so nothing is approved."
     ]
+
+
+@pytest.mark.parametrize(
+    ("margin", "shown"),
+    [(99.99, "+9999 %"), (100.0, "> 9999 %"), (4.7e19, "> 9999 %"), (-20, "< -999 %")],
+)
+def test_a_margin_keeps_to_its_column(margin, shown):
+    """A bracket that nothing wears had +4783813770319300132864 % of its life left."""
+    assert EN.percent(margin) == shown
+
+
+def test_a_shaft_without_a_tube_has_no_bar_and_no_warning():
+    """What is not known of one shaft warned of an empty slice, on the way to a page."""
+    text = yaml.safe_load(files.starter("small"))
+    del text["driveline"]["shafts"][0]["tube"]
+    (response,) = assess(files.loads(yaml.safe_dump(text))).responses
+    assert np.isnan(response.critical_speeds[..., 0]).all()
+    assert "shaft 1" not in plots(response, EN)[-1].svg
+
+
+def test_a_sheet_of_a_recording_has_its_title_and_heads(tmp_path):
+    """It was called `recording` in every language, over a column headed `, as computed`."""
+    from zipfile import ZipFile
+
+    found = approve(limited(FLAT, LIVES))
+    for code, title in (("en", "Recording"), ("pt", "Gravação"), ("it", "Registrazione")):
+        book = tmp_path / f"{code}.xlsx"
+        book.write_bytes(workbook(found, say=Language(code)))
+        with ZipFile(book) as file:
+            assert f'name="{title}"' in file.read("xl/workbook.xml").decode()
+            texts = file.read("xl/sharedStrings.xml").decode()
+        assert not re.search(r">, ", texts)

@@ -18,7 +18,11 @@ from cardan.study.sensitivity import Effect, Sensitivity
 if TYPE_CHECKING:
     from cardan.study.fix import Proposal
 
-STUDY_TITLES = {"vibration": "Vibration and stability", "bracket": "Bracket"}
+STUDY_TITLES = {
+    "vibration": "Vibration and stability",
+    "bracket": "Bracket",
+    "recording": "Recording",
+}
 """What the chapters and sheets of studies are called beside the driveline's."""
 
 
