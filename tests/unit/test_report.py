@@ -665,7 +665,7 @@ def test_a_report_of_nothing_says_that_nothing_is_approved():
 
 @pytest.mark.parametrize(
     ("margin", "shown"),
-    [(99.99, "+9999 %"), (100.0, "> 9999 %"), (4.7e19, "> 9999 %"), (-20, "< -999 %")],
+    [(99.99, "+9999 %"), (100.0, ">9999 %"), (4.7e19, ">9999 %"), (-20, "< -999 %")],
 )
 def test_a_margin_keeps_to_its_column(margin, shown):
     """A bracket that nothing wears had +4783813770319300132864 % of its life left."""

@@ -205,7 +205,7 @@ def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Ite
     yield _bold(
         f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 40)}"
         f"{say('value'):>9} {'':8}{_fit(say('limit'), 9)}"
-        f"{_fit(say('unit'), 9)}{say('margin'):>8}  {say('source')}"
+        f"{_fit(say('unit'), 9)}{say('margin'):>7}  {say('source')}"
     )
     for c in rows:
         q = QUANTITIES[c.quantity]
@@ -214,7 +214,7 @@ def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Ite
             f"{_fit(place(c, say, several=several), 40)}"
             f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
             f"{_fit(say.number(c.bound / q.factor), 9)}"
-            f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>8}"
+            f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
             f"  [{sources.index(cited(c.limit.source, say)) + 1}]"
         )
     yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
