@@ -26,7 +26,7 @@ from cardan.report.language import EN, Language
 from cardan.study import approval as approvals
 from cardan.study import fix as fixes
 from cardan.study import sweep as sweeps
-from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding, Study
+from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
 from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
 
 __all__ = [
@@ -115,8 +115,9 @@ class Approval(approvals.Approval):
         if not self.responses and path.suffix.lower() != ".json":
             msg = f"a report tells of a driveline: check it, with studies=({self.studies[0]!r},)"
             raise CardanError(msg)
-        from cardan.border.writer import write
+        from cardan.border.writer import claim, write
 
+        claim({"the report": path}, inputs=_read_from(self.application))
         write(path, writers[path.suffix.lower()](self, say), replace=True)
         return path
 
@@ -282,12 +283,12 @@ def stability(app: Application, **torsion: float) -> Approval:
     `torsion` goes before the file's own: `axle_inertia` kg m², `axle_stiffness` N m/rad,
     `gearbox_inertia`, `gearbox_stiffness`, `damping_ratio`, `rubber_loss`.
     """
-    return _approved(approvals.held_to(app, VIBRATION), VibrationStudy(Surroundings(**torsion)))
+    return _approved(app, VibrationStudy(Surroundings(**torsion)))
 
 
 def bracket(app: Application) -> Approval:
     """Judge the bracket of a centre bearing under the driveline's loads. Takes a while."""
-    return _approved(approvals.held_to(app, BRACKET), BracketStudy())
+    return _approved(app, BracketStudy())
 
 
 def fix(
@@ -410,6 +411,14 @@ def _issue(app: Application) -> Issue:
         prints=(sha256(text.encode()).hexdigest()[:16],),
         texts=(text,),
     )
+
+
+def _read_from(app: Application) -> tuple[Path, ...]:
+    """Return the files that an application was read from."""
+    written = app.written
+    if written is None or written.folder is None:
+        return ()
+    return Path(written.name), *written.beside
 
 
 def _frame(columns: Mapping[str, Any]) -> Any:

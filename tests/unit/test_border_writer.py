@@ -13,9 +13,11 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 from click.testing import CliRunner, Result
 
-from cardan.base.errors import BadFile
+import cardan
+from cardan.base.errors import BadFile, CardanError
 from cardan.border import writer
 from cardan.border.writer import claim, same, write
 from cardan.cli import cli
@@ -415,3 +417,57 @@ def test_terminals_and_null_devices_are_nobodys(tmp_path, monkeypatch):
     assert same(file, file)
     monkeypatch.setattr(stat, "S_ISCHR", lambda _: True)
     claim({"--json": file, "--html": file}, inputs=[file])
+
+
+PROFILE = "profile: o\nlimits: [{quantity: joint_angle, unit: deg, maximum: 9, source: us}]\n"
+
+
+@pytest.fixture
+def naming(truck, tmp_path):
+    """A truck that names a profile and a catalogue, by what each is read as."""
+    named = {kind: tmp_path / f"own.{kind}" for kind in ("yaml", "csv")}
+    named["yaml"].write_text(PROFILE)
+    named["csv"].write_text("name,outer_mm,wall_mm\nours,100,3\n")
+    text = yaml.safe_load(truck.read_text()) | {"limits": "own.yaml", "catalogues": ["own.csv"]}
+    truck.write_text(yaml.safe_dump(text))
+    return truck, named
+
+
+@pytest.mark.parametrize("kind", ["yaml", "csv"])
+@pytest.mark.parametrize(
+    "command",
+    [("check", "FILE", "--html"), ("fix", "FILE", "--json"), ("stability", "FILE", "--chart"),
+     ("bracket", "FILE", "--vtu"), ("life", "x.csv", "--sn", "1,1,1", "--application", "FILE",
+                                    "--json")],
+)  # fmt: skip
+def test_files_that_an_application_names_are_read_too(naming, kind, command):
+    """`cardan check truck.yaml --html own.yaml` replaced the truck's own limits by a page."""
+    truck, named = naming
+    before = named[kind].read_bytes()
+    result = run(*(truck if word == "FILE" else word for word in command), named[kind])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "would write over the file that is read" in result.stderr
+    assert named[kind].read_bytes() == before
+
+
+def test_a_report_from_python_spares_what_was_read(naming):
+    truck, named = naming
+    named["yaml"].rename(named["yaml"].with_name("own.json"))
+    truck.write_text(truck.read_text().replace("own.yaml", "own.json.yaml"))
+    (truck.parent / "own.json.yaml").symlink_to("own.json")
+    found = cardan.check(cardan.read(truck))
+    with pytest.raises(
+        CardanError, match=r"the report would write over the file .*own\.json\.yaml"
+    ):
+        found.report(truck.parent / "own.json")
+    assert (truck.parent / "own.json").read_text() == PROFILE
+
+
+def test_nothing_is_written_into_the_program(truck):
+    """What comes with it is read as well, wherever no other limits are named."""
+    profile = Path(cardan.__file__).parent / "files/profiles/heavy-truck.yaml"
+    before = profile.read_bytes()
+    result = run("check", truck, "--html", profile)
+    assert result.exit_code == 2
+    assert "would write into the program itself" in result.stderr
+    assert profile.read_bytes() == before

@@ -11,6 +11,7 @@ from io import StringIO
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 from click.testing import CliRunner, Result
@@ -21,6 +22,7 @@ from cardan.base.source import DERIVED
 from cardan.cli import cli
 from cardan.cli.common import progress
 from cardan.quantity.quantities import QUANTITIES
+from cardan.study.approval import approve
 from cardan.study.fix import fix
 from cardan.study.published import Published
 from cardan.study.stability import stability
@@ -562,3 +564,73 @@ def test_searches_tell_how_far_they_are():
     count = told[0][1]
     assert count > 1
     assert told == [(k, count) for k in range(count)]
+
+
+# --------------------------------------------------------------------------- fix, and all studies
+
+SHAKEN = yaml.safe_load(files.starter("truck")) | {"torsion": {"axle_inertia_kgm2": 1.4}}
+GROWS = {"quantity": "torsional_growth", "unit": "1/s", "maximum": -100, "source": "made up"}
+FATIGUE = {"quantity": "fatigue_life", "unit": "h", "maximum": 5, "source": "made up"}
+SHAKES = {"quantity": "torsional_acceleration", "unit": "rad/s2", "maximum": 150, "source": "us"}
+
+
+@pytest.mark.parametrize(
+    ("row", "verdict"),
+    [(GROWS, "fail"), (FATIGUE | {"required": True}, "incomplete"), (FATIGUE, "warn")],
+)
+def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_path):
+    """It promised "pass" where a check of the file so changed failed or was incomplete."""
+    file = written(tmp_path, yaml.safe_dump(SHAKEN | {"limits": [SHAKES, row]}))
+    result = run("fix", "--json", "-", file)
+    first, *_ = json.loads(result.stdout)
+    assert (first["verdict"], result.exit_code) == (verdict, 0 if verdict == "warn" else 1)
+    assert any(c["quantity"].startswith("torsional_r") for c in first["checks"]) == (row != GROWS)
+    said = run("fix", file).stdout
+    assert ("still fail: Growth of torsional vibration" in said) == (verdict == "fail")
+    assert ("required, and needs cardan life" in said) == (verdict == "incomplete")
+
+
+def test_the_file_changed_as_proposed_gives_what_is_proposed():
+    """Points, slopes and phases as the correction leaves them, written into the file again."""
+    text = SHAKEN | {"adjust": {"bearing_height_mm": {1: [-20, 30]}, "shim_deg": [-3, 3]}}
+    text["limits"] = [SHAKES, GROWS]
+    application = files.loads(yaml.safe_dump(text))
+    (proposal, *_) = [p for p in fix(application) if len(p.moves) == 2]
+    moved = proposal.approval.application.lines[0].layout
+    line = text["driveline"] = dict(text["driveline"])
+    line["points_mm"] = (moved.points * 1e3).tolist()
+    line["pinion_slope"] = {
+        "side_deg": float(np.degrees(moved.side[-1])), "top_deg": float(np.degrees(moved.top[-1])),
+    }  # fmt: skip
+    x, z = proposal.approval.application.lines[0].axle.pinion_joint
+    text["axle"] = text["axle"] | {"pinion": {"ahead_mm": -1e3 * x, "above_mm": 1e3 * z}}
+    found = approve(files.loads(yaml.safe_dump(text)))
+    told = {(c.quantity, c.when, c.part): c.value for c in proposal.checks}
+    assert told == pytest.approx(
+        {(c.quantity, c.when, c.part): c.value for c in found.checks}, rel=1e-6
+    )
+
+
+def test_nothing_worse_than_what_is_installed_is_proposed(tmp_path):
+    """The first proposal for a truck that passed was a yoke turned, for less margin."""
+    text = {k: v for k, v in SHAKEN.items() if k != "torsion"}
+    limits = [SHAKES | {"maximum": 1500}]
+    found = json.loads(
+        run("fix", "--json", "-", written(tmp_path, yaml.safe_dump(text | {"limits": limits})))
+        .stdout
+    )  # fmt: skip
+    assert found
+    assert all(p["margin"] > p["margin_before"] for p in found)
+
+
+def test_fix_ends_as_a_check_does_where_nothing_is_to_be_moved(tmp_path):
+    held = "adjust: {shim_deg: [-4, 4], hold: [shim]}\n"
+    for text, code in ((SMALL, 0), (SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]"), 1)):
+        file = written(tmp_path, text.replace("2500", "3600") + held)
+        assert run("check", "-q", file).exit_code == run("fix", file).exit_code == code
+
+
+def test_a_proposal_names_the_line_of_what_is_left():
+    """In a vehicle of several lines what still warns may be of another one."""
+    said = run("fix", EXAMPLES / "tandem-6x4.yaml").stdout
+    assert re.search(r"still warn: (main|inter-axle|[a-z-]+): Joint torque swing", said)

@@ -150,7 +150,8 @@ def test_a_quantity_by_line_state_and_part(found):
     document = found.to_dict()["states"]
     for v in peaks.values:
         state = next(s for s in document if s["name"] == v.when.name)
-        assert state["centre_bearings"][v.part.number - 1]["peak_N"] == pytest.approx(v.value)
+        worst_there = state["centre_bearings"][v.part.number - 1]["on_rubber"]["worst"]
+        assert worst_there["peak_N"] == pytest.approx(v.value)
     assert repr(peaks).startswith("Centre bearing, peak force [N]\n  main, full rebound")
     assert str(found.quantity("clearance").worst.part) == "shaft 3 to auxiliary beam"
     with pytest.raises(ValueError, match=r"did you mean joint_angle\?"):

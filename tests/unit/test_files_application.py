@@ -715,7 +715,7 @@ def test_a_file_with_everything_wrong_is_not_read_for_ever():
 
 
 def test_an_error_is_one_line_whatever_the_file_holds():
-    (message,) = refused(SMALL + '"a\\n\\u200bb": 1\n')
+    (message,) = refused(SMALL + '"a\\n\\tb": 1\n')
     assert message.startswith("f.yaml:11:1: a  b: unknown key;")
     (message,) = refused(changed("length_mm: 1200", "length_mm: 12\n        00"))
     assert message.startswith(f"{NUMBER} (got 12 00)")

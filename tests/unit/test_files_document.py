@@ -3,6 +3,7 @@
 # ruff: noqa: E501  messages stand here as they are printed
 
 import pytest
+import yaml
 
 from cardan.base.errors import BadFile
 from cardan.border.document import (
@@ -15,6 +16,7 @@ from cardan.border.document import (
     parse,
     text_of,
 )
+from cardan.files import loads, starter
 
 
 def tree(text):
@@ -196,9 +198,10 @@ def test_what_turns_a_text_round_is_refused_as_it_stands(character):
     assert f"(U+{ord(character):04X}) stands here; it can make a text look like another" in said
 
 
-def test_accents_emoji_and_their_joiners_may_stay():
-    written = "Caminhão 卡车 👩\u200d🔧"
-    escaped = written.replace("\u200d", r"\u200d")
+def test_accents_and_emoji_may_stay():
+    """What joins emoji is not seen by itself, and is refused."""
+    written = "Caminha\u0303o 卡车 🔧"
+    escaped = written.replace("\u0303", r"\u0303")
     assert tree(f'a: "{escaped}"\nb: {written}\n').value == {"a": written, "b": written}
 
 
@@ -280,3 +283,29 @@ def test_nodes_say_briefly_what_they_are():
     assert Scalar("", 1, 1).brief == "nothing"
     assert [Sequence(1, 1).brief, Mapping(1, 1).brief] == ["an empty list", "an empty table"]
     assert [tree("[1, 2]").brief, tree("{a: 1}").brief] == ["a list of 2", "a table"]
+
+
+@pytest.mark.parametrize(
+    "character",
+    "\xad\u034f\u115f\u17b4\u180b\u180e\u200b\u200c\u200d\u2060\u2064\u206f\u3164\ufe00\ufe0f\ufeff"
+    "\uffa0\ufff9\ufffb\U0001d173\U000e0001\U000e0100",
+)
+def test_what_nobody_sees_is_refused_in_a_name(character):
+    """Two obstacles named "beam" stood side by side, one with a soft hyphen in it."""
+    for text in (f"title: be{character}am\n", f'title: "be\\U{ord(character):08x}am"\n'):
+        with pytest.raises(BadFile, match=rf"\(U\+{ord(character):04X}\).*look like another"):
+            loads(text + "driveline: {}\n")
+
+
+def test_accents_stay_and_names_are_one_where_they_print_as_one():
+    """A combining accent is seen; written so or as one character, a name is the same."""
+    small = yaml.safe_load(starter("small"))
+    ball = {"start_mm": [500, 0, -300], "radius_mm": 10}
+    apart, together = "eixo auxiliar \u0301e", "cafe\u0301"
+    beside = [{"name": n, **ball} for n in (apart, together)]
+    assert (
+        len(loads(yaml.safe_dump(small | {"obstacles": beside}, allow_unicode=True)).obstacles) == 2
+    )
+    alike = [{"name": n, **ball} for n in ("caf\xe9", "cafe\u0301")]
+    with pytest.raises(BadFile, match="this name is above already"):
+        loads(yaml.safe_dump(small | {"obstacles": alike}, allow_unicode=True))

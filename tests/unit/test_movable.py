@@ -88,7 +88,16 @@ def test_a_cost_is_the_share_of_the_way_on_its_own_side():
 
 def test_yokes_turn_to_aligned_and_crossed_wherever_they_are():
     """A range of phases counts from the aligned yoke: 90 deg installed turns by 0 or by -90."""
-    text = CHAIN.replace("phase_deg: 15, ", "") + "adjust: {phase_deg: {3: [0, 90]}}\n"
+    text = """
+title: One shaft
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes: {side_deg: [4.0, 1.0, 4.0]}
+  shafts: [{length_mm: 1200, tube: 100x3, phase_deg: 90}]
+limits: protractor
+adjust: {phase_deg: {1: [0, 90]}}
+"""
     turned = {round(m.amount / deg, 6) for p in fix(files.loads(text)) for m in p.moves}
     assert turned == {-90}
 
@@ -126,3 +135,24 @@ def test_what_helps_is_told_of_a_warning_too():
             assert (effect.back, effect.forth) == pytest.approx((both["back"], both["forth"]))
             best = max(1 - both[way] / (2 * deg) for way in both)
             assert one.gain(effect) == pytest.approx(best - one.check.margin)
+
+
+@pytest.mark.parametrize(("shafts", "choices"), [(3, 8), (4, 5), (7, 8)])
+def test_choices_of_phases_do_not_double_without_end(shafts, choices):
+    """Five shafts took a minute: 32 choices of their yokes, each a search of its own."""
+    hung = "    - {length_mm: 1100, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}\n"
+    slopes = ", ".join(["3.0", "1.0"] * 5)[: 5 * (shafts + 2) - 2]
+    text = f"""
+title: Many shafts
+speed_rpm: 2400
+torque_Nm: 8000
+driveline:
+  slopes: {{side_deg: [{slopes}]}}
+  shafts:
+{hung * (shafts - 1)}    - {{length_mm: 1500, tube: 120x4}}
+limits: protractor
+"""
+    told = []
+    stepless = ("bearing_height", "bearing_side", "shim")
+    fix(files.loads(text), hold=stepless, tell=lambda *at: told.append(at))
+    assert told == [(k, choices) for k in range(choices)]

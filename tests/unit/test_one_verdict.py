@@ -52,7 +52,7 @@ from one_verdict import (
 import cardan
 from cardan import files
 from cardan.cli import cli
-from cardan.quantity.quantities import LIMITABLE
+from cardan.quantity.quantities import LIMITABLE, QUANTITIES
 from cardan.report import story
 from cardan.report.html import page
 from cardan.report.language import CODES, Language
@@ -421,3 +421,63 @@ def test_room_alone_fails_in_the_workbook_too(tmp_path):
     book = tmp_path / "book.xlsx"
     book.write_bytes(workbook(found, say=Language("en")))
     assert cached(book) == "fail"
+
+
+# --------------------------------------------------------------------------- whose limits
+
+
+@pytest.mark.parametrize("asked", [("--with", "vibration"), ()])
+def test_a_profile_without_a_study_s_limits_does_not_pass_what_the_study_finds(asked, tmp_path):
+    """Under `protractor` this truck passed its check, and failed `cardan stability`."""
+    path = tmp_path / "undamped.yaml"
+    path.write_text(
+        yaml.safe_dump(yaml.safe_load(UNDAMPED) | {"limits": "protractor"}), encoding="utf-8"
+    )
+    run = CliRunner().invoke(cli, ["check", str(path), *asked, "--json", "-"])
+    document = json.loads(run.stdout)
+    assert (run.exit_code, document["verdict"]) == (1, "fail")
+    assert document["profile"] == "protractor; vibration: heavy-truck"
+    alone = CliRunner().invoke(cli, ["stability", str(path), "--json", "-"])
+    mine = [c for c in document["checks"] if QUANTITIES[c["quantity"]].study == VIBRATION]
+    assert mine == json.loads(alone.stdout)["checks"]
+    app = cardan.read(path)
+    for found in (cardan.check(app), cardan.check(app, studies=["vibration"])):
+        assert found.verdict == cardan.stability(app).verdict == "fail"
+
+
+def test_a_chapter_that_nothing_was_held_against_does_not_pass(undamped):
+    (vibration,) = [f for f in undamped.findings if f.study == VIBRATION]
+    text = next(chapter(replace(vibration, checks=()), Language("en")))
+    assert text.paragraphs[0] == "Vibration: INCOMPLETE (0 fail, 0 warn, 0 pass)."
+
+
+def test_a_bracket_s_own_limits_are_asked_beside_the_driveline_too(tmp_path):
+    path = put(tmp_path, "truck", truck([limit("joint_angle", maximum=45)], **GIVEN["bracket"]))
+    with made_up_bracket():
+        beside, alone = read(path, hangs=True), cardan.bracket(cardan.read(path))
+    assert alone.checks
+    assert [c for c in beside.checks if QUANTITIES[c.quantity].study == "bracket"] == list(
+        alone.checks
+    )
+    assert beside.application.profile == "limits of the application; bracket: heavy-truck"
+
+
+# --------------------------------------------------------------------------- no life at all
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "said"),
+    [
+        (None, ("--allowed", "inf"), "must be finite"),
+        (None, ("--low-pass-Hz", "0.001"), "keeps not one period"),
+        (3, (), "holds 3 samples"),
+    ],
+)
+def test_a_life_that_nothing_is_known_of_is_refused(recording, tmp_path, rows, options, said):
+    """Damage that nothing allows, a filter slower than the recording, one of three samples."""
+    short = tmp_path / "short.csv"
+    lines = recording.read_text(encoding="utf-8").splitlines()
+    short.write_text("\n".join(lines[: rows and rows + 1]) + "\n", encoding="utf-8")
+    run = CliRunner().invoke(cli, ["life", str(short), *GAUGE, *options])
+    assert (run.exit_code, run.stdout) == (2, "")
+    assert said in run.stderr

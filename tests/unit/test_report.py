@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+import yaml
 from babel.messages.pofile import read_po
 from click.testing import CliRunner
 
@@ -35,6 +36,7 @@ from cardan.report.pdf import document
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.wording import counts, sense
+from cardan.report.workbook import workbook
 from cardan.study.approval import approve, assess
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.fix import fix
@@ -596,3 +598,98 @@ def test_a_file_without_speed_or_torque_is_told_all_the_same(key, tmp_path):
     run = CliRunner().invoke(cli, ["check", str(file), "--html", str(out), "-q"])
     assert run.exit_code in (0, 1), run.output
     assert out.exists()
+
+
+# --------------------------------------------------------------------------- what to change
+
+
+def what_to_change(found, code="en"):
+    """All that a report says under that heading, without corrections."""
+    told = story.approval(
+        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=ISSUE
+    )
+    (chapter,) = [c for c in told.chapters if c.title == Language(code)("What to change")]
+    for block in chapter.blocks:
+        yield from getattr(block, "paragraphs", ())
+        for point, more in getattr(block, "points", ()):
+            yield from (point, *more)
+
+
+def limited(*rows, profile="protractor", **more):
+    """The truck starter under other limits."""
+    text = yaml.safe_load(files.starter("truck")) | more
+    return files.loads(yaml.safe_dump(text | {"limits": list(rows) or profile}))
+
+
+FLAT = {"quantity": "joint_angle", "maximum": 45, "source": "made up"}
+GROWS = {"quantity": "torsional_growth", "unit": "1/s", "maximum": -100, "source": "made up"}
+LIVES = {"quantity": "fatigue_life", "unit": "h", "maximum": 5000, "source": "made up"}
+
+
+def test_a_report_says_that_all_passes_only_where_all_does():
+    assert list(what_to_change(approve(limited(FLAT)))) == [
+        "Everything passes; nothing needs to change."
+    ]
+    assert list(what_to_change(approve(limited(FLAT, LIVES)))) == [
+        "What has an answer passes; nothing needs to change."
+    ]
+
+
+def test_a_report_names_the_study_that_fails_where_no_move_helps():
+    """It said "Everything passes; nothing needs to change." under a headline that said FAIL."""
+    found = with_vibration(limited(FLAT, GROWS))
+    assert found.verdict == "fail"
+    (said,) = what_to_change(found)
+    assert re.fullmatch(
+        r"fail \(vibration\): Growth of torsional vibration, zone of .*: -\S+ against -100.0 1/s",
+        said,
+    )
+    assert next(what_to_change(found, "pt")).startswith("reprovado (vibração): ")
+
+
+def test_a_report_names_what_is_required_and_unanswered():
+    found = approve(limited(FLAT, LIVES | {"required": True}))
+    assert found.verdict == "incomplete"
+    (said,) = what_to_change(found)
+    assert said.endswith("required, and needs cardan life, with a recording")
+
+
+def test_a_report_of_nothing_says_that_nothing_is_approved():
+    small = yaml.safe_load(files.starter("small")) | {"limits": [LIVES]}
+    found = approve(files.loads(yaml.safe_dump(small)))
+    assert found.verdict == "incomplete"
+    assert list(what_to_change(found)) == [
+        "Nothing was held against a limit, so nothing is approved."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("margin", "shown"),
+    [(99.99, "+9999 %"), (100.0, ">9999 %"), (4.7e19, ">9999 %"), (-20, "< -999 %")],
+)
+def test_a_margin_keeps_to_its_column(margin, shown):
+    """A bracket that nothing wears had +4783813770319300132864 % of its life left."""
+    assert EN.percent(margin) == shown
+
+
+def test_a_shaft_without_a_tube_has_no_bar_and_no_warning():
+    """What is not known of one shaft warned of an empty slice, on the way to a page."""
+    text = yaml.safe_load(files.starter("small"))
+    del text["driveline"]["shafts"][0]["tube"]
+    (response,) = assess(files.loads(yaml.safe_dump(text))).responses
+    assert np.isnan(response.critical_speeds[..., 0]).all()
+    assert "shaft 1" not in plots(response, EN)[-1].svg
+
+
+def test_a_sheet_of_a_recording_has_its_title_and_heads(tmp_path):
+    """It was called `recording` in every language, over a column headed `, as computed`."""
+    from zipfile import ZipFile
+
+    found = approve(limited(FLAT, LIVES))
+    for code, title in (("en", "Recording"), ("pt", "Gravação"), ("it", "Registrazione")):
+        book = tmp_path / f"{code}.xlsx"
+        book.write_bytes(workbook(found, say=Language(code)))
+        with ZipFile(book) as file:
+            assert f'name="{title}"' in file.read("xl/workbook.xml").decode()
+            texts = file.read("xl/sharedStrings.xml").decode()
+        assert not re.search(r">, ", texts)

@@ -188,7 +188,7 @@ def test_a_correction_repairs_what_fails(truck):
     tight = replace(TORSIONAL, normal=180.0, maximum=250.0)
     failing = replace(only(truck, tight, SPLINE), lines=_without_sizes(truck))
     assert assess(failing).verdict == "fail"
-    best = fix(failing)[0]
+    (best,) = fix(failing, count=1)
     assert best.verdict == "pass"
     assert best.margin > 0 > best.before
     for move in best.moves:
@@ -323,3 +323,23 @@ def test_limits_of_a_recording_are_not_dropped_by_a_check():
     assert found.verdict == "incomplete"
     (open_,) = found.coverage.unanswered
     assert open_.needs == ("cardan life, with a recording",)
+
+
+def test_what_nobody_asks_is_named_for_the_first_line():
+    """Of a vehicle with several lines the first speaks for what none was asked about."""
+    life = Limit(quantity="fatigue_life", maximum=1.0, sense=">=", source=HOUSE)
+    tandem = only(
+        files.read(Path(__file__).parents[2] / "examples/tandem-6x4.yaml"), TORSIONAL, life
+    )
+    first, *others = (i.line.name for i in tandem.lines)
+    assert others
+    (open_,) = [u for u in assess(tandem).coverage.unanswered if u.limit == life]
+    assert (open_.line, open_.when.name) == (first, tandem.states[0].name)
+
+
+def test_a_correction_costs_the_sum_of_what_it_moves(truck):
+    found = [p for p in fix(only(truck, SMALLEST, TORSIONAL)) if len(p.moves) > 1]
+    assert found
+    for proposal in found:
+        assert proposal.cost == pytest.approx(sum(m.cost for m in proposal.moves), rel=1e-12)
+        assert proposal.cost > max(m.cost for m in proposal.moves)

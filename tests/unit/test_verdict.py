@@ -118,3 +118,14 @@ def test_a_part_says_what_it_is():
     assert str(Part("mode", 1, 4)) == "mode 1, order 4"
     assert str(Part("zone", 1, 1)) == "zone of mode 1"
     assert str(Part("zone", 1, 2)) == "zone of modes 1 + 2"
+
+
+@pytest.mark.parametrize("value", [0.55, 0.66, 0.67, 0.75, 0.99, 1.0])
+def test_the_bound_of_a_band_is_the_edge_that_the_margin_counts_to(value):
+    """At 0.7 of a band from 0.5 to 1 the margin was that to 1, the bound shown was 0.5."""
+    band = Limit(quantity="half_critical_band", band=(0.5, 1.0), source=HOUSE)
+    check = Check(
+        quantity=band.quantity, line="main", when=Occasion("state", "gvw"), part=LINE,
+        value=value, limit=band,
+    )  # fmt: skip
+    assert check.margin == pytest.approx(-abs(value - check.bound) / check.bound, abs=1e-12)

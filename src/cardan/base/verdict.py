@@ -156,7 +156,8 @@ class Check:
         limit = self.limit
         if limit.band:
             low, high = limit.band
-            return low if self.value < (low + high) / 2 else high
+            # The edge that is nearer as a share of itself, as the margin counts.
+            return low if self.value / low + self.value / high < 2 else high
         first, last = limit.normal, limit.maximum
         chosen = last if first is None or (self.grade == "fail" and last is not None) else first
         assert chosen is not None  # __post_init__ refuses a limit without bounds

@@ -350,11 +350,14 @@ class _Tree:
         here.whole = not scalar.quoted and scalar.text.lstrip("+-").isdigit()
 
 
-# What ends a line for libyaml and for no editor, what is no character at all, and what
-# turns the order of the characters around it.
+# What ends a line for libyaml and for no editor, what is no character at all, what turns the
+# order of the characters around it, and what nobody sees: Unicode's Default_Ignorable_Code_Point
+# and the marks of annotations. Without them two names that look alike are one.
 _HIDDEN = (
     "\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufdd0-\ufdef"
-    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
+    "\xad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180b-\u180f\u200b-\u200f\u202a-\u202e"
+    "\u2060-\u206f\u3164\ufe00-\ufe0f\ufeff\uffa0\ufff9-\ufffb\ufff0-\ufff8"
+    "\U0001bca0-\U0001bca3\U0001d173-\U0001d17a\U000e0000-\U000e0fff"
     + "".join(chr(plane << 16 | last) for plane in range(17) for last in (0xFFFE, 0xFFFF))
 )
 _CONTROL = re.compile(f"[{_HIDDEN}]")
@@ -389,7 +392,7 @@ def _called(character: str) -> str:
 
 def _control_character(text: str, place: int) -> Problem:
     line = text.count("\n", 0, place) + 1
-    seen = unicodedata.category(text[place]) == "Cf"
+    seen = unicodedata.category(text[place]) in ("Cf", "Mn", "Lo")
     return Problem(
         message=f"{_called(text[place])} stands here",
         hint=_REMOVE if seen else "is this a text file? save it as UTF-8",

@@ -43,6 +43,7 @@ from typing import (
     get_args,
     get_origin,
 )
+from unicodedata import normalize
 
 import numpy as np
 
@@ -95,6 +96,8 @@ class Reading:
     fixed: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     places: dict[str, Place] = field(default_factory=dict[str, Place])
     """Where everything that was read stands, by its key."""
+    beside: list[Path] = field(default_factory=list[Path])
+    """Files that this one names."""
 
 
 @dataclass
@@ -151,6 +154,7 @@ class Here:
         if not (inside or self.reading.allow_outside):
             message = f"lies outside the folder of this file, {folder.resolve()}"
             self.refuse(message, "put it beside this file, or say --allow-outside", got=name)
+        self.reading.beside.append(path)
         return path
 
     def keep(self, written: Node | None = None) -> None:
@@ -492,12 +496,15 @@ class MapOf(Rule):
             places = here.inside(name, name.text), here.inside(node, name.text)
             places[1].keep(name)
             key, value = each((lambda: self.key.read(places[0]), lambda: self.of.read(places[1])))
-            if key in read:
+            printed = normalize("NFC", key) if isinstance(key, str) else key
+            if printed in seen:
                 places[0].refuse("this name is given twice: names differ by more than spaces")
+            seen.add(printed)
             read[key] = value
             return key, value
 
         read: dict[Any, Any] = {}
+        seen: set[Any] = set()
         each(lambda n=n, v=v: entry(n, v) for n, v in here.node.entries.values())
         return read
 
@@ -614,12 +621,16 @@ class Table:
         return name in self._place[1]
 
     def differ(self, name: str, called: Iterable[str]) -> None:
-        """Note items of an entry that have the name of one above them; `called` are all."""
+        """Note items of an entry that have the name of one above them; `called` are all.
+
+        Names are one where they are one in print: an é may be one character or two.
+        """
         seen: set[str] = set()
         for k, one in enumerate(called, 1):
-            if one in seen:
+            printed = normalize("NFC", one)
+            if printed in seen:
                 self.at(name, k).note("this name is above already", "give it another", got=one)
-            seen.add(one)
+            seen.add(printed)
 
     def attempt(self, make: Callable[[], T]) -> T:
         """Return what `make` returns; a `DesignError` becomes a problem of this table.

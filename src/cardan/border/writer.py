@@ -23,6 +23,9 @@ from cardan.base.errors import BadFile, Problem
 STALE = 3600.0
 """s: a part that nobody has written to for longer belongs to nobody."""
 
+_PROGRAM = Path(os.path.realpath(__file__)).parents[1]
+"""Profiles and catalogues that come with the program are read from there."""
+
 _PART = re.compile(r"\.cardan-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{8}\.part")
 _DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/([0-9]+)")
 _STANDARD = {"/dev/stdin": 0, "/dev/stdout": 1, "/dev/stderr": 2}
@@ -64,7 +67,8 @@ def claim(outputs: Mapping[str, str | Path | None], *, inputs: Iterable[Path] = 
     Raises
     ------
     BadFile
-        If an output is an input, if two outputs are one file, or if one has no place.
+        If an output is an input or a part of this program, if two outputs are one file, or
+        if one has no place.
     """
     claimed: dict[str, Path] = {}
     read = tuple(inputs)
@@ -78,6 +82,8 @@ def claim(outputs: Mapping[str, str | Path | None], *, inputs: Iterable[Path] = 
             _place(path)
         except OSError as error:
             raise _refusal(path, error) from None
+        if Path(os.path.realpath(path)).is_relative_to(_PROGRAM):
+            raise _bad(path, f"{option} would write into the program itself")
         for source in read:
             if same(path, source):
                 raise _bad(path, f"{option} would write over {_called(source, path)} that is read")

@@ -58,15 +58,15 @@ def bracket(
     """
     from cardan.report import bracket as shown
     from cardan.report.language import Language
-    from cardan.study.approval import approve, held_to
+    from cardan.study.approval import approve
     from cardan.study.bracket import BracketAnswer
     from cardan.study.finding import BRACKET
     from cardan.study.studies import BracketStudy
 
     say = Language(lang)
     beside = _beside(vtu, REINFORCED) if vtu else None
-    claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
-    application = held_to(read(file, limits, allow_outside=allow_outside), BRACKET)
+    outputs = claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
         approval = approve(application, (BracketStudy(),), tell=tell.study)
     found: BracketAnswer = approval.of(BRACKET)

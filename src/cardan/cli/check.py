@@ -69,13 +69,15 @@ def check(
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
-    claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
+    outputs = claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     studies = (*also, "bracket") if bracket else also
     with progress(say("asking"), quiet=quiet) as tell:
         found = [
-            approved(file, limits, allow_outside=allow_outside, also=studies, tell=tell)
+            approved(
+                file, limits, allow_outside=allow_outside, outputs=outputs, also=studies, tell=tell
+            )
             for file in files
         ]
     if json_out is not None:

@@ -2,11 +2,11 @@
 
 import json
 import sys
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import click
 
@@ -56,14 +56,23 @@ OUTSIDE = click.option(
 )
 
 
+Outputs: TypeAlias = Mapping[str, str | Path | None]
+"""What is to be written, by the option that says so."""
+
+
 # --------------------------------------------------------------------------- reading
 
 
-def read(file: Path, limits: str | None, *, allow_outside: bool) -> Any:
-    """Return the application of a file, with what looks odd in it told on the way."""
+def read(file: Path, limits: str | None, *, allow_outside: bool, outputs: Outputs) -> Any:
+    """Return the application of a file, with what looks odd in it told on the way.
+
+    Refuse it where one of the claimed outputs is a file that it names.
+    """
     from cardan import files
+    from cardan.border import writer
 
     application = files.read(file, allow_outside=allow_outside)
+    writer.claim(outputs, inputs=application.written.beside if application.written else ())
     if limits:
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
@@ -77,6 +86,7 @@ def approved(
     limits: str | None,
     *,
     allow_outside: bool,
+    outputs: Outputs,
     also: Iterable[str] = (),
     tell: "Progress | None" = None,
 ) -> Any:
@@ -84,7 +94,7 @@ def approved(
     from cardan.study.approval import approve, default_studies
     from cardan.study.studies import STUDIES
 
-    application = read(file, limits, allow_outside=allow_outside)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     chosen = {s.name: s for s in default_studies(application)}
     chosen |= {name: STUDIES[name] for name in also if name not in chosen}
     with of(file, application):
@@ -169,23 +179,21 @@ def note(text: str) -> None:
     click.echo(text, file=sys.stderr)
 
 
-def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> None:
-    """Refuse outputs that cannot be written or must not, by the names of their options.
+def claim(*inputs: str | Path | None, **outputs: str | Path | None) -> Outputs:
+    """Return outputs by their options; refuse those that cannot be written or must not.
 
     Inputs that are no files, like the name of a profile of the package, are nobody's.
     """
-    printed = outputs | ({"json_out": None} if outputs.get("json_out") == "-" else {})
-    if all(name is None for name in printed.values()):
-        return
-    from cardan.border import writer
+    claimed = {
+        f"--{option.removesuffix('_out').replace('_', ' ')}": name
+        for option, name in outputs.items()
+        if name is not None and not (option == "json_out" and name == "-")
+    }
+    if claimed:
+        from cardan.border import writer
 
-    writer.claim(
-        {
-            f"--{option.removesuffix('_out').replace('_', ' ')}": name
-            for option, name in outputs.items()
-        },
-        inputs=[Path(i) for i in inputs if i is not None],
-    )
+        writer.claim(claimed, inputs=[Path(i) for i in inputs if i is not None])
+    return claimed
 
 
 def write(path: Path, content: str | bytes, *, replace: bool = True) -> None:

@@ -176,8 +176,12 @@ def life(
     from cardan.study.recording import listen, verdict_on
 
     say = Language(lang)
-    claim(recording, application, options["limits"], json_out=json_out, plot=plot)
-    predicting = read(application, None, allow_outside=allow_outside) if application else None
+    outputs = claim(recording, application, options["limits"], json_out=json_out, plot=plot)
+    predicting = (
+        read(application, None, allow_outside=allow_outside, outputs=outputs)
+        if application
+        else None
+    )
     campaign = Campaign(application=predicting, **options)
     with progress(say("reading"), quiet=quiet) as line:
         found = listen(recording, campaign, line.study)

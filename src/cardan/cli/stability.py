@@ -62,14 +62,14 @@ def stability(
     from cardan.model.application import Surroundings
     from cardan.report import stability as report
     from cardan.report.language import Language
-    from cardan.study.approval import approve, held_to
+    from cardan.study.approval import approve
     from cardan.study.finding import VIBRATION
     from cardan.study.studies import VibrationStudy
 
     say = Language(lang)
-    claim(file, limits, json_out=json_out, chart=chart)
+    outputs = claim(file, limits, json_out=json_out, chart=chart)
     given = {name: value for name, value in surroundings.items() if value is not None}
-    application = held_to(read(file, limits, allow_outside=allow_outside), VIBRATION)
+    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     study = VibrationStudy(Surroundings(**given))
     with of(file, application), progress(say("asking what vibrates"), quiet=quiet) as tell:
         found = approve(application, (study,), tell=tell.study)

@@ -134,7 +134,9 @@ def understood(written: Written) -> Application:
     if application is None or problems:
         # What only looks wrong may be why the rest is: say it too.
         raise BadFile(name, (*problems, *reading.warnings))
-    read = replace(written, numbers=reading.numbers, application=application)
+    read = replace(
+        written, numbers=reading.numbers, beside=tuple(reading.beside), application=application
+    )
     spread = any(np.ndim(to) for to in written.changes.values())
     return replace(
         application, written=read, warnings=() if spread else _warnings(application, reading)

@@ -116,6 +116,8 @@ class BalanceGrade(Rule):
     """A balance quality grade: G40, or 40."""
 
     one, many = "a balance grade like G40", "balance grades"
+    everyday = (2.5, 100.0)
+    """Of shafts: ISO 21940-11 has G16 and G40 for them."""
 
     json: Schema = {  # noqa: RUF012  read only
         "anyOf": [
@@ -133,6 +135,11 @@ class BalanceGrade(Rule):
         if bare is None or not np.all((bare > 0) & (bare <= 4000)):
             here.node = node
             self.refuse(here)
+        low, high = self.everyday
+        if not np.all((bare >= low) & (bare <= high)):
+            here.warn(
+                f"G{float(np.max(bare)):g} is no usual grade", f"G{low:g} to G{high:g} is usual"
+            )
         return bare
 
 

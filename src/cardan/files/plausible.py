@@ -195,6 +195,22 @@ def _spline_place(application: Application) -> Found:
                 yield (f"{at}.spline.from_front_joint",), shaft.spline.from_front_joint / length
 
 
+def _rubber(application: Application) -> Found:
+    for line in _lines(application):
+        for at, shaft, _ in line.shafts:
+            if shaft.centre_bearing and shaft.centre_bearing.stiffness:
+                keys = (f"{at}.centre_bearing.vertical_stiffness",)
+                yield keys, _over(*shaft.centre_bearing.stiffness)
+
+
+def _yokes(application: Application) -> Found:
+    for line in _lines(application):
+        for at, shaft, length in line.shafts:
+            if shaft.tube:
+                tube = shaft.tube.mass_per_length * length
+                yield (f"{at}.yoke_mass",), _over(max(shaft.yoke_mass) or None, tube)
+
+
 def _given_inertia(application: Application) -> Found:
     for line in _lines(application):
         for at, shaft, length in line.shafts:
@@ -339,6 +355,21 @@ def _parts_of_power(application: Application) -> Found:
             yield (f"states[{k}].torque",), _over(s.torque * s.speed, power)
 
 
+def _slowest(application: Application) -> Found:
+    if application.engine:
+        # An electric motor's curve starts at rest.
+        lowest = min(application.engine.speed) or None
+        yield ("engine.speed",), _over(lowest, max(application.engine.speed))
+
+
+def _dip(application: Application) -> Found:
+    """Yield each torque of the curve between others, over the lower of the tops beside it."""
+    curve = application.engine.torque if application.engine else ()
+    for k in range(1, len(curve) - 1):
+        beside = min(max(curve[:k]), max(curve[k + 1 :]))
+        yield (f"engine.torque[{k + 1}]", "engine.torque"), _over(curve[k], beside)
+
+
 def _braking(application: Application) -> Found:
     engine = application.engine
     if engine and engine.brake_torque:
@@ -433,6 +464,21 @@ def _centre_height(application: Application) -> Found:
         for load in vehicle.loads:
             keys = (f"vehicle.loads.{load.name}.cg_height",)
             yield keys, _over(load.cg_height, vehicle.wheelbase)
+
+
+def _front_share(application: Application) -> Found:
+    if vehicle := application.vehicle:
+        for load in vehicle.loads:
+            if load.front_load is not None and load.rear_load is not None:
+                keys = f"vehicle.loads.{load.name}.front_axle", f"vehicle.loads.{load.name}"
+                yield keys, _over(load.front_load, load.front_load + load.rear_load)
+
+
+def _centre_over_tyre(application: Application) -> Found:
+    if (vehicle := application.vehicle) and (tyre := application.tyre):
+        for load in vehicle.loads:
+            keys = (f"vehicle.loads.{load.name}.cg_height",)
+            yield keys, _over(load.cg_height, tyre.static_radius)
 
 
 def _centre_place(application: Application) -> Found:
@@ -546,6 +592,10 @@ RELATIONS: tuple[Relation, ...] = (
              usual=(0.15, 0.9), hint="is a diameter given for the radius?"),
     Relation(says="the spline's place, as a share of its shaft,", of=_spline_place, usual=(0, 1),
              hint="it is measured from the front joint"),
+    Relation(says="the vertical stiffness over the lateral one", of=_rubber, usual=(0.1, 10),
+             hint="is one of them in another unit?"),
+    Relation(says="the mass of a shaft's yoke over that of its tube", of=_yokes,
+             usual=(0.01, 4), hint="check the unit"),
     Relation(says="the given inertia over that of the tube", of=_given_inertia, usual=(0.8, 20),
              hint="check the unit"),
     Relation(says="yield over ultimate strength", of=_strengths, usual=(0.3, 1),
@@ -566,7 +616,11 @@ RELATIONS: tuple[Relation, ...] = (
              usual=(0, 1.05), hint="it is counted at the gearbox output"),
     Relation(says="torque times speed over the engine's largest power", of=_parts_of_power,
              usual=(0, 1.1), hint="they do not occur together"),
-    Relation(says="the brake's torque over the engine's own", of=_braking, usual=(0.02, 3),
+    Relation(says="the curve's lowest speed over its highest", of=_slowest, usual=(0.02, 1),
+             hint="check the unit"),
+    Relation(says="the torque over the tops of the curve beside it", of=_dip, usual=(0.4, inf),
+             hint="is a value missing or mistyped?"),
+    Relation(says="the brake's torque over the engine's own", of=_braking, usual=(0.02, 1.5),
              hint="it is counted at the crankshaft"),
     Relation(says="the torque over the engine's in its lowest gear", of=_coasting,
              usual=(0.001, 1.5), hint="it is counted at the gearbox output"),
@@ -594,6 +648,10 @@ RELATIONS: tuple[Relation, ...] = (
              usual=(0.1, 1), hint="are they swapped, or in another unit?"),
     Relation(says="the centre of gravity's height over the wheelbase", of=_centre_height,
              usual=(0.07, 0.8), hint="it is measured from the ground"),
+    Relation(says="the centre of gravity's height over the tyre's radius", of=_centre_over_tyre,
+             usual=(0.8, 6), hint="it is measured from the ground"),
+    Relation(says="the front axle's share of the load", of=_front_share, usual=(0.1, 0.9),
+             hint="is one of them in another unit?"),
     Relation(says="the centre of gravity's place, as a share of the wheelbase,",
              of=_centre_place, usual=(0.1, 0.95),
              hint="it is measured from the front axle rearward"),

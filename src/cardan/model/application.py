@@ -231,6 +231,8 @@ class Written:
         Numbers that stand in place of the text's own, by address, in the text's units.
     numbers
         Every number of the design by its address, in the text's units, as read.
+    beside
+        The files that the text names, and that were read with it.
     application
         What was read: where a part has been replaced since, the text says something else.
     """
@@ -241,6 +243,7 @@ class Written:
     allow_outside: bool = False
     changes: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    beside: tuple[Path, ...] = ()
     application: "Application | None" = None
 
 

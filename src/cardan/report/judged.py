@@ -91,7 +91,10 @@ class Judged:
         say = self.say
         heads = [
             "", say("unit"), say("normal"), say("maximum"), *self.heads, say("verdict"), "",
-            *(say("{state}, as computed", state=head) for head in self.heads),
+            *(
+                say("{state}, as computed", state=head) if head else say("as computed")
+                for head in self.heads
+            ),
         ]  # fmt: skip
         self.sheet.section(text, heads)
 

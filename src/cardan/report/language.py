@@ -152,6 +152,8 @@ class Language:
             return "∞"
         if margin < -9.99:
             return "< -999 %"
+        if margin > 99.99:
+            return ">9999 %"
         if 0 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
             return self.pointed(f"{100 * margin:+.2g} %")
         return f"{round(100 * margin) + 0:+d} %"

@@ -265,7 +265,7 @@ def torque_by_gear(r: Response, say: Language) -> Figure:
 
 def critical_speeds(r: Response, say: Language) -> Figure:
     """Return critical speeds of shafts and line, with what to keep out of, against the speed."""
-    lowest = np.nanmin(r.critical_speeds, axis=0) / rpm
+    lowest = np.fmin.reduce(r.critical_speeds, axis=0) / rpm  # nan of a shaft without a tube
     rows = [(say.part(Part("shaft", k)), n) for k, n in enumerate(lowest, 1) if np.isfinite(n)]
     if np.isfinite(r.line_critical_speed):
         rows.append((say("line, as beams"), r.line_critical_speed / rpm))

@@ -36,6 +36,8 @@ from cardan.report.wording import (
     badness,
     cited,
     counts,
+    gaps,
+    left,
     move,
     moves_that_help,
     notes,
@@ -47,7 +49,7 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval
-from cardan.study.finding import BRACKET, VIBRATION, Finding
+from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding
 from cardan.study.fix import Proposal, fix
 from cardan.study.sensitivity import Sensitivity, sensitivities
 
@@ -79,9 +81,7 @@ def approval(
     several = len(of.responses) > 1
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(verdict(of, say))),
-        Chapter(
-            title=say("What to change"), blocks=tuple(_changes(helps, fixes, say, several=several))
-        ),
+        Chapter(title=say("What to change"), blocks=tuple(_changes(of, helps, fixes, say))),
         Chapter(title=say("Inputs"), blocks=tuple(_inputs(of, say))),
     ]
     for response in of.responses:
@@ -233,27 +233,57 @@ def verdict(of: Approval, say: Language) -> Iterator[Block]:
 
 
 def _changes(
-    helps: Sequence[Sensitivity], fixes: Sequence[Proposal], say: Language, *, several: bool
+    of: Approval, helps: Sequence[Sensitivity], fixes: Sequence[Proposal], say: Language
 ) -> Iterator[Block]:
-    """Yield corrections, and what each thing that can be moved would do."""
-    if not helps:
-        yield Text(paragraphs=(say("Everything passes; nothing needs to change."),))
-        return
+    """Yield corrections, what each move would do, and what no move of a line answers."""
+    several = len(of.responses) > 1
+    if of.verdict == "pass":
+        yield Text(
+            paragraphs=(
+                say("What has an answer passes; nothing needs to change.")
+                if of.coverage.unanswered
+                else say("Everything passes; nothing needs to change."),
+            )
+        )
+    elif not of.checks:
+        yield Text(paragraphs=(say("Nothing was held against a limit, so nothing is approved."),))
     if fixes:
         yield Points(
             caption=say("Corrections over all states at once, best first"),
             points=tuple(_proposal(k, p, say) for k, p in enumerate(fixes, 1)),
         )
-    yield Points(
-        caption=say("What would help, each move alone"),
-        points=tuple(
-            (
-                problem(one, say, several=several),
-                tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),),
-            )
-            for one in helps
-        ),
-    )
+    if helps:
+        yield Points(
+            caption=say("What would help, each move alone"),
+            points=tuple(
+                (
+                    problem(one, say, several=several),
+                    tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),),
+                )
+                for one in helps
+            ),
+        )
+    # Moves are tried on what the driveline answers: nobody knows one against what others find.
+    beyond = [
+        c for c in of.checks if c.grade != "pass" and QUANTITIES[c.quantity].study != DRIVELINE
+    ]
+    if beyond:
+        yield Points(
+            caption=say("What other studies found: no move was tried against it"),
+            points=tuple((_beyond(c, say, several=several), ()) for c in worst_of_each(beyond)),
+        )
+    if of.coverage.missed:
+        yield Points(
+            caption=say("What no move answers"),
+            points=tuple((gap, ()) for gap in gaps(of.coverage.missed, say, several=several)),
+        )
+
+
+def _beyond(c: Check, say: Language, *, several: bool) -> str:
+    """Return a check that does not pass: how bad it is, of which study and line, and how much."""
+    study = say(QUANTITIES[c.quantity].study)
+    of = say.list(study, c.line) if several else study
+    return say("{grade} ({study}): {check}", grade=say(c.grade), study=of, check=sentence(c, say))
 
 
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
@@ -263,12 +293,8 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
         margin=say.percent(p.margin),
         cost=say.short(round(p.cost, 2)),
     )
-    bad = worst_of_each(c for c in p.checks if c.grade != "pass")
-    still = tuple(
-        say("still {grade}: {check}", grade=say(c.grade), check=sentence(c, say)) for c in bad[:3]
-    )
     moves = tuple(move(m, say) for m in p.moves)
-    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *still)
+    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *left(p, say))
 
 
 def _inputs(of: Approval, say: Language) -> Iterator[Block]:

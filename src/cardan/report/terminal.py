@@ -16,12 +16,12 @@ from cardan.report.sheet import Row, line_title, sections
 from cardan.report.wording import (
     badness,
     cited,
+    left,
     move,
     moves_that_help,
     notes,
     place,
     problem,
-    sentence,
     tally,
     unanswered,
     worst_of_each,
@@ -150,7 +150,8 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
     """Yield corrections, best first, with what each moves, costs and wins."""
     if not of:
         yield say(
-            "Nothing that may be moved changes any limit: see `adjust` in the application file."
+            "Nothing that may be moved changes any limit for the better: see `adjust` in the "
+            "application file."
         )
         return
     before = say.percent(of[0].before)
@@ -162,10 +163,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         won = say("smallest margin {margin}, cost {cost}", margin=margin, cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
-        bad = [c for c in p.checks if c.grade != "pass"]
-        for c in worst_of_each(bad)[:3]:
-            grade = _graded(c.grade, say(c.grade))
-            yield "     " + say("still {grade}: {check}", grade=grade, check=sentence(c, say))
+        yield from (f"     {one}" for one in left(p, say, grade=_graded))
 
 
 def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:

@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 
 from cardan.base.units import rpm
-from cardan.base.verdict import Check, worst
+from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.blocks import Block, Figures, Table, Text
 from cardan.report.language import Language
 from cardan.report.stability import basis, campbell, distances, forced, worst_of_parts
 from cardan.report.wording import badness, sense, tally
+from cardan.study.approval import verdict_of
 from cardan.study.finding import Finding
 from cardan.study.stability import Stability
 
@@ -18,7 +19,7 @@ def chapter(found: Finding[Stability], say: Language) -> Iterator[Block]:
     of = found.answer
     assert of is not None  # of a study that answered
     verdict = say("Vibration: {verdict} ({counts}).",
-                  verdict=say(worst([c.grade for c in found.checks])).upper(),
+                  verdict=say(verdict_of(found.checks, missed=False)).upper(),
                   counts=tally(found.checks, say))  # fmt: skip
     hint = say("0 % runs through it; − stays below its speed, + above.")
     yield Text(paragraphs=(verdict, *basis(of, say), hint))

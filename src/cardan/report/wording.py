@@ -1,11 +1,12 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from cardan.base.part import LINE
 from cardan.base.source import Source
 from cardan.base.units import mm, rpm
-from cardan.base.verdict import GRADES, Check, Limit, Unanswered
+from cardan.base.verdict import GRADES, Check, Grade, Limit, Unanswered
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
@@ -14,7 +15,14 @@ from cardan.study.approval import Approval
 from cardan.study.moves import Move
 from cardan.study.sensitivity import Effect, Sensitivity
 
-STUDY_TITLES = {"vibration": "Vibration and stability", "bracket": "Bracket"}
+if TYPE_CHECKING:
+    from cardan.study.fix import Proposal
+
+STUDY_TITLES = {
+    "vibration": "Vibration and stability",
+    "bracket": "Bracket",
+    "recording": "Recording",
+}
 """What the chapters and sheets of studies are called beside the driveline's."""
 
 
@@ -92,6 +100,29 @@ def move(m: Move, say: Language) -> str:
     said = say.short(shown if movable.signed else abs(shown), 4)
     sign = "+" if movable.signed and amount > 0 else ""
     return say(movable.forth if amount > 0 else movable.back, part=part, amount=sign + said)
+
+
+def left(
+    of: "Proposal",
+    say: Language,
+    *,
+    grade: Callable[[Grade, str], str] = lambda _, word: word,
+) -> list[str]:
+    """Return what does not pass with a correction, the worst three, and what is unanswered.
+
+    `grade` puts a grade's word as a medium shows it.
+    """
+    several = len(of.approval.responses) > 1
+    bad = worst_of_each(c for c in of.checks if c.grade != "pass")[:3]
+    still = [
+        say(
+            "still {grade}: {check}",
+            grade=grade(c.grade, say(c.grade)),
+            check=f"{c.line}: {sentence(c, say)}" if several else sentence(c, say),
+        )
+        for c in bad
+    ]
+    return still + gaps(of.approval.coverage.missed, say, several=several)
 
 
 def movable(a: Adjustable, say: Language) -> str:

@@ -947,7 +947,7 @@ class _Line:
 
 def _study(book: Book, of: Finding[Any], say: Language, *, several: bool) -> Judged:
     """Write the limits of a study beside the driveline's: all as computed."""
-    title = say.given(STUDY_TITLES.get(of.study, of.study))
+    title = say(STUDY_TITLES[of.study])
     sheet = book.sheet(title)
     sheet.sheet.set_column(0, 0, 60)
     sheet.sheet.set_column(1, 3, 12)

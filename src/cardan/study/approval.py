@@ -136,7 +136,8 @@ def approve(
     Parameters
     ----------
     application
-        Its profile says what is limited, and which limits are required.
+        Its profile says what is limited, and which limits are required; a study that it says
+        nothing of is `held_to` those of another.
     studies
         Which, in this order; by default those of `default_studies`. What a study misses
         leaves its limits unanswered, and so does one that is not asked with the driveline
@@ -152,6 +153,9 @@ def approve(
     """
     chosen = default_studies(application) if studies is None else studies
     names = {study.name for study in chosen}
+    # A profile that says nothing of the driveline asks nothing of it.
+    for name in sorted(names - {DRIVELINE}):
+        application = held_to(application, name)
     return Approval(
         application=application,
         findings=(
@@ -176,10 +180,10 @@ def assess(application: Application) -> Approval:
 
 
 def held_to(application: Application, study: str) -> Application:
-    """Return an application for a study that is asked by itself.
+    """Return an application for a study that is asked of it.
 
     Where the application's limits say nothing of the study, those of the profile that counts
-    where none is named are held against it.
+    where none is named are held against it: an answer that nothing asks about would pass.
     """
     if limits_of(study, application):
         return application

@@ -71,6 +71,9 @@ _ZEROS = {
     "drift": conditioning.slow_drift,
 }
 
+FEWEST = 20
+"""Samples of a recording that a life is told of: some cycles of some samples each."""
+
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "rosette_kind": tuple(_KINDS),
     "rosette_measure": ("mises", "principal", "planes"),
@@ -186,6 +189,10 @@ class Campaign:
             allowed=self.allowed, pulses=self.pulses, axle_ratio=self.axle_ratio,
             tyre_radius_m=self.tyre_radius_m, rate=self.rate, target_hours=self.target_hours,
         )  # fmt: skip
+        given = (self.modulus_GPa, self.ultimate_MPa, self.allowed, self.rate, self.target_hours)
+        if not all(n is None or math.isfinite(n) for n in given):
+            msg = "modulus, strength, allowed damage, rate and target of a campaign must be finite"
+            raise DesignError(msg)
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -261,6 +268,19 @@ class Campaign:
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
             allowed=self.allowed, gauge_error=self.gauge_error,
         )  # fmt: skip
+
+    def hold(self, recording: Recording, *, samples: int) -> None:
+        """Refuse a recording of so many samples that holds nothing to tell a life of."""
+        if samples < FEWEST:
+            msg = f"{recording.name} holds {samples} samples; a life takes {FEWEST} or more"
+            raise DesignError(msg)
+        seconds, cutoff = samples / recording.rate, self.low_pass_Hz
+        if cutoff is not None and cutoff * seconds < 1:
+            msg = (
+                f"low_pass_Hz keeps not one period of {recording.name}, {seconds:.4g} s long: it "
+                f"must be {1 / seconds:.2g} Hz or more, got {cutoff:g}"
+            )
+            raise DesignError(msg)
 
     def shaft(self, recording: Recording) -> Rotation | None:
         """Return the shaft's rotation: measured, counted, or found in a gauge."""

@@ -1,13 +1,15 @@
 """What to change: bearing heights and sides, axle shim and yoke phases, over all states.
 
 Every trial is one case on a leading axis of the same response that `assess` uses, so the
-search asks for hundreds of layouts at a time, and what it promises is what a check of the
-corrected application gives.
+search asks for hundreds of layouts at a time. What comes of it is held to the approval of the
+application so corrected, by every study that a check asks.
 """
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
+from math import prod
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -19,14 +21,19 @@ from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response, respond
-from cardan.study.driveline import asked, checks_of, unanswered_of
-from cardan.study.moves import Move, adjustables, tried
+from cardan.study.approval import Approval, approve, default_studies
+from cardan.study.driveline import DrivelineStudy, asked, checks_of, unanswered_of
+from cardan.study.finding import DRIVELINE, Finding, Tell, silent
+from cardan.study.moves import Move, adjustables, corrected, tried
 
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
 
 TRIALS = 48
 """Trials spread over each way that is free before the search follows the best of them."""
+
+TURNINGS = 8
+"""Choices of yoke phases that are searched together at most: two of each of three shafts."""
 
 PLENTY = 10.0
 """Margins are cut here."""
@@ -40,31 +47,93 @@ Bound: TypeAlias = Literal["normal", "maximum"]
 
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
-    """A correction of one line, and the verdict it gives.
+    """A correction of one line, and what the application comes to with it.
 
     `margin` is the smallest margin to a warning among the limits that moving can change,
-    `before` the same as installed. `checks` are all those of the corrected line, and
-    `unanswered` what nothing moved can answer.
+    `before` the same as installed. `approval` is that of the whole application so corrected.
     """
 
     line: str
     moves: tuple[Move, ...]
     before: float
     margin: float
-    checks: tuple[Check, ...]
-    unanswered: tuple[Unanswered, ...]
+    approval: Approval
 
     @property
     def cost(self) -> float:
         """Sum of the shares of their ranges that the moves use."""
-        return sum(m.cost for m in self.moves)
+        return _cost(self.moves)
 
     @property
     def verdict(self) -> Verdict:
-        """What an approval of the corrected line comes to."""
-        found: list[Verdict] = [c.grade for c in self.checks]
-        missed = any(u.limit.required for u in self.unanswered)
+        """What a check of the corrected application comes to."""
+        return self.approval.verdict
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """All checks of the corrected application."""
+        return self.approval.checks
+
+    @property
+    def unanswered(self) -> tuple[Unanswered, ...]:
+        """What nothing moved can answer."""
+        return self.approval.coverage.unanswered
+
+
+def _cost(moves: Collection[Move]) -> float:
+    return sum(m.cost for m in moves)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Trial:
+    """A correction while it is searched for, with the verdict of its line alone."""
+
+    movable: tuple[Adjustable, ...]
+    amounts: tuple[float, ...]
+    response: Response
+    margin: float
+
+    @property
+    def moves(self) -> tuple[Move, ...]:
+        """What it moves."""
+        pairs = zip(self.movable, self.amounts, strict=True)
+        return tuple(Move(adjustable=a, amount=x) for a, x in pairs if x != 0)
+
+    @property
+    def rank(self) -> tuple[int, float, float]:
+        """What trials are sorted by: the best verdict first, then the cheapest."""
+        return VERDICTS.index(self.verdict), _cost(self.moves), -self.margin
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What its line comes to."""
+        found: list[Verdict] = [c.grade for c in checks_of(self.response)]
+        missed = any(u.limit.required for u in unanswered_of(self.response))
         return worst([*found, "incomplete"] if missed else found)
+
+
+@dataclass(frozen=True)
+class _Corrected(DrivelineStudy):
+    """The driveline with one of its lines as a trial leaves it."""
+
+    trial: _Trial | None = field(default=None, kw_only=True)
+
+    def run(self, application: Application, tell: Tell = silent) -> Finding[tuple[Response, ...]]:
+        """Ask every line."""
+        del tell
+        assert self.trial is not None
+        mine = self.trial.response
+        responses = tuple(
+            mine if i.line.name == mine.line.name
+            else respond(application, demand(resolve(application, i)))
+            for i in application.lines
+        )  # fmt: skip
+        return Finding(
+            study=DRIVELINE,
+            answer=responses,
+            checks=tuple(c for r in responses for c in checks_of(r)),
+            unanswered=tuple(u for r in responses for u in unanswered_of(r)),
+        )
 
 
 def margins(response: Response, *, to: Bound) -> FloatArray:
@@ -196,7 +265,7 @@ def fix(
     -------
     tuple of Proposal
         Best verdict first, then the cheapest; none is beaten by another that costs less
-        and leaves more margin.
+        and leaves more margin, nor by the line as installed.
 
     Raises
     ------
@@ -206,14 +275,36 @@ def fix(
     Notes
     -----
     Spread trials find the region, sequential quadratic programming the place in it: the
-    largest smallest margin, and the least ways to where nothing warns and nothing fails.
+    largest smallest margin, and the least ways to where nothing warns and nothing fails. Other
+    lines and studies are asked of what it comes to, not while it goes on.
     """
     response = _line(application, line)
     movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
-    found = {p.moves: p for p in _proposals(before, movable, tell)}
-    ranked = sorted(found.values(), key=lambda p: (VERDICTS.index(p.verdict), p.cost, -p.margin))
-    return tuple(_unbeaten(ranked))[:count]
+    found = {t.moves: t for t in _trials(before, movable, tell)}
+    installed = found.get(())
+    if installed is None:  # nothing that may be moved changes anything
+        return ()
+    ranked = sorted(found.values(), key=lambda t: t.rank)
+    shown = [t for t in _unbeaten(ranked) if t.moves][:count]
+    proposals = [
+        Proposal(
+            line=response.line.name,
+            moves=t.moves,
+            before=installed.margin,
+            margin=t.margin,
+            approval=_approval(before, t),
+        )
+        for t in shown
+    ]
+    return tuple(sorted(proposals, key=lambda p: VERDICTS.index(p.verdict)))
+
+
+def _approval(before: Response, trial: _Trial) -> Approval:
+    """Return the approval of an application with one line as a trial leaves it."""
+    application = corrected(before, trial.movable, np.array(trial.amounts))
+    _, *others = default_studies(application)
+    return approve(application, (_Corrected(trial=trial), *others))
 
 
 def _unheld(movable: tuple[Adjustable, ...], hold: Collection[str]) -> tuple[Adjustable, ...]:
@@ -241,10 +332,13 @@ def _line(application: Application, name: str | None) -> Response:
     return responses[name]
 
 
-def _proposals(
+def _trials(
     response: Response, movable: tuple[Adjustable, ...], tell: Callable[[int, int], None] | None
-) -> Iterator[Proposal]:
-    """Yield every proposal worth comparing: each way alone, all together, each yoke turned."""
+) -> Iterator[_Trial]:
+    """Yield every trial worth comparing: each way alone, all together, each yoke turned.
+
+    The line as installed is the first; nothing where no move changes anything.
+    """
     ways = tuple(k for k, a in enumerate(movable) if not MOVABLES[a.what].choice)
     turnings = list(_turnings(response, movable))
     everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
@@ -256,15 +350,13 @@ def _proposals(
     for k, turns in enumerate(turnings):
         if tell:
             tell(k, len(turnings))
-        if turns.any():
-            yield _proposal(response, movable, turns, changed)
+        yield _trial(response, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
             search = _Search(response, movable, turns, free, changed)
             for position in _positions(search):
                 amounts = _rounded(movable, search.amounts(position[None])[0])
-                if amounts.any():
-                    yield _proposal(response, movable, amounts, changed)
+                yield _trial(response, movable, amounts, changed)
 
 
 def _positions(search: _Search) -> Iterator[FloatArray]:
@@ -277,14 +369,27 @@ def _positions(search: _Search) -> Iterator[FloatArray]:
 
 
 def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[FloatArray]:
-    """Yield the amounts (movable) of every choice of yoke phases, as installed first."""
+    """Yield the amounts (movable) of choices of yoke phases, as installed first.
+
+    Every combination while they are few; each yoke turned by itself where they are not: each
+    choice is a search of its own, and they double with every shaft.
+    """
     choices = []
     for adjustable in movable:
         turns = [0.0]
         if MOVABLES[adjustable.what].choice:
             turns += _ends(response, adjustable)
         choices.append(list(dict.fromkeys(t for t in turns if t == 0 or abs(t) > 1e-9)))
-    yield from (np.array(choice) for choice in product(*choices))
+    if prod(map(len, choices)) <= TURNINGS:
+        yield from (np.array(choice) for choice in product(*choices))
+        return
+    still = np.zeros(len(movable))
+    yield still
+    for k, turns in enumerate(choices):
+        for turn in turns[1:]:
+            turned = still.copy()
+            turned[k] = turn
+            yield turned
 
 
 def _ends(response: Response, adjustable: Adjustable) -> list[float]:
@@ -300,34 +405,23 @@ def _rounded(movable: tuple[Adjustable, ...], amounts: FloatArray) -> FloatArray
     return np.where(steps > 0, np.round(amounts / whole) * whole, amounts)
 
 
-def _proposal(
+def _trial(
     response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray, changed: BoolArray
-) -> Proposal:
-    """Return the proposal that moves things by these amounts, with the checks it gives."""
-    both = tried(response, movable, np.stack([np.zeros_like(amounts), amounts]))
-    before, after = margins(both, to="normal")[:, changed].min(-1)
-    corrected = tried(response, movable, amounts)
-    return Proposal(
-        line=response.line.name,
-        moves=tuple(
-            Move(adjustable=a, amount=float(x))
-            for a, x in zip(movable, amounts, strict=True)
-            if x != 0
-        ),
-        before=float(before),
-        margin=float(after),
-        checks=tuple(checks_of(corrected)),
-        unanswered=tuple(unanswered_of(corrected)),
+) -> _Trial:
+    """Return the trial that moves things by these amounts."""
+    one = tried(response, movable, amounts)
+    return _Trial(
+        movable=movable,
+        amounts=tuple((amounts + 0.0).tolist()),  # no negative zeros
+        response=one,
+        margin=float(margins(one, to="normal")[..., changed].min()),
     )
 
 
-def _unbeaten(ranked: list[Proposal]) -> Iterator[Proposal]:
-    """Yield the proposals that none before them beats in cost, margin and verdict."""
+def _unbeaten(ranked: list[_Trial]) -> Iterator[_Trial]:
+    """Yield the trials that leave more margin than all that come before them."""
     best = -np.inf
-    grade: Verdict | None = None
-    for proposal in ranked:
-        if proposal.verdict != grade:
-            grade = proposal.verdict
-        if proposal.margin > best + 1e-6:
-            best = proposal.margin
-            yield proposal
+    for trial in ranked:
+        if trial.margin > best + 1e-6:
+            best = trial.margin
+            yield trial

@@ -1,12 +1,13 @@
 """What may be moved of a line, and what the line does when it is: many variants at a time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, stacked
+from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand
-from cardan.model.application import Adjustable
+from cardan.model.application import Adjustable, Application
 from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Moved
 from cardan.quantity.response import Response, respond
@@ -45,10 +46,8 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
 
     Of one variant, (movable,), it has no axis of variants.
     """
-    moved = Moved.still(response.line, variants=len(np.atleast_2d(amounts)))
-    for adjustable, amount in zip(movable, np.atleast_2d(amounts).T, strict=True):
-        MOVABLES[adjustable.what].move(moved, adjustable.part, amount)
-    shift, shim, phases = moved.bearing_shift, moved.shim, moved.phases
+    by = _by(response, movable, np.atleast_2d(amounts))
+    shift, shim, phases = by.bearing_shift, by.shim, by.phases
     if amounts.ndim == 1:
         shift, shim, phases = shift[0], shim[0], phases[0]
 
@@ -61,3 +60,55 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
         lay=lay,
         phases=stacked(response.line.phases) + phases,
     )
+
+
+def corrected(
+    response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray
+) -> Application:
+    """Return the application with things of a line moved by these amounts (movable), SI.
+
+    Its layouts, yoke phases and pinion are as a file would say them after the correction, for
+    studies that ask the application anew. Not so its spline: what travel is left in one
+    counts from where the line was first installed, and the driveline's own answer is `tried`.
+    """
+    by = _by(response, movable, amounts[None])
+    shift, shim = by.bearing_shift[0, 0], float(by.shim[0, 0])
+    application, installed = response.application, response.demand.installed
+    axle, line = installed.axle, installed.line
+    x, z = axle.pinion_joint if axle else (0.0, 0.0)
+    arm = np.array([x, 0.0, z])
+
+    def after(layout: Layout) -> Layout:
+        return moved(layout, line, bearing_shift=shift, pinion_pitch=shim, pinion_arm=arm)
+
+    layout = after(installed.layout)
+    turned, _, raised = Ride(pitch=shim).carried(arm, arm)[1].tolist()
+    shafts = [
+        replace(s, phase=s.phase + float(turn))
+        for s, turn in zip(line.shafts, by.phases[0, 0], strict=True)
+    ]
+    shafts[-1] = replace(shafts[-1], length=float(layout.lengths[..., -1]))
+    new = replace(
+        installed,
+        line=replace(line, shafts=tuple(shafts)),
+        layout=layout,
+        axle=axle and replace(axle, pinion_joint=(turned, raised)),
+    )
+    return replace(
+        application,
+        lines=tuple(new if i is installed else i for i in application.lines),
+        states=tuple(
+            replace(s, layouts={n: after(o) if n == line.name else o for n, o in s.layouts.items()})
+            if s.layouts
+            else s
+            for s in application.states
+        ),
+    )
+
+
+def _by(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Moved:
+    """Return how far things of a line move with amounts (V, movable)."""
+    by = Moved.still(response.line, variants=len(amounts))
+    for adjustable, amount in zip(movable, amounts.T, strict=True):
+        MOVABLES[adjustable.what].move(by, adjustable.part, amount)
+    return by

@@ -72,6 +72,7 @@ class RecordingStudy:
         predicted, plan = campaign.predictions(), campaign.plan(recording)
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
+        campaign.hold(recording, samples=max(h.samples for h in healths.values()))
         shaft = campaign.shaft(recording)
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
