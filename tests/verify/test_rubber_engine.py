@@ -1,0 +1,164 @@
+"""Forced motion on rubber against EXUDYN, a 3-D multibody engine run to a steady state.
+
+The engine has rigid shafts, crosses, a spline, springs and dampers, and nothing of this
+program's equations (`rubber_engine.py`). Three lines bent in both views with phases of their
+own, on one, two and three centre bearings.
+
+At small torque the theory is linear in it: half the difference of drive and coast is free of
+what the shafts' inertia does, and of what grows with the square of the torque. At a truck's
+torque the geometry moves, and is itself shaken twice a turn.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from rubber_engine import Rigid, Steady, Swinging
+from test_rubber import BENT, PUBLISHED, TWO, laid
+
+from cardan.kinematics.chain import turn
+from cardan.loads import loads
+from cardan.loads.cycle import major_axis
+from cardan.loads.rubber import Suspended, suspended
+from cardan.loads.running import running
+from cardan.model.layout import Layout
+from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
+
+pytestmark = [
+    pytest.mark.oracle,
+    pytest.mark.filterwarnings("ignore"),  # the engine's own deprecations
+]
+
+rpm = np.pi / 30
+LOSS = 0.1
+
+
+def line(*shafts: tuple[float, float, float | None], drum: float | None = None) -> Line:
+    """Lengths m, phases rad, bearings ahead of the rear joint m; kg m² of the first shaft."""
+    return Line(
+        shafts=tuple(
+            Shaft(
+                length=length,
+                phase=phase,
+                tube=Tube(outer=0.1, wall=0.004),
+                yoke_mass=(5.0, 6.0),
+                polar_inertia_given=None if k else drum,
+                centre_bearing=None if over is None else CentreBearing(from_rear_joint=over),
+                spline=Spline(mass=6.0, from_front_joint=0.3) if over is None else None,
+            )
+            for k, (length, phase, over) in enumerate(shafts)
+        )
+    )
+
+
+CROSSED = np.pi / 2
+THREE = (1.2, 0.0, 0.14), (1.1, CROSSED, 0.16), (1.5, 0.3, None)
+FOUR = (1.0, CROSSED, 0.14), (1.2, 0.0, 0.1), (0.9, CROSSED, 0.0), (1.4, -0.6, None)
+WINDING = {"side": [3.0, 1.0, 4.0, 0.5, 3.0, 1.0], "top": [0.0, 1.5, -0.8, 1.2, -0.5, 1.0]}
+NEARLY_STRAIGHT = {view: np.divide(slopes, 4) for view, slopes in WINDING.items()}
+
+# A line, its slopes in deg, its bearings (vertical, lateral) in N/m.
+LINES = {
+    "one": (TWO, PUBLISHED, (200e3, 120e3)),
+    "two": (line(*THREE), BENT, (200e3, 120e3)),
+    "three": (line(*FOUR), WINDING, (220e3, 140e3)),
+    # How a shaft's spin answers to its tilt is left out: of order I_a tan²β, so a heavy
+    # brake drum shows its gyroscope alone where the line is nearly straight.
+    "a drum": (line(*FOUR, drum=1.0), NEARLY_STRAIGHT, (220e3, 140e3)),
+}
+
+
+@cache
+def of(name: str) -> tuple[Line, Layout, Suspended]:
+    of_line, slopes, stiffness = LINES[name]
+    where = laid(of_line, **slopes)
+    held = suspended(where, of_line, stiffness=(*stiffness, 0.0), loss=LOSS, sines=0)
+    return of_line, where, held
+
+
+def rigid(shaft: Shaft) -> Rigid:
+    """A pipe, point masses on its axis, a thin disc: about their centre."""
+    outer, inner = shaft.tube.outer / 2, shaft.tube.outer / 2 - shaft.tube.wall
+    pipe = shaft.tube.material.density * np.pi * (outer**2 - inner**2) * shaft.length
+    places = [(pipe, shaft.length / 2), (shaft.yoke_mass[0], 0), (shaft.yoke_mass[1], shaft.length)]
+    if shaft.spline:
+        places.append((shaft.spline.mass, shaft.spline.from_front_joint))
+    mass, at = np.array(places).T
+    centre = mass @ at / mass.sum()
+    across = pipe * (3 * (outer**2 + inner**2) + shaft.length**2) / 12
+    return Rigid(
+        mass=mass.sum(),
+        centre=centre,
+        transverse=across + mass @ (at - centre) ** 2,
+        polar=shaft.polar_inertia_given or pipe * (outer**2 + inner**2) / 2,
+    )
+
+
+def engine(name: str, torque: float, speed: float, *, steps: int) -> Steady:
+    of_line, where, _ = of(name)
+    bearings = [s.centre_bearing for s in of_line.shafts if s.centre_bearing]
+    return Swinging(
+        where.points, where.directions, of_line.phases, [rigid(s) for s in of_line.shafts],
+        [b.from_rear_joint for b in bearings],
+        stiffness=LINES[name][2], loss=LOSS, torque=torque, speed=speed,
+    ).run(steps=steps)  # fmt: skip
+
+
+def odd(name: str, torque: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the part odd in torque of the engine's order 2: forces, and speeds."""
+    # The trapezoidal rule errs by (2 pi / steps)² / (6 loss) at resonance: 2e-4.
+    drive, coast = (engine(name, sign * torque, speed, steps=600) for sign in (1, -1))
+    return (drive.force - coast.force) / 2, (drive.velocity - coast.velocity) / 2
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),
+    [
+        ("one", 256.0), ("one", 427.2), ("one", 773.0),
+        ("two", 174.0), ("two", 448.6), ("two", 628.0),
+        ("three", 218.0), ("three", 363.0), ("three", 704.0),
+        ("a drum", 363.0),
+    ],
+)  # fmt: skip
+def test_the_part_odd_in_torque(name, speed):
+    """Force, both ways and with its phase, below, at and above resonance; and its power."""
+    of_line, where, held = of(name)
+    torque, speed = 200.0, speed * rpm
+    force, velocity = odd(name, torque, speed)
+    turned = turn(where.directions, phases=of_line.phases, samples=16)
+    push = held.pushed(loads(where, turned, of_line, torque=torque).joint_moments.order(2))
+    found = held.moved(push, frequency=2 * speed, speed=speed)
+    apart = np.linalg.norm(force - found.bearing_forces, axis=-1)
+    assert (apart < 1e-3 * np.linalg.norm(force, axis=-1)).all()
+    # What the moments feed in is what the engine's dampers take out of it.
+    fed = speed * np.imag(np.conj(found.coordinates) @ push)
+    lost = np.real(force * np.conj(velocity)).sum() / 2
+    assert fed == pytest.approx(lost, rel=2e-3)
+
+
+SHAKEN = pytest.mark.xfail(
+    strict=True, reason="the crosses' moments turn with the shafts and tie order 2 to 0 and 4"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "torque", "speed"),
+    [
+        ("one", 10e3, 256.0), ("one", 10e3, 551.9), ("one", 10e3, 773.0),
+        ("two", 3e3, 174.0), ("two", 3e3, 448.6), ("two", 5e3, 290.1), ("two", 5e3, 720.0),
+        ("three", 5e3, 218.0), ("three", 5e3, 363.0), ("three", 5e3, 704.0),
+        pytest.param("two", 5e3, 174.0, marks=SHAKEN),
+        pytest.param("two", 5e3, 448.6, marks=SHAKEN),
+        pytest.param("three", 5e3, 502.7, marks=SHAKEN),
+    ],
+)  # fmt: skip
+def test_a_truck_s_torque(name, torque, speed):
+    """Set down by the mean force, stiffened by the torque; within 2 % of the engine's."""
+    of_line, where, held = of(name)
+    speed = speed * rpm
+    found = running(
+        where, of_line, of_line.phases, torque=torque, speed=speed, held=held,
+        inertias=np.array([s.polar_inertia for s in of_line.shafts]),
+    )  # fmt: skip
+    expected = major_axis(engine(name, torque, speed, steps=400).force)
+    assert found.orders[..., 0] == pytest.approx(expected, rel=0.02)
