@@ -136,20 +136,15 @@ def test_the_part_odd_in_torque(name, speed):
     assert fed == pytest.approx(lost, rel=2e-3)
 
 
-SHAKEN = pytest.mark.xfail(
-    strict=True, reason="the crosses' moments turn with the shafts and tie order 2 to 0 and 4"
-)
-
-
 @pytest.mark.parametrize(
     ("name", "torque", "speed"),
     [
         ("one", 10e3, 256.0), ("one", 10e3, 551.9), ("one", 10e3, 773.0),
         ("two", 3e3, 174.0), ("two", 3e3, 448.6), ("two", 5e3, 290.1), ("two", 5e3, 720.0),
         ("three", 5e3, 218.0), ("three", 5e3, 363.0), ("three", 5e3, 704.0),
-        pytest.param("two", 5e3, 174.0, marks=SHAKEN),
-        pytest.param("two", 5e3, 448.6, marks=SHAKEN),
-        pytest.param("three", 5e3, 502.7, marks=SHAKEN),
+        ("two", 5e3, 174.0),
+        ("two", 5e3, 448.6),
+        ("three", 5e3, 502.7),
     ],
 )  # fmt: skip
 def test_a_truck_s_torque(name, torque, speed):

@@ -21,6 +21,7 @@ Source: derived from first principles; forced motion confirmed with independent 
 engines.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -28,6 +29,7 @@ from math import pi
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, stacked
+from cardan.kinematics.chain import Turn
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 
@@ -37,7 +39,7 @@ LOSS = 0.1
 SINES = 1
 """Sines in which each tube bends between its joints: its second one is above any order 2."""
 
-_RIGID = 1e10
+_RIGID = 1e11
 """N/m; stiffer than any support."""
 
 _XI, _WEIGHT = (
@@ -199,6 +201,88 @@ class Suspended:
         local = pull.reshape(*pull.shape[:-1], -1, 1, 3)
         turned = (local @ self.frame[..., None, :, :, :])[..., 0, :]
         return Motion(coordinates=found[..., :N], bearing_forces=np.asarray(turned, dtype=complex))
+
+    def swing(self, turned: Turn) -> ComplexArray:
+        """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
+
+        The driving pin axis a = Re S F e^{iθ} of a joint takes a (a · Δe) from its moment, Δe
+        the change of its angle: half of that is at order 2. Symmetric.
+        """
+        pin = turned.settings[..., None] * turned.frames
+        none = np.zeros_like(self.front_tilt[..., :1, :, :])
+        ahead = np.concatenate([none, self.rear_tilt], axis=-3)
+        behind = np.concatenate([self.front_tilt, none], axis=-3)
+        d = np.concatenate([self.along[..., :1, :], self.along, self.along[..., -1:, :]], axis=-2)
+        bends = (pin[..., None, :] @ (behind - ahead))[..., 0, :]
+        front, rear = (np.cross(pin, d[..., k : d.shape[-2] - 1 + k, :]) for k in (1, 0))
+        pushes = (front[..., None, :] @ behind - rear[..., None, :] @ ahead)[..., 0, :]
+        return -(pushes.mT @ bends) / 2
+
+    def balanced(
+        self,
+        pushes: Sequence[ComplexArray | FloatArray],
+        swing: ComplexArray,
+        *,
+        speed: ArrayLike,
+        torque: ArrayLike,
+    ) -> tuple[Motion, Motion, Motion]:
+        """Return how the line moves under forces of orders 0, 2 and 4 that follow its motion.
+
+        The line sets down and shakes where it then is, and what shakes at order 2 sets it down
+        further and shakes at order 4: a harmonic balance, in closed form.
+
+        Parameters
+        ----------
+        pushes : three of (..., N)
+            Forces on the coordinates where nothing has moved.
+        swing : (..., N, N)
+            Of one N m, for the torque.
+        speed, torque : (...) rad/s, N m
+        """
+        speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
+        T, tie = torque[..., None, None], torque[..., None, None] * swing
+        k, loss = np.minimum(self._stiffness, _RIGID), np.repeat(self.loss, 3, axis=-1)
+        rows = self._rows
+        still = self.bending + (rows.mT * k[..., None, :]) @ rows + T * self.torsion
+        lost = (rows.mT * (k * loss)[..., None, :]) @ rows
+
+        def shaken(order: int) -> ComplexArray:
+            W = order * speed[..., None, None]
+            inertia = W**2 * self.mass - 1j * W * speed[..., None, None] * self.gyroscopic
+            return still + 1j * np.sign(W) * lost - inertia
+
+        f0, f2, f4 = (np.asarray(f)[..., None] for f in pushes)
+        lead = np.broadcast_shapes(
+            still.shape, tie.shape, (*speed.shape, 1, 1), (*f2.shape[:-1], 1)
+        )
+        tie = np.broadcast_to(tie, lead)
+        alike = (*lead[:-1], 1)
+        both = np.concatenate([tie, np.broadcast_to(f4, alike)], axis=-1)
+        found = np.linalg.solve(np.broadcast_to(shaken(4), lead), both)
+        above, fourth = found[..., :-1], found[..., -1:]
+        second = shaken(2) - np.conj(tie) @ above / 4
+        alone = f2 + np.conj(tie) @ fourth / 2
+        both = np.concatenate([tie, np.broadcast_to(alone, alike)], axis=-1)
+        found = np.linalg.solve(second, both)
+        tied, moved = found[..., :-1], found[..., -1:]
+        q0 = np.linalg.solve(
+            still - (np.conj(tie) @ tied).real / 2, f0.real + (np.conj(tie) @ moved).real / 2
+        )
+        q2 = tied @ q0 + moved
+        q4 = fourth + above @ q2 / 2
+        firm = k * (1 + 1j * np.sign(speed)[..., None] * loss)
+        return (
+            self._motion(q0[..., 0], k), self._motion(q2[..., 0], firm),
+            self._motion(q4[..., 0], firm),
+        )  # fmt: skip
+
+    def _motion(self, moved: ArrayLike, stiffness: FloatArray | ComplexArray) -> Motion:
+        """Return a motion (..., N) with what it makes bearings of a stiffness (..., 3 h) carry."""
+        moved = np.asarray(moved, dtype=complex)
+        pull = (self._rows @ moved[..., None])[..., 0] * stiffness
+        local = pull.reshape(*pull.shape[:-1], -1, 1, 3)
+        turned = (local @ self.frame)[..., 0, :].astype(complex)
+        return Motion(coordinates=moved, bearing_forces=turned)
 
     def _bound(
         self, whole: ComplexArray, forces: ComplexArray, rigid: BoolArray

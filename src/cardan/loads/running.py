@@ -1,8 +1,8 @@
 r"""What centre bearings carry as the line runs: torque, weight, thrust, unbalance, on rubber.
 
-The mean force sets the rubber down, and the line runs where that leaves it: one step is
-enough, for it moves by millimetres. What comes twice a turn, and through the shafts'
-inertia four and six times, shakes the line where it then runs, and so does unbalance once.
+The mean force sets the rubber down, and what comes twice a turn shakes the line where that
+leaves it; the crosses' moments follow both, so orders 0, 2 and 4 are found together. The
+shafts' inertia adds to orders 4 and 6, and unbalance makes order 1.
 
 A spline that sticks holds any thrust between plus and minus its slip force, and a moving
 suspension drives it to either end: the mean force is the worst of none and of both.
@@ -14,18 +14,15 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.units import mm
-from cardan.kinematics.chain import cross, turn
+from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import Suspended
 from cardan.loads.statics import CARDAN_GRADE, Loads, loads, unbalance
-from cardan.model.layout import Layout, joined, unit
+from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 
 ORDERS = (2, 4, 6)
 """Orders of the joints; those above 2 come through inertia alone."""
-
-SMALL = 0.03
-"""Share of the shortest shaft that a joint may go as its bearing's rubber sets down."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,33 +92,9 @@ def running(
         Speed for which the shafts are balanced; None leaves unbalance out.
     """
     torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
-    carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
-    if held is not None:
-        layout = set_down(layout, held, carried, torque=torque)
-        carried = _loads(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
-    static, thrust = mean(layout, line, phases, carried, gravity=gravity, slip=slip)
-    return Running(
-        static=static,
-        thrust=thrust,
-        order1=once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
-        orders=shaken(held, carried, torque=torque, speed=speed),
-    )
-
-
-def _loads(
-    layout: Layout,
-    line: Line,
-    phases: ArrayLike,
-    *,
-    torque: FloatArray,
-    speed: FloatArray,
-    inertias: FloatArray | None,
-) -> Loads:
-    """Return the quasi-static loads with the torque that speeding up the shafts takes."""
     turned = turn(layout.directions, phases=phases, samples=16)
-    # Who turns uniformly is the heavier side: in drive and in coast the wheels and the vehicle
-    # behind them, or the engine; the difference is of the angle squared.
-    return loads(
+    # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
+    carried = loads(
         layout,
         turned,
         line,
@@ -129,40 +102,50 @@ def _loads(
         inertias=inertias,
         accelerations=speed[..., None, None] ** 2 * turned.acceleration,
     )
+    if held is None:
+        steady = carried.bearing_forces.static
+        orders = stacked(carried.bearing_forces.amplitude(k) for k in ORDERS)
+    else:
+        steady, orders = _on_rubber(held, carried, turned, torque=torque, speed=speed)
+    static, thrust = _mean(layout, line, turned, steady, gravity=gravity, slip=slip)
+    return Running(
+        static=static,
+        thrust=thrust,
+        order1=_once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
+        orders=orders,
+    )
 
 
-def set_down(layout: Layout, held: Suspended, carried: Loads, *, torque: FloatArray) -> Layout:
-    """Return where a line runs when its rubber has given under the mean of its loads."""
-    push = held.pushed(carried.joint_moments.static)
-    found = held.moved(push, torque=torque).coordinates.real[..., None, :, None]
-    gone = np.concatenate([held.front @ found, 0 * held.front[..., :1, :, :] @ found], axis=-3)
-    # Small motions: where more is asked, a mount has long met its stop.
-    size = np.linalg.norm(gone[..., 0], axis=-1).max(axis=-1)
-    most = SMALL * layout.lengths.min(axis=-1)
-    share = np.minimum(1.0, most / np.where(size > 0, size, most))
-    points = layout.points + share[..., None, None] * gone[..., 0]
-    d = layout.directions
-    between = unit(np.diff(points, axis=-2))
-    return Layout(points=points, directions=joined(d[..., 0, :], between, d[..., -1, :]))
+def _on_rubber(
+    held: Suspended, carried: Loads, turned: Turn, *, torque: FloatArray, speed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the mean force (..., n-2, 3) and 0-to-peak of each of `ORDERS` (..., n-2, 3), N."""
+    moments = carried.joint_moments
+    pushes = [held.pushed(moments.order(k)) for k in (0, 2, 4)]
+    still, *others = held.balanced(pushes, held.swing(turned), speed=speed, torque=torque)
+    if moments.waves.shape[-2] > 3:
+        push = held.pushed(moments.order(6))
+        others.append(held.moved(push, frequency=6 * speed, speed=speed, torque=torque))
+    sizes = [major_axis(m.bearing_forces) for m in others]
+    sizes += [0 * sizes[0]] * (len(ORDERS) - len(sizes))
+    return still.bearing_forces.real, stacked(sizes)
 
 
-def mean(
+def _mean(
     layout: Layout,
     line: Line,
-    phases: ArrayLike,
-    carried: Loads,
+    turned: Turn,
+    force: FloatArray,
     *,
     gravity: float,
     slip: ArrayLike,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the size of the mean force on each bearing, (..., n-2) N, at its worst thrust."""
-    still = turn(layout.directions, phases=phases, samples=4)
-    force = carried.bearing_forces.static
+    """Return the size of a mean force (..., n-2, 3) N with weight and thrust at its worst."""
     if gravity:
         force = (
-            force + loads(layout, still, line, torque=0.0, gravity=gravity).bearing_forces.static
+            force + loads(layout, turned, line, torque=0.0, gravity=gravity).bearing_forces.static
         )
-    pulled = loads(layout, still, line, torque=0.0, thrust=1.0).bearing_forces.static
+    pulled = loads(layout, turned, line, torque=0.0, thrust=1.0).bearing_forces.static
     slip = np.nan_to_num(np.asarray(slip, dtype=float))[..., None]
     each = np.stack(
         np.broadcast_arrays(
@@ -177,24 +160,7 @@ def mean(
     return each.max(-1), np.array([0.0, 1.0, -1.0])[worst] * slip
 
 
-def shaken(
-    held: Suspended | None, carried: Loads, *, torque: FloatArray, speed: FloatArray
-) -> FloatArray:
-    """Return 0-to-peak of each of `ORDERS` on each bearing, (..., n-2, 3) N."""
-    found: list[FloatArray] = []
-    for order in ORDERS:
-        if held is None:
-            found.append(major_axis(carried.bearing_forces.order(order)))
-        elif order // 2 < carried.joint_moments.waves.shape[-2]:
-            push = held.pushed(carried.joint_moments.order(order))
-            moved = held.moved(push, frequency=order * speed, speed=speed, torque=torque)
-            found.append(major_axis(moved.bearing_forces))
-        else:
-            found.append(0 * found[0])
-    return stacked(found)
-
-
-def once(
+def _once(
     layout: Layout,
     line: Line,
     held: Suspended | None,

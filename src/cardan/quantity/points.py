@@ -185,7 +185,7 @@ def _crossings(r: "Response", found: Curves) -> FloatArray:
 
 
 def _crests(r: "Response", found: Curves, best: dict[str, Points]) -> tuple[IntArray, FloatArray]:
-    """Return the points of largest orders beside those found, for each bearing: (P, ..., S).
+    """Return the points of largest forces beside those found, for each bearing: (P, ..., S).
 
     Where a mode alone shakes, 1/F² is a parabola over the square of the speed.
     """
@@ -207,7 +207,9 @@ def _crests(r: "Response", found: Curves, best: dict[str, Points]) -> tuple[IntA
         crest = (x[0] + x[1]) / 2 - slopes[0] / (2 * bend)
     reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
     crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
-    return curve, np.sqrt(crest)
+    # What order 2 adds to the mean is largest half a width beside its own crest.
+    ways = [np.sqrt(crest) * (1 + k * width / CLOSER) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)]
+    return np.concatenate([curve] * len(ways)), np.concatenate(ways)
 
 
 def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
