@@ -16,6 +16,9 @@ from cardan.quantity import points
 from cardan.quantity.response import Response, respond
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+SHORT = {"static": 0.97, "dynamic": 0.99, "peak": 0.99}
+"""Share of the sweep's largest that is found at least. What order 2 adds to the mean has its
+crest beside resonance, and may have it in another direction than where it was sought."""
 TRUCKS = ("refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4")
 
 
@@ -43,7 +46,7 @@ def test_no_point_is_worse_than_the_worst(name):
         for force in points.FORCES:
             dense = np.nanmax(getattr(found, force), axis=0)
             worst = getattr(r.worst[force].running, force)
-            assert (worst >= dense * 0.99).all(), (r.line.name, force, (dense / worst).max())
+            assert (worst >= dense * SHORT[force]).all(), (r.line.name, force, (dense / worst).max())
             assert (worst > 0).all()
 
 
@@ -71,7 +74,7 @@ def test_nor_on_any_rubber(seed):
     for force in points.FORCES:
         dense = np.nanmax(getattr(found, force), axis=0)
         worst = getattr(soft.worst[force].running, force)
-        assert (worst >= dense * 0.99).all(), (force, (dense / worst).max())
+        assert (worst >= dense * SHORT[force]).all(), (force, (dense / worst).max())
 
 
 def test_variants_see_the_same():

@@ -190,7 +190,7 @@ def _crests(r: "Response", found: Curves, best: dict[str, Points]) -> tuple[IntA
     Where a mode alone shakes, 1/F² is a parabola over the square of the speed.
     """
     assert r.held is not None
-    seeds = [best["dynamic"], best["peak"]]
+    seeds = list(best.values())
     curve, speed = (np.concatenate(v) for v in zip(*map(_apart, seeds), strict=True))
     centre = np.concatenate([np.moveaxis(p.running.dynamic, -1, 0) for p in seeds])
     width = CLOSER * r.held.loss.min(axis=-1)  # as narrow as the narrowest mode
