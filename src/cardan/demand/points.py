@@ -186,8 +186,8 @@ def curves(asked: Demand) -> Curves:
     Notes
     -----
     A converter's stall ratio counts at any speed, and coast and braking take the largest
-    torque at any speed: upper bounds. Where nobody knows a speed the line stands still.
-    Source: METHOD 15, operating points.
+    torque at any speed: upper bounds. Where nobody knows a speed the line stands still. Part
+    load is not asked. Derived from Souza (2014), eq. 1 to 3.
     """
     found = [c for c in (*_drive(asked), *_coast(asked), *_reverse(asked), *_brake(asked))
              if not np.isnan(c.fastest).all()]  # fmt: skip
