@@ -46,7 +46,11 @@ def test_no_point_is_worse_than_the_worst(name):
         for force in points.FORCES:
             dense = np.nanmax(getattr(found, force), axis=0)
             worst = getattr(r.worst[force].running, force)
-            assert (worst >= dense * SHORT[force]).all(), (r.line.name, force, (dense / worst).max())
+            assert (worst >= dense * SHORT[force]).all(), (
+                r.line.name,
+                force,
+                (dense / worst).max(),
+            )
             assert (worst > 0).all()
 
 

@@ -75,24 +75,53 @@ def _each(change: Callable[..., Any], *of: Points) -> Points:
     )
 
 
-def held(r: "Response") -> Suspended | None:
+def held(r: "Response", *, assumed: float = LOSS) -> Suspended | None:
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
-    It needs a tube of each shaft for its mass, and a stiffness of one bearing.
+    It needs a tube of each shaft for its mass, and a stiffness of one bearing. A loss factor
+    that nobody gives is `assumed`.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
     if any(s.tube is None for s in r.line.shafts) or all(b.stiffness is None for b in bearings):
         return None
     stiffness = [[*(b.stiffness or (np.inf, np.inf)), b.axial_stiffness or 0.0] for b in bearings]
-    loss = [LOSS if b.loss_factor is None else b.loss_factor for b in bearings]
+    loss = [assumed if b.loss_factor is None else b.loss_factor for b in bearings]
     columns = np.broadcast_arrays(*(np.asarray(v, dtype=float) for row in stiffness for v in row))
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)
     eta = np.stack(np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in loss)), axis=-1)
     return suspended(r.layout, r.line, stiffness=k, loss=eta)
 
 
-def run(r: "Response", of: Demand, layout: Layout, *, inertia: bool = True) -> Running:
-    """Return what the bearings carry under a demand, where the line then runs."""
+def otherwise(r: "Response", assumed: float) -> Running:
+    """Return what the bearings carry at the points of most orders with another loss factor."""
+    p = r.worst["dynamic"]
+    curve, speed = _apart(p)
+    asked = demand_at(r.demand, p.curves, curve=curve, speed=speed)
+    found = run(r, asked, r.lay(asked), on=held(r, assumed=assumed))
+
+    def own(values: Any) -> Any:
+        return np.stack([values[b, ..., b] for b in range(len(curve))], axis=-1)
+
+    return Running(
+        static=own(found.static),
+        thrust=own(found.thrust),
+        order1=own(found.order1),
+        orders=np.stack([own(found.orders[..., k]) for k in range(3)], axis=-1),
+    )
+
+
+def run(
+    r: "Response",
+    of: Demand,
+    layout: Layout,
+    *,
+    inertia: bool = True,
+    on: Suspended | None = None,
+) -> Running:
+    """Return what the bearings carry under a demand, where the line then runs.
+
+    On its own rubber, or on that of `on`.
+    """
     known = np.isfinite(of.torque)
     found = running(
         layout,
@@ -100,7 +129,7 @@ def run(r: "Response", of: Demand, layout: Layout, *, inertia: bool = True) -> R
         r.phases,
         torque=np.nan_to_num(of.torque),
         speed=np.nan_to_num(of.speed),
-        held=r.held,
+        held=on or r.held,
         inertias=r.inertias if inertia else None,
         gravity=r.gravity,
         slip=r.slip_at(of.torque),

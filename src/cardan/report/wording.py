@@ -217,6 +217,21 @@ def notes(of: Approval, say: Language) -> list[str]:
             table=table,
         )
         found.append(say("Note: {note}.", note=note))
+    for a in of.assumed:
+        note = say(
+            "the rubber's loss factor {factor} is assumed: centre bearing {bearing} of line {line} "
+            "carries {force} N in {state}, with {low} it would be {more} N, with {high} {less} N",
+            factor=say.short(a.factor),
+            bearing=a.bearing,
+            line=a.line,
+            force=say.number(a.force),
+            state=say.state(a.state),
+            low=say.short(a.factors[0]),
+            more=say.number(a.forces[0]),
+            high=say.short(a.factors[1]),
+            less=say.number(a.forces[1]),
+        )
+        found.append(say("Note: {note}.", note=note))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
@@ -22,7 +23,7 @@ from cardan.study.finding import (
     silence,
     silent,
 )
-from cardan.study.notes import SpringMismatch, mismatches
+from cardan.study.notes import AssumedLoss, SpringMismatch, assumed_losses, mismatches
 from cardan.study.studies import STUDIES, VibrationStudy
 
 
@@ -92,10 +93,15 @@ class Approval:
         """Springs whose drawing states rates that are not those of its own table."""
         return tuple(mismatches(self.application))
 
+    @cached_property
+    def assumed(self) -> tuple[AssumedLoss, ...]:
+        """What rests on a loss factor of rubber that nobody gave."""
+        return tuple(assumed_losses(self.responses))
+
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the application should know: where it contradicts itself."""
-        return tuple(str(m) for m in self.mismatches)
+        """What a reader should know: where the application contradicts itself, what is assumed."""
+        return tuple(str(m) for m in (*self.mismatches, *self.assumed))
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""

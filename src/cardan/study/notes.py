@@ -1,17 +1,23 @@
-"""Where an application contradicts itself."""
+"""What a reader should know: where an application contradicts itself, what is assumed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from cardan.base.units import Metre, mm
 from cardan.demand.suspension import spring_load, table_rates
+from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
+from cardan.quantity import points
+from cardan.quantity.response import Response
 
 MISMATCH = 0.005
 """Share by which stated rates may miss the loads of their table before it is worth a word."""
+
+OTHERWISE = (LOSS / 2, 2 * LOSS)
+"""Loss factors between which rubber mounts lie."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +71,52 @@ def spring_mismatch(spring: Spring) -> SpringMismatch | None:
         apart=float(apart[worst]),
         deflection=float(at[worst]),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AssumedLoss:
+    """What rests on a loss factor that nobody gave: the largest dynamic force on a bearing.
+
+    `forces` are those with `factors` in its place, N, at the same point.
+    """
+
+    line: str
+    bearing: int
+    state: str
+    factor: float
+    force: float
+    factors: tuple[float, float]
+    forces: tuple[float, float]
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        low, high = self.factors
+        return (
+            f"the rubber's loss factor {self.factor:g} is assumed: centre bearing "
+            f"{self.bearing} of line {self.line} carries {self.force:.4g} N in {self.state}, "
+            f"with {low:g} it would be {self.forces[0]:.4g} N, with {high:g} {self.forces[1]:.4g} N"
+        )
+
+
+def assumed_losses(responses: Iterable[Response]) -> Iterator[AssumedLoss]:
+    """Yield, line by line, what rests on a loss factor that nobody gave."""
+    for r in responses:
+        bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
+        given = all(b.stiffness is None or b.loss_factor is not None for b in bearings)
+        if given or r.held is None or "dynamic" not in r.worst or r.layout.points.ndim > 3:
+            continue
+        force = r.worst["dynamic"].running.dynamic
+        s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
+        less, more = (float(points.otherwise(r, eta).dynamic[s, k]) for eta in OTHERWISE)
+        yield AssumedLoss(
+            line=r.line.name,
+            bearing=int(k) + 1,
+            state=r.demand.states[s],
+            factor=LOSS,
+            force=float(force[s, k]),
+            factors=OTHERWISE,
+            forces=(less, more),
+        )
 
 
 def mismatches(application: Application) -> Iterator[SpringMismatch]:
