@@ -242,12 +242,14 @@ def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:
     return {
         "at_speed": {
             "dynamic_N": own.dynamic[s, k],
+            "order2_N": own.orders[s, k, 0],
             "order1_N": own.order1[s, k],
             "static_N": own.static[s, k],
         },
         "worst": {
             "peak_N": found.peak[s, k],
             "dynamic_N": found.dynamic[s, k],
+            "order2_N": found.orders[s, k, 0],
             "order1_N": found.order1[s, k],
             "static_N": found.static[s, k],
             "thrust_N": found.thrust[s, k],

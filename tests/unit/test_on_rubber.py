@@ -1,0 +1,133 @@
+"""What centre bearings carry on rubber, from an application file to what is printed of it."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.base.units import rpm
+from cardan.cli import cli
+from cardan.study.approval import assess
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SPEEDS = {100: 21.2516, 426.6: 207.225, 500: 105.955, 551.3: 204.108, 800: 18.2756}
+"""rpm and N: order 2 on a bearing, by EXUDYN with moving geometry (METHOD section 15)."""
+
+
+def tube(mass: float, length: float) -> str:
+    """A tube of a mass, kg, as a file can say it: stiff, thin, nearly slender; length in m."""
+    wall = 50 - (50**2 - mass / length / 7850e-6 / np.pi) ** 0.5
+    stiff = "{name: stiff, youngs_modulus_GPa: 1000, density_kg_m3: 7850}"
+    return f"tube: {{outer_mm: 100, wall_mm: {wall}, material: {stiff}}}"
+
+
+def two_shafts() -> str:
+    """The two shafts of 20 and 25 kg."""
+    states = "\n".join(f'  - {{name: "{n}", speed_rpm: {n}}}' for n in SPEEDS)
+    return f"""
+title: Two slender shafts
+torque_Nm: 1000
+speed_rpm: 2400
+driveline:
+  slopes: {{side_deg: [3, 1, 4.5, 2], top_deg: [0, 1.5, -0.8, 0.6]}}
+  shafts:
+    - length_mm: 1200
+      {tube(20, 1.2)}
+      centre_bearing:
+        from_rear_joint_mm: 0
+        vertical_stiffness_N_mm: 200
+        lateral_stiffness_N_mm: 120
+        loss_factor: 0.1
+    - length_mm: 1500
+      {tube(25, 1.5)}
+states:
+{states}
+limits: protractor
+"""
+
+
+def told(tmp_path: Path, text: str, *options: str) -> dict:
+    file, out = tmp_path / "line.yaml", tmp_path / "line.json"
+    file.write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(cli, ["check", str(file), "--json", str(out), "-q", *options])
+    assert done.exit_code in (0, 1), done.output
+    return json.loads(out.read_text(encoding="utf-8"))
+
+
+def test_a_file_s_line_shakes_as_an_engine_shakes_it(tmp_path):
+    """Tubes of 100 mm turn about their diameter too: 0.1 % in a frequency, 2 % on its flank."""
+    states = {s["name"]: s["centre_bearings"][0] for s in told(tmp_path, two_shafts())["states"]}
+    for speed, force in SPEEDS.items():
+        found = states[str(speed)]
+        assert found["on_rubber"]["at_speed"]["order2_N"] == pytest.approx(force, rel=25e-3)
+        assert found["dynamic_N"] == pytest.approx(20.090, abs=2e-3)  # a rigid support's
+    modes = states["500"]["on_rubber"]["modes"]
+    assert [m["shape"] for m in modes[:2]] == ["lateral", "bounce"]
+    expected = pytest.approx([427.25, 551.90], rel=3e-3)
+    assert [m["speed_of_order_2_rpm"] for m in modes[:2]] == expected
+    assert modes[0]["damping"] == pytest.approx(0.05, rel=0.01)
+
+
+def test_the_worst_point_of_a_line_without_an_engine_is_where_its_torque_meets_a_mode(tmp_path):
+    states = {s["name"]: s["centre_bearings"][0] for s in told(tmp_path, two_shafts())["states"]}
+    worst = states["800"]["on_rubber"]["worst"]
+    assert worst["speed_rpm"] == pytest.approx(427.2, rel=5e-3)
+    assert worst["direction"] == "drive"
+    assert worst["torque_Nm"] == pytest.approx(1000)
+    below = states["100"]["on_rubber"]["worst"]
+    assert below["speed_rpm"] == pytest.approx(100)  # a state's own speed holds
+
+
+@pytest.fixture(scope="module")
+def truck():
+    return assess(files.read(EXAMPLES / "medium-truck-4x2.yaml"))
+
+
+def test_a_limit_on_a_bearing_asks_where_first_gear_meets_the_mode(truck):
+    checks = [c for c in truck.checks if c.quantity == "centre_bearing_dynamic"]
+    worst = min(checks, key=lambda c: c.margin)
+    assert worst.grade == "fail"
+    assert worst.point is not None
+    assert (worst.point.gear, worst.point.direction) == ("1", "drive")
+    assert worst.point.speed / rpm == pytest.approx(276, abs=1)
+    (response,) = truck.responses
+    jounce = response.demand.states.index("jounce")
+    found = next(c for c in checks if c.when.name == "jounce")
+    assert response.loads.bearing_forces.dynamic[jounce, 0] == pytest.approx(224.7, abs=0.1)
+    assert found.value > 8 * 224.7
+
+
+def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
+    (note,) = truck.assumed
+    assert (note.bearing, note.state, note.factor) == (1, "full rebound", 0.1)
+    less, more = note.forces
+    assert less > 1.8 * note.force > 3 * more
+    given = truck.application
+    (installed,) = given.lines
+    shafts = tuple(
+        s if s.centre_bearing is None
+        else replace(s, centre_bearing=replace(s.centre_bearing, loss_factor=0.05))
+        for s in installed.line.shafts
+    )  # fmt: skip
+    line = replace(installed, line=replace(installed.line, shafts=shafts))
+    again = assess(replace(given, lines=(line,)))
+    assert again.assumed == ()
+    worst = again.responses[0].worst["dynamic"].running.dynamic.max()
+    assert worst == pytest.approx(less, rel=5e-3)  # at its own crest, hardly elsewhere
+
+
+def test_without_tubes_or_rubber_a_bearing_is_rigid(truck):
+    given = truck.application
+    (installed,) = given.lines
+    shafts = tuple(replace(s, tube=None, polar_inertia_given=0.05) for s in installed.line.shafts)
+    line = replace(installed, line=replace(installed.line, shafts=shafts))
+    found = assess(replace(given, lines=(line,)))
+    (response,) = found.responses
+    assert response.held is None
+    value = max(c.value for c in found.checks if c.quantity == "centre_bearing_dynamic")
+    assert value < 400
+    assert found.assumed == ()
