@@ -268,7 +268,7 @@ BRACKET = (
          "' gvw': {mass_t: 9, cg_behind_front_m: 2}}}",
          "vehicle.loads. gvw: this name is given twice: names differ by more than spaces"),
         ("obstacles: [{name: '  ', start_mm: [900, 0, 90]}]", "obstacles[1].name: must be a text"),
-        ("obstacles: [{name: \"\\u200b\", start_mm: [900, 0, 90]}]", "obstacles[1].name: must"),
+        ("obstacles: [{name: \"\\u2003\", start_mm: [900, 0, 90]}]", "obstacles[1].name: must"),
         ("vehicle: {drive: 4x2, wheelbase_m: 4, loads: {' ': {mass_t: 9, cg_behind_front_m: 2}}}",
          "vehicle.loads. : must be a text"),
     ],

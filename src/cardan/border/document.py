@@ -360,8 +360,10 @@ _HIDDEN = (
     "\U0001bca0-\U0001bca3\U0001d173-\U0001d17a\U000e0000-\U000e0fff"
     + "".join(chr(plane << 16 | last) for plane in range(17) for last in (0xFFFE, 0xFFFF))
 )
-_CONTROL = re.compile(f"[{_HIDDEN}]")
-_HIDDEN_WRITTEN = re.compile(f"[{_HIDDEN}\r]")
+_JOINED = "(?<![\u2190-\u2bff\U0001f000-\U0001faff\ufe0f])[\u200d\ufe0f]"
+"""A joiner or a selector that follows no symbol; behind one it makes a picture of several."""
+_CONTROL = re.compile(f"(?![\u200d\ufe0f])[{_HIDDEN}]|{_JOINED}")
+_HIDDEN_WRITTEN = re.compile(f"(?![\u200d\ufe0f])[{_HIDDEN}\r]|{_JOINED}")
 """In a text as it is meant: a carriage return, too, hides what stands before it."""
 _REMOVE = "it can make a text look like another: remove it"
 

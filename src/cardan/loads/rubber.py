@@ -253,8 +253,9 @@ class Suspended:
 
         f0, f2, f4 = (np.asarray(f)[..., None] for f in pushes)
         lead = np.broadcast_shapes(
-            still.shape, tie.shape, (*speed.shape, 1, 1), (*f2.shape[:-1], 1)
-        )
+            still.shape, lost.shape, self.mass.shape, tie.shape, (*speed.shape, 1, 1),
+            *((*f.shape[:-1], 1) for f in (f0, f2, f4)),
+        )  # fmt: skip
         tie = np.broadcast_to(tie, lead)
         alike = (*lead[:-1], 1)
         both = np.concatenate([tie, np.broadcast_to(f4, alike)], axis=-1)
