@@ -41,7 +41,7 @@ NAMES = {
     "a sheet's name": "a/b[c]:*?'",
     "markup": "<b>&amp;</b> #panic() $x$ *b* @c",
     "a formula": "=1+1",
-    "signs nobody sees": "c\u200dd\ue000",
+    "signs nobody sees": "c d\ue000",
 }
 
 
