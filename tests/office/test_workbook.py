@@ -85,8 +85,10 @@ def expected(r: Response) -> dict[str, np.ndarray]:
         found[f"n_beta_joint_{k + 1}"] = r.demand.speed / rpm * r.angles[:, k] / deg
         found[f"joint_life_joint_{k + 1}"] = r.life[:, k] / 3600
     for k in range(n - 2):
-        found[f"centre_bearing_static_bearing_{k + 1}"] = np.linalg.norm(static[:, k], axis=-1)
-        found[f"centre_bearing_dynamic_bearing_{k + 1}"] = dynamic[:, k]
+        found[f"centre_bearing_static_bearing_{k + 1}_small_angle"] = np.linalg.norm(
+            static[:, k], axis=-1
+        )
+        found[f"centre_bearing_dynamic_bearing_{k + 1}_small_angle"] = dynamic[:, k]
     for k in range(n - 1):
         found[f"critical_speed_shaft_{k + 1}"] = r.critical_speeds[:, k] / rpm
         found[f"critical_speed_ratio_shaft_{k + 1}"] = r.demand.speed / r.critical_speeds[:, k]
@@ -394,7 +396,6 @@ def test_a_changed_input_leaves_live_rows_and_makes_the_others_stale(verdicts):
 APPROXIMATED = {
     "equivalent_angle", "torsional_acceleration", "inertia_drive_acceleration",
     "inertia_coast_acceleration", "inertia_drive_torque", "inertia_coast_torque",
-    "centre_bearing_static", "centre_bearing_dynamic",
 }  # fmt: skip
 
 
