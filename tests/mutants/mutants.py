@@ -855,7 +855,81 @@ CLI = (
            "plain letters turn a limit round", "unit/test_cli_plain.py::test_letters_in_plain_letters"),
 )  # fmt: skip
 
+RUBBER = (
+    mutant(
+        "loads/rubber.py",
+        "gyroscopic=-_summed(spin, fields, turned),",
+        "gyroscopic=_summed(spin, fields, turned),",
+        "a spinning shaft precesses the wrong way",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/rubber.py",
+        "    half = -(at_joints + _summed(_wound(lengths, sines), fields, turned)) / 2",
+        "    half = (at_joints + _summed(_wound(lengths, sines), fields, turned)) / 2",
+        "the torque's stiffness with the wrong sign",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/rubber.py",
+        "second = shaken(2) - np.conj(tie) @ above / 4",
+        "second = shaken(2) - np.conj(tie) @ above / 2",
+        "order 4 acts back twice",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/rubber.py",
+        "return -(pushes.mT @ bends) / 2",
+        "return (pushes.mT @ bends) / 2",
+        "order 2 follows the shafts the other way",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/rubber.py",
+        "stiff = stiff / (1 + wave**2 * (EI / shear)[..., None])",
+        "stiff = 2 * stiff",
+        "tubes twice as stiff in bending",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/running.py",
+        "for sign in (0, 1, -1)",
+        "for sign in (0, 1, 1)",
+        "thrust one way only",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "loads/running.py",
+        "force = stacked(s.mass for s in line.shafts) / 2 * grades",
+        "force = stacked(s.mass for s in line.shafts) * grades",
+        "each end has the whole shaft's unbalance",
+        "verify/test_rubber.py",
+    ),
+    mutant(
+        "quantity/points.py",
+        "meets = np.concatenate([frequency / k for k in orders])",
+        "meets = np.concatenate([frequency * k for k in orders])",
+        "order 2 is looked for at twice the frequency",
+        "property/test_worst_point.py",
+        "unit/test_on_rubber.py",
+    ),
+    mutant(
+        "quantity/points.py",
+        "[*(b.stiffness or (np.inf, np.inf)), b.axial_stiffness or 0.0]",
+        "[*(b.stiffness or (np.inf, np.inf))[::-1], b.axial_stiffness or 0.0]",
+        "vertical and lateral rubber swapped",
+        "unit/test_on_rubber.py",
+    ),
+    mutant(
+        "quantity/bearings.py",
+        'of=lambda r: r.bearing_force("dynamic"),',
+        "of=lambda r: r.loads.bearing_forces.dynamic,",
+        "a limit on dynamic force asks a rigid support",
+        "unit/test_on_rubber.py",
+    ),
+)
+
 MUTANTS = (
-    *BASE, *BORDER, *MODEL, *KINEMATICS, *DEMAND, *LOADS, *SHAFT, *DYNAMICS, *FATIGUE, *BRACKET,
+    *BASE, *BORDER, *MODEL, *KINEMATICS, *DEMAND, *LOADS, *RUBBER, *SHAFT, *DYNAMICS, *FATIGUE, *BRACKET,
     *QUANTITY, *FILES, *STUDY, *REPORT, *CLI,
 )  # fmt: skip

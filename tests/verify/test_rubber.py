@@ -219,6 +219,34 @@ def test_the_swing_is_how_order_two_of_the_moments_follows_the_shafts():
     assert np.abs(swing).max() > 1
 
 
+def test_orders_0_2_and_4_balance_each_other():
+    """Each is what the others push it to, one by one, at a torque that ties them firmly."""
+    where, torque, speed = laid(THREE, **BENT), 8e3, 30.0
+    on = suspended(where, THREE, stiffness=RUBBER)
+    still = turn(where.directions, phases=np.array(THREE.phases), samples=16)
+    moments = of(THREE, where, torque=torque).joint_moments
+    f0, f2 = on.pushed(moments.static), on.pushed(moments.order(2))
+    f4 = 0.01 * f2 * np.exp(0.7j)
+    swing = on.swing(still)
+    q0, q2, q4 = (
+        m.coordinates for m in on.balanced((f0, f2, f4), swing, speed=speed, torque=torque)
+    )
+    tie = torque * swing
+
+    def pushed_to(force, order):
+        W = order * speed
+        return on.moved(force, frequency=W, speed=speed, torque=torque).coordinates
+
+    mean = pushed_to(f0 + (tie @ np.conj(q2)).real / 2, 0)
+    second = pushed_to(f2 + tie @ q0 + np.conj(tie) @ q4 / 2, 2)
+    fourth = pushed_to(f4 + tie @ q2 / 2, 4)
+    size = np.abs(q2).max()
+    assert np.abs(mean - q0).max() < 1e-9 * size
+    assert np.abs(second - q2).max() < 1e-9 * size
+    assert np.abs(fourth - q4).max() < 1e-9 * size
+    assert np.abs(q4).max() > 0.01 * size
+
+
 def test_the_rubber_loses_what_the_moments_feed_in():
     on, push, found = shaken(THREE, laid(THREE, **BENT), np.array([30.0, 45.0, 80.0]), torque=5e3)
     fed = np.imag((np.conj(found.coordinates) * push).sum(-1))
