@@ -285,14 +285,16 @@ def test_a_spring_that_contradicts_its_table_is_noted(truck):
         stated_rates=(120.6 / mm, 192.2 / mm),
     )
     suspension = replace(truck.suspension, spring=spring)
-    (note,) = assess(replace(truck, suspension=suspension)).notes
+    note, *others = assess(replace(truck, suspension=suspension)).notes
+    assert not any("spring" in other for other in others)
     assert "192.2" in note
     assert "194.5" in note
     # By hand, the second rate from 96 mm on: 120.6 · 96 + 192.2 · 89 = 28 683 N for 26 233.
     assert "+9.3 % off the load of its own table at 185 mm" in note
     rates = tuple(np.diff(spring.load) / np.diff(spring.deflection))
     true = replace(spring, stated_rates=rates)
-    assert assess(replace(truck, suspension=replace(suspension, spring=true))).notes == ()
+    notes = assess(replace(truck, suspension=replace(suspension, spring=true))).notes
+    assert not any("spring" in note for note in notes)
 
 
 def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):

@@ -171,7 +171,8 @@ limits = st.builds(
         normal=normal if which != "maximum" else None,
         maximum=(normal + more if sense == "<=" else normal - more) if which != "normal" else None,
     ),
-    st.floats(-5, 5), st.floats(0, 5), st.sampled_from(["<=", ">="]),
+    st.floats(-5, 5, allow_subnormal=False), st.floats(0, 5, allow_subnormal=False),
+    st.sampled_from(["<=", ">="]),
     st.sampled_from(["normal", "maximum", "both"]),
 ) | st.builds(
     lambda low, wide: Limit(quantity="joint_angle", source=Source("ours"), band=(low, low + wide)),
