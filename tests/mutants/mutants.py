@@ -872,8 +872,8 @@ RUBBER = (
     ),
     mutant(
         "loads/rubber.py",
-        "second = shaken(2) - np.conj(tie) @ above / 4",
-        "second = shaken(2) - np.conj(tie) @ above / 2",
+        "solved(second - back @ above / 2,",
+        "solved(second - back @ above,",
         "order 4 acts back twice",
         "verify/test_rubber.py",
     ),

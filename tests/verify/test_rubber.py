@@ -169,6 +169,22 @@ def test_on_rigid_bearings_it_is_statics_at_any_speed(stiffness):
     assert found.bearing_forces == pytest.approx(statics, rel=1e-9, abs=1e-7)
 
 
+def test_a_rigid_bearing_beside_a_soft_one():
+    """As near as a very stiff one comes, in motion and in balance, and it hardly moves."""
+    where = laid(THREE, **BENT)
+    both = [
+        suspended(where, THREE, stiffness=[(firm, firm, 0.0), RUBBER]) for firm in (np.inf, 1e11)
+    ]
+    push = both[0].pushed(of(THREE, where).joint_moments.order(2))
+    rigid, stiff = (on.moved(push, frequency=90.0, speed=45.0, torque=5e3) for on in both)
+    assert rigid.bearing_forces == pytest.approx(stiff.bearing_forces, rel=1e-4)
+    rigid, stiff = (
+        running(where, THREE, THREE.phases, torque=5e3, speed=45.0, held=on) for on in both
+    )
+    assert rigid.dynamic == pytest.approx(stiff.dynamic, rel=1e-4)
+    assert rigid.static == pytest.approx(stiff.static, rel=1e-4)
+
+
 @pytest.mark.parametrize(("stiffness", "sines"), [(RUBBER, 1), ((2e6, 9e5, 0.0), 3)])
 def test_its_modes_are_those_of_the_line_as_beams(stiffness, sines):
     """Another model, of elements. On rubber one sine in each tube is enough."""

@@ -11,6 +11,9 @@ of its energy, the torque T and the speed Ω,
 
 $$[K (1 + i η) + T K_T + i W G(Ω) - W^2 M]\, q = f$$
 
+The crosses' moments follow the motion, and so f does: their mean part is K_T, and their part
+at order 2 ties orders 0, 2 and 4 to each other (`Suspended.balanced`).
+
 At W = 0 and small torque the bearings' forces are those of statics, to rounding; so they are
 at any speed where bearings and shafts are rigid.
 
@@ -25,10 +28,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
+from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
 from cardan.kinematics.chain import Turn
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
@@ -39,8 +43,8 @@ LOSS = 0.1
 SINES = 1
 """Sines in which each tube bends between its joints: its second one is above any order 2."""
 
-_RIGID = 1e11
-"""N/m; stiffer than any support."""
+RIGID = 1e17
+"""N/m, of a bearing that is said to be rigid: no shaft moves it by what a force would show."""
 
 _XI, _WEIGHT = (
     x / 2 + y for x, y in zip(np.polynomial.legendre.leggauss(6), (0.5, 0.0), strict=True)
@@ -179,28 +183,12 @@ class Suspended:
         torque: ArrayLike = 0.0,
     ) -> Motion:
         """Return the same for R forces by themselves, (..., R, N): motions (..., R, ...)."""
+        whole = self._shaken(frequency, speed, torque)
         forces = np.asarray(forces, dtype=complex)
-        W, omega, T = (
-            np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
-        )
-        k, loss = self._stiffness, np.repeat(self.loss, 3, axis=-1)
-        rigid, rows = np.isinf(k), self._rows
-        spring = np.where(rigid, 0.0, k)
-        lost = (rows.mT * (spring * loss)[..., None, :]) @ rows
-        whole = self._held + T * self.torsion - W**2 * self.mass
-        whole = whole + 1j * (W * omega * self.gyroscopic + np.sign(W) * lost)
-        N, bound = whole.shape[-1], rigid.any()
-        if bound:  # what holds a rigid bearing is unknown beside the motion
-            whole, forces = self._bound(whole, forces, rigid)
-        right = np.broadcast_to(forces, np.broadcast_shapes(
-            forces.shape, (*whole.shape[:-2], 1, 1))).mT  # fmt: skip
-        found = np.linalg.solve(whole, right).mT.astype(complex)
-        moved = found[..., :N] @ rows.mT
-        pull = moved * (spring * (1 + 1j * np.sign(W[..., 0]) * loss))[..., None, :]
-        pull = pull + found[..., N:] if bound else pull
-        local = pull.reshape(*pull.shape[:-1], -1, 1, 3)
-        turned = (local @ self.frame[..., None, :, :, :])[..., 0, :]
-        return Motion(coordinates=found[..., :N], bearing_forces=np.asarray(turned, dtype=complex))
+        lead = np.broadcast_shapes(forces.shape[:-2], whole.shape[:-2])
+        right = np.broadcast_to(forces, (*lead, *forces.shape[-2:])).mT
+        lossy = np.sign(np.asarray(frequency, dtype=float))
+        return self._motion(np.linalg.solve(whole, right).mT, lossy, each=True)
 
     def swing(self, turned: Turn) -> ComplexArray:
         """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
@@ -240,76 +228,69 @@ class Suspended:
         speed, torque : (...) rad/s, N m
         """
         speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
-        T, tie = torque[..., None, None], torque[..., None, None] * swing
-        k, loss = np.minimum(self._stiffness, _RIGID), np.repeat(self.loss, 3, axis=-1)
-        rows = self._rows
-        still = self.bending + (rows.mT * k[..., None, :]) @ rows + T * self.torsion
-        lost = (rows.mT * (k * loss)[..., None, :]) @ rows
-
-        def shaken(order: int) -> ComplexArray:
-            W = order * speed[..., None, None]
-            inertia = W**2 * self.mass - 1j * W * speed[..., None, None] * self.gyroscopic
-            return still + 1j * np.sign(W) * lost - inertia
-
+        tie = torque[..., None, None] * swing
+        second, fourth = (self._shaken(k * speed, speed, torque) for k in (2, 4))
         f0, f2, f4 = (np.asarray(f)[..., None] for f in pushes)
         lead = np.broadcast_shapes(
-            still.shape, lost.shape, self.mass.shape, tie.shape, (*speed.shape, 1, 1),
-            *((*f.shape[:-1], 1) for f in (f0, f2, f4)),
-        )  # fmt: skip
-        tie = np.broadcast_to(tie, lead)
-        alike = (*lead[:-1], 1)
-        both = np.concatenate([tie, np.broadcast_to(f4, alike)], axis=-1)
-        found = np.linalg.solve(np.broadcast_to(shaken(4), lead), both)
-        above, fourth = found[..., :-1], found[..., -1:]
-        second = shaken(2) - np.conj(tie) @ above / 4
-        alone = f2 + np.conj(tie) @ fourth / 2
-        both = np.concatenate([tie, np.broadcast_to(alone, alike)], axis=-1)
-        found = np.linalg.solve(second, both)
-        tied, moved = found[..., :-1], found[..., -1:]
-        q0 = np.linalg.solve(
-            still - (np.conj(tie) @ tied).real / 2, f0.real + (np.conj(tie) @ moved).real / 2
+            second.shape, tie.shape, *((*f.shape[:-1], 1) for f in (f0, f2, f4))
         )
-        q2 = tied @ q0 + moved
-        q4 = fourth + above @ q2 / 2
-        firm = k * (1 + 1j * np.sign(speed)[..., None] * loss)
-        return (
-            self._motion(q0[..., 0], k), self._motion(q2[..., 0], firm),
-            self._motion(q4[..., 0], firm),
-        )  # fmt: skip
+        tie = np.broadcast_to(tie, lead)
+        back = np.conj(tie) / 2  # what a motion does on the order below its own
 
-    def _motion(self, moved: ArrayLike, stiffness: FloatArray | ComplexArray) -> Motion:
-        """Return a motion (..., N) with what it makes bearings of a stiffness (..., 3 h) carry."""
+        def solved(whole: ComplexArray, force: Any) -> tuple[Any, Any]:
+            """Return the motion that follows from one of the order below, and its own."""
+            force = np.broadcast_to(force, (*lead[:-1], 1))
+            found = np.linalg.solve(whole, np.concatenate([tie, force], axis=-1))
+            return found[..., :-1], found[..., -1:]
+
+        above, alone4 = solved(np.broadcast_to(fourth, lead), f4)
+        tied, alone2 = solved(second - back @ above / 2, f2 + back @ alone4)
+        still = self._shaken(0.0, 0.0, torque).real - (back @ tied).real
+        q0 = np.linalg.solve(still, f0.real + (back @ alone2).real)
+        q2 = tied @ q0 + alone2
+        q4 = above @ q2 / 2 + alone4
+        lossy = np.sign(speed)
+        return (
+            self._motion(q0[..., 0], 0.0),
+            self._motion(q2[..., 0], lossy),
+            self._motion(q4[..., 0], lossy),
+        )
+
+    def _shaken(self, frequency: ArrayLike, speed: ArrayLike, torque: ArrayLike) -> ComplexArray:
+        """Return the line's stiffness at a frequency, (..., N, N) N/m."""
+        W, omega, T = (
+            np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
+        )
+        still, lost = self._held
+        turning = np.sign(W) * lost + W * omega * self.gyroscopic
+        return still + T * self.torsion - W**2 * self.mass + 1j * turning
+
+    def _motion(self, moved: ArrayLike, lossy: ArrayLike, *, each: bool = False) -> Motion:
+        """Return a motion (..., N) with what the bearings carry; `each` of several, (..., R, N).
+
+        `lossy` is 1 where the rubber's loss counts, 0 where nothing shakes.
+        """
         moved = np.asarray(moved, dtype=complex)
-        pull = (self._rows @ moved[..., None])[..., 0] * stiffness
+        loss = np.asarray(lossy, dtype=float)[..., None] * np.repeat(self.loss, 3, axis=-1)
+        firm, rows, frame = self._springs * (1 + 1j * loss), self._rows, self.frame
+        if each:
+            firm, rows, frame = firm[..., None, :], rows[..., None, :, :], frame[..., None, :, :, :]
+        pull = (rows @ moved[..., None])[..., 0] * firm
         local = pull.reshape(*pull.shape[:-1], -1, 1, 3)
-        turned = (local @ self.frame)[..., 0, :].astype(complex)
+        turned = (local @ frame)[..., 0, :].astype(complex)
         return Motion(coordinates=moved, bearing_forces=turned)
 
-    def _bound(
-        self, whole: ComplexArray, forces: ComplexArray, rigid: BoolArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """Return equations and forces with rigid bearings' own forces beside the coordinates."""
-        rows = np.where(rigid[..., None], self._rows, 0.0)
-        N, count = whole.shape[-1], rows.shape[-2]
-        lead = np.broadcast_shapes(whole.shape[:-2], rows.shape[:-2])
-        found = np.zeros((*lead, N + count, N + count), dtype=complex)
-        found[..., :N, :N] = whole
-        found[..., :N, N:] = rows.mT
-        found[..., N:, :N] = rows
-        found[..., N:, N:] = np.where(rigid, 0.0, 1.0)[..., None] * np.eye(count)
-        still = np.zeros((*forces.shape[:-1], count), dtype=complex)
-        return found, np.concatenate([forces, still], axis=-1)
-
     @cached_property
-    def _stiffness(self) -> FloatArray:
+    def _springs(self) -> FloatArray:
         """Stiffness of the bearings' directions one by one, (..., 3 (n-2)) N/m."""
-        return self.stiffness.reshape(*self.stiffness.shape[:-2], -1)
+        return np.minimum(self.stiffness, RIGID).reshape(*self.stiffness.shape[:-2], -1)
 
     @cached_property
-    def _held(self) -> FloatArray:
-        """Stiffness of tubes and of the rubber that gives, (..., N, N) N/m."""
-        spring = np.where(np.isinf(self._stiffness), 0.0, self._stiffness)
-        return self.bending + (self._rows.mT * spring[..., None, :]) @ self._rows
+    def _held(self) -> tuple[FloatArray, FloatArray]:
+        """Stiffness of tubes and rubber, and what the rubber loses, (..., N, N) N/m."""
+        rows, springs, loss = self._rows, self._springs, np.repeat(self.loss, 3, axis=-1)
+        lost = (rows.mT * (springs * loss)[..., None, :]) @ rows
+        return self.bending + (rows.mT * springs[..., None, :]) @ rows, lost
 
     @cached_property
     def _rows(self) -> FloatArray:
@@ -317,14 +298,9 @@ class Suspended:
         return self.bearing.reshape(*self.bearing.shape[:-3], -1, self.bearing.shape[-1])
 
     def modes(self, *, torque: ArrayLike = 0.0) -> Modes:
-        """Return the modes on the bearings, with the stiffness of a torque (...) N m.
-
-        A rigid bearing is taken as one that no shaft moves.
-        """
-        k = np.minimum(self._stiffness, _RIGID)
-        rows = self._rows
-        held = (rows.mT * k[..., None, :]) @ rows
-        K = self.bending + held + np.asarray(torque, float)[..., None, None] * self.torsion
+        """Return the modes on the bearings, with the stiffness of a torque (...) N m."""
+        k, rows = self._springs, self._rows
+        K = self._held[0] + np.asarray(torque, float)[..., None, None] * self.torsion
         lower = np.linalg.inv(np.linalg.cholesky(self.mass))
         squares, shapes = np.linalg.eigh(lower @ K @ lower.mT)
         shapes = lower.mT @ shapes

@@ -17,12 +17,12 @@ from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import Suspended
-from cardan.loads.statics import CARDAN_GRADE, Loads, loads, unbalance
+from cardan.loads.statics import CARDAN_GRADE, Loads, loads, resting, unbalance
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 
 ORDERS = (2, 4, 6)
-"""Orders of the joints; those above 2 come through inertia alone."""
+"""Orders of the joints; on rigid bearings those above 2 come through inertia alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,14 +100,17 @@ def running(
         line,
         torque=torque,
         inertias=inertias,
-        accelerations=speed[..., None, None] ** 2 * turned.acceleration,
+        accelerations=0.0
+        if inertias is None
+        else speed[..., None, None] ** 2 * turned.acceleration,
     )
     if held is None:
         steady = carried.bearing_forces.static
         orders = stacked(carried.bearing_forces.amplitude(k) for k in ORDERS)
     else:
         steady, orders = _on_rubber(held, carried, turned, torque=torque, speed=speed)
-    static, thrust = _mean(layout, line, turned, steady, gravity=gravity, slip=slip)
+    steady = steady + resting(layout, line, gravity=gravity)
+    static, thrust = _at_worst_thrust(steady, resting(layout, line, thrust=1.0), slip=slip)
     return Running(
         static=static,
         thrust=thrust,
@@ -131,33 +134,20 @@ def _on_rubber(
     return still.bearing_forces.real, stacked(sizes)
 
 
-def _mean(
-    layout: Layout,
-    line: Line,
-    turned: Turn,
-    force: FloatArray,
-    *,
-    gravity: float,
-    slip: ArrayLike,
+def _at_worst_thrust(
+    force: FloatArray, pulled: FloatArray, *, slip: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the size of a mean force (..., n-2, 3) N with weight and thrust at its worst."""
-    if gravity:
-        force = (
-            force + loads(layout, turned, line, torque=0.0, gravity=gravity).bearing_forces.static
-        )
-    pulled = loads(layout, turned, line, torque=0.0, thrust=1.0).bearing_forces.static
+    """Return the largest size of a mean force (..., n-2, 3) N, and the thrust that makes it.
+
+    `pulled` is what 1 N of thrust adds; `slip` (...) N the size it may have.
+    """
     slip = np.nan_to_num(np.asarray(slip, dtype=float))[..., None]
-    each = np.stack(
-        np.broadcast_arrays(
-            *(
-                np.linalg.norm(force + sign * slip[..., None] * pulled, axis=-1)
-                for sign in (0, 1, -1)
-            )
-        ),
-        axis=-1,
+    alone, drawn, pushed = (
+        np.linalg.norm(force + sign * slip[..., None] * pulled, axis=-1) for sign in (0, 1, -1)
     )
-    worst = each.argmax(-1)
-    return each.max(-1), np.array([0.0, 1.0, -1.0])[worst] * slip
+    more = np.maximum(drawn, pushed)
+    sign = np.where(more > alone, np.where(drawn >= pushed, 1.0, -1.0), 0.0)
+    return np.maximum(alone, more), sign * slip
 
 
 def _once(

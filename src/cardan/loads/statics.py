@@ -126,7 +126,7 @@ def loads(
     crosses without mass. Source: derived from first principles; confirmed with independent
     multibody engines.
     """
-    xp, _, torque, thrust = floats(layout.directions, torque, thrust)
+    _, _, torque, thrust = floats(layout.directions, torque, thrust)
     torques, moments = _transmission(layout, turn)
     if inertias is None:
         torques, moments = (Cycle(torque[..., None, None, None] * w) for w in (torques, moments))
@@ -136,22 +136,42 @@ def loads(
             Cycle.of(Cycle(w).values(turn.samples) * power[..., : w.shape[-3], :, None])
             for w in (torques, moments)
         )
-    # Weight and thrust act on order 0 alone.
-    steady = xp.asarray(np.eye(moments.waves.shape[-2], 1))
-    weights = xp.asarray(_end_masses(line))[..., None, None] * steady
-    weights = weights * xp.asarray([0.0, 0.0, -gravity])
-    joints, bearings = _carried(
-        layout,
-        line,
-        moments.waves,
-        ends=(weights[..., 0, :, :], weights[..., 1, :, :]),
-        thrust=thrust[..., None, None] * steady,
-    )
+    joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
     return Loads(
         joint_forces=Cycle(joints),
         joint_moments=moments,
         bearing_forces=Cycle(bearings),
         torques=torques,
+    )
+
+
+def resting(
+    layout: Layout, line: Line, *, gravity: float = 0.0, thrust: ArrayLike = 0.0
+) -> FloatArray:
+    """Return the forces on the bearings of weight and thrust alone, (..., n-2, 3) N.
+
+    As `loads` has them without a torque, and without asking how the line turns.
+    """
+    still = 0 * layout.directions[..., 1:, None, :]
+    thrust = np.asarray(thrust, dtype=float)
+    return _steady(layout, line, still, gravity=gravity, thrust=thrust)[1][..., 0, :].real
+
+
+def _steady(
+    layout: Layout, line: Line, moments: Any, *, gravity: float, thrust: Any
+) -> tuple[Any, Any]:
+    """Return the forces of joints and on bearings of moments (..., n, K, 3), weight and thrust."""
+    xp = namespace(moments)
+    # Weight and thrust act on order 0 alone.
+    steady = xp.asarray(np.eye(moments.shape[-2], 1))
+    weights = xp.asarray(_end_masses(line))[..., None, None] * steady
+    weights = weights * xp.asarray([0.0, 0.0, -gravity])
+    return _carried(
+        layout,
+        line,
+        moments,
+        ends=(weights[..., 0, :, :], weights[..., 1, :, :]),
+        thrust=thrust[..., None, None] * steady,
     )
 
 
