@@ -16,9 +16,8 @@ from cardan.quantity import points
 from cardan.quantity.response import Response, respond
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SHORT = {"static": 0.97, "dynamic": 0.99, "peak": 0.99}
-"""Share of the sweep's largest that is found at least. What order 2 adds to the mean has its
-crest beside resonance, and may have it in another direction than where it was sought."""
+SHORT = 0.985
+"""Share of the sweep's largest that is found at least: 0.99 or more on 36 lines on random rubber."""
 TRUCKS = ("refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4")
 
 
@@ -46,7 +45,7 @@ def test_no_point_is_worse_than_the_worst(name):
         for force in points.FORCES:
             dense = np.nanmax(getattr(found, force), axis=0)
             worst = getattr(r.worst[force].running, force)
-            assert (worst >= dense * SHORT[force]).all(), (
+            assert (worst >= dense * SHORT).all(), (
                 r.line.name,
                 force,
                 (dense / worst).max(),
@@ -54,11 +53,15 @@ def test_no_point_is_worse_than_the_worst(name):
             assert (worst > 0).all()
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", (3, 6, 10, 12, 20))
 def test_nor_on_any_rubber(seed):
-    """Random rubber, losses and torque stiffness: modes that meet, cross and lie far apart."""
+    """Random rubber, losses and torque stiffness: modes that meet, cross and lie far apart.
+
+    Among them a line that order 4 shakes most (20), one whose torque moves its modes (12),
+    two crests of a height (3, 6), and a mean that is largest beside a crest (10).
+    """
     random = np.random.default_rng(seed)
-    (r, *_) = responses(TRUCKS[seed % 2])
+    (r, *_) = responses(TRUCKS[seed % 3])
     shafts = tuple(
         s if s.centre_bearing is None else replace(
             s,
@@ -78,7 +81,7 @@ def test_nor_on_any_rubber(seed):
     for force in points.FORCES:
         dense = np.nanmax(getattr(found, force), axis=0)
         worst = getattr(soft.worst[force].running, force)
-        assert (worst >= dense * SHORT[force]).all(), (force, (dense / worst).max())
+        assert (worst >= dense * SHORT).all(), (force, (dense / worst).max())
 
 
 def test_variants_see_the_same():

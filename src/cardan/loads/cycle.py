@@ -80,5 +80,7 @@ class Cycle:
 def major_axis(amplitude: ComplexArray) -> FloatArray:
     """Return the longer half axis (...) of the ellipse Re c e^{iφ}, c (..., m) complex."""
     xp = namespace(amplitude)
-    size2, skew = (xp.sum(amplitude * c, axis=-1) for c in (xp.conj(amplitude), amplitude))
-    return xp.sqrt((xp.real(size2) + xp.abs(skew)) / 2)
+    parts = xp.real(amplitude), xp.imag(amplitude)
+    size2 = sum(p[..., k] ** 2 for p in parts for k in range(amplitude.shape[-1]))
+    skew = sum(amplitude[..., k] ** 2 for k in range(amplitude.shape[-1]))
+    return xp.sqrt((size2 + xp.abs(skew)) / 2)

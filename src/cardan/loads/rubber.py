@@ -25,7 +25,7 @@ engines.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
-from cardan.kinematics.chain import Turn
+from cardan.kinematics.chain import Turn, cross
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 
@@ -46,10 +46,19 @@ SINES = 1
 RIGID = 1e17
 """N/m, of a bearing that is said to be rigid: no shaft moves it by what a force would show."""
 
-_XI, _WEIGHT = (
-    x / 2 + y for x, y in zip(np.polynomial.legendre.leggauss(6), (0.5, 0.0), strict=True)
-)
-"""Gauss points and weights on [0, 1]."""
+
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return places on [0, 1] and weights that integrate polynomials up to 2 `count` - 1.
+
+    Golub and Welsch (1969): eigenvalues of the Legendre polynomials' recurrence.
+    """
+    k = np.arange(1, count)
+    beside = np.diag(k / np.sqrt(4.0 * k**2 - 1), 1)
+    places, vectors = np.linalg.eigh(beside + beside.T)
+    return (1 + places) / 2, vectors[0] ** 2
+
+
+_XI, _WEIGHT = _gauss(6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,11 +152,13 @@ class Suspended:
     rear_tilt: FloatArray
     along: FloatArray
 
-    def pushed(self, moments: ComplexArray | FloatArray) -> ComplexArray:
+    def pushed(self, moments: ComplexArray) -> ComplexArray:
         """Return what crosses' moments (..., n, 3) N m do on the coordinates, (..., N) N."""
-        ahead = np.cross(moments[..., :-1, :], self.along)[..., None, :]
-        behind = np.cross(moments[..., 1:, :], self.along)[..., None, :]
-        return (ahead @ self.front_tilt - behind @ self.rear_tilt)[..., 0, :].sum(-2)
+        ahead = cross(moments[..., :-1, :], self.along)
+        behind = cross(moments[..., 1:, :], self.along)
+        both = np.concatenate([ahead, -behind], axis=-2)
+        pushed: ComplexArray = both.reshape(*both.shape[:-2], 1, -1) @ self._tilts
+        return pushed[..., 0, :]
 
     def moved(
         self,
@@ -190,6 +201,11 @@ class Suspended:
         lossy = np.sign(np.asarray(frequency, dtype=float))
         return self._motion(np.linalg.solve(whole, right).mT, lossy, each=True)
 
+    def borne(self, forces: ComplexArray) -> ComplexArray:
+        """Return what bearings carry, (..., n-2, 3) N, where forces (..., N) only hold still."""
+        local = (self._share @ forces[..., None])[..., 0]
+        return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.frame)[..., 0, :]
+
     def swing(self, turned: Turn) -> ComplexArray:
         """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
 
@@ -202,7 +218,7 @@ class Suspended:
         behind = np.concatenate([self.front_tilt, none], axis=-3)
         d = np.concatenate([self.along[..., :1, :], self.along, self.along[..., -1:, :]], axis=-2)
         bends = (pin[..., None, :] @ (behind - ahead))[..., 0, :]
-        front, rear = (np.cross(pin, d[..., k : d.shape[-2] - 1 + k, :]) for k in (1, 0))
+        front, rear = (cross(pin, d[..., k : d.shape[-2] - 1 + k, :]) for k in (1, 0))
         pushes = (front[..., None, :] @ behind - rear[..., None, :] @ ahead)[..., 0, :]
         return -(pushes.mT @ bends) / 2
 
@@ -281,6 +297,12 @@ class Suspended:
         return Motion(coordinates=moved, bearing_forces=turned)
 
     @cached_property
+    def _tilts(self) -> FloatArray:
+        """Tilts of the shafts' front ends, then of their rear ones, (..., 6 (n-1), N) 1/m."""
+        both = np.concatenate([self.front_tilt, self.rear_tilt], axis=-3)
+        return both.reshape(*both.shape[:-3], -1, both.shape[-1])
+
+    @cached_property
     def _springs(self) -> FloatArray:
         """Stiffness of the bearings' directions one by one, (..., 3 (n-2)) N/m."""
         return np.minimum(self.stiffness, RIGID).reshape(*self.stiffness.shape[:-2], -1)
@@ -293,17 +315,53 @@ class Suspended:
         return self.bending + (rows.mT * springs[..., None, :]) @ rows, lost
 
     @cached_property
+    def _share(self) -> FloatArray:
+        """Forces of the bearings' directions for 1 N on each coordinate, (..., 3 (n-2), N)."""
+        return self._springs[..., None] * np.linalg.solve(self._held[0], self._rows.mT).mT
+
+    @cached_property
     def _rows(self) -> FloatArray:
         """The bearings' motions one by one, (..., 3 (n-2), N)."""
         return self.bearing.reshape(*self.bearing.shape[:-3], -1, self.bearing.shape[-1])
 
+    def slowest(self, count: int) -> "Suspended":
+        """Return the line as it moves in its slowest modes alone, N = `count`.
+
+        Good for order 2 up to their frequencies, at a share of the cost.
+        """
+        _, shapes = self._shapes()
+        shapes = shapes[..., :count]
+        both = ("mass", "bending", "gyroscopic", "torsion")
+        right = ("bearing", "front", "rear", "front_tilt", "rear_tilt")
+        return replace(
+            self,
+            **{name: shapes.mT @ getattr(self, name) @ shapes for name in both},
+            **{name: getattr(self, name) @ shapes[..., None, :, :] for name in right},
+        )
+
+    def frequencies(self, *, torque: ArrayLike = 0.0) -> FloatArray:
+        """Return the frequencies of the modes under a torque (...) N m, (..., N) rad/s."""
+        squares = np.linalg.eigvalsh(self._against_mass(torque)).astype(float)
+        return np.sqrt(np.maximum(squares, 0.0))
+
+    def _shapes(self, torque: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Return ω² (..., N) and shapes (..., N, N) of mass 1 of the modes, slowest first."""
+        squares, shapes = np.linalg.eigh(self._against_mass(torque))
+        return squares, self._per_mass.mT @ shapes
+
+    def _against_mass(self, torque: ArrayLike) -> FloatArray:
+        K = self._held[0] + np.asarray(torque, float)[..., None, None] * self.torsion
+        return self._per_mass @ K @ self._per_mass.mT
+
+    @cached_property
+    def _per_mass(self) -> FloatArray:
+        """Inverse of the lower half of the masses, (..., N, N) kg^-1/2."""
+        return np.linalg.inv(np.linalg.cholesky(self.mass)).astype(float)
+
     def modes(self, *, torque: ArrayLike = 0.0) -> Modes:
         """Return the modes on the bearings, with the stiffness of a torque (...) N m."""
         k, rows = self._springs, self._rows
-        K = self._held[0] + np.asarray(torque, float)[..., None, None] * self.torsion
-        lower = np.linalg.inv(np.linalg.cholesky(self.mass))
-        squares, shapes = np.linalg.eigh(lower @ K @ lower.mT)
-        shapes = lower.mT @ shapes
+        squares, shapes = self._shapes(torque)
         moves = (rows @ shapes).mT  # (..., m, count)
         energy = (moves**2 * k[..., None, :]).reshape(*moves.shape[:-1], -1, 3)
         rubber = energy.sum((-2, -1))

@@ -16,7 +16,7 @@ from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import major_axis
-from cardan.loads.rubber import Suspended
+from cardan.loads.rubber import Motion, Suspended
 from cardan.loads.statics import CARDAN_GRADE, Loads, loads, resting, unbalance
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
@@ -109,8 +109,8 @@ def running(
         orders = stacked(carried.bearing_forces.amplitude(k) for k in ORDERS)
     else:
         steady, orders = _on_rubber(held, carried, turned, torque=torque, speed=speed)
-    steady = steady + resting(layout, line, gravity=gravity)
-    static, thrust = _at_worst_thrust(steady, resting(layout, line, thrust=1.0), slip=slip)
+    weight, pulled = resting(layout, line, gravity=gravity)
+    static, thrust = _at_worst_thrust(steady + weight, pulled, slip=slip)
     return Running(
         static=static,
         thrust=thrust,
@@ -122,16 +122,25 @@ def running(
 def _on_rubber(
     held: Suspended, carried: Loads, turned: Turn, *, torque: FloatArray, speed: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the mean force (..., n-2, 3) and 0-to-peak of each of `ORDERS` (..., n-2, 3), N."""
-    moments = carried.joint_moments
-    pushes = [held.pushed(moments.order(k)) for k in (0, 2, 4)]
-    still, *others = held.balanced(pushes, held.swing(turned), speed=speed, torque=torque)
-    if moments.waves.shape[-2] > 3:
-        push = held.pushed(moments.order(6))
-        others.append(held.moved(push, frequency=6 * speed, speed=speed, torque=torque))
-    sizes = [major_axis(m.bearing_forces) for m in others]
-    sizes += [0 * sizes[0]] * (len(ORDERS) - len(sizes))
-    return still.bearing_forces.real, stacked(sizes)
+    """Return the mean force (..., n-2, 3) and 0-to-peak of each of `ORDERS` (..., n-2, 3), N.
+
+    Statics, and what moving adds to them: so modes that `held` leaves out bear their share.
+    """
+    moments, still = carried.joint_moments, carried.bearing_forces
+    orders = range(0, 2 * moments.waves.shape[-2], 2)
+    pushes = {k: held.pushed(moments.order(k)) for k in {0, 2, 4, *orders}}
+    found = held.balanced(
+        [pushes[k] for k in (0, 2, 4)], held.swing(turned), speed=speed, torque=torque
+    )
+    motions: dict[int, Motion] = dict(zip((0, 2, 4), found, strict=True))
+    for k in orders[3:]:
+        motions[k] = held.moved(pushes[k], frequency=k * speed, speed=speed, torque=torque)
+    borne = {
+        k: still.order(k) + moved.bearing_forces - held.borne(pushes[k])
+        for k, moved in motions.items()
+    }
+    sizes = {k: major_axis(force) for k, force in borne.items()}
+    return borne[0].real, stacked(sizes.get(k, 0 * sizes[2]) for k in ORDERS)
 
 
 def _at_worst_thrust(

@@ -145,16 +145,23 @@ def loads(
     )
 
 
-def resting(
-    layout: Layout, line: Line, *, gravity: float = 0.0, thrust: ArrayLike = 0.0
-) -> FloatArray:
-    """Return the forces on the bearings of weight and thrust alone, (..., n-2, 3) N.
+def resting(layout: Layout, line: Line, *, gravity: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    """Return the forces on the bearings of weight and of 1 N of thrust, (..., n-2, 3) N each.
 
     As `loads` has them without a torque, and without asking how the line turns.
     """
-    still = 0 * layout.directions[..., 1:, None, :]
-    thrust = np.asarray(thrust, dtype=float)
-    return _steady(layout, line, still, gravity=gravity, thrust=thrust)[1][..., 0, :].real
+    two = np.zeros((2, 1)), np.zeros((2, 1))
+    two[0][0], two[1][1] = 1.0, 1.0
+    still = 0 * layout.directions[..., 1:, None, :] * two[0]
+    weights = _weights(line, gravity)[..., None, :] * two[0]
+    _, bearings = _carried(
+        layout,
+        line,
+        still,
+        ends=(weights[..., 0, :, :], weights[..., 1, :, :]),
+        thrust=two[1],
+    )
+    return bearings[..., 0, :], bearings[..., 1, :]
 
 
 def _steady(
@@ -164,8 +171,7 @@ def _steady(
     xp = namespace(moments)
     # Weight and thrust act on order 0 alone.
     steady = xp.asarray(np.eye(moments.shape[-2], 1))
-    weights = xp.asarray(_end_masses(line))[..., None, None] * steady
-    weights = weights * xp.asarray([0.0, 0.0, -gravity])
+    weights = xp.asarray(_weights(line, gravity))[..., None, :] * steady
     return _carried(
         layout,
         line,
@@ -203,6 +209,11 @@ def _spent(turn: Turn, inertias: FloatArray, accelerations: FloatArray) -> Float
     taken = inertias[..., None] * accelerations[..., :-1, :] * turn.speed[..., :-1, :]
     taken = np.cumsum(taken, axis=-2)
     return np.concatenate([0 * taken[..., :1, :], taken, taken[..., -1:, :]], axis=-2)
+
+
+def _weights(line: Line, gravity: float) -> FloatArray:
+    """Weight on the front and rear end of each shaft, (..., n-1, 2, 3) N."""
+    return _end_masses(line)[..., None] * np.array([0.0, 0.0, -gravity])
 
 
 def _end_masses(line: Line) -> FloatArray:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.part import Point
 from cardan.demand.points import Curves, curves, demand_at
 from cardan.demand.states import Demand
@@ -27,6 +27,9 @@ FORCES = ("static", "dynamic", "peak")
 
 CLOSER = 0.25
 """How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
+
+CRESTS = 3
+"""How many crests are sought more closely: the next may prove the higher one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,11 +78,11 @@ def _each(change: Callable[..., Any], *of: Points) -> Points:
     )
 
 
-def held(r: "Response", *, assumed: float = LOSS) -> Suspended | None:
+def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
     It needs a tube of each shaft for its mass, and a stiffness of one bearing. A loss factor
-    that nobody gives is `assumed`.
+    that nobody gives is `assumed` (...).
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
     if any(s.tube is None for s in r.line.shafts) or all(b.stiffness is None for b in bearings):
@@ -92,11 +95,15 @@ def held(r: "Response", *, assumed: float = LOSS) -> Suspended | None:
     return suspended(r.layout, r.line, stiffness=k, loss=eta)
 
 
-def otherwise(r: "Response", assumed: float) -> Running:
-    """Return what the bearings carry at the points of most orders with another loss factor."""
+def otherwise(r: "Response", assumed: FloatArray) -> Running:
+    """Return what the bearings carry at the points of most orders with other loss factors.
+
+    For `assumed` (F, 1), beside the states: (F, S, n-2).
+    """
     p = r.worst["dynamic"]
-    curve, speed = _apart(p)
-    asked = demand_at(r.demand, p.curves, curve=curve, speed=speed)
+    curve, speed = (v[:, None] for v in _rows(p))
+    curves_ = _beside_variants(p.curves, curve.shape[1:])
+    asked = demand_at(r.demand, curves_, curve=curve, speed=speed)
     found = run(r, asked, r.lay(asked), on=held(r, assumed=assumed))
 
     def own(values: Any) -> Any:
@@ -147,98 +154,152 @@ def run(
 def worst(r: "Response") -> dict[str, Points]:
     """Return the point where each of `FORCES` is largest on each bearing, (..., S, n-2).
 
-    Nothing where the line has no point, or no bearing. It is sought without the shafts'
-    inertia, whose share is small where resonance is; what is found has it.
+    Nothing where the line has no point, or no bearing. It is sought on the slowest modes of
+    the line alone, and without the shafts' inertia, whose share is small where resonance is;
+    what is found has all of it.
     """
     found = curves(r.demand)
     if not found.gears or r.line.joint_count < 3:
         return {}
-    # Whatever varies shows in what the bearings carry at the states' own torques.
-    cases = np.broadcast_shapes(found.fastest.shape[1:], r.running.peak.shape[:-1])
-    found = _beside_variants(found, cases)
-    best = _best(_at(r, found, *_candidates(r, found), inertia=False))
-    ends = [_apart(p) for p in best.values()]
-    if r.held is not None:
-        ends.append(_crests(r, found, best))
-    curve, speed = (np.concatenate(values) for values in zip(*ends, strict=True))
-    return _best(_at(r, found, curve, speed))
+    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    found = _beside_variants(found, _cases(r, found))
+    tried = _at(r, found, *_candidates(r, found, quick), quick=quick)
+    if quick is not None:
+        tried = _closer(r, found, tried, quick)
+    last = _at(r, found, *_rows(*(_best(tried, name) for name in FORCES)))
+    return {name: _best(last, name) for name in FORCES}
 
 
-def _candidates(r: "Response", found: Curves) -> tuple[IntArray, FloatArray]:
-    """Return curves and speeds (P, ..., S) that may be worst, of each direction.
+def _candidates(
+    r: "Response", found: Curves, quick: Suspended | None
+) -> tuple[IntArray, FloatArray]:
+    """Return curves and speeds (P, ..., S) that may be worst.
 
-    The corners of the curve of most torque, the highest speed, and with most torque each
-    speed at which an order meets a mode on rubber: order 2, and the first where unbalance
-    counts.
+    Of each way to be turned: the corners of the curve of most torque, the highest speed, and
+    with most torque each speed at which an order of the joints meets a mode on rubber. Coast
+    and reverse are one way: the same torque pushes the same. Where unbalance counts, which
+    knows no torque: with most torque of all, where its order meets a mode, and the end of
+    each gear, as it grows with the speed while torque falls from gear to gear.
     """
     standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
     standing = np.minimum(standing, found.most)
     reach = np.nan_to_num(found.fastest, nan=-1.0)
-    corners, meets = found.corners(), _crossings(r, found)
-    size = np.abs(found.torque_at(np.broadcast_to(meets[:, None], (len(meets), *reach.shape))))
-    size = np.nan_to_num(size, nan=-1.0)
-    curves_, speeds = [], []
-    for direction in dict.fromkeys(found.directions):
-        of = np.flatnonzero([d == direction for d in found.directions])
-        strong, quick = (of[values[of].argmax(axis=0)] for values in (standing, reach))
-        bends = np.take_along_axis(corners, strong[None, None], axis=1)[:, 0]
-        top = np.take_along_axis(reach, quick[None], axis=0)
-        curves_ += [
-            np.broadcast_to(strong, bends.shape),
-            quick[None],
-            of[size[:, of].argmax(axis=1)],
+    corners = found.corners()
+    rows: list[tuple[IntArray, FloatArray]] = []
+    for way in (("drive",), ("coast", "reverse"), ("brake",)):
+        of = np.flatnonzero([d in way for d in found.directions])
+        if not len(of):
+            continue
+        strong, fast = (of[values[of].argmax(axis=0)][None] for values in (standing, reach))
+        bends = np.take_along_axis(corners, strong[None], axis=1)[:, 0]
+        rows += [
+            (np.broadcast_to(strong, bends.shape), bends),
+            (fast, np.take_along_axis(reach, fast, axis=0)),
         ]
-        speeds += [bends, top, meets]
-    if r.application.include_unbalance:  # grows with the speed, as torque falls from gear to gear
-        curves_.append(_beside_cases(np.arange(len(reach)), reach))
-        speeds.append(reach)
-    return np.concatenate(curves_), np.concatenate(speeds)
+        if quick is not None:
+            rows.append(_crossings(found, quick, of, orders=(2, 4)))
+    if r.application.include_unbalance:
+        every = np.arange(len(reach))
+        ends = reach[[d != "coast" for d in found.directions]]
+        rows.append((_with_most(found, every, ends)[0], ends))
+        if quick is not None:
+            rows.append(_crossings(found, quick, every, orders=(1,)))
+    curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
+    return _gathered(found, curve, speed)
 
 
-def _beside_cases(values: IntArray, like: FloatArray) -> IntArray:
-    """Return one number for each curve (C,) as (C, ..., S)."""
-    return np.broadcast_to(values.reshape(-1, *(1,) * (like.ndim - 1)), like.shape)
+def _gathered(found: Curves, curve: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return points (P, ..., S) with those that a state has first, in no more rows than needed."""
+    fastest = np.take_along_axis(found.fastest, curve, axis=0)
+    there = (speed >= 0) & (speed <= fastest)
+    first = np.argsort(~there, axis=0, kind="stable")[: there.sum(axis=0).max(initial=1)]
+    speed = np.take_along_axis(np.where(there, speed, np.nan), first, axis=0)
+    return np.take_along_axis(curve, first, axis=0), speed
 
 
-def _crossings(r: "Response", found: Curves) -> FloatArray:
-    """Return the speeds (Q, ..., S) at which an order meets a mode within reach."""
-    cases = found.fastest.shape[1:]
-    if r.held is None:
-        return np.zeros((0, *cases))
-    modes = r.held.modes().frequency
-    frequency = np.moveaxis(np.broadcast_to(modes, (*cases, modes.shape[-1])), -1, 0)
-    orders = (2, 1) if r.application.include_unbalance else (2,)
-    meets = np.concatenate([frequency / k for k in orders])
-    within = meets <= np.nanmax(found.fastest, initial=0.0)
-    return meets[within.any(axis=tuple(range(1, meets.ndim)))]
+def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return which curves `of` C have most torque at speeds (Q, ..., S), and how much."""
+    size = found.torque_at(np.broadcast_to(speed[:, None], (len(speed), *found.fastest.shape)))
+    curve = of[np.abs(np.nan_to_num(size[:, of])).argmax(axis=1)]
+    return curve, np.take_along_axis(size, curve[:, None], axis=1)[:, 0]
 
 
-def _crests(r: "Response", found: Curves, best: dict[str, Points]) -> tuple[IntArray, FloatArray]:
-    """Return the points of largest forces beside those found, for each bearing: (P, ..., S).
+def _crossings(
+    found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]
+) -> tuple[IntArray, FloatArray]:
+    """Return where orders meet modes with most torque of curves `of` C, (Q, ..., S).
 
-    Where a mode alone shakes, 1/F² is a parabola over the square of the speed.
+    Which curve that is, and the speed: a mode has the frequency that the torque leaves it.
     """
-    assert r.held is not None
-    seeds = list(best.values())
-    curve, speed = (np.concatenate(v) for v in zip(*map(_apart, seeds), strict=True))
-    centre = np.concatenate([np.moveaxis(p.running.dynamic, -1, 0) for p in seeds])
-    width = CLOSER * r.held.loss.min(axis=-1)  # as narrow as the narrowest mode
-    speeds = np.stack([speed * (1 - width), speed * (1 + width)])
-    sides = _at(r, found, np.concatenate([curve] * 2), np.concatenate(speeds), inertia=False)
-    bearings = centre.shape[0] // len(seeds)
-    own = (np.arange(len(sides.speed)) % bearings).reshape(-1, *(1,) * speed.ndim)
-    before, after = np.split(np.take_along_axis(sides.running.dynamic, own, axis=-1)[..., 0], 2)
+    cases, modes = found.fastest.shape[1:], quick.mass.shape[-1]
+    free = np.broadcast_to(quick.frequencies(), (*cases, modes))
+    meets = np.concatenate([np.moveaxis(free / k, -1, 0) for k in orders])
+    _, torque = _with_most(found, of, meets)
+    under = quick.frequencies(torque=np.nan_to_num(torque))
+    meets = np.stack([
+        under[q, ..., q % modes] / orders[q // modes] for q in range(len(meets))
+    ])  # fmt: skip
+    return _with_most(found, of, meets)[0], meets
+
+
+def _rows(*found: Points) -> tuple[IntArray, FloatArray]:
+    """Return curves and speeds (P, ..., S) of points (..., S, n-2) of each bearing."""
+    each = [(np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)) for p in found]
+    curve, speed = (np.concatenate(values) for values in zip(*each, strict=True))
+    return curve, speed
+
+
+def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Points:
+    """Return points tried, and those beside the worst of them where they may be worse.
+
+    The worst for each force and bearing, and the `CRESTS` of what shakes most. Where a mode
+    alone shakes, 1/F² is a parabola over the square of the speed; what order 2 adds to the
+    mean is largest half a mode's width beside that crest.
+    """
+    sought = ("static", 0), ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
+    seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
+    curve, speed = _rows(*(p for _, p in seeds))
+    fastest = np.take_along_axis(found.fastest, curve, axis=0)
+    wide = quick.loss.min(axis=-1)  # as narrow as the narrowest mode
+    low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
+    flanks = _rows(*(p for name, p in seeds if name == "dynamic"))
+    sides = _at(
+        r,
+        found,
+        np.concatenate([curve, curve, flanks[0], flanks[0]]),
+        np.concatenate([low, high, *(flanks[1] * (1 + k * wide) for k in (-0.5, 0.5))]),
+        quick=quick,
+    )
+    middle = [np.moveaxis(getattr(p.running, name), -1, 0) for name, p in seeds]
+    bearings = len(middle[0])
+    ends = np.stack([
+        getattr(sides.running, name)[half * len(curve) + k * bearings + b, ..., b]
+        for half in (0, 1) for k, (name, _) in enumerate(seeds) for b in range(bearings)
+    ])  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.stack([speeds[0], speed, speeds[1]]) ** 2
-        y = np.stack([before, centre, after]) ** -2.0
+        x = np.stack([low, speed, high]) ** 2
+        y = np.stack([ends[: len(curve)], np.concatenate(middle), ends[len(curve) :]]) ** -2.0
         slopes = np.diff(y, axis=0) / np.diff(x, axis=0)
         bend = (slopes[1] - slopes[0]) / (x[2] - x[0])
         crest = (x[0] + x[1]) / 2 - slopes[0] / (2 * bend)
     reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
     crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
-    # What order 2 adds to the mean is largest half a width beside its own crest.
-    ways = [np.sqrt(crest) * (1 + k * width / CLOSER) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)]
-    return np.concatenate([curve] * len(ways)), np.concatenate(ways)
+    crest = np.fmin(np.sqrt(np.maximum(crest, 0.0)), fastest)
+    there = _at(r, found, curve, crest, quick=quick)
+    return _each(lambda *v: np.concatenate(v), tried, sides, there)
+
+
+def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
+    """Return the cases (..., S) that what the bearings carry has: of whatever varies."""
+    once, held = r.unbalance, r.held
+    return np.broadcast_shapes(
+        found.fastest.shape[1:],
+        r.loads.bearing_forces.static.shape[:-2],
+        r.spline_force.shape,
+        () if once is None else once.bearing_forces.shape[:-1],
+        () if r.inertias is None else r.inertias.shape[:-1],
+        () if held is None else np.broadcast_shapes(held.mass.shape[:-2], held.loss.shape[:-1]),
+    )
 
 
 def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
@@ -261,36 +322,40 @@ def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
 
 
 def _at(
-    r: "Response", found: Curves, curve: IntArray, speed: FloatArray, *, inertia: bool = True
+    r: "Response",
+    found: Curves,
+    curve: IntArray,
+    speed: FloatArray,
+    *,
+    quick: Suspended | None = None,
 ) -> Points:
-    """Return what the bearings carry at points, their curves and speeds (P, ..., S)."""
+    """Return what the bearings carry at points, their curves and speeds (P, ..., S).
+
+    Or nearly that, as they move on `quick` and without the shafts' inertia.
+    """
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
     return Points(
         curves=found,
         curve=np.broadcast_to(curve, asked.speed.shape),
         speed=asked.speed,
         torque=asked.torque,
-        running=run(r, asked, r.lay(asked), inertia=inertia),
+        running=run(r, asked, r.lay(asked), inertia=quick is None, on=quick),
     )
 
 
-def _best(p: Points) -> dict[str, Points]:
-    """Return the point where each force is largest, of each bearing by itself, (..., S, n-2)."""
-    found: dict[str, Points] = {}
-    for name in FORCES:
-        value = getattr(p.running, name)
-        at = np.where(np.isnan(value), -1.0, value).argmax(axis=0)[None]
+def _best(p: Points, force: str, rank: int = 0) -> Points:
+    """Return the point where a force is largest, of each bearing by itself, (..., S, n-2).
 
-        def taken(values: Any, at: IntArray = at) -> Any:
-            if values.ndim < at.ndim:  # of points, not of their bearings
-                values = np.broadcast_to(values[..., None], (len(values), *at.shape[1:]))
-            at = at if values.ndim == at.ndim else at[..., None]
-            return np.take_along_axis(values, at, axis=0)[0]
+    Or that of the next larger ones, by `rank`.
+    """
+    value = getattr(p.running, force)
+    order = np.argsort(-np.nan_to_num(value, nan=-1.0), axis=0, kind="stable")
+    at = order[min(rank, len(order) - 1)][None]
 
-        found[name] = _each(taken, p)
-    return found
+    def taken(values: Any) -> Any:
+        if values.ndim < at.ndim:  # of points, not of their bearings
+            values = np.broadcast_to(values[..., None], (len(values), *at.shape[1:]))
+        of = at if values.ndim == at.ndim else at[..., None]
+        return np.take_along_axis(values, of, axis=0)[0]
 
-
-def _apart(p: Points) -> tuple[IntArray, FloatArray]:
-    """Return curves and speeds of the points of each bearing, (n-2, ..., S)."""
-    return np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)
+    return _each(taken, p)

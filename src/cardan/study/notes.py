@@ -107,7 +107,7 @@ def assumed_losses(responses: Iterable[Response]) -> Iterator[AssumedLoss]:
             continue
         force = r.worst["dynamic"].running.dynamic
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
-        less, more = (float(points.otherwise(r, eta).dynamic[s, k]) for eta in OTHERWISE)
+        less, more = points.otherwise(r, np.array(OTHERWISE)[:, None]).dynamic[:, s, k].tolist()
         yield AssumedLoss(
             line=r.line.name,
             bearing=int(k) + 1,
