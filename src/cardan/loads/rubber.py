@@ -157,8 +157,7 @@ class Suspended:
         ahead = cross(moments[..., :-1, :], self.along)
         behind = cross(moments[..., 1:, :], self.along)
         both = np.concatenate([ahead, -behind], axis=-2)
-        pushed: ComplexArray = both.reshape(*both.shape[:-2], 1, -1) @ self._tilts
-        return pushed[..., 0, :]
+        return (both.reshape(*both.shape[:-2], 1, -1) @ self._tilts)[..., 0, :].astype(complex)
 
     def moved(
         self,
