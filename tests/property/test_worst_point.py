@@ -7,13 +7,17 @@ import numpy as np
 import pytest
 
 from cardan import files
+from cardan.base.source import DERIVED
 from cardan.base.units import rpm
+from cardan.base.verdict import Limit
 from cardan.demand.line import resolve
 from cardan.demand.points import curves, demand_at
 from cardan.demand.states import demand
 from cardan.model.parts import CentreBearing
 from cardan.quantity import points
+from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
+from cardan.study.driveline import asked
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SHORT = 0.985
@@ -93,3 +97,33 @@ def test_variants_see_the_same():
         two = getattr(many.worst[force].running, force)
         assert two.shape == (2, *one.shape)
         assert two == pytest.approx(np.stack([one, one]), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", [*TRUCKS, "van"])
+def test_nothing_is_worse_between_the_corners(name):
+    """Every quantity that limits ask at all points, from standstill to the end of each curve."""
+    for r in responses(name):
+        found = curves(r.demand)
+        speeds = np.linspace(0.0, np.nanmax(found.fastest), 60)
+        every = np.broadcast_to(speeds[:, None, None], (len(speeds), *found.fastest.shape))
+        every = np.concatenate([every, found.fastest[None]])
+        at = demand_at(
+            r.demand, found, **dict(zip(("curve", "speed"), found.points(every), strict=True))
+        )
+        dense = replace(r, demand=at, layout=r.lay(at))
+        for quantity in (q for q in ANSWERED.values() if q.at_points):
+            limit = Limit(quantity=quantity.key, source=DERIVED, maximum=1.0, sense=quantity.sense)
+            asking, *_ = asked(
+                replace(r, application=replace(r.application, limits=(limit,))),
+                quantities=[quantity.key],
+            )
+            there = quantity.values(dense)
+            there = np.abs(there) if quantity.signed else there
+            sign = 1.0 if quantity.sense == "<=" else -1.0
+            worst = np.nanmax(sign * there, axis=0, initial=-np.inf)
+            allowed = 0.01 * np.abs(worst) + 1e-12
+            known = ~np.isnan(asking.values) & np.isfinite(worst)
+            assert (sign * asking.values + allowed >= worst)[known].all(), (
+                r.line.name,
+                quantity.key,
+            )

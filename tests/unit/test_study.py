@@ -32,7 +32,9 @@ def only(application: Application, *limits: Limit) -> Application:
     return replace(application, limits=limits)
 
 
-TORSIONAL = Limit(quantity="torsional_acceleration", normal=200.0, maximum=500.0, source=HOUSE)
+TORSIONAL = Limit(
+    quantity="torsional_acceleration", normal=200.0, maximum=500.0, source=HOUSE, points="own"
+)
 SMALLEST = Limit(quantity="joint_angle_min", normal=0.5 * deg, sense=">=", source=HOUSE)
 SPLINE = Limit(quantity="spline_travel_margin", maximum=20 * mm, sense=">=", source=HOUSE)
 
@@ -127,7 +129,7 @@ def test_a_limit_asks_in_its_own_states_alone(truck):
 
 def test_a_limit_on_what_has_a_sign_holds_its_size(truck):
     """View angles bend down or up, to the right or left; 1 deg is as much either way."""
-    limit = Limit(quantity="side_angle", maximum=1 * deg, source=HOUSE)
+    limit = Limit(quantity="side_angle", maximum=1 * deg, source=HOUSE, points="own")
     found = assess(only(truck, limit))
     (response,) = found.responses
     assert (response.side_angles < -1 * deg).any()

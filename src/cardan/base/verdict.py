@@ -56,6 +56,8 @@ class Limit:
     states: frozenset[str] | None = None
     """Kinds of state it applies to; None is all of them."""
     required: bool = False
+    points: Literal["all", "own"] = "all"
+    """Whether it asks at every operating point of a state, or at the state's own alone."""
 
     def __post_init__(self) -> None:
         bounds = [b for b in (self.normal, self.maximum, *(self.band or ())) if b is not None]

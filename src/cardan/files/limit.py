@@ -59,6 +59,10 @@ class LimitTable(Table):
         "kinds of state it applies to, or groups of them: riding, stops, wound up; by default all",
         default=None,
     )
+    points: Literal["all", "own"] = key(
+        "all: asked at every torque and speed that a state can have; own: at the state's own alone",
+        default="all",
+    )
     required: bool = key("whether a verdict is incomplete where nothing answers it", default=False)
     source: Annotated[str, Text(PROSE)] = key("who says so")
 
@@ -88,6 +92,7 @@ class LimitTable(Table):
             above_angle=None if self.above_angle is None else self.above_angle * deg,
             states=self._kinds(),
             required=self.required,
+            points=self.points,
         )
 
     def _kinds(self) -> frozenset[str] | None:

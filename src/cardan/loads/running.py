@@ -9,13 +9,14 @@ suspension drives it to either end: the mean force is the worst of none and of b
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
-from cardan.loads.cycle import major_axis
+from cardan.loads.cycle import Cycle, major_axis
 from cardan.loads.rubber import Motion, Suspended
 from cardan.loads.statics import CARDAN_GRADE, Loads, loads, resting, unbalance
 from cardan.model.layout import Layout, unit
@@ -25,36 +26,51 @@ ORDERS = (2, 4, 6)
 """Orders of the joints; on rigid bearings those above 2 come through inertia alone."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Running:
-    """Forces on the centre bearings, cases on leading axes, (..., n-2) N each.
+    """Forces on the centre bearings, cases on leading axes.
 
     Attributes
     ----------
-    static
-        Size of the mean, with the thrust that makes it largest.
-    thrust
+    mean : (..., n-2, 3) N
+        With the thrust that makes it largest.
+    thrust : (..., n-2) N
         That thrust in the sliding fit, signed.
-    order1
+    order1 : (..., n-2) N
         0-to-peak of what unbalance makes, its heavy spots where they add up.
-    orders : (..., n-2, 3) N
-        0-to-peak along the major axis of orders 2, 4 and 6.
+    waves : (..., n-2, 3, 3) N
+        Complex amplitudes of orders 2, 4 and 6, the force Re c e^{ikθ}.
     """
 
-    static: FloatArray
+    mean: FloatArray
     thrust: FloatArray
     order1: FloatArray
-    orders: FloatArray
+    waves: ComplexArray
 
-    @property
+    @cached_property
+    def static(self) -> FloatArray:
+        """Size of the mean, (..., n-2) N."""
+        return np.linalg.norm(self.mean, axis=-1)
+
+    @cached_property
+    def orders(self) -> FloatArray:
+        """0-to-peak along the major axis of orders 2, 4 and 6, (..., n-2, 3) N."""
+        return major_axis(self.waves)
+
+    @cached_property
     def dynamic(self) -> FloatArray:
-        """What shakes the bearing twice a turn and faster, 0-to-peak: at most."""
+        """What shakes the bearing twice a turn and faster, 0-to-peak: at most, (..., n-2) N."""
         return self.orders.sum(-1)
 
-    @property
+    @cached_property
     def peak(self) -> FloatArray:
-        """The largest force: mean, orders and unbalance where they all add up."""
+        """The largest force: mean, orders and unbalance where they all add up, (..., n-2) N."""
         return self.static + self.dynamic + self.order1
+
+    @property
+    def cycle(self) -> Cycle:
+        """The force round the turn, without unbalance, (..., n-2) of three components."""
+        return Cycle(np.concatenate([self.mean[..., None, :].astype(complex), self.waves], axis=-2))
 
 
 def running(
@@ -105,24 +121,25 @@ def running(
         else speed[..., None, None] ** 2 * turned.acceleration,
     )
     if held is None:
-        steady = carried.bearing_forces.static
-        orders = stacked(carried.bearing_forces.amplitude(k) for k in ORDERS)
+        found = {k: carried.bearing_forces.order(k) for k in (0, *ORDERS)}
     else:
-        steady, orders = _on_rubber(held, carried, turned, torque=torque, speed=speed)
+        found = _on_rubber(held, carried, turned, torque=torque, speed=speed)
     weight, pulled = resting(layout, line, gravity=gravity)
-    static, thrust = _at_worst_thrust(steady + weight, pulled, slip=slip)
+    steady = found[0].real + weight
+    thrust = _worst_thrust(steady, pulled, slip=slip)
+    nothing = 0 * found[2]
     return Running(
-        static=static,
+        mean=steady + thrust[..., None] * pulled,
         thrust=thrust,
         order1=_once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
-        orders=orders,
+        waves=np.stack([found.get(k, nothing) for k in ORDERS], axis=-2),
     )
 
 
 def _on_rubber(
     held: Suspended, carried: Loads, turned: Turn, *, torque: FloatArray, speed: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the mean force (..., n-2, 3) and 0-to-peak of each of `ORDERS` (..., n-2, 3), N.
+) -> dict[int, ComplexArray]:
+    """Return the forces on the bearings order by order, (..., n-2, 3) N each.
 
     Statics, and what moving adds to them: so modes that `held` leaves out bear their share.
     """
@@ -135,28 +152,24 @@ def _on_rubber(
     motions: dict[int, Motion] = dict(zip((0, 2, 4), found, strict=True))
     for k in orders[3:]:
         motions[k] = held.moved(pushes[k], frequency=k * speed, speed=speed, torque=torque)
-    borne = {
+    return {
         k: still.order(k) + moved.bearing_forces - held.borne(pushes[k])
         for k, moved in motions.items()
     }
-    sizes = {k: major_axis(force) for k, force in borne.items()}
-    return borne[0].real, stacked(sizes.get(k, 0 * sizes[2]) for k in ORDERS)
 
 
-def _at_worst_thrust(
-    force: FloatArray, pulled: FloatArray, *, slip: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
-    """Return the largest size of a mean force (..., n-2, 3) N, and the thrust that makes it.
+def _worst_thrust(force: FloatArray, pulled: FloatArray, *, slip: ArrayLike) -> FloatArray:
+    """Return the thrust (..., n-2) N that makes a mean force (..., n-2, 3) N largest.
 
-    `pulled` is what 1 N of thrust adds; `slip` (...) N the size it may have.
+    It is plus or minus the slip force, or none. `pulled` is what 1 N of thrust adds; `slip`
+    (...) N the size it may have.
     """
     slip = np.nan_to_num(np.asarray(slip, dtype=float))[..., None]
     alone, drawn, pushed = (
         np.linalg.norm(force + sign * slip[..., None] * pulled, axis=-1) for sign in (0, 1, -1)
     )
     more = np.maximum(drawn, pushed)
-    sign = np.where(more > alone, np.where(drawn >= pushed, 1.0, -1.0), 0.0)
-    return np.maximum(alone, more), sign * slip
+    return slip * np.where(more > alone, np.where(drawn >= pushed, 1.0, -1.0), 0.0)
 
 
 def _once(

@@ -108,6 +108,7 @@ DECLARED = (
     ),
     Quantity(
         key="joint_force",
+        at_points=True,
         name="Joint force",
         symbol="Fj",
         unit="N",
@@ -122,6 +123,7 @@ DECLARED = (
     ),
     Quantity(
         key="gearbox_bearing_force",
+        at_points=True,
         name="Radial force on a gearbox bearing",
         symbol="FA, FB",
         unit="N",
@@ -142,6 +144,7 @@ DECLARED = (
     ),
     Quantity(
         key="pinion_bearing_force",
+        at_points=True,
         name="Radial force on a pinion bearing",
         symbol="FE, FF",
         unit="N",
@@ -162,6 +165,7 @@ DECLARED = (
     ),
     Quantity(
         key="spline_force",
+        at_points=True,
         name="Slip force of the spline",
         symbol="Fa",
         unit="N",
@@ -185,6 +189,7 @@ DECLARED = (
     ),
     Quantity(
         key="cross_force",
+        at_points=True,
         name="Force on a journal of the cross",
         symbol="Fc",
         unit="N",

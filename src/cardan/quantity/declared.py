@@ -139,6 +139,8 @@ class Quantity:
     of: Of | None = None
     sought: Callable[[Response], Points | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
+    at_points: bool = False
+    """Whether limits ask it at every operating point of a state, not at its own alone."""
     needs: tuple[Need, ...] = ()
     states: frozenset[str] | None = None
     """Kinds of state in which it means anything; None is all."""

@@ -30,6 +30,7 @@ def _approximated(name: str, value: Callable[[Excitation], FloatArray | None]) -
 DECLARED = (
     Quantity(
         key="equivalent_angle",
+        at_points=True,
         name="Torsional equivalent angle",
         symbol="βR",
         unit="deg",
@@ -48,6 +49,7 @@ DECLARED = (
     ),
     Quantity(
         key="torsional_acceleration",
+        at_points=True,
         name="Torsional acceleration",
         symbol="αR",
         unit="rad_s2",
@@ -67,6 +69,7 @@ DECLARED = (
     ),
     Quantity(
         key="inertia_drive_acceleration",
+        at_points=True,
         name="Inertia acceleration, drive",
         symbol="αD",
         unit="rad_s2",
@@ -83,6 +86,7 @@ DECLARED = (
     ),
     Quantity(
         key="inertia_coast_acceleration",
+        at_points=True,
         name="Inertia acceleration, coast",
         symbol="αC",
         unit="rad_s2",
@@ -99,6 +103,7 @@ DECLARED = (
     ),
     Quantity(
         key="inertia_drive_torque",
+        at_points=True,
         name="Inertia torque, drive",
         symbol="TD",
         unit="Nm",
@@ -116,6 +121,7 @@ DECLARED = (
     ),
     Quantity(
         key="inertia_coast_torque",
+        at_points=True,
         name="Inertia torque, coast",
         symbol="TC",
         unit="Nm",
@@ -133,6 +139,7 @@ DECLARED = (
     ),
     Quantity(
         key="irregularity",
+        at_points=True,
         name="Irregularity of the line",
         symbol="U",
         unit="1",
@@ -146,6 +153,7 @@ DECLARED = (
     ),
     Quantity(
         key="angle_for_speed",
+        at_points=True,
         name="Acceleration of a joint by itself",
         symbol="ω²β²",
         unit="rad_s2",

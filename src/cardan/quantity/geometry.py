@@ -20,6 +20,7 @@ def _odd_joint(r: Response) -> tuple[Part, ...]:
 DECLARED = (
     Quantity(
         key="joint_angle",
+        at_points=True,
         name="Joint angle",
         symbol="β",
         unit="deg",
@@ -61,6 +62,7 @@ DECLARED = (
     ),
     Quantity(
         key="side_angle",
+        at_points=True,
         signed=True,
         name="Side view angle",
         symbol="βv",
@@ -74,6 +76,7 @@ DECLARED = (
     ),
     Quantity(
         key="top_angle",
+        at_points=True,
         signed=True,
         name="Top view angle",
         symbol="βh",
@@ -87,6 +90,7 @@ DECLARED = (
     ),
     Quantity(
         key="compound_angle",
+        at_points=True,
         name="Compound angle",
         symbol="βc",
         unit="deg",

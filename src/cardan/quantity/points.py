@@ -1,13 +1,14 @@
-"""Where its centre bearings are worst: a line at its operating points, on its rubber.
+"""Where a line is worst: at which of its operating points, and its centre bearings on rubber.
 
 Each state is asked along its curves of torque over speed, in every gear and direction: where
-a curve starts, bends and ends, and where an order crosses a mode of the line on its rubber.
-Around the worst of these the speed is sought more closely.
+a curve starts, bends and ends. What follows torque, speed and angles alone is worst there
+(`spread`). Bearings on rubber are asked where an order crosses a mode of the line besides,
+and around the worst of these the speed is sought more closely (`worst`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -28,15 +29,18 @@ FORCES = ("static", "dynamic", "peak")
 CLOSER = 0.25
 """How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
 
+_Row: TypeAlias = tuple[IntArray, FloatArray]
+"""Which curves points (P, ..., S) are on, and their speeds."""
+
 CRESTS = 3
 """How many crests are sought more closely: the next may prove the higher one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Points:
-    """A line at points of its curves, and what its bearings carry there.
+class Spots:
+    """Points of a line's curves.
 
-    Of P points (P, ..., S), or of the worst one of each bearing (..., S, n-2).
+    P points (P, ..., S), or the worst one of each part (..., S, parts).
 
     Attributes
     ----------
@@ -46,15 +50,12 @@ class Points:
         Which of them each point is on.
     speed, torque : rad/s, N m
         Of the line there; nan where a state has no such point.
-    running : (..., n-2) N
-        What the bearings carry.
     """
 
     curves: Curves
     curve: IntArray
     speed: FloatArray
     torque: FloatArray
-    running: Running
 
     def named(self, at: tuple[int, ...]) -> Point | None:
         """Return one of them; None where there is none."""
@@ -62,6 +63,83 @@ class Points:
         if np.isnan(torque):
             return None
         return Point(self.curves.gears[curve], self.curves.directions[curve], speed, torque)
+
+    @property
+    def first_variant(self) -> "Spots":
+        """The points (P, S) of the first variant, where there is an axis of them."""
+        return Spots(
+            curves=self.curves,
+            curve=self.curve[:, 0],
+            speed=self.speed[:, 0],
+            torque=self.torque[:, 0],
+        )
+
+    def of_parts(self, which: IntArray) -> "Spots":
+        """Return which point (..., S, parts) each part has; below 0 none."""
+        here = np.maximum(which, 0)[None]
+
+        def taken(values: Any) -> Any:
+            wide = np.broadcast_to(values[..., None], (len(values), *which.shape))
+            return np.take_along_axis(wide, here, axis=0)[0]
+
+        return Spots(
+            curves=self.curves,
+            curve=taken(self.curve),
+            speed=taken(self.speed),
+            torque=np.where(which < 0, np.nan, taken(self.torque)),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Points(Spots):
+    """Points of a line's curves, and what its bearings carry there.
+
+    Attributes
+    ----------
+    running : (P, ..., S, n-2) or (..., S, n-2) N
+        What the bearings carry.
+    """
+
+    running: Running
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spread:
+    """A line at the points where what follows torque, speed and angles is worst.
+
+    Attributes
+    ----------
+    spots : (P, ..., S)
+    response
+        The line there: points on its first axis, then variants (one where there are none),
+        the states last.
+    """
+
+    spots: Spots
+    response: "Response"
+
+
+def spread(r: "Response") -> Spread | None:
+    """Return a line at the corners of its curves; None where it has none.
+
+    Those of most torque each way it is turned, and the highest speed of each gear: between
+    them torque and speed go straight.
+    """
+    found = curves(r.demand)
+    if not found.gears:
+        return None
+    cases = _cases(r, found)
+    # An axis for variants of what no force shows, a tube's wall: before the states.
+    found = _beside_variants(found, cases if len(cases) > 1 else (1, *cases))
+    rows = [row for of in _ways(found) for row in _corners(found, of)]
+    every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
+    rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
+    curve, speed = _gathered(found, rows)
+    asked = demand_at(r.demand, found, curve=curve, speed=speed)
+    return Spread(
+        spots=Spots(curves=found, curve=curve, speed=asked.speed, torque=asked.torque),
+        response=replace(r, demand=asked, layout=r.lay(asked)),
+    )
 
 
 def _each(change: Callable[..., Any], *of: Points) -> Points:
@@ -107,14 +185,10 @@ def otherwise(r: "Response", assumed: FloatArray) -> Running:
     found = run(r, asked, r.lay(asked), on=held(r, assumed=assumed))
 
     def own(values: Any) -> Any:
-        return np.stack([values[b, ..., b] for b in range(len(curve))], axis=-1)
+        """Return of each bearing what it carries at its own point: (P, F, S, n-2, ...)."""
+        return np.stack([values[b, :, :, b] for b in range(len(curve))], axis=2)
 
-    return Running(
-        static=own(found.static),
-        thrust=own(found.thrust),
-        order1=own(found.order1),
-        orders=np.stack([own(found.orders[..., k]) for k in range(3)], axis=-1),
-    )
+    return Running(**{f.name: own(getattr(found, f.name)) for f in fields(Running)})
 
 
 def run(
@@ -144,10 +218,10 @@ def run(
     )
     nothing = np.where(known, 0.0, np.nan)[..., None]
     return Running(
-        static=found.static + nothing,
+        mean=found.mean + nothing[..., None],
         thrust=found.thrust + nothing,
         order1=found.order1 + nothing,
-        orders=found.orders + nothing[..., None],
+        waves=found.waves + nothing[..., None, None],
     )
 
 
@@ -170,46 +244,55 @@ def worst(r: "Response") -> dict[str, Points]:
     return {name: _best(last, name) for name in FORCES}
 
 
-def _candidates(
-    r: "Response", found: Curves, quick: Suspended | None
-) -> tuple[IntArray, FloatArray]:
-    """Return curves and speeds (P, ..., S) that may be worst.
+def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
+    """Return points (P, ..., S) at which bearings may be worst.
 
     Of each way to be turned: the corners of the curve of most torque, the highest speed, and
-    with most torque each speed at which an order of the joints meets a mode on rubber. Coast
-    and reverse are one way: the same torque pushes the same. Where unbalance counts, which
-    knows no torque: with most torque of all, where its order meets a mode, and the end of
-    each gear, as it grows with the speed while torque falls from gear to gear.
+    with most torque each speed at which an order of the joints meets a mode on rubber. Where
+    unbalance counts, which knows no torque: with most torque of all, where its order meets a
+    mode, and the end of each gear, as it grows with the speed while torque falls from gear to
+    gear.
     """
-    standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
-    standing = np.minimum(standing, found.most)
-    reach = np.nan_to_num(found.fastest, nan=-1.0)
-    corners = found.corners()
-    rows: list[tuple[IntArray, FloatArray]] = []
-    for way in (("drive",), ("coast", "reverse"), ("brake",)):
-        of = np.flatnonzero([d in way for d in found.directions])
-        if not len(of):
-            continue
-        strong, fast = (of[values[of].argmax(axis=0)][None] for values in (standing, reach))
-        bends = np.take_along_axis(corners, strong[None], axis=1)[:, 0]
-        rows += [
-            (np.broadcast_to(strong, bends.shape), bends),
-            (fast, np.take_along_axis(reach, fast, axis=0)),
-        ]
+    rows: list[_Row] = []
+    for of in _ways(found):
+        rows += _corners(found, of)
         if quick is not None:
             rows.append(_crossings(found, quick, of, orders=(2, 4)))
     if r.application.include_unbalance:
-        every = np.arange(len(reach))
-        ends = reach[[d != "coast" for d in found.directions]]
+        every = np.arange(len(found.gears))
+        ends = np.nan_to_num(found.fastest[[d != "coast" for d in found.directions]], nan=-1.0)
         rows.append((_with_most(found, every, ends)[0], ends))
         if quick is not None:
             rows.append(_crossings(found, quick, every, orders=(1,)))
-    curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
-    return _gathered(found, curve, speed)
+    return _gathered(found, rows)
 
 
-def _gathered(found: Curves, curve: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
+def _ways(found: Curves) -> list[IntArray]:
+    """Return which curves turn the line each way.
+
+    Coast and reverse are one way: the same torque pushes the same.
+    """
+    ways = ("drive",), ("coast", "reverse"), ("brake",)
+    each = [np.flatnonzero([d in way for d in found.directions]) for way in ways]
+    return [of for of in each if len(of)]
+
+
+def _corners(found: Curves, of: IntArray) -> list[_Row]:
+    """Return the corners of the strongest of curves `of` C, and the end of the quickest."""
+    standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
+    standing = np.minimum(standing, found.most)
+    reach = np.nan_to_num(found.fastest, nan=-1.0)
+    strong, quick = (of[values[of].argmax(axis=0)][None] for values in (standing, reach))
+    bends = np.take_along_axis(found.corners(), strong[None], axis=1)[:, 0]
+    return [
+        (np.broadcast_to(strong, bends.shape), bends),
+        (quick, np.take_along_axis(reach, quick, axis=0)),
+    ]
+
+
+def _gathered(found: Curves, rows: list[_Row]) -> _Row:
     """Return points (P, ..., S) with those that a state has first, in no more rows than needed."""
+    curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
     fastest = np.take_along_axis(found.fastest, curve, axis=0)
     there = (speed >= 0) & (speed <= fastest)
     first = np.argsort(~there, axis=0, kind="stable")[: there.sum(axis=0).max(initial=1)]
@@ -224,9 +307,7 @@ def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray
     return curve, np.take_along_axis(size, curve[:, None], axis=1)[:, 0]
 
 
-def _crossings(
-    found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]
-) -> tuple[IntArray, FloatArray]:
+def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> _Row:
     """Return where orders meet modes with most torque of curves `of` C, (Q, ..., S).
 
     Which curve that is, and the speed: a mode has the frequency that the torque leaves it.
@@ -242,7 +323,7 @@ def _crossings(
     return _with_most(found, of, meets)[0], meets
 
 
-def _rows(*found: Points) -> tuple[IntArray, FloatArray]:
+def _rows(*found: Points) -> _Row:
     """Return curves and speeds (P, ..., S) of points (..., S, n-2) of each bearing."""
     each = [(np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)) for p in found]
     curve, speed = (np.concatenate(values) for values in zip(*each, strict=True))
@@ -291,15 +372,18 @@ def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Po
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
     """Return the cases (..., S) that what the bearings carry has: of whatever varies."""
-    once, held = r.unbalance, r.held
-    return np.broadcast_shapes(
+    shapes = [
         found.fastest.shape[1:],
         r.loads.bearing_forces.static.shape[:-2],
         r.spline_force.shape,
-        () if once is None else once.bearing_forces.shape[:-1],
-        () if r.inertias is None else r.inertias.shape[:-1],
-        () if held is None else np.broadcast_shapes(held.mass.shape[:-2], held.loss.shape[:-1]),
-    )
+    ]
+    if r.unbalance is not None:
+        shapes.append(r.unbalance.bearing_forces.shape[:-1])
+    if r.inertias is not None:
+        shapes.append(r.inertias.shape[:-1])
+    if r.held is not None:
+        shapes += [r.held.frequencies().shape[:-1], r.held.loss.shape[:-1]]
+    return np.broadcast_shapes(*shapes)
 
 
 def _beside_variants(found: Curves, cases: tuple[int, ...]) -> Curves:
@@ -355,7 +439,7 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
     def taken(values: Any) -> Any:
         if values.ndim < at.ndim:  # of points, not of their bearings
             values = np.broadcast_to(values[..., None], (len(values), *at.shape[1:]))
-        of = at if values.ndim == at.ndim else at[..., None]
+        of = at.reshape(*at.shape, *(1,) * (values.ndim - at.ndim))
         return np.take_along_axis(values, of, axis=0)[0]
 
     return _each(taken, p)

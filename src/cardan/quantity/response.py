@@ -40,7 +40,7 @@ from cardan.model.application import (
 from cardan.model.layout import Layout
 from cardan.model.parts import JointSize, Line
 from cardan.quantity import points
-from cardan.quantity.points import Points
+from cardan.quantity.points import Points, Spread
 from cardan.shaft import beams, life, strength, whirl
 
 SAMPLES = 16
@@ -218,6 +218,11 @@ class Response:
         """The operating point at which each bearing's mean, orders and peak are largest."""
         return points.worst(self)
 
+    @cached_property
+    def spread(self) -> Spread | None:
+        """The line at the corners of its torque over speed; None where nobody knows them."""
+        return points.spread(self)
+
     def bearing_force(self, name: str) -> FloatArray:
         """Return a force of `points.FORCES` on each bearing where it is largest, (..., n-2) N.
 
@@ -340,7 +345,7 @@ class Response:
         demand = self.demand
         braked = np.array([kind == "windup brake" for kind in self.kinds])
         own = np.isnan(demand.engine_torque) | braked
-        asked = np.where(own, demand.torque, np.fmax(demand.engine_torque, demand.torque))
+        asked = np.where(own, demand.torque, np.fmax(demand.engine_torque, np.abs(demand.torque)))
         uneven = np.abs(self.turn.phasors[..., :-1])
         uneven = np.concatenate([np.zeros_like(uneven[..., :1]), uneven], axis=-1)
         largest = self.application.shock_factor * np.abs(asked)

@@ -16,6 +16,7 @@ def _pairs(r: Response) -> tuple[Part, ...]:
 DECLARED = (
     Quantity(
         key="spline_travel",
+        at_points=True,
         signed=True,
         name="Spline travel",
         symbol="ΔL",
@@ -29,6 +30,7 @@ DECLARED = (
     ),
     Quantity(
         key="spline_travel_margin",
+        at_points=True,
         name="Spline travel left",
         symbol="s",
         unit="mm",
@@ -43,6 +45,7 @@ DECLARED = (
     ),
     Quantity(
         key="clearance",
+        at_points=True,
         name="Clearance",
         symbol="c",
         unit="mm",

@@ -123,6 +123,7 @@ DECLARED = (
     ),
     Quantity(
         key="tube_shear_utilisation",
+        at_points=True,
         name="Tube shear over yield",
         symbol="τ/τy",
         unit="1",
@@ -150,6 +151,7 @@ DECLARED = (
     ),
     Quantity(
         key="joint_torque_utilisation",
+        at_points=True,
         name="Joint torque over its elastic limit",
         symbol="T/Tcs",
         unit="1",
@@ -203,6 +205,7 @@ DECLARED = (
     ),
     Quantity(
         key="n_beta",
+        at_points=True,
         name="Speed times joint angle",
         symbol="n β",
         unit="deg_min",

@@ -65,13 +65,20 @@ def occasion(c: Check | Unanswered, say: Language) -> str:
     at = c.point if isinstance(c, Check) else None
     if at is None:
         return say.occasion(c.when)
-    means = {
+    moving = {
         "drive": "gear {gear} at {speed} rpm" if at.gear else "drive at {speed} rpm",
         "coast": "coast in gear {gear} at {speed} rpm" if at.gear else "coast at {speed} rpm",
         "reverse": "reverse at {speed} rpm",
         "brake": "braking at {speed} rpm",
     }
-    said = say(means[at.direction], gear=at.gear, speed=say.short(round(at.speed / rpm), 6))
+    still = {
+        "drive": "pulling away in gear {gear}" if at.gear else "pulling away",
+        "coast": "coasting to a stop in gear {gear}" if at.gear else "coasting to a stop",
+        "reverse": "pulling away in reverse",
+        "brake": "braking to a stop",
+    }
+    means = (moving if at.speed else still)[at.direction]
+    said = say(means, gear=at.gear, speed=say.short(round(at.speed / rpm), 6))
     return say.list(say.occasion(c.when), said)
 
 

@@ -859,12 +859,14 @@ class _Line:
         # What is sought over operating points the formulas have at the state's own alone.
         followed = [one for one in self.found if not QUANTITIES[one.quantity].sought]
         found = {(one.quantity, one.part): one for one in followed}
-        held = [
-            (question, k, found.get((question.limit.quantity, part)))
-            for question in asked(r)
-            for k, part in enumerate(question.parts)
-            if question.may[:, k].any()
-        ]
+        held: list[tuple[Asked, int, _Result | None]] = []
+        for question in asked(r):
+            for k, part in enumerate(question.parts):
+                one = found.get((question.limit.quantity, part))
+                if question.may[:, k].any():
+                    held.append((question, k, one))
+                if one is not None and _worse_elsewhere(question, k):
+                    held.append((question, k, None))
         for title, live in ((say("Checks, live"), True), (say("Checks, as computed"), False)):
             rows = [h for h in held if (h[2] is not None) == live]
             if rows:
@@ -913,18 +915,23 @@ class _Line:
 
     def _held(self, question: Asked, k: int, one: _Result | None) -> Held:
         """Return the row of one part that a limit asks about."""
-        limit, part, values = question.limit, question.parts[k], question.values[:, k]
+        limit, part = question.limit, question.parts[k]
+        values = (question.values if one is None else question.own)[:, k]
         missing = question.asks[:, k] & np.isnan(values)
         lacks = [needs_of(self.r, question, int(s), k) for s in np.flatnonzero(missing)]
         named = part.kind != "clearance"
+        label, name = _label(limit.quantity, part, self.say), cell_name(limit.quantity, part)
+        if one is None and _worse_elsewhere(question, k):
+            label = self.say("{what}, at the worst operating point", what=label)
+            name = f"{name}_worst"
         return Held(
-            label=_label(limit.quantity, part, self.say),
+            label=label,
             limit=limit,
             values=values,
             may=question.may[:, k],
             missing=missing,
             needs=tuple(dict.fromkeys(n for needs in lacks for n in needs)),
-            name=self.tag + cell_name(limit.quantity, part) if named else "",
+            name=self.tag + name if named else "",
             live=self._live(one) if one else None,
         )
 
@@ -943,6 +950,14 @@ class _Line:
             idle=tuple(here + n for n in needs if n),
             method=_BY_METHOD.get(one.quantity, ""),
         )
+
+
+def _worse_elsewhere(question: Asked, k: int) -> bool:
+    """Whether a part is worse at another operating point than at a state's own."""
+    sought = QUANTITIES[question.limit.quantity].sought
+    return not sought and not np.array_equal(
+        question.values[:, k], question.own[:, k], equal_nan=True
+    )
 
 
 def _study(book: Book, of: Finding[Any], say: Language, *, several: bool) -> Judged:

@@ -7,10 +7,11 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.part import Occasion, Part
-from cardan.base.verdict import Check, Limit, Unanswered
+from cardan.base.verdict import EQUAL, Check, Limit, Unanswered
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Application
 from cardan.quantity.declared import Quantity
+from cardan.quantity.points import Spots
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
@@ -61,6 +62,8 @@ class Asked:
     `asks` tells where it does, and `values` are its answers, both (..., states, parts): nan
     where it does not ask, or nothing answers. `may` (states, parts) tells where it would ask
     at other angles, speeds and torques: it looks at the kinds of states and joints alone.
+    Values are the worst of all operating points where the limit asks at those, `spots` says
+    at which, and `own` are those at the state's own torque and speed.
     """
 
     limit: Limit
@@ -68,6 +71,8 @@ class Asked:
     asks: BoolArray
     may: BoolArray
     values: FloatArray
+    own: FloatArray
+    spots: Spots | None = None
 
 
 def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Iterator[Asked]:
@@ -81,26 +86,64 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         if not asking and not any(own):
             continue
         assert quantity.parts is not None  # of those that a line answers
-        parts, values = quantity.parts(response), _known(quantity, response)
+        parts, known = quantity.parts(response), _known(quantity, response)
         rated = np.array([limit is not None for limit in own]) if own else np.array([False])
         kinds = _of_kinds(quantity.states, response)
         turning = ~_idle(quantity, response)
-        for limit in asking:
-            may = kinds & _of_kinds(limit.states, response) & ~(quantity.own_first & rated)
-            yield _question(limit, parts, may, turning & _bent(limit, response), values)
-        for k, limit in enumerate(own):
-            if limit is not None:
-                may = kinds & (np.arange(len(parts)) == k)
-                yield _question(limit, parts, may, turning, values)
+        each: list[tuple[Limit, BoolArray, BoolArray]] = [
+            (
+                limit,
+                kinds & _of_kinds(limit.states, response) & ~(quantity.own_first & rated),
+                turning & _bent(limit, response),
+            )
+            for limit in asking
+        ] + [
+            (limit, kinds & (np.arange(len(parts)) == k), turning)
+            for k, limit in enumerate(own)
+            if limit is not None
+        ]
+        spread = _spread(quantity, response, [limit for limit, _, _ in each], like=known)
+        for limit, may, does in each:
+            values, spots = _worst(limit, known, spread)
+            spots = quantity.sought(response) if quantity.sought else spots
+            may = np.broadcast_to(may, values.shape[-2:])
+            asks = np.broadcast_to(may & does, values.shape)
+            answers, at_own = (np.where(asks, v, np.nan) for v in (values, known))
+            yield Asked(
+                limit=limit, parts=parts, asks=asks, may=may, values=answers, own=at_own,
+                spots=spots,
+            )  # fmt: skip
 
 
-def _question(
-    limit: Limit, parts: tuple[Part, ...], may: BoolArray, does: BoolArray, values: FloatArray
-) -> Asked:
-    may = np.broadcast_to(may, values.shape[-2:])
-    asks = np.broadcast_to(may & does, values.shape)
-    answers = np.where(asks, values, np.nan)
-    return Asked(limit=limit, parts=parts, asks=asks, may=may, values=answers)
+def _spread(
+    quantity: Quantity, response: Response, limits: list[Limit], *, like: FloatArray
+) -> tuple[FloatArray, Spots] | None:
+    """Return what limits ask about at operating points, (P, ..., states, parts), and those.
+
+    With variants only where values `like` have them; None where no limit asks there, or
+    there are none.
+    """
+    asking = quantity.at_points and any(limit.points == "all" for limit in limits)
+    if not asking or response.spread is None:
+        return None
+    spots, values = response.spread.spots, quantity.values(response.spread.response)
+    if like.ndim == 2:
+        spots, values = spots.first_variant, values[:, 0]
+    return np.abs(values) if quantity.signed else values, spots
+
+
+def _worst(
+    limit: Limit, own: FloatArray, spread: tuple[FloatArray, Spots] | None
+) -> tuple[FloatArray, Spots | None]:
+    """Return the worst values (..., states, parts) and where they are, if not the state's own."""
+    if spread is None or limit.points == "own":
+        return own, None
+    values, spots = spread
+    margin = limit.margin(values, to="normal")
+    best = np.where(np.isnan(margin), np.inf, margin).argmin(axis=0)
+    there, left = (np.take_along_axis(v, best[None], axis=0)[0] for v in (values, margin))
+    worse = left < limit.margin(own, to="normal") - EQUAL
+    return np.where(worse, there, own), spots.of_parts(np.where(worse, best, -1))
 
 
 def _known(quantity: Quantity, response: Response) -> FloatArray:
@@ -143,8 +186,6 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
     value = question.values[state, part]
     if np.isnan(value):
         return None
-    sought = ANSWERED[question.limit.quantity].sought
-    points = sought(response) if sought else None
     return Check(
         quantity=question.limit.quantity,
         line=response.line.name,
@@ -152,7 +193,7 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
         part=question.parts[part],
         value=float(value),
         limit=question.limit,
-        point=points.named((state, part)) if points else None,
+        point=question.spots.named((state, part)) if question.spots else None,
     )
 
 

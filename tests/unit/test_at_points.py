@@ -1,0 +1,109 @@
+"""What limits ask at operating points: where, at which side, in a batch as one by one."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.units import deg, mm, rpm
+from cardan.base.verdict import Limit
+from cardan.demand.line import resolve
+from cardan.demand.states import demand, demand_under
+from cardan.quantity.response import respond
+from cardan.study.driveline import checks_of
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def limit(quantity: str, **given) -> Limit:
+    return Limit(quantity=quantity, source=files.limits("heavy-truck")[1][0].source, **given)
+
+
+def answered(application, *limits: Limit):
+    asked = replace(application, limits=limits)
+    (installed,) = asked.lines
+    response = respond(asked, demand(resolve(asked, installed)))
+    mine = [c for c in checks_of(response) if c.limit in limits]
+    return response, {(c.when.name, c.part.number): c for c in mine}
+
+
+@pytest.fixture(scope="module")
+def truck():
+    return files.read(EXAMPLES / "medium-truck-4x2.yaml")
+
+
+def test_an_axle_wound_up_in_reverse_bends_its_joint_further(truck):
+    """Medium truck, full rebound: the last joint goes from 8.75 to 9.59 deg, found by hand.
+
+    Reverse pulls with first gear's torque over its own ratio, held by the tyres; the pinion
+    turns by the wheels' torque over the springs' stiffness.
+    """
+    response, found = answered(truck, limit("joint_angle", maximum=10 * deg))
+    check = found["full rebound", 3]
+    assert response.angles[0, 2] / deg == pytest.approx(8.754, abs=1e-3)
+    assert check.value / deg == pytest.approx(9.594, abs=1e-3)
+    assert check.point is not None
+    assert (check.point.direction, check.point.gear, check.point.speed) == ("reverse", "R", 0.0)
+    at = demand_under(response.demand, torque=np.full(7, check.point.torque), speed=np.zeros(7))
+    assert response.lay(at).side[0, -1] != response.layout.side[0, -1]
+    bent = replace(response, demand=at, layout=response.lay(at)).angles[0, 2]
+    assert check.value == pytest.approx(bent, rel=1e-12)
+
+
+def test_a_limit_of_the_states_own_asks_nowhere_else(truck):
+    response, found = answered(truck, limit("joint_angle", maximum=10 * deg, points="own"))
+    for s, state in enumerate(response.demand.states):
+        for k in range(3):
+            check = found[state, k + 1]
+            assert check.point is None
+            assert check.value == pytest.approx(response.angles[s, k], rel=1e-12)
+
+
+def test_an_upper_limit_asks_for_the_largest_and_a_lower_one_for_the_smallest(truck):
+    response, most = answered(truck, limit("joint_angle", maximum=10 * deg))
+    _, least = answered(truck, limit("joint_angle", maximum=0.5 * deg, sense=">="))
+    spread = response.spread
+    assert spread is not None
+    angles = np.concatenate([spread.response.angles[:, 0], response.angles[None]])
+    for s, state in enumerate(response.demand.states):
+        assert most[state, 3].value == pytest.approx(np.nanmax(angles[:, s, 2]), rel=1e-12)
+        assert least[state, 3].value == pytest.approx(np.nanmin(angles[:, s, 2]), rel=1e-12)
+    assert any(most[s, 3].value > 1.02 * least[s, 3].value for s in response.demand.states)
+
+
+def test_what_no_point_makes_worse_stays_where_it_was(truck):
+    """The gearbox's joint does not feel the axle: no point is named for it."""
+    response, found = answered(truck, limit("joint_angle", maximum=10 * deg))
+    for s, state in enumerate(response.demand.states):
+        assert found[state, 1].point is None
+        assert found[state, 1].value == pytest.approx(response.angles[s, 0], rel=1e-12)
+
+
+def test_room_shrinks_as_an_axle_winds_up():
+    """Refuse collector, jounce: 11.2 mm to the beam as it stands, 5.6 pulling away in reverse."""
+    truck = files.read(EXAMPLES / "refuse-collector-6x2.yaml")
+    response, found = answered(truck, limit("clearance", maximum=15 * mm, sense=">="))
+    check = found["jounce", 3]
+    s = response.demand.states.index("jounce")
+    assert response.clearances[s, 2, 0] / mm == pytest.approx(11.161, abs=1e-3)
+    assert check.value / mm == pytest.approx(5.612, abs=1e-3)
+    assert check.point is not None
+    assert check.point.direction == "reverse"
+
+
+def test_speed_and_angle_are_those_of_one_point(truck):
+    """Largest angle and highest speed never meet: (ω β)² is asked where both are real."""
+    response, found = answered(truck, limit("angle_for_speed", maximum=1.0))
+    for s, state in enumerate(response.demand.states):
+        check = found[state, 3]
+        if check.point is None:
+            continue
+        of = {"torque": np.full(7, check.point.torque), "speed": np.full(7, check.point.speed)}
+        coasts = check.point.direction == "coast"
+        brakes = check.point.direction == "brake"
+        at = demand_under(response.demand, **of, coasts=coasts, brakes=brakes)
+        bent = replace(response, demand=at, layout=response.lay(at)).angles[s, 2]
+        assert check.value == pytest.approx((check.point.speed * bent) ** 2, rel=1e-9)
+        assert check.point.speed <= 2250 * rpm * (1 + 1e-12)
