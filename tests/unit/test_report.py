@@ -124,7 +124,7 @@ def test_every_quantity_is_explained_in_every_language():
         "Tds",
     }
     for q in QUANTITIES.values():
-        for text in (q.equation, *q.where.values(), q.use):
+        for text in (q.stated, *q.where.values(), q.use):
             words = set(re.findall(r"[A-Za-z]{3,}", text)) - names
             for code in CODES[1:]:
                 assert not words or ("", text) in catalogue(code), f"{q.key}: {text}"
