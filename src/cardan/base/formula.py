@@ -18,7 +18,6 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, ClassVar, Self, TypeAlias
 
 Cells: TypeAlias = str | tuple[str, str]
@@ -222,11 +221,10 @@ def _formula(of: Any, like: Formula | None = None) -> Formula:
         return Formula("number", shown=shown, value=of)
     if of < 0:
         return -_formula(-of)
-    near = Fraction(of).limit_denominator(12)
-    if near.denominator > 1 and math.isclose(near, of, rel_tol=1e-15):
-        shown = f"{near.numerator}/{near.denominator}"
-        return Formula("number", shown=shown, cell=shown, value=of)
-    return Formula("number", shown=f"{of:.12g}", cell=f"{of:.15g}", value=of)
+    third = f"{round(3 * of)}/3"  # what decimals do not end
+    rounded = abs(3 * of - round(3 * of)) < 1e-12 and of != round(of)
+    shown, cell = (third, third) if rounded else (f"{of:.12g}", f"{of:.15g}")
+    return Formula("number", shown=shown, cell=cell, value=of)
 
 
 def _of(head: str) -> Callable[..., Formula]:
