@@ -38,11 +38,21 @@ def nomenclature() -> str:
 
     rows = ["| name | symbol | unit | key | equation | source |", "|---|---|---|---|---|---|"]
     rows += [
-        f"| {q.name} | {_cell(q.symbol)} | {q.unit_name} | `{q.key}` | {_cell(q.equation)} "
-        f"| {q.source} |"
+        f"| {q.name} | {_cell(q.symbol)} | {q.unit_name} | `{q.key}` | {_said(q)} | {q.source} |"
         for q in QUANTITIES.values()
     ]
     return "\n".join(rows)
+
+
+def _said(quantity: Any) -> str:
+    """Return a quantity's equation for a cell: a formula drawn as one, or its text."""
+    from cardan.base.formula import symbols
+
+    if isinstance(quantity.equation, str):
+        return _cell(quantity.equation)
+    formula, (symbol,) = quantity.formula, symbols(quantity.symbol)
+    given = "" if quantity.stated == str(formula) else f"{symbol.latex} = "
+    return f"${given}{formula.latex}$"
 
 
 def floors() -> str:

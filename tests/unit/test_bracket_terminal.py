@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from html import escape
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 
 from cardan import files
 from cardan.base.part import Occasion
-from cardan.report.bracket import terminal
+from cardan.report import bracket_scene
+from cardan.report.bracket import heading, terminal
 from cardan.report.language import CODES, Language
+from cardan.report.terminal import bare
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer, Case, Crossing, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
@@ -60,7 +63,7 @@ def judged(name: str) -> Judged:
     )  # fmt: skip
 
 
-def told(code: str, *variants: str) -> str:
+def approved(*variants: str) -> Approval:
     application = files.loads(FILE)
     answer = BracketAnswer(
         title=application.title, bracket=application.bracket, top_speed=262.0,
@@ -68,8 +71,11 @@ def told(code: str, *variants: str) -> str:
     )  # fmt: skip
     missed = tuple(silence("bracket", application, ("duty, and bracket.fatigue",)))
     finding = Finding(study="bracket", answer=answer, unanswered=missed)
-    approval = Approval(application=application, findings=(finding,))
-    return re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(terminal(approval, Language(code))))
+    return Approval(application=application, findings=(finding,))
+
+
+def told(code: str, *variants: str) -> str:
+    return bare(terminal(approved(*variants), Language(code)))
 
 
 @pytest.mark.parametrize("code", [c for c in CODES if c != "en"])
@@ -81,6 +87,21 @@ def test_everything_is_told_in_the_language(code):
     words = [line for line in english if re.search("[a-z]{4}", line)]
     assert len(words) > 30
     assert [w for w in words if w in other and "EN 13906-1" not in w] == []
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_bracket_s_page_says_the_verdict_and_the_limits_that_a_terminal_says(code, monkeypatch):
+    """It showed the mesh in its colours, in English, and no verdict."""
+    monkeypatch.setattr(bracket_scene, "scene", lambda _, say: f"<p>{say.code}</p>")
+    of, say = approved("original"), Language(code)
+    page = bracket_scene.page(of, say=say)
+    shown = told(code, "original").partition(f"\n\n{heading(of.of('bracket'), say)}")[0]
+    first, _, limits = shown.partition("\n")
+    assert f'lang="{code}"' in page
+    assert f'<p class="incomplete" style="font-size:1.2em"><strong>{first}</strong></p>' in page
+    assert len(limits.splitlines()) > 3
+    assert f">{escape(limits)}</pre>" in page
+    assert page.index("</pre>") < page.index(f"<p>{code}</p>")
 
 
 def test_what_the_brackets_terminal_says():

@@ -400,7 +400,7 @@ def test_explain_says_of_a_quantity_what_it_is_and_who_says_so(key):
     q = QUANTITIES[key]
     result = run("explain", key)
     assert result.exit_code == 0
-    for said in (q.name, q.symbol, q.equation, str(q.source), *q.where, *q.where.values()):
+    for said in (q.name, q.symbol, q.stated, str(q.source), *q.where, *q.where.values()):
         assert said in result.stdout
 
 

@@ -96,7 +96,7 @@ def test_whatever_the_program_says_is_readable():
     told = " ".join(
         [t for code in CODES for (_, english), other in catalogue(code).items()
          for t in (english, other)]
-        + [" ".join((q.name, q.symbol, q.equation, q.unit_name, *q.where, str(q.source)))
+        + [" ".join((q.name, q.symbol, q.stated, q.unit_name, *q.where, str(q.source)))
            for q in QUANTITIES.values()]
     )  # fmt: skip
     used = {c for c in told if not c.isascii()}

@@ -465,6 +465,8 @@ def test_a_spring_is_a_table_or_rates():
     assert rates.deflection == pytest.approx(table.deflection)
     one = suspension("rates_N_mm: [150]").spring
     assert np.diff(one.load) / np.diff(one.deflection) == pytest.approx([150e3, 150e3])
+    # Where its table ends the axle meets metal, unless the file says where: jounce.
+    assert one.deflection == pytest.approx((0, 0.1, 0.2))
 
 
 def test_a_linkage_is_a_link_or_a_table():

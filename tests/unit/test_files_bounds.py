@@ -165,9 +165,20 @@ def test_names_have_an_end():
     assert "obstacles[1].name: may have up to 200 characters" in message
 
 
-def test_a_name_is_one_line():
-    title = "title: |\n  Two\n  lines\n"
-    assert loads(SMALL.replace("title: Two-piece driveline ", f"{title}#")).title == "Two lines"
+@pytest.mark.parametrize(
+    "title",
+    [
+        "|\n  Two\n  lines\n",
+        ">\n  Two\n  lines\n",
+        "Two\n  lines\n",
+        '"Two\\nlines" ',
+        '"Two\\tlines" ',
+    ],
+)
+def test_a_name_is_one_line_however_many_it_takes_in_the_file(title):
+    """YAML folds a long title by itself; one that keeps its lines is folded like it."""
+    file = loads(SMALL.replace("title: Two-piece driveline ", f"title: {title}#"))
+    assert file.title == "Two lines"
 
 
 def test_an_answer_nobody_could_read_is_not_begun():

@@ -58,6 +58,19 @@ def test_an_array_becomes_variants_ahead_of_the_states():
     np.testing.assert_array_equal(found, walls)
 
 
+def test_what_was_warned_of_can_be_changed_and_is_warned_of_again():
+    """A file that was wondered at was refused: "has had its warnings replaced"."""
+    text = (ROOT / "tests" / "truck.yaml").read_text(encoding="utf-8")
+    odd = files.loads(text.replace("  friction: 0.8", "  friction: 1.9"))
+    (warning,) = odd.warnings
+    assert files.addresses(odd) == files.addresses(TRUCK) | {"tyre.friction": 1.9}
+    softer = files.change(odd, {"suspension.windup_stiffness_kNm_deg": 15.0})
+    assert softer.warnings == (warning,)
+    cured = files.change(softer, {"tyre.friction": 0.8})
+    assert cured.warnings == ()
+    assert files.change(cured, {"tyre.friction": 1.9}).warnings[0].message == warning.message
+
+
 def test_changes_add_up_and_leave_the_first_as_it_was():
     one = files.change(TRUCK, {"tyre.friction": 0.7})
     two = files.change(one, {"tyre.static_radius_mm": 470})

@@ -6,10 +6,12 @@ import hashlib
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import openpyxl
 import pytest
 import yaml
 from babel.messages.pofile import read_po
@@ -122,7 +124,7 @@ def test_every_quantity_is_explained_in_every_language():
         "Tds",
     }
     for q in QUANTITIES.values():
-        for text in (q.equation, *q.where.values(), q.use):
+        for text in (q.stated, *q.where.values(), q.use):
             words = set(re.findall(r"[A-Za-z]{3,}", text)) - names
             for code in CODES[1:]:
                 assert not words or ("", text) in catalogue(code), f"{q.key}: {text}"
@@ -438,6 +440,50 @@ def test_a_cell_has_the_colour_of_its_worst_check(bounds):
     assert cells == {"", "fail"}
 
 
+def test_a_cell_has_the_colour_of_its_own_line_and_an_approximation_has_none():
+    """Both lines of a tandem have a joint 1; what AE-7 says of a line nothing is held against."""
+    text = yaml.safe_load((ROOT / "examples" / "tandem-6x4.yaml").read_text(encoding="utf-8"))
+    lines = assess(files.loads(yaml.safe_dump(text))).responses
+    between = float(np.mean([r.angles[:, 0].max() for r in lines])) / deg
+    rows = [{"quantity": "joint_angle", "maximum": between, "source": "us"},
+            {"quantity": "torsional_acceleration", "maximum": 1e-3, "source": "us"}]  # fmt: skip
+    found = assess(files.loads(yaml.safe_dump(text | {"limits": rows})))
+    whole = story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue())
+    failed = {(c.line, c.quantity, c.part, c.state) for c in found.checks if c.grade == "fail"}
+    first = [line for line, quantity, part, _ in failed
+             if (quantity, part) == ("joint_angle", Part("joint", 1))]  # fmt: skip
+    assert len(set(first)) == 1
+    plain = 0
+    for r in found.responses:
+        tables = [
+            b
+            for b in chapter(whole, f"Results by state: {r.line.name}").blocks
+            if isinstance(b, Table)
+        ]
+        for section, table in zip(sections(r), tables, strict=True):
+            for row, grades in zip(section.rows, table.grades, strict=True):
+                held = [
+                    not row.method and (r.line.name, row.quantity, row.part, state) in failed
+                    for state in r.demand.states
+                ]
+                assert [g == "fail" for g in grades[2:]] == held, row
+                plain += bool(row.method) and row.quantity == "torsional_acceleration"
+    assert plain > 2
+
+
+def test_a_limit_s_number_leads_to_its_source():
+    """[1] in the table of limits is [1] in the list below it."""
+    rows = [{"quantity": q, "maximum": 45, "source": f"what {q} says"}
+            for q in ("joint_angle", "compound_angle", "torsional_acceleration")]  # fmt: skip
+    text = yaml.safe_load(files.starter("small")) | {"limits": rows}
+    found = assess(files.loads(yaml.safe_dump(text)))
+    table, listed, *_ = story.verdict(found, EN)
+    said = dict(point.split(" ", 1) for point, _ in listed.points)
+    by_name = {EN.name(row["quantity"]): row["source"] for row in rows}
+    assert {row[1]: said[row[-1]] for row in table.rows} == by_name
+    assert list(said) == ["[1]", "[2]", "[3]"]
+
+
 @pytest.mark.parametrize("quantity", ["joint_angle", "joint_angle_min", "odd_joint_angle"])
 def test_an_angle_is_coloured_by_every_limit_on_it(quantity):
     """Too large, too small, or too large for the one that stands alone: one row shows them all."""
@@ -680,6 +726,46 @@ def test_a_shaft_without_a_tube_has_no_bar_and_no_warning():
     (response,) = assess(files.loads(yaml.safe_dump(text))).responses
     assert np.isnan(response.critical_speeds[..., 0]).all()
     assert "shaft 1" not in plots(response, EN)[-1].svg
+
+
+@pytest.mark.parametrize(
+    ("bounds", "graded"),
+    [
+        ("band: [0.42, 0.58]", r'IF\(FALSE,"fail",.*IF\(SUMPRODUCT\([^"]*\)>0,"warn","pass"\)'),
+        (
+            "band: [0.42, 0.58], maximum: 0.58",
+            r'IF\(SUMPRODUCT\([^"]*\)>0,"fail",.*IF\(FALSE,"warn"',
+        ),
+    ],
+)
+def test_a_workbook_asks_where_a_limit_asks_and_grades_as_it_does(bounds, graded):
+    """Above 3 deg, in the sheet's own unit; a band warns, and fails where it is a maximum too.
+
+    What the formulas come to is LibreOffice's to say, in tests/office.
+    """
+    limit = f"{{quantity: half_critical_band, {bounds}, above_angle: 3, source: us}}"
+    text = files.starter("small").replace("limits: protractor", f"limits: [{limit}]")
+    found = assess(files.loads(text))
+    book = openpyxl.load_workbook(BytesIO(workbook(found, say=EN)))
+    results, calculation = book["Results"], book["Calculation"]
+    (row,) = (c.row for c in results["A"] if c.value == "Speed near half critical, shaft 1")
+    judged = next(c.value for c in results[row] if str(c.value).startswith("=IF(changed_inputs"))
+    assert re.search(graded, judged)
+    largest = re.search(r"'Calculation'!\$E\$(\d+):\$\w+\$(\d+)>3\)", judged)
+    assert largest
+    assert largest[1] == largest[2]
+    assert [calculation.cell(int(largest[1]), k).value for k in (1, 2)] == [
+        "largest joint angle", "deg"
+    ]  # fmt: skip
+    rules = [
+        f
+        for place in results.conditional_formatting
+        if any(f"E{row}" in str(r) for r in place.sqref.ranges)
+        for rule in place.rules
+        for f in rule.formula
+    ]
+    assert rules
+    assert all(f"$E${largest[1]}>3," in f or f"!E{largest[1]}>3," in f for f in rules)
 
 
 def test_a_sheet_of_a_recording_has_its_title_and_heads(tmp_path):

@@ -114,7 +114,7 @@ def test_the_programs_own_letters_are_among_them(path):
         t for c in CODES for (_, english), other in catalogue(c).items() for t in (english, other)
     ]
     for q in QUANTITIES.values():
-        said += [q.symbol, q.equation, q.unit_name, q.name, *q.where, str(q.source)]
+        said += [q.symbol, q.stated, q.unit_name, q.name, *q.where, str(q.source)]
     assert lacking(said) == set()
     whole = told(path.read_text(encoding="utf-8"))
     assert lacking([f.svg for f in story.figures(whole)], letters=DRAWN) == set()

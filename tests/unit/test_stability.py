@@ -127,6 +127,96 @@ def test_a_hung_shaft_swings_about_its_joint_like_a_rod():
     assert line.lateral[0, 0] == pytest.approx(-0.1 * swing / 2, rel=0.03)
 
 
+def one_hung(text):
+    """One line on rubber with a loss factor of 0.1, its shaft's tube, and the shaft's swing."""
+    (line,) = stability(files.loads(text), surroundings=Surroundings(rubber_loss=0.1)).lines
+    shaft = line.line.shafts[0]
+    length = shaft.length - shaft.centre_bearing.from_rear_joint
+    swung = shaft.tube.mass_per_length * length / 3 + shaft.yoke_mass[1]
+    return line, shaft.tube, length, swung
+
+
+def uneven(vertical, lateral, speed=1000, torque=20):
+    """The hung shaft with another stiffness up and down than from side to side, N/mm."""
+    both = f"vertical_stiffness_N_mm: {vertical}, lateral_stiffness_N_mm: {lateral}"
+    text = HUNG.replace("stiffness_N_mm: 20", both).replace("torque_Nm: 20", f"torque_Nm: {torque}")
+    return text.replace("speed_rpm: 1000", f"speed_rpm: {speed}")
+
+
+@pytest.mark.parametrize("vertical", [4, 36])
+def test_rubber_damps_by_its_mean_stiffness_whichever_way_is_the_stiffer(vertical):
+    """Its damper is one for both ways: with hardly any torque they decay alike, at η w / 2."""
+    line, _, _, swung = one_hung(uneven(vertical, 40 - vertical))
+    assert line.lateral[0, 0] == pytest.approx(-0.05 * np.sqrt(20e3 / swung), rel=0.01)
+
+
+@pytest.mark.parametrize("way", [26, 14])
+def test_torque_shakes_a_hung_shaft_where_it_swings_once_a_turn(way):
+    """The joint acts twice a turn: the zone of each way lies where the shaft turns at its swing.
+
+    Half way up to the next one, 4 % beside it, nothing of that is left.
+    """
+    swung = one_hung(HUNG)[-1]
+    own = np.sqrt(way * 1e3 / swung) / rpm
+    at, *beside = (
+        one_hung(uneven(26, 14, speed=f * own, torque=2000))[0].lateral[0, 0]
+        for f in (1, 0.96, 1.04)
+    )
+    assert at > max(beside) + 0.4
+
+
+def test_a_short_wide_shaft_swings_slower_by_what_it_takes_to_turn_it():
+    """Rotary inertia m r²/2 to the length adds a twelfth to what swings: 0.04 % are left."""
+    text = (
+        HUNG.replace("1200, tube: 120x6", "700, tube: {outer_mm: 200, wall_mm: 2}")
+        .replace("[5, 7]", "[5, 0.5]")
+        .replace("from_rear_joint_mm: 300", "from_rear_joint_mm: 350")
+        .replace("speed_rpm: 1000", "speed_rpm: 60")
+        .replace("torque_Nm: 20", "torque_Nm: 2")
+    )
+    line, tube, length, rod = one_hung(text)
+    turned = tube.mass_per_length * (0.1**2 + 0.098**2) / 4 / length
+    assert turned > 0.08 * rod
+    decay = 0.05 * np.sqrt(20e3 / rod) * rod / (rod + turned)
+    assert line.lateral[0, 0] == pytest.approx(-decay, rel=1e-3)
+
+
+TWO_GEARS = """
+title: Two gears
+engine: {speed_rpm: [1000, 3100], torque_Nm: [1000, 1000]}
+gearbox: {ratios: [8, 1]}
+driveline:
+  slopes: {side_deg: [0, 9, 1, 6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x6, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x6}
+"""
+
+
+def test_a_zone_that_one_gear_reaches_grows_under_the_torque_of_that_gear():
+    """First gear's eightfold torque is none of the top gear's business."""
+    rates = []
+    for text in (
+        TWO_GEARS,
+        TWO_GEARS.replace("[8, 1]", "[1]"),
+        TWO_GEARS.replace("1000]}", "8000]}"),
+    ):
+        around = Surroundings(damping_ratio=0.005)
+        (line,) = stability(files.loads(text), surroundings=around).lines
+        zone = line.zones[0]
+        assert line.ranges[-1, 0] < zone.speed < line.ranges[-1, 1]
+        rates.append(zone.growth[0])
+    assert rates[0] == pytest.approx(rates[1], rel=1e-9)
+    assert abs(rates[2] / rates[1] - 1) > 1e-3  # torque does count there
+
+
+def test_a_line_without_gears_is_asked_at_its_top_speed():
+    """The fastest of its states, not the slowest."""
+    states = "states: [{name: slow, speed_rpm: 500}, {name: fast, speed_rpm: 1500}]\n"
+    (line,) = stability(files.loads(HUNG.replace("speed_rpm: 1000\n", "") + states)).lines
+    assert line.ranges / rpm == pytest.approx(np.array([[1500, 1500]]))
+
+
 def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
     """On ice the wheels slip in first gear, whatever the engine gives."""
     application = files.read(truck)

@@ -88,6 +88,41 @@ def test_a_joint_s_own_limit_is_its_own(truck):
     assert {grade for *_, grade in found} == {"pass", "fail"}  # in first gear it is slow enough
 
 
+def test_a_joint_is_sized_by_a_state_that_carries_more_than_the_engine_gives(truck):
+    """Twice the engine's torque given in one state: twice the share of the peak torque there."""
+    rated = JointSize(name="r", peak_torque=20e3)
+    (installed,) = truck.lines
+    line = replace(installed.line, joints=(rated,) * installed.line.joint_count)
+    limit = Limit(quantity="joint_torque_utilisation", maximum=1.0, source=HOUSE)
+    truck = replace(only(truck, limit), lines=(replace(installed, line=line),))
+    first, *others = truck.states
+    engine = demand(resolve(truck, truck.lines[0])).engine_torque[0]
+
+    def used(torque: float | None) -> list[float]:
+        found = assess(replace(truck, states=(replace(first, torque=torque), *others)))
+        return [c.value for c in found.checks if c.state == first.name]
+
+    assert used(2 * engine) == pytest.approx([2 * u for u in used(None)], rel=1e-9)
+    assert used(engine / 2) == pytest.approx(used(None), rel=1e-9)
+
+
+SPRUNG = Limit(quantity="suspension_frequency", normal=1.3, source=HOUSE)
+
+
+def test_springs_that_nobody_gave_are_missed_once(truck):
+    """A line alone without them is asked, or silence would pass; a second line is not again."""
+    states = tuple(s for s in truck.states if s.kind in ("empty", "gvw"))
+    (installed,) = truck.lines
+    rigid = replace(
+        only(truck, SPRUNG), suspension=None, states=tuple(replace(s, kind="") for s in states)
+    )
+    missed = assess(rigid).coverage.unanswered
+    assert [(u.quantity, u.line) for u in missed] == [("suspension_frequency", "main")] * 2
+    other = replace(installed, line=replace(installed.line, name="other"))
+    both = replace(rigid, lines=(installed, other))
+    assert [u.line for u in assess(both).coverage.unanswered] == ["main"] * 2
+
+
 def test_the_verdict_is_the_worst_check(truck):
     easy = replace(TORSIONAL, normal=1e6, maximum=1e7)
     hard = replace(TORSIONAL, normal=1e-6, maximum=1e-5)

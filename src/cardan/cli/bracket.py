@@ -58,6 +58,7 @@ def bracket(
     """
     from cardan.report import bracket as shown
     from cardan.report.language import Language
+    from cardan.report.terminal import bare, summary
     from cardan.study.approval import approve
     from cardan.study.bracket import BracketAnswer
     from cardan.study.finding import BRACKET
@@ -79,12 +80,13 @@ def bracket(
             write(name, shown.vtu(variant))
     if png:
         drawn = BytesIO()
-        shown.picture(found, drawn)
+        said = bare(summary(approval, say))
+        shown.picture(found, drawn, say=say, over=said)
         write(png, drawn.getvalue())
     if html:
         from cardan.report import bracket_scene
 
-        write(html, bracket_scene.page(found))
+        write(html, bracket_scene.page(approval, say=say))
     if json_out != "-":
         put_lines(shown.terminal(approval, say))
     leave(approval.verdict)

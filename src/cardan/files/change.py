@@ -68,7 +68,8 @@ def _written(application: Application) -> Written:
     if written is None or written.application is None:
         msg = f"application {application.title} was not read from a file: it has no addresses"
         raise DesignError(msg)
-    names = (f.name for f in fields(application) if f.name != "written")
+    # What was warned of follows from the text, and is found again with it.
+    names = (f.name for f in fields(application) if f.name not in ("written", "warnings"))
     was = written.application
     if other := [n for n in names if getattr(application, n) is not getattr(was, n)]:
         msg = (

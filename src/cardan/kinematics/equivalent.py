@@ -9,11 +9,10 @@ Exactly, members turn as the phasors of `cardan.kinematics.chain` say. AE-7 adds
 of small complex joint angles instead, and everyone else in the field approximates AE-7.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import ceil, pi
-from operator import mul
 from typing import Any
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
@@ -212,14 +211,15 @@ def ae7(
     released = [shaft - pinion for shaft in shafts]
 
     def joint(phasor: ComplexArray) -> EquivalentJoint:
-        size = xp.abs(phasor)
-        return EquivalentJoint(angle=xp.sqrt(size), acceleration=speed**2 * size)
+        return EquivalentJoint(
+            angle=ae7_angle(phasor), acceleration=ae7_shaking([phasor], speed=speed)
+        )
 
     def torque(phasors: list[ComplexArray]) -> FloatArray | None:
         if inertias is None:
             return None
         _, J = floats(inertias, like=pinion)
-        return speed**2 * xp.abs(sum(J[..., j] * p for j, p in enumerate(phasors)))
+        return ae7_shaking([J[..., j] * p for j, p in enumerate(phasors)], speed=speed)
 
     torsional = joint(pinion)
     return Excitation(
@@ -238,10 +238,35 @@ def ae7_terms(side: ArrayLike, top: ArrayLike, *, phases: ArrayLike) -> ComplexA
     The arguments are those of `ae7`; the sum over the joints is P_n, the pinion's.
     """
     xp, side, top, phases = floats(side, top, phases)
-    on = -xp.exp(2j * phases)
-    signs = accumulate((on[..., k] for k in range(on.shape[-1])), initial=1.0, func=mul)
-    steps = [s * (top[..., k] + 1j * side[..., k]) ** 2 for k, s in enumerate(signs)]
+    of = (phases[..., k] for k in range(phases.shape[-1]))
+    signs = accumulate(of, lambda s, phase: ae7_sign(s, phase=phase), initial=1.0)
+    steps = [ae7_step(s, side=side[..., k], top=top[..., k]) for k, s in enumerate(signs)]
     return xp.stack(xp.broadcast_arrays(*steps), axis=-1)
+
+
+# AE-7 joint by joint: arrays run through these lines, and the workbook's formulas are made of them.
+
+
+def ae7_sign(sign: Any, *, phase: Any) -> Any:
+    """Return s of the joint behind a shaft from that before it: -s e^{2iε}, complex (...)."""
+    return -(sign * namespace(phase).exp(2j * phase))
+
+
+def ae7_step(sign: Any, *, side: Any, top: Any) -> Any:
+    """Return what a joint adds to the phasor, s (βh + i βv)², rad² complex (...)."""
+    return sign * (top + 1j * side) ** 2
+
+
+def ae7_angle(phasor: Any) -> Any:
+    """Return the equivalent angle of a phasor, √|P|, (...) rad."""
+    xp = namespace(phasor)
+    return xp.sqrt(xp.abs(phasor))
+
+
+def ae7_shaking(phasors: Sequence[Any], *, speed: Any) -> Any:
+    """Return ω² |Σ P|, (...) rad/s²; of phasors times inertias (kg m²) a torque, N m."""
+    first, *others = phasors
+    return speed**2 * namespace(first).abs(sum(others, first))
 
 
 def in_plane(

@@ -11,12 +11,31 @@ $$q_k = \frac{\Delta_k + \Delta_{k+1}
 is that couple as a force i T q_k / 2 at either end of shaft k, whose yoke phase is ψ_k.
 """
 
+from typing import Any
+
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, stacked
 from cardan.loads.cycle import Cycle
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
+
+# Arrays run through these lines, and the workbook's formulas are made of them.
+
+
+def left_over(front: Any, rear: Any, *, signs: tuple[Any, Any]) -> tuple[Any, Any]:
+    """Return what a shaft's two joints leave over, Δ + Δ' and s Δ* − s' Δ'*, complex (...) rad."""
+    return front + rear, signs[0] * front.conj() - signs[1] * rear.conj()
+
+
+def end_force(left: Any, *, torque: Any, length: Any) -> Any:
+    """Return the couple of what is left over as a force at the shaft's ends, complex (...) N."""
+    return 0.5j * torque * left / length
+
+
+def bearing_force(couple: Any, *, beyond: Any, length: Any, overhang: Any) -> Any:
+    """Return the force on a bearing ahead of a shaft's rear joint, which `beyond` pushes at."""
+    return length * (couple - beyond) / (length - overhang)
 
 
 def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
@@ -50,19 +69,22 @@ def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
     bend = np.diff(layout.top - 1j * layout.side, axis=-1)
     steps = -np.exp(2j * stacked(line.phases))
     s = np.cumprod(np.concatenate([np.ones_like(steps[..., :1]), steps], axis=-1), axis=-1)
-    turning = s * bend.conj()
-    mean, swing = bend[..., :-1] + bend[..., 1:], turning[..., :-1] - turning[..., 1:]
+    left = left_over(bend[..., :-1], bend[..., 1:], signs=(s[..., :-1], s[..., 1:]))
     lengths = layout.lengths[..., None]
     # The two columns are factors of 1 and of e^{2iθ}.
-    force = 0.5j * np.asarray(torque, dtype=float)[..., None, None] / lengths
-    couple = force * np.stack(np.broadcast_arrays(mean, swing), axis=-1)
+    turning = np.asarray(torque, dtype=float)[..., None, None]
+    couple = end_force(
+        np.stack(np.broadcast_arrays(*left), axis=-1), torque=turning, length=lengths
+    )
     overhangs = stacked(
         s.centre_bearing.from_rear_joint if s.centre_bearing else 0.0 for s in line.shafts
     )[..., None]
     joint, bearings = couple[..., -1, :], []
     for k in reversed(range(len(line.shafts) - 1)):
-        length = lengths[..., k, :]
-        force = length / (length - overhangs[..., k, :]) * (couple[..., k, :] - joint)
+        force = bearing_force(
+            couple[..., k, :], beyond=joint, length=lengths[..., k, :],
+            overhang=overhangs[..., k, :],
+        )  # fmt: skip
         joint = joint + force
         bearings.append(force)
     across: ComplexArray = np.stack(np.broadcast_arrays(joint, *bearings)[::-1], axis=-2)

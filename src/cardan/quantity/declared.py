@@ -5,6 +5,7 @@ these declarations, so a quantity has one name, one unit and one value wherever 
 What it is called in other languages stands in the catalogues of `cardan.report.text`.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
@@ -13,6 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.formula import Formula
 from cardan.base.part import LINE, Part
 from cardan.base.source import Source
 from cardan.base.units import UNITS
@@ -117,8 +119,9 @@ class Quantity:
     """A quantity of the field, declared once.
 
     `unit` is the unit it is shown in, a name of `cardan.base.units.UNITS`; inside the
-    program its values are SI. `equation` is plain text that a terminal can print, and
-    `where` says what its symbols mean. `of` computes it for the `parts` of a line that have
+    program its values are SI. `equation` is the formula that the
+    function computing it comes to for symbols, or plain text that a terminal can print;
+    `where` says what the symbols mean. `of` computes it for the `parts` of a line that have
     it; a quantity without is answered by another study than that of the driveline.
     """
 
@@ -126,7 +129,7 @@ class Quantity:
     name: str
     symbol: str
     unit: str
-    equation: str
+    equation: str | Formula
     source: Source
     where: dict[str, str] = field(default_factory=dict[str, str])
     use: str = ""
@@ -158,6 +161,20 @@ class Quantity:
     """The study that answers it, where that is not the driveline in its states."""
     contract: str = ""
     """Where the JSON contract holds it in a state: `joints.angle_deg`; "" where it does not."""
+
+    @property
+    def stated(self) -> str:
+        """Its equation as plain text: of a quantity that has a letter, what that is."""
+        if isinstance(self.equation, str):
+            return self.equation
+        lettered = not re.search("[ /²]", self.symbol)
+        return f"{self.symbol} = {self.equation}" if lettered else str(self.equation)
+
+    @property
+    def formula(self) -> Formula:
+        """Its equation as a formula, for who prints it of cells."""
+        assert isinstance(self.equation, Formula)
+        return self.equation
 
     @property
     def factor(self) -> float:

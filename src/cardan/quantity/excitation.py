@@ -1,10 +1,12 @@
 """How a line shakes: as the one joint that does the same, and as accelerations."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.formula import written
 from cardan.base.source import AE7, DERIVED, ELBE, J3311
 from cardan.kinematics.equivalent import Excitation
 from cardan.quantity.declared import INERTIAS, SPEED, Of, Quantity, joints, line
@@ -25,6 +27,11 @@ def _exact(value: Callable[[Excitation], FloatArray | None]) -> Of:
 def _approximated(name: str, value: Callable[[Excitation], FloatArray | None]) -> Of:
     """Return the same by one of the field's approximations."""
     return lambda r: _of(r.approximations[name], value, r)
+
+
+def _by_itself(speed: Any, angle: Any) -> Any:
+    """Return about the largest acceleration that a joint alone makes."""
+    return speed**2 * angle**2
 
 
 DECLARED = (
@@ -157,11 +164,11 @@ DECLARED = (
         name="Acceleration of a joint by itself",
         symbol="ω²β²",
         unit="rad_s2",
-        equation="ω² β²",
+        equation=written(_by_itself, "ω", "β"),
         where={"ω": "shaft speed", "β": "true joint angle, rad"},
         source=J3311,
         use="The largest angle for a speed: 1000 rad/s² is 5.8 deg at 3000 rpm.",
-        of=lambda r: (r.demand.speed[..., None] * r.angles) ** 2,
+        of=lambda r: _by_itself(r.demand.speed[..., None], r.angles),
         parts=joints,
         needs=(SPEED,),
     ),

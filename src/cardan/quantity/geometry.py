@@ -1,5 +1,6 @@
 """How a line lies: angles of its joints, by themselves and in pairs."""
 
+from cardan.base.formula import written
 from cardan.base.part import Part
 from cardan.base.source import DERIVED, J3311, SOUZA, Source
 from cardan.kinematics.equivalent import pythagorean_angle
@@ -94,9 +95,10 @@ DECLARED = (
         name="Compound angle",
         symbol="βc",
         unit="deg",
-        equation="βc = √(βv² + βh²) of a joint, the square-root approximation",
+        equation=written(pythagorean_angle, "βv", "βh"),
         where={"βv, βh": "view angles at the joint"},
         source=Source("Meritor, MM-96147 driveline maintenance manual", "p. 87"),
+        use="Of a joint whose view angles are small: the square-root approximation.",
         of=lambda r: pythagorean_angle(r.side_angles, r.top_angles),
         parts=joints,
     ),

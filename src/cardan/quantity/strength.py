@@ -1,10 +1,14 @@
 """Critical speeds, strength and life of tubes and joints."""
 
+from typing import Any
+
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.formula import Constant, written
 from cardan.base.part import LINE, Part
 from cardan.base.source import AE7, DERIVED, GWB, SEHERR, Source
+from cardan.base.units import rpm
 from cardan.quantity.declared import (
     ALL_TUBES,
     DUTY,
@@ -23,6 +27,11 @@ from cardan.quantity.declared import (
     shafts,
 )
 from cardan.quantity.response import Response
+from cardan.shaft.life import n_beta, wear
+from cardan.shaft.strength import tube_utilisation
+from cardan.shaft.whirl import critical_speed
+
+_RPM = Constant(1 / rpm, "30/π", "30/PI()")
 
 
 def _whirling(r: Response) -> tuple[Part, ...]:
@@ -35,10 +44,15 @@ _WHIRLING = Need(
 )
 
 
+def _share(speed: Any, critical: Any) -> Any:
+    """Return a speed over the critical one."""
+    return speed / critical
+
+
 def _speed_ratios(r: Response) -> FloatArray:
     """Return top speed over the critical speed of each shaft, and over that of the line."""
     critical = [*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed]
-    return r.demand.speed[..., None] / stacked(critical)
+    return _share(r.demand.speed[..., None], stacked(critical))
 
 
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
@@ -53,7 +67,8 @@ DECLARED = (
         name="Critical speed",
         symbol="nc",
         unit="rpm",
-        equation="nc = (30 π / L²) √(E (D² + d²) / (16 ρ))",
+        equation=_RPM
+        * written(critical_speed, "L", outer="D", inner="d", youngs_modulus="E", density="ρ"),
         where={"L": "joint centre distance", "D, d": "tube diameters", "E, ρ": "steel"},
         source=AE7.at("p. 267"),
         use="Uniform tube pinned at its ends; the line as beams on its bearings stands beside it.",
@@ -103,7 +118,7 @@ DECLARED = (
         name="Speed over critical speed",
         symbol="n/nc",
         unit="1",
-        equation="n / nc",
+        equation=written(_share, "n", "nc"),
         source=AE7.at("p. 267"),
         of=_speed_ratios,
         parts=_whirling,
@@ -127,8 +142,10 @@ DECLARED = (
         name="Tube shear over yield",
         symbol="τ/τy",
         unit="1",
-        equation="τ = 16 T D / (π (D⁴ − d⁴)),  τy = Re / √3",
-        where={"D, d": "tube diameters", "Re": "yield strength"},
+        equation=written(
+            tube_utilisation, "T", outer="D", inner="d", yield_strength="Re", shock_factor="K"
+        ),
+        where={"K": "shock factor", "D, d": "tube diameters", "Re": "yield strength"},
         source=SEHERR,
         of=lambda r: r.tube_shear_utilisation,
         parts=shafts,
@@ -186,15 +203,16 @@ DECLARED = (
         name="Needle bearing life",
         symbol="Lh",
         unit="h",
-        equation="Lh = 1.5·10⁶ / (n β) (Td/T)^(10/3);  1/L = Σ pi/Li",
+        equation=1
+        / written(wear, "T", speed="n", angle="β", rated_torque="Td", prime_mover_factor="K1"),
         where={
             "n": "speed, rpm",
-            "β": "joint angle, not below 3 deg",
+            "β": "joint angle, deg",
             "Td": "torque for 5000 h at 100 rpm and 3 deg",
-            "pi": "shares of a duty cycle",
+            "K1": "prime mover factor",
         },
         source=AE7.at("p. 31"),
-        use="B10 life of the needle bearings, greased.",
+        use="B10 life of the needle bearings, greased. Over a duty cycle 1/L is the mean by time.",
         of=lambda r: r.life,
         parts=joints,
         sense=">=",
@@ -209,9 +227,9 @@ DECLARED = (
         name="Speed times joint angle",
         symbol="n β",
         unit="deg_min",
-        equation="n β",
+        equation=written(n_beta, "n", angle="β"),
         source=GWB,
-        of=lambda r: r.demand.speed[..., None] * r.angles,
+        of=lambda r: n_beta(r.demand.speed[..., None], angle=r.angles),
         parts=joints,
         needs=(SPEED,),
         rating="speed_angle_max",

@@ -1,14 +1,23 @@
 """What the vehicle asks of a line: torque, speed, axle loads, where the axle is."""
 
+from typing import Any
+
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.formula import written
 from cardan.base.part import LINE, Part
 from cardan.base.source import DERIVED, GILLESPIE, J3311, SOUZA, WONG
+from cardan.demand.torque import slip_torque
 from cardan.model.application import KIND_GROUPS, RIDING, Installed
 from cardan.model.vehicle import Suspension
 from cardan.quantity.declared import SPRINGS, Quantity, line, of_line
 from cardan.quantity.response import Response
+
+
+def _through(torque: Any, ratio: Any, efficiency: Any, converter: Any, share: Any) -> Any:
+    """Return the engine's torque behind the gears, as `cardan.demand.torque.gears` has it."""
+    return torque * ratio * efficiency * converter * share
 
 
 def _suspended(r: Response) -> tuple[Part, ...]:
@@ -53,8 +62,14 @@ DECLARED = (
         name="Torque from the engine",
         symbol="TT",
         unit="Nm",
-        equation="TT = Tm i η",
-        where={"Tm": "engine torque", "i": "gear ratio", "η": "efficiency"},
+        equation=written(_through, "Tm", "i", "η", "k", "s"),
+        where={
+            "Tm": "engine torque",
+            "i": "gear ratio, times a transfer case's",
+            "η": "efficiency",
+            "k": "converter torque ratio",
+            "s": "share of the torque",
+        },
         source=SOUZA.at("eq. 1"),
         of=of_line(lambda r: r.demand.engine_torque),
         parts=line,
@@ -66,7 +81,7 @@ DECLARED = (
         name="Torque at tyre slip",
         symbol="Ts",
         unit="Nm",
-        equation="Ts = μ N re / (iD ηD)",
+        equation=written(slip_torque, "N", friction="μ", radius="re", ratio="iD", efficiency="ηD"),
         where={
             "μ": "friction",
             "N": "load on the driven wheels",

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -37,16 +38,9 @@ def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
     """Yield the verdict and a bracket's numbers, line by line of text."""
     of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
-    yield from summary(approval, say)
-    yield say("limits: {profile}", profile=approval.application.profile)
-    yield from checks(approval, say)
-    yield from without_answer(unanswered(approval, say), approval.coverage, say)
+    yield from verdict(approval, say)
     yield ""
-    title = say(
-        "{title}: bracket of line {line}, bearing {bearing}", title=of.title, line=bracket.line,
-        bearing=bracket.bearing,
-    )  # fmt: skip
-    yield f"{BOLD}{title}{PLAIN}"
+    yield f"{BOLD}{heading(of, say)}{PLAIN}"
     material, source = bracket.material.name, cited(bracket.material.source, say)
     yield say("material {material}, {source}", material=material, source=source)
     yield ""
@@ -61,6 +55,22 @@ def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
         yield from _lives(of, v, say)
     if len(of.variants) > 1:
         yield from _compared(of, say)
+
+
+def verdict(approval: Approval, say: Language = EN) -> Iterator[str]:
+    """Yield the verdict, each limit where it is worst, and what has no answer."""
+    yield from summary(approval, say)
+    yield say("limits: {profile}", profile=approval.application.profile)
+    yield from checks(approval, say)
+    yield from without_answer(unanswered(approval, say), approval.coverage, say)
+
+
+def heading(of: BracketAnswer, say: Language = EN) -> str:
+    """Return which bracket it is about."""
+    return say(
+        "{title}: bracket of line {line}, bearing {bearing}",
+        title=of.title, line=of.bracket.line, bearing=of.bracket.bearing,
+    )  # fmt: skip
 
 
 def _columns(cells: list[str]) -> str:
@@ -395,8 +405,12 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 # --------------------------------------------------------------------------- picture
 
 
-def picture(of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN) -> None:
+def picture(
+    of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN, over: str = ""
+) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
+
+    `over` stands above them: the verdict, where no page around the picture tells it.
 
     Raises
     ------
@@ -447,6 +461,8 @@ def picture(of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN) -> 
         deformed = say("deformed {times} times", times=f"{exaggeration:.0f}")
         axis.set_title(f"{say(v.name)}: {say.occasion(case)}\n{deformed}")
     bar = ScalarMappable(norm=scale, cmap=colours)
+    if over:
+        figure.suptitle("\n".join(wrap(over, 58 * len(of.variants))), parse_math=False)
     figure.colorbar(bar, ax=list(axes), label=say("von Mises stress, MPa"), shrink=0.8)
     figure.savefig(path, dpi=130, format="png")
 

@@ -9,18 +9,27 @@ import numpy as np
 import numpy.typing as npt
 
 from cardan.base.units import MPa
-from cardan.report.bracket import peak_fields
+from cardan.report.bracket import heading, peak_fields, verdict
 from cardan.report.language import EN, Language
+from cardan.report.terminal import bare
+from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer, Judged
+from cardan.study.finding import BRACKET
 
 
-def page(of: BracketAnswer) -> str:
-    """Return a page with the scene of a study."""
-    title = escape(f"{of.title}: bracket")
+def page(approval: Approval, *, say: Language = EN) -> str:
+    """Return a page with the verdict on a bracket, its limits, and its scene."""
+    of: BracketAnswer = approval.of(BRACKET)
+    title = escape(heading(of, say))
+    first, _, limits = bare(verdict(approval, say)).partition("\n")
+    grade, said = approval.verdict, escape(first)
     return (
-        '<!doctype html><html lang="en"><meta charset="utf-8">'
+        f'<!doctype html><html lang="{say.code}"><meta charset="utf-8">'
         f'<title>{title}</title><body style="font:14px system-ui,sans-serif;margin:1em">'
-        f"<h1 style='font-size:1.2em'>{title}</h1>{scene(of)}</body></html>\n"
+        f'<h1 style="font-size:1.2em">{title}</h1>'
+        f'<p class="{grade}" style="font-size:1.2em"><strong>{said}</strong></p>'
+        f'<pre style="overflow:auto">{escape(limits)}</pre>'
+        f"{scene(of, say=say)}</body></html>\n"
     )
 
 

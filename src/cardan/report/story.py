@@ -407,7 +407,7 @@ def _equations(of: Approval, say: Language) -> Iterator[Block]:
                 say.name(q.key),
                 f"{q.symbol} [{q.unit_name}]" if q.unit_name else q.symbol,
                 "; ".join(
-                    [say.given(q.equation), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]
+                    [say.given(q.stated), *(f"{s}: {say.given(w)}" for s, w in q.where.items())]
                 ),
                 say.given(q.use) if q.use else "",
                 cited(q.source, say),

@@ -169,7 +169,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
 def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     """Yield what a quantity is: equation, symbols, source, limits of use."""
     yield f"{_bold(say.name(q.key))}  {q.symbol}" + (f" [{q.unit_name}]" if q.unit_name else "")
-    yield f"    {say.given(q.equation)}"
+    yield f"    {say.given(q.stated)}"
     yield from (f"      {symbol}: {say.given(meaning)}" for symbol, meaning in q.where.items())
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"

@@ -18,11 +18,20 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.formula import Cells, phasors, symbols, written
 from cardan.base.part import LINE, Occasion, Part
 from cardan.base.units import GPa, MPa, deg, mm, rpm
 from cardan.base.verdict import Limit
-from cardan.kinematics.equivalent import Excitation
+from cardan.kinematics.equivalent import (
+    Excitation,
+    ae7_angle,
+    ae7_shaking,
+    ae7_sign,
+    ae7_step,
+    pythagorean_angle,
+)
 from cardan.loads import loads
+from cardan.loads.approximate import bearing_force, end_force, left_over
 from cardan.model.application import Application
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
@@ -52,7 +61,7 @@ from cardan.report.judged import Held, Judged, Live, verdict
 from cardan.report.language import Language
 from cardan.report.sheet import sections
 from cardan.report.wording import STUDY_TITLES, cited
-from cardan.shaft.life import life_rating
+from cardan.shaft.life import life_rating, wear
 from cardan.study.approval import Approval
 from cardan.study.driveline import Asked, asked, needs_of
 from cardan.study.finding import DRIVELINE, Finding
@@ -205,39 +214,29 @@ def _general(sheet: Sheet, a: Application) -> int:
 
 
 def _duty(sheet: Sheet, a: Application) -> None:
-    """Write the duty cycle, and what each of its points wears a joint by without its angle.
+    """Write the duty cycle.
 
     Points are of the gearbox output. Those of a named cycle are shares of what a line carries
     at most and of its top speed, which the line's own calculation says.
     """
     say, book, cycle = sheet.book.say, sheet.book, a.duty_cycle
 
-    def put(label: str, unit: str, cells: Sequence[Cell], name: str) -> int:
-        return sheet.put(label, unit, cells, style=book.input, name=name, allow=NOT_NEGATIVE)
+    def put(label: str, unit: str, cells: Sequence[Cell], name: str) -> None:
+        sheet.put(label, unit, cells, style=book.input, name=name, allow=NOT_NEGATIVE)
 
     shares = [100 * p.share for p in (cycle.points if cycle else a.duty)]
-    share = put(say("share of the life"), "%", shares, "duty_shares")
+    put(say("share of the life"), "%", shares, "duty_shares")
     if cycle:
-        part = "/100"
         torques = [100 * p.torque_share for p in cycle.points]
         speeds = [100 * p.speed_share for p in cycle.points]
-        torque = put(say("share of the line's largest torque"), "%", torques, "duty_torques")
-        speed = put(say("share of the line's top speed"), "%", speeds, "duty_speeds")
+        put(say("share of the line's largest torque"), "%", torques, "duty_torques")
+        put(say("share of the line's top speed"), "%", speeds, "duty_speeds")
     else:
-        part = ""
         torques, speeds = [p.torque for p in a.duty], [p.speed / rpm for p in a.duty]
-        torque = put(say("torque at the gearbox output"), "N·m", torques, "duty_torques")
-        speed = put(say("speed of the gearbox output"), "rpm", speeds, "duty_speeds")
+        put(say("torque at the gearbox output"), "N·m", torques, "duty_torques")
+        put(say("speed of the gearbox output"), "rpm", speeds, "duty_speeds")
     angles = [None if p.angle is None else p.angle / deg for p in a.duty]
     put(say("joint angle, where given"), "deg", angles or [None] * len(shares), "duty_angles")
-    work = [
-        f"={c}{share}/100*{c}{speed}{part}*ABS({c}{torque}{part})^(10/3)"
-        for c in map(column, range(FIRST, FIRST + len(shares)))
-    ]
-    sheet.put(
-        say("wear without angle"), "", work, style=book.formula, name="duty_work",
-        texts=("p n T^(10/3)", ""),
-    )  # fmt: skip
 
 
 def _line_inputs(sheet: Sheet, r: Response, *, tag: str) -> None:
@@ -303,19 +302,7 @@ class _Result:
 
 
 _Complex: TypeAlias = tuple[str, str]
-"""A complex number of formulas: its real and its imaginary part."""
-
-
-def _turned(of: _Complex, angle: str, *, after: Sequence[_Complex] = ()) -> _Complex:
-    """Return a complex number turned by an angle, added to one before it if there is one."""
-    re_, im_ = (f"{p}+" for p in after[0]) if after else ("", "")
-    (a, b), cos, sin = of, f"COS({angle})", f"SIN({angle})"
-    return f"{re_}{a}*{cos}-{b}*{sin}", f"{im_}{a}*{sin}+{b}*{cos}"
-
-
-def _modulus(of: _Complex) -> str:
-    """Return the size of a complex number."""
-    return f"SQRT({of[0]}^2+{of[1]}^2)"
+"""Where a complex number stands: its real and its imaginary part."""
 
 
 class _Line:
@@ -482,7 +469,7 @@ class _Line:
         return f"§{row}"
 
     def _result(
-        self, quantity: str, formula: str, values: FloatArray, *, part: Part = LINE, note: str = ""
+        self, quantity: str, formula: str, values: FloatArray, *, part: Part = LINE, note: Any = ""
     ) -> str:
         """Write a row that results and limits ask about; `values` are cardan's own, SI."""
         q, say = QUANTITIES[quantity], self.say
@@ -491,13 +478,20 @@ class _Line:
             _label(quantity, part, say),
             q.unit_name,
             formula,
-            note=note or say.given(q.equation),
+            note=str(note) or say.given(q.stated),
             source=cited(q.source, say),
             values=shown,
             style=self.book.result,
         )
         self.found.append(_Result(quantity, part, int(reference[1:]), shown))
         return reference
+
+    def _followed(
+        self, quantity: str, values: FloatArray, *, part: Part = LINE, **where: Cells
+    ) -> str:
+        """Write a row by the formula of its quantity, of the cells that hold its symbols."""
+        formula = QUANTITIES[quantity].formula.cells(**where)
+        return self._result(quantity, formula, values, part=part)
 
     def _of_state(self, row: int) -> str:
         """Return the reference to a row of the sheet of states."""
@@ -532,20 +526,20 @@ class _Line:
         """Torque: engine against slip; speed."""
         tag, d = self.tag, self.r.demand
         self._section(self.say("Demand"))
+        through = QUANTITIES["engine_torque"].formula.cells(
+            Tm="MAX(engine_torques)", i="MAX(gear_ratios)*MAX(1,transfer_ratio)",
+            η="gearbox_efficiency", k="converter_ratio", s=f"{tag}torque_share",
+        )  # fmt: skip
         engine = self._result(
-            "engine_torque",
-            'IF(COUNT(engine_torques)=0,"",MAX(engine_torques)*MAX(gear_ratios)'
-            f"*MAX(1,transfer_ratio)*gearbox_efficiency*converter_ratio*{tag}torque_share)",
-            d.engine_torque,
+            "engine_torque", f'IF(COUNT(engine_torques)=0,"",{through})', d.engine_torque
         )
         load = self._of_state(self.driven)
         known = f"AND(ISNUMBER({load}),ISNUMBER({tag}axle_ratio),ISNUMBER(tyre_friction))"
-        grip = f"tyre_friction*{load}*tyre_radius/1000"
-        slip = self._result(
-            "slip_torque",
-            f'IF({known},{grip}/({tag}axle_ratio*{tag}axle_efficiency),"")',
-            d.slip_torque,
-        )
+        grip = QUANTITIES["slip_torque"].formula.cells(
+            μ="tyre_friction", N=load, re="tyre_radius/1000", iD=f"{tag}axle_ratio",
+            ηD=f"{tag}axle_efficiency",
+        )  # fmt: skip
+        slip = self._result("slip_torque", f'IF({known},{grip},"")', d.slip_torque)
         given = self._of_state(self.torque_given)
         self.torque = self._result(
             "torque",
@@ -608,96 +602,83 @@ class _Line:
         for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
             part = Part("joint", k + 1)
             self._result("joint_angle_min", beta, r.angles[:, k], part=part)
-            self._result("compound_angle", f"SQRT({v}^2+{h}^2)", compound[:, k], part=part)
-            alone = f"({self.omega}*RADIANS({beta}))^2"
-            self._result("angle_for_speed", alone, turned[:, k] ** 2, part=part)
-            self._result("n_beta", f"{self.speed}*{beta}", turned[:, k], part=part)
+            self._followed("compound_angle", compound[:, k], part=part, βv=v, βh=h)
+            self._followed(
+                "angle_for_speed", turned[:, k] ** 2, part=part, ω=self.omega, β=f"RADIANS({beta})"
+            )
+            self._followed("n_beta", turned[:, k], part=part, n=self.speed, β=beta)
 
     def _excitation(self) -> None:
         """AE-7's phasors: sₖ Dₖ², their sums, and what follows from them."""
         say, r = self.say, self.r
         ae7, plane = r.approximations["ae7"], r.approximations["in_plane"]
         self._section(say("Excitation") + " (AE-7)")
-        self.sigma: list[str] = []
-        phasors: list[_Complex] = []
-        flat: list[_Complex] = []
+        (h, v, phase), (sign, before) = symbols("βh", "βv", "ε"), phasors("s", "P")
+        on, step = ae7_sign(sign, phase=phase), before + ae7_step(sign, side=v, top=h)
+        level = before + ae7_step(sign, side=0, top=pythagorean_angle(v, h))
+        self.signs: list[_Complex] = [("1", "0")]
+        found: list[_Complex] = [("0", "0")]
+        flat: list[_Complex] = [("0", "0")]
         for k in range(self.n):
-            turn = "0"
             if k:
-                phase = self._of_part("yoke_phases", k)
-                turn = f"{self.sigma[-1]}+PI()+2*RADIANS({phase})"
-            part = say.part(Part("joint", k + 1))
-            g = self._row(f"arg s, {part}", "rad", turn, note="s₁ = 1; sₖ₊₁ = −sₖ e^(2iφ)")
-            self.sigma.append(g)
-            v, h = f"RADIANS({self.bv[k]})", f"RADIANS({self.bh[k]})"
-            square = f"({h}^2-{v}^2)", f"(2*{h}*{v})"
-            phasors.append(
-                self._complex(
-                    f"P{k + 1}",
-                    "rad²",
-                    _turned(square, g, after=phasors[-1:]),
-                    note="Pₖ = Pₖ₋₁ + sₖ Dₖ²,  D = βh + i βv",
-                )
-            )
-            level = f"(-({h}^2+{v}^2))", "0"
-            flat.append(
-                self._complex(
-                    f"Q{k + 1}",
-                    "rad²",
-                    _turned(level, g, after=flat[-1:]),
-                    note=say("as if all joints lay in one plane"),
-                )
-            )
-        self._moduli(phasors[-1], flat[-1], ae7, plane)
+                part = say.part(Part("joint", k + 1))
+                turned = f"RADIANS({self._of_part('yoke_phases', k)})"
+                pair = on.pair(s=self.signs[-1], ε=turned)
+                self.signs.append(self._complex(f"s, {part}", "", pair, note=on))
+            bend = {"βh": f"RADIANS({self.bh[k]})", "βv": f"RADIANS({self.bv[k]})"}
+            for made, name, of, note in (
+                (found, "P", step, step),
+                (flat, "Q", level, say("as if all joints lay in one plane")),
+            ):
+                pair = of.pair(s=self.signs[k], P=made[-1], **bend)
+                made.append(self._complex(f"{name}{k + 1}", "rad²", pair, note=note))
+        self._moduli(found[-1], flat[-1], ae7, plane)
         # Over the shafts: P in drive, P less the pinion's in coast.
-        shafts, pinion = phasors[:-1], phasors[-1]
-        released = [(f"({a}-{pinion[0]})", f"({b}-{pinion[1]})") for a, b in shafts]
-        inertia = [self._of_part("polar_inertias", k) for k in range(1, self.n)]
-        ones = ["1"] * len(shafts)
-        for quantity, weights, of, values, note in (
-            ("inertia_drive_acceleration", ones, shafts, ae7.drive.acceleration, "ω² |Σ Pⱼ|"),
-            (
-                "inertia_coast_acceleration",
-                ones,
-                released,
-                ae7.coast.acceleration,
-                "ω² |Σ (Pⱼ − Pₙ)|",
-            ),
-            ("inertia_drive_torque", inertia, shafts, ae7.drive_torque, "ω² |Σ Jⱼ Pⱼ|"),
-            ("inertia_coast_torque", inertia, released, ae7.coast_torque, "ω² |Σ Jⱼ (Pⱼ − Pₙ)|"),
+        names = [f"P{k}" for k in range(1, self.n + 1)]
+        *shafts, pinion = phasors(*names)
+        inertia = symbols(*(f"J{k}" for k in range(1, self.n)))
+        where: dict[str, Cells] = dict(zip(names, found[1:], strict=True))
+        where |= {str(J): self._of_part("polar_inertias", k) for k, J in enumerate(inertia, 1)}
+        released, (omega,) = [p - pinion for p in shafts], symbols("ω")
+        for quantity, heavy, of, values in (
+            ("inertia_drive_acceleration", False, shafts, ae7.drive.acceleration),
+            ("inertia_coast_acceleration", False, released, ae7.coast.acceleration),
+            ("inertia_drive_torque", True, shafts, ae7.drive_torque),
+            ("inertia_coast_torque", True, released, ae7.coast_torque),
         ):
             if values is None:
                 continue
-            re_, im_ = (
-                "+".join(f"{w}*{p[c]}" for w, p in zip(weights, of, strict=True)) for c in (0, 1)
-            )
-            self._result(quantity, f"{self.omega}^2*SQRT(({re_})^2+({im_})^2)", values, note=note)
+            weighed = [J * p for J, p in zip(inertia, of, strict=True)] if heavy else of
+            shaking = ae7_shaking(weighed, speed=omega)
+            self._result(quantity, shaking.cells(ω=self.omega, **where), values, note=shaking)
 
     def _moduli(
         self, phasor: "_Complex", flat: "_Complex", ae7: Excitation, plane: Excitation
     ) -> None:
         """Write what the pinion's phasor says."""
-        size = self._row("|P|", "rad²", _modulus(phasor))
-        level = self._row("|Q|", "rad²", _modulus(flat))
-        self._result("equivalent_angle", f"DEGREES(SQRT({size}))", ae7.torsional.angle, note="√|P|")
+        (omega,), (P,) = symbols("ω"), phasors("P")
+        angle, shaking = ae7_angle(P), ae7_shaking([P], speed=omega)
+        self._result(
+            "equivalent_angle", f"DEGREES({angle.cells(P=phasor)})", ae7.torsional.angle, note=angle
+        )
         self._result(
             "torsional_acceleration",
-            f"{self.omega}^2*{size}",
+            shaking.cells(ω=self.omega, P=phasor),
             ae7.torsional.acceleration,
-            note="ω² |P|",
+            note=shaking,
         )
         self._row(
             self.say("Torsional acceleration, all joints in one plane"),
             "rad/s²",
-            f"{self.omega}^2*{level}",
+            shaking.cells(ω=self.omega, P=flat),
             note="ω² |Q|",
             values=plane.torsional.acceleration,
         )
 
-    def _complex(self, label: str, unit: str, of: "_Complex", *, note: str = "") -> "_Complex":
+    def _complex(self, label: str, unit: str, of: "_Complex", *, note: Any = "") -> "_Complex":
         """Write a complex number as two rows; return the references to them."""
         return (
-            self._row(f"{label} re", unit, of[0], note=note),
+            self._row(f"{label} re", unit, of[0], note=str(note)),
             self._row(f"{label} im", unit, of[1]),
         )
 
@@ -709,55 +690,48 @@ class _Line:
         self._section(say("Centre bearings") + f" ({say('small angle')})")
         couples = [self._couples(k) for k in range(1, self.n)]
         joint = couples[-1]
+        (couple, beyond), (length, overhang) = phasors("C", "F"), symbols("L", "e")
+        held = bearing_force(couple, beyond=beyond, length=length, overhang=overhang)
         static, dynamic = r.small_angle_bearings
         for k in range(self.n - 2, 0, -1):
-            length = self._of_state(self.lengths[k - 1])
-            gain = f"{length}/({length}-{self._of_part('bearing_offsets', k)})"
+            at = {"L": self._of_state(self.lengths[k - 1]),
+                  "e": self._of_part("bearing_offsets", k)}  # fmt: skip
             pairs = list(zip((say("mean"), say("order 2")), couples[k - 1], joint, strict=True))
             force = [
-                self._complex(
-                    f"B{k} {name}",
-                    "N",
-                    (f"{gain}*({a}-{c})", f"{gain}*({b}-{d})"),
-                    note="B = L/(L − e) · (i T q/2 − F)",
-                )
-                for name, (a, b), (c, d) in pairs
+                self._complex(f"B{k} {name}", "N", held.pair(C=C, F=F, **at), note=held)
+                for name, C, F in pairs
             ]
             joint = [
-                self._complex(f"F{k} {name}", "N", (f"{a}+{c}", f"{b}+{d}"))
-                for (name, _, (a, b)), (c, d) in zip(pairs, force, strict=True)
+                self._complex(f"F{k} {name}", "N", (beyond + couple).pair(F=F, C=B))
+                for (name, _, F), B in zip(pairs, force, strict=True)
             ]
-            (y, z), swing = force
-            size = _modulus((y, z))
+            mean, swing = force
+            size = abs(couple).cells(C=mean)
             if self.weight:
                 wx, wy, wz = (self._of_state(w) for w in self.weight[k - 1])
-                size = f"SQRT({wx}^2+({y}+{wy})^2+({z}+{wz})^2)"
+                size = f"SQRT({wx}^2+({mean[0]}+{wy})^2+({mean[1]}+{wz})^2)"
             part = Part("centre bearing", k)
             still = np.linalg.norm(static[:, k - 1], axis=-1)
             self._result("centre_bearing_static", size, still, part=part)
-            moving = dynamic[:, k - 1]
-            self._result("centre_bearing_dynamic", _modulus(swing), moving, part=part)
+            swung, moving = abs(couple).cells(C=swing), dynamic[:, k - 1]
+            self._result("centre_bearing_dynamic", swung, moving, part=part)
 
     def _couples(self, k: int) -> "list[_Complex]":
         """Write the mean and the turning couple of shaft k as a force at its ends."""
-        say = self.say
-        length = self._of_state(self.lengths[k - 1])
-        scale = f"{self.torque}/(2*{length}/1000)"
-        (h1, h2), (v1, v2) = (
-            [f"RADIANS({rows[j]})" for j in (k - 1, k)] for rows in (self.bh, self.bv)
-        )
-        front, rear = (_turned((h, v), self.sigma[j]) for h, v, j in ((h1, v1, k - 1), (h2, v2, k)))
-        # Times i: re is less the imaginary part, im the real one.
-        mean = f"{scale}*({v1}+{v2})", f"{scale}*({h1}+{h2})"
-        swing = f"-{scale}*({front[1]}-({rear[1]}))", f"{scale}*({front[0]}-({rear[0]}))"
-        name = f"{say('couple')} {say.part(Part('shaft', k))}"
+        say, (front, rear, s1, s2) = self.say, phasors("Δ1", "Δ2", "s1", "s2")
+        torque, length = symbols("T", "L")
+        where: dict[str, Cells] = {
+            "T": self.torque, "L": f"{self._of_state(self.lengths[k - 1])}/1000",
+            "s1": self.signs[k - 1], "s2": self.signs[k],
+        }  # fmt: skip
+        for name, j in (("Δ1", k - 1), ("Δ2", k)):
+            where[name] = f"RADIANS({self.bh[j]})", f"-RADIANS({self.bv[j]})"
+        label = f"{say('couple')} {say.part(Part('shaft', k))}"
+        left = left_over(front, rear, signs=(s1, s2))
+        forces = [end_force(one, torque=torque, length=length) for one in left]
         return [
-            self._complex(
-                f"{name}, {say('mean')}", "N", mean, note="i T (Δₖ + Δₖ₊₁) / (2 Lₖ),  Δ = βh − i βv"
-            ),
-            self._complex(
-                f"{name}, {say('order 2')}", "N", swing, note="i T (sₖ Δₖ* − sₖ₊₁ Δₖ₊₁*) / (2 Lₖ)"
-            ),
+            self._complex(f"{label}, {name}", "N", force.pair(**where), note=force)
+            for name, force in zip((say("mean"), say("order 2")), forces, strict=True)
         ]
 
     def _speed(self) -> None:
@@ -772,23 +746,21 @@ class _Line:
                 self._of_part(f"tube_{w}", k)
                 for w in ("outer", "wall", "modulus", "density", "yield")
             )
-            D, d = f"({outer}/1000)", f"(({outer}-2*{wall})/1000)"
-            stiff = f"{modulus}*10^9*({D}^2+{d}^2)/(16*{density})"
+            section = {"D": f"{outer}/1000", "d": f"({outer}-2*{wall})/1000"}
             alone = r.critical_speeds[:, k - 1]
-            critical = self._result(
-                "critical_speed", f"30*PI()/({length}/1000)^2*SQRT({stiff})", alone, part=part
+            critical = self._followed(
+                "critical_speed", alone, part=part,
+                L=f"{length}/1000", E=f"{modulus}*10^9", ρ=density, **section,
+            )  # fmt: skip
+            share = self._followed(
+                "critical_speed_ratio", r.demand.speed / alone, part=part, n=self.speed, nc=critical
             )
-            for quantity in ("critical_speed_ratio", "half_critical_band"):
-                share = f"{self.speed}/{critical}"
-                self._result(quantity, share, r.demand.speed / alone, part=part)
+            self._result("half_critical_band", share, r.demand.speed / alone, part=part)
             if shaft.tube.material.yield_strength:
-                shear = f"16*ABS({self.torque})*shock_factor*{D}/(PI()*({D}^4-{d}^4))"
-                self._result(
-                    "tube_shear_utilisation",
-                    f"{shear}/({strength}*10^6/SQRT(3))",
-                    r.tube_shear_utilisation[:, k - 1],
-                    part=part,
-                )
+                self._followed(
+                    "tube_shear_utilisation", r.tube_shear_utilisation[:, k - 1], part=part,
+                    T=self.torque, K="shock_factor", Re=f"{strength}*10^6", **section,
+                )  # fmt: skip
 
     def _life(self) -> None:
         """Life of the needle bearings over the duty cycle; there is none without one."""
@@ -796,38 +768,39 @@ class _Line:
         if np.isnan(r.life).all():
             return
         self._section(self.say.name("joint_life"))
-        torque, speed = self._duty_of_line()
-        own = "--ISNUMBER(duty_angles),(duty_angles>3)*(duty_angles-3)+3"
+        torque, speed, part_of = self._duty_of_line()
+        of = written(wear, "T", speed="n", angle="β", rated_torque="Td", prime_mover_factor="K1")
+        given = "ISNUMBER(duty_angles)"
         for k in range(self.n):
             if np.isnan(r.life[:, k]).all():
                 continue
-            rocking = f"MAX(3,{self.beta[k]})"
-            work = (
-                f"SUMPRODUCT(duty_work,{own})"
-                f"+SUMPRODUCT(duty_work,--NOT(ISNUMBER(duty_angles)))*{rocking}"
-            )
-            part = Part("joint", k + 1)
-            wear = self._row(
-                self.say.list(self.say("wear"), self.say.part(part)), "",
-                f"prime_mover_factor*{speed}*{torque}^(10/3)*({work})", note="K₁ Σ p n T^(10/3) β",
+            each = of.cells(
+                T=f"{torque}*duty_torques{part_of}", n=f"{speed}*duty_speeds{part_of}",
+                β=f"{given}*duty_angles+(1-{given})*{self.beta[k]}", K1="prime_mover_factor",
+                Td=self._of_part("joint_ratings", k + 1),
             )  # fmt: skip
-            rating, lasting = self._of_part("joint_ratings", k + 1), self._of_state(self.lasting)
-            hours = f"IF({wear}=0,{ENDLESS:.0E},1.5*10^6*{rating}^(10/3)/{wear})"
+            part = Part("joint", k + 1)
+            worn = self._row(
+                self.say.list(self.say("wear"), self.say.part(part)), "1/h",
+                f"SUMPRODUCT(duty_shares/100,{each})", note=str(of),
+            )  # fmt: skip
+            lasting = self._of_state(self.lasting)
+            hours = f"IF({worn}=0,{ENDLESS:.0E},1/{worn})"
             self._result(
                 "joint_life",
-                f'IF(AND({lasting}=1,ISNUMBER({wear})),{hours},"")',
+                f'IF(AND({lasting}=1,ISNUMBER({worn})),{hours},"")',
                 r.life[:, k],
                 part=part,
             )
 
-    def _duty_of_line(self) -> tuple[str, str]:
-        """Return what the line makes of the duty cycle's torques and of its speeds, as factors.
+    def _duty_of_line(self) -> tuple[str, str, str]:
+        """Return what the line makes of the duty cycle's torques and speeds, and their unit.
 
         A cycle of the gearbox output gives the line its share. A named one is of the largest
         torque and the top speed that the line has in any state that lasts.
         """
         if self.r.application.duty_cycle is None:
-            return f"{self.tag}torque_share", f"{self.tag}speed_ratio"
+            return f"{self.tag}torque_share", f"{self.tag}speed_ratio", ""
         say, lasting = self.say, self._of_state(self.lasting)
         found = (
             self._row(label, unit, f'IF({lasting}=1,ABS({of}),"")')
@@ -839,7 +812,7 @@ class _Line:
         ends = self.columns[0], self.columns[-1]
         places = (":".join(row.replace("§", f"${c}$") for c in ends) for row in found)
         torque, speed = (f"IF(COUNT({place})=0,NA(),MAX({place}))" for place in places)
-        return torque, speed
+        return torque, speed, "/100"
 
     # Results
 

@@ -13,17 +13,18 @@ from typing import cast
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
+from cardan.base.formula import Constant
 from cardan.base.units import NewtonMetre, deg, hour, kNm, rpm
 from cardan.model.parts import JointSize
 
-ANGLE_FLOOR = 3 * deg
+ANGLE_FLOOR = Constant(3 * deg, "3°", "3")
 """Needles that rock less wear as if they rocked so much (SAE AE-7; GWB)."""
 
 PRIME_MOVER_FACTORS = {"electric": 1.0, "petrol": 1.2, "diesel": 1.25}
 """K1 of GWB's life formula, by what drives the line."""
 
-_RATED = 5000 * hour * 100 * rpm * ANGLE_FLOOR
-"""What a joint under its rated torque has behind it at the end of its life, rad²."""
+_RATED = Constant(5000 * hour * 100 * rpm * ANGLE_FLOOR, "1.5·10⁶", "1.5*10^6")
+"""What a joint under its rated torque has behind it at the end of its life, rad²; h rpm deg."""
 
 
 def rated_torque(bearing_factor: ArrayLike) -> FloatArray:

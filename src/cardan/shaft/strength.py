@@ -2,15 +2,18 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
 from cardan.base.errors import DesignError
+from cardan.base.formula import Constant
 from cardan.base.units import NewtonMetre
 from cardan.model.parts import JointSize
 from cardan.shaft.life import joint_life, life_rating, n_beta, wear
+
+_ROOT3 = Constant(sqrt(3), "√3", "SQRT(3)")
 
 SHOCK_FACTORS = {
     "continuous": (1.2, 1.5),
@@ -64,7 +67,7 @@ def tube_utilisation(
     τ / (Re/√3), with τ of the torque (...) N m times the shock factor. Source: von Mises.
     """
     _, T, Re, shock = floats(torque, yield_strength, shock_factor)
-    return von_mises(tube_shear(abs(T) * shock, outer=outer, inner=inner)) / Re
+    return tube_shear(abs(T) * shock, outer=outer, inner=inner) / (Re / _ROOT3)
 
 
 def tube_fatigue_utilisation(
