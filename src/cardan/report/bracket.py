@@ -15,7 +15,7 @@ from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
-from cardan.report.contract import CONTRACT, check, coverage, plain
+from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, unanswered
@@ -309,6 +309,7 @@ def _case(of: BracketAnswer, o: Outcome) -> dict[str, Any]:
 
     return {
         "name": str(o.case.when),
+        **({"point": operating_point(o.case.point)} if o.case.point else {}),
         "von_mises": found(o.von_mises),
         "max_principal": found(o.highest),
         "min_principal": found(o.lowest),

@@ -71,11 +71,11 @@ def check(of: Check) -> dict[str, Any]:
         "margin": of.margin,
         "verdict": of.grade,
         "source": str(of.limit.source),
-        **({"point": point(of.point)} if of.point else {}),
+        **({"point": operating_point(of.point)} if of.point else {}),
     }
 
 
-def point(of: Point) -> dict[str, Any]:
+def operating_point(of: Point) -> dict[str, Any]:
     """Return an operating point."""
     return {
         "gear": of.gear,
@@ -253,7 +253,7 @@ def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:
             "order1_N": found.order1[s, k],
             "static_N": found.static[s, k],
             "thrust_N": found.thrust[s, k],
-            **point(at),
+            **operating_point(at),
         },
         "modes": [] if modes is None else [
             {

@@ -1,8 +1,9 @@
 """Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, life, a variant.
 
 Everything follows from the unit solutions by adding them up, so a load case costs no solve.
-Loads are quasi-static: that of an order is right below the bracket's natural frequencies,
-which stand beside it.
+What the bearing hands to its bracket follows the line on its rubber where the stiffness of
+that is known. The bracket itself bears it quasi-statically: the load of an order is right
+below its natural frequencies, which stand beside it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.part import Occasion, Part
+from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
@@ -30,11 +31,11 @@ from cardan.bracket.stress import (
     von_mises,
 )  # fmt: skip
 from cardan.bracket.unit import UNITS, Units, unit_solutions
-from cardan.demand.states import demand, resolve
+from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
-from cardan.loads.statics import Rotating, loads, unbalance
 from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, Shape
+from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_life import Endured, Strength, endured, mixed
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
@@ -62,6 +63,8 @@ class Case:
     duration: float = np.nan
     places: int = 1
     what: str = ""
+    point: Point | None = None
+    """The operating point whose loads these are, where it is not the state's own."""
 
     @property
     def when(self) -> Occasion:
@@ -237,27 +240,27 @@ def study(
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
     """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
     for limit in limits:
-        for when, part, value in _values(of, variant, limit.quantity):
+        for under, part, value in _values(of, variant, limit.quantity):
             yield Check(
-                quantity=limit.quantity, line=of.bracket.line, when=when, part=part,
-                value=value, limit=limit,
+                quantity=limit.quantity, line=of.bracket.line, when=under.when, part=part,
+                value=value, limit=limit, point=under.point if isinstance(under, Case) else None,
             )  # fmt: skip
 
 
 def _values(
     of: BracketAnswer, variant: Judged, quantity: str
-) -> Iterator[tuple[Occasion, Part, float]]:
-    """Yield when and where what a limit asks about is worst, SI."""
+) -> Iterator[tuple[Case | Endured, Part, float]]:
+    """Yield under which loads and where what a limit asks about is worst, SI."""
     strength = of.bracket.material.yield_strength
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
             used = float(o.hot[worst]) / strength
-            yield o.case.when, Part("hot spot", worst + 1), used
+            yield o.case, Part("hot spot", worst + 1), used
     if quantity == "bracket_life":
         for endured in variant.duty:
             worst = int(np.argmax(endured.spots))
-            yield endured.when, Part("hot spot", worst + 1), endured.hours * hour
+            yield endured, Part("hot spot", worst + 1), endured.hours * hour
 
 
 def _unanswered(
@@ -289,8 +292,9 @@ def _bracket(application: Application) -> Bracket:
 def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     """Yield the cases a bracket is judged under: by hand, then of each state of the check.
 
-    Of each state: the mean over a turn; the part of order 2 by itself; both together over
-    the turn; and, where unbalance counts, with that on top.
+    Of each state, at its own torque and top speed and on rigid bearings: the mean over a
+    turn; the part of order 2 by itself; both together over the turn; and, where unbalance
+    counts, with that on top. Then where the bearing carries most, on its rubber.
     """
     for case in bracket.cases:
         a = np.asarray(case.acceleration)
@@ -299,23 +303,33 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     if response.line.joint_count < 3:
         return
     forces, once = response.loads.bearing_forces, response.unbalance
-    speeds = response.demand.speed.tolist()
+    speeds, gravity = response.demand.speed.tolist(), response.gravity
+    worst = response.worst.get("peak")
     for s, state in enumerate(response.demand.states):
-        if not np.isfinite(response.demand.torque[s]):
-            continue
-        yield from _round_the_turn(
-            state, forces=forces, once=once, at=(s, bracket.bearing - 1),
-            gravity=response.gravity, speed=speeds[s],
-        )  # fmt: skip
+        at = s, bracket.bearing - 1
+        if np.isfinite(response.demand.torque[s]):
+            yield from _round_the_turn(
+                state, forces=Cycle(forces.waves[at]), gravity=gravity, speed=speeds[s],
+                once=float(once.bearing_forces[at]) if once else None,
+            )  # fmt: skip
+        point = worst.named(at) if worst else None
+        if worst and point:
+            *_, case = _round_the_turn(
+                state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
+                speed=point.speed, once=float(worst.running.order1[at]) if once else None,
+            )  # fmt: skip
+            yield replace(case, what="worst point", point=point)
 
 
 def _round_the_turn(
-    state: str, *, forces: Cycle, once: Rotating | None, at: tuple[int, int], gravity: float,
-    speed: RadianPerSecond,
-) -> Iterator[Case]:  # fmt: skip
-    """Yield the cases of one state and bearing at a speed, nan where that is not known."""
-    mean = forces.static[at]
-    turn = forces.values(2 * SAMPLES)[at]
+    state: str, *, forces: Cycle, once: float | None, gravity: float, speed: RadianPerSecond
+) -> Iterator[Case]:
+    """Yield the cases of the force on a bearing at a speed, nan where that is not known.
+
+    `once` is what unbalance makes, N 0-to-peak; None where it does not count.
+    """
+    mean = forces.static
+    turn = forces.values(2 * SAMPLES)
     # Where weight counts the shafts' is in the forces already, the bracket's is not.
     weight = (0.0, 0.0, gravity)
     second = 2 * np.pi / speed if speed else np.inf  # of one turn, which never ends at rest
@@ -327,35 +341,35 @@ def _round_the_turn(
         round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
         # Nobody knows where the heavy spot is: each of eight places is tried.
         starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
-        peak = np.concatenate([turn + once.bearing_forces[at] * start for start in starts])
+        peak = np.concatenate([turn + once * start for start in starts])
         yield Case(state, _history(peak, weight), 1.0, second, places=8, what="peak")
 
 
 def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[float, Case]]]:
     """Return the duty cycle's load histories with their shares, by each state that lasts.
 
-    The joint angles are the state's: those of the cycle itself say nothing about where
-    the bearings pull.
+    At the torque and speed of each point of the cycle, the axle wound up by it, on rubber
+    where that is known. The joint angles are the state's: those of the cycle itself say
+    nothing about where the bearings pull.
     """
     application = response.application
-    points, line = response.duty, response.line
-    if not points or line.joint_count < 3:
+    if not response.duty or response.line.joint_count < 3:
         return {}
     found: dict[Occasion, list[tuple[float, Case]]] = {
         Occasion("duty", s.name): [] for s in application.states if s.counts_as in RIDING
     }
-    for point in points:
-        forces = loads(
-            response.layout, response.turn, line, torque=point.torque, gravity=response.gravity
-        ).bearing_forces
-        once = None
-        if application.include_unbalance and point.speed:
-            top = response.demand.speed
-            known = np.where(np.isfinite(top) & (top > 0), top, point.speed)
-            once = unbalance(response.layout, line, speed=point.speed, balanced_at=known)
+    every = np.ones(len(application.states))
+    for point in response.duty:
+        under = demand_under(
+            response.demand, torque=point.torque * every, speed=point.speed * every,
+            coasts=point.torque < 0,
+        )  # fmt: skip
+        carried = run(response, under, response.lay(under))
         for s, state in enumerate(application.states):
+            at = s, bracket.bearing - 1
             *_, case = _round_the_turn(
-                state.name, forces=forces, once=once, at=(s, bracket.bearing - 1),
+                state.name, forces=Cycle(carried.cycle.waves[at]),
+                once=float(carried.order1[at]) if application.include_unbalance else None,
                 gravity=response.gravity, speed=point.speed,
             )  # fmt: skip
             if state.counts_as in RIDING:
