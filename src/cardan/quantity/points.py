@@ -6,7 +6,7 @@ a curve starts, bends and ends. What follows torque, speed and angles alone is w
 and around the worst of these the speed is sought more closely (`worst`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -368,6 +368,25 @@ def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Po
     crest = np.fmin(np.sqrt(np.maximum(crest, 0.0)), fastest)
     there = _at(r, found, curve, crest, quick=quick)
     return _each(lambda *v: np.concatenate(v), tried, sides, there)
+
+
+def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = None) -> Points:
+    """Return what a line's bearings carry along its curves at speeds (Q,) rad/s.
+
+    On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
+    """
+    found = curves(r.demand)
+    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
+    shape = (len(of), len(speed), *found.fastest.shape[1:])
+    curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])
+    every = np.broadcast_to(speed[:, None], shape).reshape(curve.shape)
+    flat = _at(r, found, curve, every, quick=quick)
+
+    def gear_by_gear(values: Any) -> Any:
+        return values.reshape(*shape[:2], *values.shape[1:])
+
+    return _each(gear_by_gear, flat)
 
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:

@@ -203,6 +203,7 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
         orders[1] = orders[1] + r.unbalance.bearing_forces[s]
     peaks = forces.peak[s]
     return {
+        "points": _points(r, s),
         "joints": [{"force_N": peak} for peak in peaks],
         **_angles(r.excitation, s),
         "approximations": {n: _excitation(e, s) for n, e in r.approximations.items()},
@@ -229,6 +230,15 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
         "clearances_mm": {},
         "end_bearings_N": {},
     }
+
+
+def _points(r: Response, s: int) -> list[dict[str, Any]]:
+    """Return the operating points of a state that limits ask at, those of bearings apart."""
+    if r.spread is None:
+        return []
+    spots = r.spread.spots.first_variant
+    named = (spots.named((p, s)) for p in range(len(spots.speed)))
+    return [operating_point(of) for of in dict.fromkeys(named) if of is not None]
 
 
 def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:

@@ -18,6 +18,7 @@ from cardan.demand.states import demand, resolve
 from cardan.demand.suspension import carried, spring_deflection, spring_load
 from cardan.kinematics.chain import turn
 from cardan.model.application import State
+from cardan.quantity import points
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response, respond
 from cardan.report import svg
@@ -52,6 +53,8 @@ def _plots(r: Response, say: Language) -> Iterator[Figure]:
     for k in range(r.line.joint_count - 2 if np.isfinite(r.demand.torque).any() else 0):
         yield bearing_ellipse(r, say, bearing=k)
         yield bearing_orders(r, say, bearing=k)
+        if r.worst and not np.isnan(r.worst["dynamic"].running.dynamic[:, k]).all():
+            yield bearing_over_speed(r, say, bearing=k)
     if r.demand.gears is not None:
         yield torque_by_gear(r, say)
     if np.isfinite(r.critical_speeds).any():
@@ -230,6 +233,66 @@ def bearing_orders(r: Response, say: Language, *, bearing: int) -> Figure:
             "0-to-peak along the major axis of each order's ellipse; orders of the shaft's speed."
         ),
     )
+
+
+def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Figure:
+    """Return what shakes a bearing against speed, gear by gear, in the state where most does."""
+    worst = r.worst["dynamic"]
+    found, part = worst.curves, Part("centre bearing", bearing + 1)
+    s = int(np.nanargmax(worst.running.dynamic[:, bearing]))
+    drawn = [
+        k for k, (way, end) in enumerate(zip(found.directions, found.fastest[:, s], strict=True))
+        if way != "coast" and end > 0
+    ]  # fmt: skip
+    top = float(np.nanmax(found.fastest[drawn, s]))
+    modes = 2 * (r.line.joint_count - 2)
+    meets = r.held.modes().frequency[s, :modes] / 2 if r.held else np.zeros(0)
+    meets = meets[meets < top]
+    top = min(top, 3 * float(meets.max())) if len(meets) else top  # beyond it only falls
+    near = meets[:, None] * np.linspace(0.8, 1.2, 33)
+    speed = np.unique(np.concatenate([np.linspace(top / 60, top, 60), near.ravel()]))
+    speed = speed[speed <= top]
+    force = points.swept(r, speed, curves_=drawn).running.dynamic[:, :, s, bearing]
+    names = {"reverse": say("reverse"), "brake": say("braking")}
+    series = [
+        Series(
+            name=names.get(found.directions[k]) or (
+                say("gear {gear}", gear=found.gears[k]) if found.gears[k] else say("drive")
+            ),
+            x=speed[~np.isnan(of)] / rpm,
+            y=of[~np.isnan(of)],
+        )
+        for k, of in zip(drawn, force, strict=True)
+        if not np.isnan(of).all()
+    ]  # fmt: skip
+    limits = _limits(r, "centre_bearing_dynamic")
+    high = 1.1 * max(
+        float(np.nanmax(force)),
+        *(b for m in limits for b in (m.normal, m.maximum) if b is not None),
+        0.0,
+    )
+    name, value = say.part(part), float(worst.running.dynamic[s, bearing])
+    title = say("Dynamic force on {part} over speed", part=name)
+    at = worst.named((s, bearing))
+    return plot(
+        say,
+        title=title,
+        alt=title + ". " + say(
+            "{state}: at most {force} N at {speed} rpm", state=say.state(r.demand.states[s]),
+            force=say.number(value), speed=say.short(round(at.speed / rpm), 6) if at else "-",
+        ),
+        series=series,
+        bands=limit_bands(limits, factor=1.0, top=10 * high),
+        x=(0.0, 1.03 * top / rpm),
+        y=(0.0, high),
+        x_label=say("shaft speed [rpm]"),
+        y_label=say("force [N]"),
+        note=say(
+            "{state}, at full load on the rubber of the bearings; 0-to-peak of orders 2 and 4. "
+            "Where an order meets a mode the force is many times that of a rigid bearing.",
+            state=say.state(r.demand.states[s]),
+        ),
+    )  # fmt: skip
 
 
 def torque_by_gear(r: Response, say: Language) -> Figure:

@@ -29,7 +29,7 @@ from cardan.study.moves import Move, adjustables, corrected, tried
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
 
-TRIALS = 48
+TRIALS = 16
 """Trials spread over each way that is free before the search follows the best of them."""
 
 TURNINGS = 8
@@ -212,7 +212,20 @@ class _Search:
         """Follow a cost downhill while what is needed stays above 0."""
         from scipy.optimize import minimize  # slow to import: only `fix` waits for it
 
-        ways = len(self.free)
+        ways, known = len(self.free), dict[bytes, tuple[FloatArray, FloatArray]]()
+
+        def once(z: FloatArray) -> tuple[FloatArray, FloatArray]:
+            """Return what is needed; SLSQP asks for value and slope of a place one by one."""
+            if z.tobytes() not in known:
+                known[z.tobytes()] = needed(z)
+            return known[z.tobytes()]
+
+        def room(z: FloatArray) -> FloatArray:
+            return once(z)[0]
+
+        def slope(z: FloatArray) -> FloatArray:
+            return once(z)[1]
+
         bounds = [(-1.0, 1.0)] * ways + [(-np.inf, np.inf)] * (len(start) - ways)
         found = minimize(
             cost,
@@ -220,12 +233,9 @@ class _Search:
             jac=True,
             bounds=bounds,
             method="SLSQP",
-            constraints={
-                "type": "ineq",
-                "fun": lambda z: needed(z)[0],
-                "jac": lambda z: needed(z)[1],
-            },
-            options={"maxiter": 40, "ftol": 1e-6},
+            constraints={"type": "ineq", "fun": room, "jac": slope},
+            # Steps are rounded to what a workshop can set: a margin to 0.01 % is enough.
+            options={"maxiter": 40, "ftol": 1e-4},
         )
         return np.clip(found.x, *np.transpose(bounds))
 
