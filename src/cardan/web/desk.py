@@ -8,7 +8,7 @@ A browser names a file by its number here, never by a path.
 import json
 import os
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -35,8 +35,6 @@ class Paper:
     name: str
     marked: bool = False
     """Whether it begins with a byte order mark, which stays."""
-    seen: tuple[int, int] = field(default=(0, 0))
-    """When it was last changed, and how long it was, as last read."""
 
     def read(self) -> str:
         """Return its text as it is on disk.
@@ -46,17 +44,13 @@ class Paper:
         BadFile
             If it cannot be read.
         """
-        self.seen = self._stamp()
         text = text_of(self.path)
         with suppress(OSError), self.path.open("rb") as file:
             self.marked = file.read(3) == b"\xef\xbb\xbf"
         return text
 
-    def changed(self) -> bool:
-        """Return whether it is another on disk than when it was read."""
-        return self._stamp() != self.seen
-
-    def _stamp(self) -> tuple[int, int]:
+    def stamp(self) -> tuple[int, int]:
+        """Return when it was last changed, and how long it is: another where it is another."""
         try:
             status = self.path.stat()
         except OSError:
@@ -138,7 +132,6 @@ class Desk:
             raise Conflict(msg)
         head = "\ufeff" if paper.marked else ""
         write(paper.path, head + text, replace=True)
-        paper.read()
         self.drop(number)
         return mark(text)
 

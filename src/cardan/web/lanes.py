@@ -68,6 +68,11 @@ class Lane:
             with suppress(ProcessLookupError):
                 self._process.kill()
 
+    async def closed(self) -> None:
+        """Wait until the process has ended."""
+        if self._process is not None:
+            await self._process.wait()
+
     async def _asked(self, process: Process, data: bytes) -> dict[str, Any]:
         assert process.stdin
         assert process.stdout

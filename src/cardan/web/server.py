@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from importlib.resources import files
 from typing import Any
+from weakref import WeakSet
 
 from cardan.base.errors import CardanError, NotInstalled
 from cardan.web.desk import Desk
@@ -139,6 +140,8 @@ class House:
         self.token = secrets.token_urlsafe(24)
         self.quick, self.slow = Lane(), Lane(patient=True)
         self.pages = 0
+        self.transports: WeakSet[Any] = WeakSet()
+        self.server: Any = None
         self.app = Guard(self._application(), token=self.token, port=port)
 
     @property
@@ -168,7 +171,9 @@ class House:
                 await Session(ws, self.desk, self.quick, self.slow).run()
             except WebSocketDisconnect:
                 pass
-            except (Wrong, KeyError, TimeoutError):  # a KeyError: bytes where text belongs
+            except TimeoutError:  # it reads nothing: no goodbye would reach it
+                self._abort(ws.client)
+            except (Wrong, KeyError):  # a KeyError: bytes where text belongs
                 with suppress(RuntimeError):
                     await ws.close(1003)
             finally:
@@ -180,6 +185,16 @@ class House:
                 Route("/{path:path}", page, methods=["GET", "HEAD"]),
             ]
         )
+
+    def _abort(self, client: Any) -> None:
+        """End the connection of a client, whatever it still has to read."""
+        for transport in tuple(self.transports):
+            if client and transport.get_extra_info("peername")[:2] == tuple(client):
+                transport.abort()
+
+    def end(self) -> None:
+        """Serve no longer."""
+        self.server.should_exit = True
 
     async def open(self) -> None:
         """Start what answers."""
@@ -195,20 +210,24 @@ def serve(
     house: House, listening: list[socket.socket], *, ready: Callable[[], None] = lambda: None
 ) -> None:
     """Serve until the process is told to end; `ready` is called once it listens."""
-    asyncio.run(_serve(house, listening, ready))
+    asyncio.run(started(house, listening, ready))
 
 
-async def _serve(house: House, listening: list[socket.socket], ready: Callable[[], None]) -> None:
+async def started(
+    house: House, listening: list[socket.socket], ready: Callable[[], None] = lambda: None
+) -> None:
+    """Serve, in a loop that runs already."""
     import uvicorn
 
     config = uvicorn.Config(
-        house.app, http=_protocol(), ws="websockets-sansio", loop="asyncio", lifespan="off",
+        house.app, http=_protocol(house.transports), ws="websockets-sansio", loop="asyncio",
+        lifespan="off",
         log_config=None, log_level="critical", access_log=False, server_header=False,
         date_header=False, proxy_headers=False, ws_max_size=MESSAGE,
         ws_per_message_deflate=False, ws_ping_interval=20, ws_ping_timeout=20,
-        timeout_keep_alive=20, timeout_graceful_shutdown=2, h11_max_incomplete_event_size=16_384,
+        timeout_keep_alive=20, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,
     )  # fmt: skip
-    server = uvicorn.Server(config)
+    server = house.server = uvicorn.Server(config)
     await house.open()
     try:
         told = asyncio.get_running_loop().create_task(_told(server, ready))
@@ -216,6 +235,7 @@ async def _serve(house: House, listening: list[socket.socket], ready: Callable[[
         told.cancel()
     finally:
         house.close()  # at once: a second Ctrl-C leaves nothing behind either
+        await asyncio.gather(house.quick.closed(), house.slow.closed())
 
 
 async def _told(server: Any, ready: Callable[[], None]) -> None:
@@ -224,7 +244,7 @@ async def _told(server: Any, ready: Callable[[], None]) -> None:
     ready()
 
 
-def _protocol() -> Any:
+def _protocol(transports: WeakSet[Any]) -> Any:
     """Return uvicorn's protocol, with an end to connections that ask nothing, or are too many."""
     from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -235,6 +255,7 @@ def _protocol() -> Any:
 
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
+            transports.add(transport)
             Bounded.opened += 1
             self.counted = True
             if Bounded.opened > CONNECTIONS:

@@ -69,6 +69,7 @@ class Session:
         self.lang = "en"
         self.file: int | None = None
         self._sending = asyncio.Lock()
+        self._seen = (0, 0)
         self._rest: asyncio.Task[None] | None = None
 
     async def run(self) -> None:
@@ -121,6 +122,7 @@ class Session:
 
     async def _open(self, said: Json) -> None:
         number = self._number(said)
+        self._look(number)
         try:
             opened = await asyncio.to_thread(self.desk.open, number)
         except CardanError as error:
@@ -128,6 +130,10 @@ class Session:
             return
         self.file = number
         await self._tell("opened", **opened)
+
+    def _look(self, number: int) -> None:
+        """Take note of how a file is on disk, before it is read."""
+        self._seen = self.desk.papers[number].stamp()
 
     async def _ask(self, said: Json) -> None:
         if self._rest:
@@ -161,6 +167,7 @@ class Session:
             why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
             await self._tell("refused", what="save", file=number, why=why)
         else:
+            self._look(number)
             await self._tell("saved", file=number, mark=new, text=text)
 
     # ------------------------------------------------------------------- what it is told
@@ -191,11 +198,12 @@ class Session:
         while True:
             await asyncio.sleep(WATCH)
             number = self.file
-            if number is not None and self.desk.papers[number].changed():
+            if number is not None and self.desk.papers[number].stamp() != self._seen:
                 await self._tell_disk(number, conflict=False)
 
     async def _tell_disk(self, number: int, *, conflict: bool) -> None:
         """Tell what a file is on disk now."""
+        self._look(number)
         try:
             opened = await asyncio.to_thread(self.desk.open, number)
         except CardanError as error:

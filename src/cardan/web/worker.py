@@ -40,8 +40,11 @@ def main() -> None:
             traceback.print_exc()
             found = {"fault": type(error).__name__}
         data = json.dumps(found, ensure_ascii=False, separators=(",", ":")).encode()
-        answers.write(LENGTH.pack(len(data)) + data)
-        answers.flush()
+        try:
+            answers.write(LENGTH.pack(len(data)) + data)
+            answers.flush()
+        except BrokenPipeError:  # who asked is gone
+            os._exit(0)
 
 
 def _alone() -> tuple[BinaryIO, BinaryIO]:
