@@ -5,6 +5,7 @@ import { GRADES } from "./marks";
 import { store, type Known } from "./store";
 import { t } from "./text";
 import type { Full, Limit, Row } from "./types";
+import { still } from "./use";
 
 type Any = Row | (Limit & { values?: undefined });
 
@@ -47,7 +48,7 @@ export function Heat({ known }: { known: Known }) {
           </thead>
           <tbody>
             {rows.map((row) => (
-              <HeatRow key={row.id} row={row} known={known} several={several} />
+              <StillRow key={row.id} row={row} known={known} several={several} />
             ))}
           </tbody>
         </table>
@@ -57,7 +58,26 @@ export function Heat({ known }: { known: Known }) {
   );
 }
 
-function HeatRow({ row, known, several }: { row: Any; known: Known; several: boolean }) {
+interface Of {
+  row: Any;
+  known: Known;
+  several: boolean;
+}
+
+/** Most rows stay what they are while one thing is moved: those are not drawn again. */
+const StillRow = still<Of>(HeatRow, ({ row, known, several }) => [
+  row.id,
+  row.name,
+  row.values && row.margins.join(),
+  row.values && row.grades.join(),
+  "points" in row && !known.settled,
+  known.selected?.row === row.id ? known.selected.state : null,
+  known.live?.states.length,
+  several,
+  known.lang,
+]);
+
+function HeatRow({ row, known, several }: Of) {
   const states = known.live?.states ?? [];
   const late = "points" in row && !known.settled;
   return (

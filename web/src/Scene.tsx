@@ -150,7 +150,7 @@ function build(s: Stage, shown: Shown): void {
 function look(s: Stage, shown: Shown, from: Point): void {
   const sphere = new THREE.Box3().setFromPoints([...shown.laid.joints, ...shown.laid.ends].map(put)).getBoundingSphere(new THREE.Sphere());
   const across = Math.min(1, s.camera.aspect);
-  const far = sphere.radius / Math.sin((s.camera.fov * Math.PI) / 360) / Math.max(across, 0.4) * (s.camera.aspect > 1.6 ? 0.55 : 1.02);
+  const far = sphere.radius / Math.sin((s.camera.fov * Math.PI) / 360) / Math.max(across, 0.4) * (s.camera.aspect > 1.6 ? 0.66 : 1.02);
   s.controls.target.copy(sphere.center);
   s.camera.position.copy(sphere.center).addScaledVector(put(from).normalize(), far);
   s.camera.far = far * 6;

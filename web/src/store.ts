@@ -98,9 +98,17 @@ interface Sent {
   commit: boolean;
   held: boolean;
   since: number;
+  shown: boolean;
 }
 
-type Waiting = { kind: "ask" | "pose"; question: Question; commit: boolean; since: number };
+interface Waiting {
+  kind: "ask" | "pose";
+  question: Question;
+  commit: boolean;
+  since: number;
+  /** Whether what was asked for is on the page before the answer. */
+  shown?: boolean;
+}
 
 export const remembered = (key: string): string | null => {
   try {
@@ -285,7 +293,7 @@ export class Store {
     const { kind, commit, since } = waiting;
     const now = this.known.history?.text;
     const question = commit && now !== undefined ? { ...waiting.question, text: now } : waiting.question;
-    this.sent = { id: this.ids, kind, commit, since, held: question.held ?? false };
+    this.sent = { id: this.ids, kind, commit, since, held: question.held ?? false, shown: waiting.shown ?? false };
     if (kind === "ask") {
       this.latest = this.ids;
       if (this.known.settled || this.known.helping) this.set({ settled: false, helping: false });
@@ -306,7 +314,7 @@ export class Store {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
     if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
-    painted(sent.since);
+    if (!sent.shown) painted(sent.since);
     const commit = this.commits.shift();
     const next = commit ?? this.next;
     if (!commit) this.next = null;
@@ -456,12 +464,12 @@ export class Store {
     this.set({ asked: { line, ...asked } });
     const history = this.known.history;
     if (!history) return;
-    this.put({
-      kind: "pose",
-      question: { text: history.text, pose: this.known.asked },
-      commit: false,
-      since: performance.now(),
-    });
+    const since = performance.now();
+    const shown = asked.travel_mm === undefined && asked.torque_Nm === undefined;
+    // A state is here already; only its curves are asked for.
+    if (shown) painted(since);
+    const question = { text: history.text, pose: this.known.asked };
+    this.put({ kind: "pose", question, commit: false, since, shown });
   }
 
   look(selected: Selected | null): void {
