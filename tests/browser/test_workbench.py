@@ -246,6 +246,21 @@ def test_what_would_help_is_made_by_a_click(browser, tmp_path):
         assert "pass" in browser.find_element("css selector", ".verdict").text.lower()
 
 
+def test_a_tube_is_swapped_for_another_of_the_catalogue(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        chosen = browser.find_element("css selector", "[data-part='driveline.shafts[2].tube']")
+        Select(chosen).select_by_value("100x3")
+        now = edited(browser, was)
+        assert files.loads(now).lines[0].line.shafts[1].tube.outer == pytest.approx(0.1)
+        assert now.count("120x4") == was.count("120x4") - 1
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+
+
 def test_an_unsaved_edit_survives_a_crash_and_another_program(browser, tmp_path):
     with workbench(tmp_path, CHAIN) as (house, path):
         opened(browser, house)

@@ -134,6 +134,24 @@ def test_numbers_and_names_are_edited_by_address(house):
         assert "nothing" in json.dumps(told["problems"])
 
 
+def test_a_joint_and_a_tube_are_swapped_by_name():
+    text = TRUCK.read_text("utf-8")
+    line = asked(text)["lines"][0]
+    assert line["joint_at"] == ["driveline.joints"] * 4
+    assert (line["joint_now"][0], line["tube_now"][2]) == ("2040", "120x4")
+    sizes = {j["name"]: j for j in words.catalogue()["joints"]}
+    tubes = {c["name"]: c for c in words.catalogue()["tubes"]}
+    assert len(sizes) > 40
+    assert len(tubes) > 20
+    edits = {"driveline.joints": "2055", "driveline.shafts[3].tube": "100x3"}
+    told = asked(text, edits=edits)
+    app = files.loads(told["text"])
+    assert app.lines[0].line.joints[0].peak_torque == sizes["2055"]["peak_Nm"]
+    assert app.lines[0].line.shafts[2].tube.outer * 1e3 == pytest.approx(tubes["100x3"]["outer_mm"])
+    assert told["text"].count("#") == text.count("#")
+    assert 'joints: "2055"' in told["text"]
+
+
 def test_what_is_wrong_with_a_file_is_an_answer(house):
     with page(house) as one:
         one.hello()

@@ -9,6 +9,7 @@ import { number, percent } from "./format";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
+import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
 import { store, worst, type Known } from "./store";
@@ -31,6 +32,7 @@ const rested = ({ known, shown }: Both): unknown[] => [
 ];
 const StillPoser = still<Both>(Poser, rested);
 const StillDials = still<Both>(Dials, (p) => [...rested(p), known_phase(p)]);
+const StillParts = still<Both>(Parts, rested);
 const StillEditor = still<{ known: Known }>(Editor, ({ known: k }) => [k.history, k.problems, k.live?.warnings.length, k.lang, k.file]);
 const StillHelps = still<{ known: Known }>(Helps, ({ known: k }) => [k.helps, k.helping, k.full, k.settled, k.lang]);
 
@@ -63,6 +65,7 @@ export function App() {
                 <Views known={known} shown={shown} />
                 <StillPoser known={known} shown={shown} />
                 <Angles known={known} shown={shown} />
+                <StillParts known={known} shown={shown} />
                 <StillEditor known={known} />
               </div>
               <div class="right">

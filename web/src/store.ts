@@ -5,6 +5,7 @@ import { speak } from "./format";
 import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
 import type {
+  Catalogue,
   Drag,
   Edits,
   Explained,
@@ -39,6 +40,7 @@ export interface Known {
   lang: string;
   languages: string[];
   quantities: Record<string, Explained>;
+  catalogue: Catalogue;
   files: string[];
   file: number | null;
   history: History.History | null;
@@ -65,6 +67,7 @@ const start: Known = {
   lang: "en",
   languages: ["en"],
   quantities: {},
+  catalogue: { joints: [], tubes: [] },
   files: [],
   file: null,
   history: null,
@@ -179,6 +182,7 @@ export class Store {
           lang: m.lang,
           languages: m.languages,
           quantities: m.quantities,
+          catalogue: m.catalogue,
           files: m.files,
         });
         if (this.known.file !== null) this.rejoin(this.known.file);
@@ -342,7 +346,11 @@ export class Store {
   /** What an answer leaves out while something is held. */
   private kept(live: Live): Live {
     const lines = this.known.live?.lines;
-    return { ...live, lines: live.lines.map((l, k) => ({ ...l, phase_at: lines?.[k]?.phase_at ?? [] })) };
+    const written = (k: number) => {
+      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [] } = lines?.[k] ?? {};
+      return { phase_at, tube_at, tube_now, joint_at, joint_now };
+    };
+    return { ...live, lines: live.lines.map((l, k) => ({ ...l, ...written(k) })) };
   }
 
   /** Show the document as it is: a change could not be made. */

@@ -37,6 +37,10 @@ export interface Line {
   joints: string[];
   phases: number[];
   phase_at: string[];
+  tube_at: string[];
+  tube_now: string[];
+  joint_at: string[];
+  joint_now: string[];
   angles: number[][];
   side_angles: number[][];
   top_angles: number[][];
@@ -203,6 +207,11 @@ export interface Explained {
   source: string;
 }
 
+export interface Catalogue {
+  joints: { name: string; series: string; peak_Nm: Maybe; reversing_Nm: Maybe; bearing_Nm: Maybe }[];
+  tubes: { name: string; outer_mm: number; wall_mm: number }[];
+}
+
 interface Answered {
   id: number;
   text: string;
@@ -218,6 +227,7 @@ export type Told =
       languages: string[];
       texts: Record<string, string>;
       quantities: Record<string, Explained>;
+      catalogue: Catalogue;
       files: string[];
     }
   | {

@@ -96,6 +96,16 @@ def phase_address(of: Installed, shaft: int, text: Manuscript) -> str:
     return f"{at}_rad" if f"{at}_rad" in text else f"{at}_deg"
 
 
+def name_address(of: Installed, text: Manuscript, *, joint: int = 0, shaft: int = 0) -> str:
+    """Return the key under which the name of a joint or of a shaft's tube stands.
+
+    Nothing where the part is given in place or not at all: there is no name to change.
+    """
+    at = line_address(of, text)
+    keys = (f"{at}.joints", f"{at}.joints[{joint}]") if joint else (f"{at}.shafts[{shaft}].tube",)
+    return next((key for key in keys if text.written(key)), "")
+
+
 def rounded(value: float, unit: str, sort: str) -> float:
     """Return a value in SI in a unit, without the digits nobody can measure."""
     worth = UNITS[unit]

@@ -23,7 +23,7 @@ from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Check, Limit, worst
 from cardan.demand.states import demand, resolve
 from cardan.files.manuscript import Manuscript
-from cardan.files.placing import Changes, phase_address, phased, placed
+from cardan.files.placing import Changes, name_address, phase_address, phased, placed
 from cardan.kinematics.chain import turn
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Application, Installed
@@ -235,9 +235,7 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "tube_names": [_tube(s, say) for s in line.shafts],
         "joints": [s.name if s else "" for s in r.sizes],
         "phases": [round(s.phase / deg, 3) for s in line.shafts],
-        "phase_at": [
-            phase_address(installed, k, text) for k in range(1, len(line.shafts) + 1) if text
-        ],
+        **(_written(installed, text) if text else {}),
         "angles": _fs(r.angles / deg, 3),
         "side_angles": _fs(r.side_angles / deg, 3),
         "top_angles": _fs(r.top_angles / deg, 3),
@@ -256,6 +254,20 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "equivalent": _fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
     }  # fmt: skip
+
+
+def _written(of: Installed, text: Manuscript) -> Json:
+    """Return where phases and names of parts stand in a text, and which; "" where none does."""
+    shafts, joints = range(1, len(of.line.shafts) + 1), range(1, of.line.joint_count + 1)
+    tubes = [name_address(of, text, shaft=k) for k in shafts]
+    sizes = [name_address(of, text, joint=k) for k in joints]
+    return {
+        "phase_at": [phase_address(of, k, text) for k in shafts],
+        "tube_at": tubes,
+        "tube_now": [text.written(at) or "" for at in tubes],
+        "joint_at": sizes,
+        "joint_now": [text.written(at) or "" for at in sizes],
+    }
 
 
 def _tube(shaft: Shaft, say: Language) -> str:

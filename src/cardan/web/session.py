@@ -117,6 +117,7 @@ class Session:
             languages=words.languages(),
             texts=words.texts(say),
             quantities=words.quantities(say),
+            catalogue=words.catalogue(),
             files=[p.name for p in self.desk.papers],
         )
 

@@ -6,9 +6,13 @@ two lists against each other.
 
 from typing import Any
 
+from cardan.base.units import mm
+from cardan.files.catalogue import Kind, find, shipped
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import CODES, Language
 from cardan.report.wording import cited
+
+KINDS: tuple[Kind, ...] = ("joint", "tube")
 
 WORDS: tuple[str, ...] = (
     "Colours",
@@ -25,6 +29,7 @@ WORDS: tuple[str, ...] = (
     "Line",
     "Look from",
     "Notes",
+    "Parts",
     "Save",
     "Shown is the last that could be read: {why}",
     "Side view, from the left",
@@ -59,6 +64,7 @@ WORDS: tuple[str, ...] = (
     "ask",
     "asking …",
     "bearing forces follow …",
+    "bearings",
     "centre bearing {n}",
     "clearance",
     "close",
@@ -67,9 +73,12 @@ WORDS: tuple[str, ...] = (
     "dark",
     "drive",
     "each move alone; a click makes it",
+    "elastic limit",
     "equivalent angle",
     "equivalent angle over the phase of shaft {n}",
+    "every joint",
     "fail",
+    "fatigue",
     "file",
     "gearbox slope",
     "height",
@@ -86,6 +95,7 @@ WORDS: tuple[str, ...] = (
     "margin in %, where it is smallest",
     "not saved",
     "nothing that can be moved alone",
+    "of the catalogue, with their ratings",
     "outside",
     "over the torque [N·m]",
     "over the travel [mm]",
@@ -115,6 +125,7 @@ WORDS: tuple[str, ...] = (
     "to the side",
     "top view",
     "torque",
+    "tube of shaft {n}",
     "undo",
     "value",
     "warn",
@@ -144,6 +155,31 @@ def quantities(say: Language) -> dict[str, dict[str, Any]]:
             "source": cited(q.source, say),
         }
         for q in QUANTITIES.values()
+    }
+
+
+def catalogue() -> dict[str, list[dict[str, Any]]]:
+    """Return the joints and tubes that come with the program, with what they are chosen by."""
+
+    def shown(value: float | None, unit: float = 1.0) -> float | None:
+        return None if value is None else float(f"{value / unit:.6g}")
+
+    found = {kind: [find(name, kind) for name in shipped(kind).rows] for kind in KINDS}
+    return {
+        "joints": [
+            {
+                "name": j.name,
+                "series": j.series,
+                "peak_Nm": shown(j.peak_torque),
+                "reversing_Nm": shown(j.reversing_torque),
+                "bearing_Nm": shown(j.bearing_torque),
+            }
+            for j in found["joint"]
+        ],
+        "tubes": [
+            {"name": name, "outer_mm": shown(tube.outer, mm), "wall_mm": shown(tube.wall, mm)}
+            for name, tube in zip(shipped("tube").rows, found["tube"], strict=True)
+        ],
     }
 
 
