@@ -19,8 +19,8 @@ from statistics import median
 
 ROOT = Path(__file__).parents[1]
 TRUCK = ROOT / "examples" / "refuse-collector-6x2.yaml"
-MOVES = 60
-ROUNDS = 3
+MOVES = 40
+ROUNDS = 2
 
 ECHO = """<!doctype html><title>echo</title><p id=at></p><script>
 const ws = new WebSocket(`ws://${location.host}/ask`); window.took = [];

@@ -485,6 +485,11 @@ def test_a_draft_of_another_file_or_a_broken_one_is_none(tmp_path):
     assert desk.open(1)["draft"] is None
     (kept,) = (tmp_path / "drafts").iterdir()
     assert kept.parent.stat().st_mode & 0o077 == 0 or os.name == "nt"
+    desk.keep(1, "title: y", desk.open(1)["mark"])
+    (other,) = set((tmp_path / "drafts").iterdir()) - {kept}
+    other.write_bytes(kept.read_bytes())  # of the first, in the place of the second
+    assert desk.open(0)["draft"] == "title: x"
+    assert desk.open(1)["draft"] is None
     kept.write_text("{", "utf-8")
     assert desk.open(0)["draft"] is None
 

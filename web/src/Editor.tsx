@@ -16,14 +16,21 @@ export function Editor({ known }: { known: Known }) {
     const element = area.current;
     if (element && element.value !== text && !timer.current) element.value = text;
   }, [text]);
-  if (!history) return null;
   const commit = (): void => {
+    if (timer.current === undefined) return;
     clearTimeout(timer.current);
     timer.current = undefined;
     const now = performance.now();
     if (area.current) store.type(area.current.value, now - last.current < 1500);
     last.current = now;
   };
+  useEffect(() => {
+    store.pending = commit;
+    return () => {
+      store.pending = null;
+    };
+  }, []);
+  if (!history) return null;
   const go = (p: Problem): void => {
     const element = area.current;
     if (!element || !p.line) return;
@@ -52,7 +59,7 @@ export function Editor({ known }: { known: Known }) {
           clearTimeout(timer.current);
           timer.current = setTimeout(commit, 250);
         }}
-        onBlur={() => timer.current && commit()}
+        onBlur={commit}
       />
       {(wrong.length > 0 || odd.length > 0) && (
         <ul class="problems" aria-live="polite">

@@ -141,6 +141,8 @@ export class Store {
   private gesture: Gesture | null = null;
   private keeping: ReturnType<typeof setTimeout> | undefined;
   private latest = 0;
+  /** What an editor has not told yet: asked for before anything that counts on the text. */
+  pending: (() => void) | null = null;
 
   watch(watcher: () => void): () => void {
     this.watchers.add(watcher);
@@ -233,6 +235,9 @@ export class Store {
       this.ask({ text: now.text });
       return;
     }
+    // Nothing that was under way is of this document.
+    this.sent = this.next = this.gesture = null;
+    this.commits = [];
     const history = History.opened(m.saved, m.mark, m.draft);
     let notice: Notice | null = null;
     if (m.draft !== null) notice = { kind: "restored" };
@@ -250,6 +255,7 @@ export class Store {
       helps: null,
       selected: null,
       order: [],
+      held: null,
     });
     this.ask({ text: history.text });
   }
@@ -262,6 +268,7 @@ export class Store {
   }
 
   private disk(text: string, mark: string, conflict: boolean): void {
+    this.pending?.();
     const history = this.known.history;
     if (!history) return;
     const found = History.onDisk(history, text, mark);
@@ -409,6 +416,9 @@ export class Store {
 
   open(file: number): void {
     this.rejoining = false;
+    this.pending?.();
+    this.release();
+    if (this.keeping !== undefined) this.keepNow();
     this.link?.say({ type: "open", file });
   }
 
@@ -424,14 +434,17 @@ export class Store {
   }
 
   undo(): void {
+    this.pending?.();
     if (this.known.history) this.now(History.undone(this.known.history));
   }
 
   redo(): void {
+    this.pending?.();
     if (this.known.history) this.now(History.redone(this.known.history));
   }
 
   save(): void {
+    this.pending?.();
     const { history, file } = this.known;
     if (!history || file === null) return;
     clearTimeout(this.keeping);
@@ -451,14 +464,16 @@ export class Store {
 
   private keep(): void {
     clearTimeout(this.keeping);
-    this.keeping = setTimeout(() => {
-      const { history, file } = this.known;
-      if (!history || file === null) return;
-      const { text, mark } = history;
-      this.link?.say(
-        History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file },
-      );
-    }, 300);
+    this.keeping = setTimeout(() => this.keepNow(), 300);
+  }
+
+  private keepNow(): void {
+    clearTimeout(this.keeping);
+    this.keeping = undefined;
+    const { history, file } = this.known;
+    if (!history || file === null) return;
+    const { text, mark } = history;
+    this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
   }
 
   dismiss(): void {

@@ -151,6 +151,31 @@ describe("the document", () => {
     expect(again.asked().at(-1)?.text).toBe("a*");
   });
 
+  it("saves what an editor has not told yet", () => {
+    store.pending = () => store.type("typed", false);
+    store.save();
+    expect(socket.said.at(-1)).toMatchObject({ type: "save", text: "typed" });
+  });
+
+  it("is never mixed with another: an answer of the one before changes nothing", () => {
+    store.hold("h", by(1));
+    store.release();
+    const late = socket.asked().at(-1) as Said;
+    store.apply({ x: 1 });
+    socket.tell({ type: "opened", file: 0, name: "b.yaml", saved: "b", mark: "n", draft: null, stale: false });
+    socket.tell({ type: "live", id: late.id, text: "a+1", lines: [], limits: [], pending: [], states: [], obstacles: [], handles: [] });
+    expect(store.known.history).toMatchObject({ text: "b", past: [] });
+    socket.answer();
+    expect(store.known.history).toMatchObject({ text: "b", past: [] });
+  });
+
+  it("is kept at once where another one is opened", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    store.open(0);
+    expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*" }, { type: "open" }]);
+  });
+
   it("takes the verdict of the latest question alone", () => {
     const first = store.known;
     socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
