@@ -256,6 +256,17 @@ def test_the_page_comes_with_every_guard(house):
         assert not {"server", "date"} & set(headers)
 
 
+def test_both_of_this_machines_own_addresses_are_served(house):
+    for address, host in (("127.0.0.1", "127.0.0.1"), ("127.0.0.1", "localhost"), ("::1", "[::1]")):
+        if address == "::1" and not server.has_ipv6():
+            continue
+        asked_for = f"{host}:{house.port}"
+        headers = {"Host": asked_for, "Origin": f"http://{asked_for}"}
+        assert got(house, "/", headers=headers, address=address)[0] == 200
+        mixed = {"Host": asked_for, "Origin": "http://127.0.0.2:80"}
+        assert got(house, "/", headers=mixed, address=address)[0] == 403
+
+
 @pytest.mark.parametrize(
     "headers",
     [

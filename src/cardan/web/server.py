@@ -111,7 +111,7 @@ def _listening(family: int, address: str, port: int) -> socket.socket | None:
         try:
             one.bind((address, port))
         except OSError:
-            if family == socket.AF_INET6 and not _has_ipv6():
+            if family == socket.AF_INET6 and not has_ipv6():
                 one.close()
                 return None
             raise
@@ -122,7 +122,8 @@ def _listening(family: int, address: str, port: int) -> socket.socket | None:
     return one
 
 
-def _has_ipv6() -> bool:
+def has_ipv6() -> bool:
+    """Return whether this machine has an address of the newer kind."""
     with suppress(OSError), socket.socket(socket.AF_INET6, socket.SOCK_STREAM) as one:
         one.bind(("::1", 0))
         return True
