@@ -4,15 +4,19 @@ FILE ?= examples/refuse-collector-6x2.yaml
 VENV := .venv
 BIN := $(if $(filter Windows_NT,$(OS)),$(VENV)/Scripts,$(VENV)/bin)
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+PAGE := src/cardan/web/static/index.html
 INSTALL = $(PIP) install --constraint constraints.txt --editable
 
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check test bracket lint docs oracle office browser mutants bench clean
+.PHONY: check serve test bracket lint docs oracle office browser front mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
+
+serve: $(VENV)/cardan-web $(PAGE)   ## the workbench, in the browser
+	@$(BIN)/cardan serve $(FILE)
 
 test: $(VENV)/cardan-test   ## the whole test suite
 	$(BIN)/python -m pytest -n 2 -q
@@ -37,8 +41,11 @@ bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; wit
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m office tests/office
 
-browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core  ## pages read in Chromium
+browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE)  ## pages read in Chromium
 	$(BIN)/python -m pytest -q -m browser tests/browser
+
+front: web/node_modules   ## the workbench's page: types and unit tests
+	cd web && npm run --silent types && npm run --silent test
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants
@@ -55,8 +62,17 @@ $(VENV)/cardan-%: $(VENV)/cardan
 	$(INSTALL) .[$*]
 	@touch $@
 
+$(PAGE): $(wildcard web/src/*) web/index.html web/vite.config.ts web/node_modules
+	cd web && npm run --silent build -- --logLevel error
+	@touch $@
+
+web/node_modules: web/package.json web/package-lock.json
+	@command -v npm >/dev/null || { echo "the workbench's page needs Node 20.19 or newer with npm to be built"; exit 1; }
+	cd web && npm ci --silent
+	@touch $@
+
 node_modules/axe-core:
 	npm install --silent --no-save --no-package-lock axe-core@4.14.1
 
 clean:
-	rm -rf $(VENV) node_modules site build dist
+	rm -rf $(VENV) node_modules web/node_modules src/cardan/web/static site build dist

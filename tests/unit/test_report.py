@@ -45,6 +45,7 @@ from cardan.study.fix import fix
 from cardan.study.sensitivity import sensitivities
 from cardan.study.stability import stability
 from cardan.study.studies import STUDIES, VibrationStudy
+from cardan.web.words import WORDS
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [*(ROOT / "src/cardan/report").glob("*.py"), *(ROOT / "src/cardan/cli").glob("*.py")]
@@ -85,7 +86,7 @@ def said_in(source: Path):
 def test_every_text_is_translated():
     said = {text for source in SOURCES for text in said_in(source)}
     assert len(said) > 200
-    said |= {w for m in MOVABLES.values() for w in (m.forth, m.back)} | set(STUDIES)
+    said |= {w for m in MOVABLES.values() for w in (m.forth, m.back)} | set(STUDIES) | set(WORDS)
     for code in CODES[1:]:
         assert sorted(said - {text for _, text in catalogue(code)}) == []
 

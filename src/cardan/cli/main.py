@@ -17,7 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # finds few, in a tenth of the time of a check.
 gc.set_threshold(50_000, 20, 50)
 
-NAMES = ("bracket", "check", "explain", "fix", "life", "new", "schema", "stability", "verify")
+NAMES = (
+    "bracket", "check", "explain", "fix", "life", "new", "schema", "serve", "stability", "verify",
+)  # fmt: skip
 """The commands: each is the function of its name in the module of its name."""
 
 

@@ -220,7 +220,7 @@ class _Search:
                 known[z.tobytes()] = needed(z)
             return known[z.tobytes()]
 
-        def room(z: FloatArray) -> FloatArray:
+        def room(z: FloatArray) -> Any:
             return once(z)[0]
 
         def slope(z: FloatArray) -> FloatArray:

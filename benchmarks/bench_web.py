@@ -1,0 +1,195 @@
+"""The workbench in Chromium, from a hand's move to painted pixels, beside an empty echo page.
+
+    python benchmarks/bench_web.py
+
+The echo page sends a number over a socket of the same server, gets it back and writes it: what
+is left is Chromium, loopback and Python's event loop. Both are measured in turn in one run.
+Needs Chromium with chromedriver, the extras `web` and `browser`, and the built page.
+"""
+
+import asyncio
+import os
+import shutil
+import socket
+import sys
+import tempfile
+import threading
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).parents[1]
+TRUCK = ROOT / "examples" / "refuse-collector-6x2.yaml"
+MOVES = 40
+ROUNDS = 2
+
+ECHO = """<!doctype html><title>echo</title><p id=at></p><script>
+const ws = new WebSocket(`ws://${location.host}/ask`); window.took = [];
+let since = 0;
+ws.onmessage = e => { at.textContent = e.data; const from = since;
+  requestAnimationFrame(() => { const c = new MessageChannel();
+    c.port1.onmessage = () => took.push(performance.now() - from); c.port2.postMessage(0); }); };
+window.move = k => { since = performance.now(); ws.send(String(k)); };
+window.up = () => ws.readyState === 1;
+</script>"""
+
+HAND = """
+const [kind, count, every, done] = arguments;
+const acts = {
+  drag(k) {
+    const e = document.querySelector("[data-handle='side/main/bearing/2']");
+    const at = {bubbles: true, pointerId: 1, button: 0, clientX: 300, clientY: 300 - (k % 20)};
+    e.setPointerCapture = () => {};
+    if (k === 0) e.dispatchEvent(new PointerEvent('pointerdown', {...at, clientY: 300}));
+    e.dispatchEvent(new PointerEvent('pointermove', at));
+    if (k === count - 1) e.dispatchEvent(new PointerEvent('pointercancel', at));
+  },
+  state(k) {
+    const all = [...document.querySelectorAll('.poser .chips button')];
+    all[k % all.length].click();
+  },
+  travel(k) {
+    const e = document.querySelectorAll('.poser input[type=range]')[0];
+    e.value = -100 + k; e.dispatchEvent(new Event('input', {bubbles: true}));
+  },
+  torque(k) {
+    const e = document.querySelectorAll('.poser input[type=range]')[1];
+    e.value = 100 * k; e.dispatchEvent(new Event('input', {bubbles: true}));
+  },
+  cell(k) {
+    const all = [...document.querySelectorAll('.heat button.cell')];
+    all[(k * 7) % all.length].click();
+  },
+};
+performance.clearMeasures();
+let k = 0;
+const timer = setInterval(() => {
+  acts[kind](k++);
+  if (k < count) return;
+  clearInterval(timer);
+  setTimeout(() => done(performance.getEntriesByName('cardan:painted').map(e => e.duration)), 600);
+}, every);
+"""
+
+EMPTY = """
+const [count, every, done] = arguments; window.took = []; let k = 0;
+const timer = setInterval(() => { move(k++); if (k < count) return; clearInterval(timer);
+  setTimeout(() => done(took), 300); }, every);
+"""
+
+ROWS = (
+    ("drag a bearing, move by move", "drag", 120, 35),
+    ("drag a bearing, 60 moves a second", "drag", 16, 35),
+    ("choose a state", "state", 150, 30),
+    ("travel slider", "travel", 150, 30),
+    ("torque slider", "torque", 150, 30),
+    ("a cell of the heat map", "cell", 150, 50),
+)
+
+
+def missing() -> str:
+    """Return what is not there to measure with."""
+    if not (
+        shutil.which("chromedriver") and (shutil.which("chromium") or shutil.which("google-chrome"))
+    ):
+        return "Chromium with chromedriver"
+    try:
+        import selenium  # noqa: F401
+
+        from cardan.web import server
+
+        server.front()
+    except ModuleNotFoundError as error:
+        return f"{error.name}"
+    except Exception as error:  # noqa: BLE001  the page is not built
+        return str(error)
+    return ""
+
+
+def browser():
+    """Return a browser without windows."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1440,1000"):
+        options.add_argument(flag)
+    options.binary_location = shutil.which("chromium") or shutil.which("google-chrome") or ""
+    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+
+
+def echo(listening: socket.socket) -> None:
+    """Serve the empty page, for as long as the process lasts."""
+    import uvicorn
+    from starlette.applications import Starlette
+    from starlette.responses import HTMLResponse
+    from starlette.routing import Route, WebSocketRoute
+
+    async def page(_):
+        return HTMLResponse(ECHO)
+
+    async def ask(ws):
+        await ws.accept()
+        async for said in ws.iter_text():
+            await ws.send_text(said)
+
+    app = Starlette(routes=[Route("/", page), WebSocketRoute("/ask", ask)])
+    config = uvicorn.Config(app, log_level="critical", lifespan="off", ws="websockets-sansio")
+    asyncio.run(uvicorn.Server(config).serve(sockets=[listening]))
+
+
+def until(driver, script: str) -> None:
+    """Wait until a script is true."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    WebDriverWait(driver, 60, 0.05).until(lambda d: d.execute_script(f"return !!({script})"))
+
+
+def main() -> None:
+    """Print the rows."""
+    if lacking := missing():
+        print(f"not measured: {lacking} is missing")
+        return
+    sys.path.insert(0, str(ROOT / "tests"))
+    from workbench import running
+
+    from cardan.web import server
+
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    quiet = socket.socket()
+    quiet.bind(("127.0.0.1", 0))
+    quiet.listen()
+    threading.Thread(target=echo, args=(quiet,), daemon=True).start()
+    took: dict[str, list[float]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / TRUCK.name
+        path.write_bytes(TRUCK.read_bytes())
+        with running(path, Path(folder) / "drafts", built=server.front()) as house:
+            ours, theirs = browser(), browser()
+            try:
+                ours.get(house.address)
+                until(ours, "document.querySelector('.strip .counts .pass')")
+                theirs.get(f"http://127.0.0.1:{quiet.getsockname()[1]}/")
+                until(theirs, "up()")
+                for _ in range(ROUNDS):
+                    for name, kind, every, _target in ROWS:
+                        empty = theirs.execute_async_script(EMPTY, MOVES, every)
+                        took.setdefault(f"{name}/echo", []).extend(empty)
+                        found = ours.execute_async_script(HAND, kind, MOVES, every)
+                        took.setdefault(name, []).extend(found)
+                        until(ours, "!document.querySelector('.strip.open')")
+            finally:
+                ours.quit()
+                theirs.quit()
+    print("| what | target ms | median ms | 90th percentile ms | echo page ms | over echo |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for name, _kind, _every, target in ROWS:
+        us, them = sorted(took[name]), median(took[f"{name}/echo"])
+        last = us[int(0.9 * len(us))]
+        print(
+            f"| {name} | {target} | {median(us):.0f} | {last:.0f} | {them:.1f} "
+            f"| {median(us) / them:.0f} |"
+        )
+
+
+if __name__ == "__main__":
+    main()

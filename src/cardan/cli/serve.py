@@ -1,0 +1,45 @@
+"""`cardan serve`: the workbench, in the browser of this machine."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from cardan.base.errors import NotInstalled
+from cardan.cli.common import note, put
+from cardan.cli.ending import kindly
+
+
+@click.command()
+@click.argument(
+    "opened", metavar="[FILE|FOLDER]", default=".", type=click.Path(path_type=Path, exists=True)
+)
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="0, the default: any free.")
+@click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@kindly
+def serve(opened: Path, *, port: int, no_browser: bool) -> None:
+    """Open the workbench: drag a bearing, see the verdict.
+
+    On this machine alone; its address is for you: whoever has it can edit the files. Ends
+    with Ctrl-C.
+    """
+    for name in ("starlette", "uvicorn", "websockets"):
+        if find_spec(name) is None:
+            msg = f"the workbench needs {name}: pip install 'cardan[web]'"
+            raise NotInstalled(msg)
+    from cardan.web import server
+    from cardan.web.desk import Desk
+
+    desk = Desk(opened)
+    listening = server.sockets(port)
+    house = server.House(desk, port=listening[0].getsockname()[1])
+
+    def ready() -> None:
+        put(house.address)
+        note("Ends with Ctrl-C.")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(house.address)
+
+    server.serve(house, listening, ready=ready)

@@ -1,0 +1,148 @@
+"""A text with some of its values written anew: comments, order and all else stay as they are.
+
+An address is a key as errors print it. A value that stands in the text is replaced where it
+stands; a key that its table does not give is put in front of the table's others.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+
+from cardan.base.errors import BadFile, Problem
+from cardan.border.document import Mapping as TableNode
+from cardan.border.document import Node, Scalar, Sequence, parse
+
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
+_PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._/x-]*")
+"""Texts that need no quotes wherever they stand."""
+_AHEAD = re.compile(r"(?: |- )*")
+"""What may stand in a line before the first key of a table."""
+
+
+class Manuscript:
+    """A text that knows where each of its values stands.
+
+    Raises
+    ------
+    BadFile
+        If the text is no YAML.
+    """
+
+    def __init__(self, text: str, name: str = "application") -> None:
+        self.text, self.name = text, name
+        root, _ = parse(text, name)
+        self._starts: list[int] = [m.start() for m in _LINE.finditer(text)]
+        self._nodes: dict[str, Node] = {}
+        self._shared: set[int] = set()
+        seen: set[int] = set()
+        for at, node in _walk(root, ""):
+            self._nodes[at] = node
+            if id(node) in seen:
+                self._shared.add(id(node))  # a name stands for it in several places
+            seen.add(id(node))
+
+    def __contains__(self, address: str) -> bool:
+        """Return whether something stands at an address."""
+        return address in self._nodes
+
+    @property
+    def addresses(self) -> tuple[str, ...]:
+        """Every address at which something stands, tables and lists too."""
+        return tuple(self._nodes)
+
+    def written(self, address: str) -> str | None:
+        """Return a single value as it was written; None where there is none."""
+        node = self._nodes.get(address)
+        return node.text if isinstance(node, Scalar) else None
+
+    def with_(self, changes: Mapping[str, float | str | list[float]]) -> str:
+        """Return the text with other values, numbers in the units of their keys.
+
+        Raises
+        ------
+        BadFile
+            If a value cannot be written where it would stand: a name stands there for a value
+            given elsewhere, or its table is not in the text. Nothing is written then.
+        """
+        edits = sorted((self._edit(at, to) for at, to in changes.items()), reverse=True)
+        text = self.text
+        for start, end, new in edits:
+            text = text[:start] + new + text[end:]
+        return text
+
+    def _edit(self, at: str, to: float | str | list[float]) -> tuple[int, int, str]:
+        """Return from where to where a change goes, and what it puts there."""
+        node = self._nodes.get(at)
+        if node is None:
+            return self._insertion(at, to)
+        if id(node) in self._shared:
+            raise self._refused(at, node, "*names stand for it in other places: change it by hand")
+        if not isinstance(node, Scalar):
+            raise self._refused(at, node, "is a table or a list: change what stands in it")
+        start = self._offset(node)
+        if node.quoted:
+            found = next((q for q in "'\"" if self._is(start, f"{q}{node.text}{q}")), None)
+            if found is None:
+                raise self._refused(at, node, "is written in a way that has to be changed by hand")
+            return start, start + len(node.text) + 2, _token(to, "")
+        if not self._is(start, node.text) or not node.text:
+            raise self._refused(at, node, "is written in a way that has to be changed by hand")
+        return start, start + len(node.text), _token(to, node.text)
+
+    def _insertion(self, at: str, to: float | str | list[float]) -> tuple[int, int, str]:
+        """Return the change that puts a key into its table, before the others."""
+        above, _, key = at.rpartition(".")
+        table = self._nodes.get(above)
+        if not isinstance(table, TableNode) or not table.entries or id(table) in self._shared:
+            problem = Problem(
+                message="does not stand in the file, nor does the table it belongs to", key=at
+            )
+            raise BadFile(self.name, (problem,))
+        said = f"{key}: {_token(to, '')}"
+        start = self._offset(table)
+        if self._is(start, "{"):
+            return start + 1, start + 1, f"{said}, "
+        first = next(iter(table.entries.values()))[0]
+        start = self._offset(first)
+        if not _AHEAD.fullmatch(self.text, self._starts[first.line - 1], start):
+            raise self._refused(at, table, "is written in a way that has to be changed by hand")
+        breaks = "\r\n" if "\r\n" in self.text else "\n"
+        return start, start, f"{said}{breaks}{' ' * (first.column - 1)}"
+
+    def _offset(self, node: Node) -> int:
+        return self._starts[node.line - 1] + node.column - 1
+
+    def _is(self, start: int, said: str) -> bool:
+        return self.text.startswith(said, start)
+
+    def _refused(self, at: str, node: Node, message: str) -> BadFile:
+        problem = Problem(message=message, key=at, line=node.line, column=node.column)
+        return BadFile(self.name, (problem,))
+
+
+def _walk(node: Node, at: str) -> Iterator[tuple[str, Node]]:
+    """Yield every node with its address, as errors print it."""
+    yield at, node
+    if isinstance(node, TableNode):
+        for name, (_, inside) in node.entries.items():
+            yield from _walk(inside, f"{at}.{name}" if at else name)
+    elif isinstance(node, Sequence):
+        for k, item in enumerate(node.items, 1):
+            yield from _walk(item, f"{at}[{k}]")
+
+
+def _token(to: float | str | list[float], like: str) -> str:
+    """Return a value as it is written, a number with as many decimals as stood there."""
+    if isinstance(to, list):
+        return f"[{', '.join(_token(t, '') for t in to)}]"
+    if isinstance(to, str):
+        plain = _PLAIN.fullmatch(to) and isinstance(Scalar(to, 1, 1).value, str)
+        return to if plain and not to.endswith(" ") else '"' + _escaped(to) + '"'
+    short = f"{to + 0.0:.12g}"
+    if "e" in short:
+        return short
+    decimals = len(like.partition(".")[2]) if re.fullmatch(r"[-+]?\d+\.\d+", like) else 0
+    return max(short, f"{to + 0.0:.{decimals}f}", key=len)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', '\\"')

@@ -1,0 +1,146 @@
+"""A layout as the numbers of a file that say it: what `files.geometry` reads, the other way.
+
+A file gives slopes, joint angles or points. Whichever it gives is what changes, and no other
+number does but the lengths that follow.
+"""
+
+from collections.abc import Iterable
+from typing import Literal
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import UNITS, deg, mm
+from cardan.files.manuscript import Manuscript
+from cardan.model.application import Installed
+from cardan.model.layout import Layout
+
+FINEST = {"length": 0.01 * mm, "slope": 1e-3 * deg}
+"""What a written number is rounded to: a tenth of what anybody can measure in a frame."""
+
+Changes = dict[str, float | str | list[float]]
+"""By address, in the unit of its key."""
+
+
+def line_address(of: Installed, text: Manuscript) -> str:
+    """Return the key that a line stands under."""
+    return "driveline" if "driveline" in text else f"drivelines.{of.line.name}"
+
+
+def form(of: Installed, text: Manuscript) -> Literal["points", "slopes", "joint_angles"]:
+    """Return how a text says where a line runs."""
+    at = line_address(of, text)
+    if f"{at}.slopes" in text:
+        return "slopes"
+    return "joint_angles" if f"{at}.joint_angles" in text else "points"
+
+
+def placed(of: Installed, layout: Layout, text: Manuscript) -> Changes:
+    """Return what changes in a text so that a line runs as a layout says.
+
+    Parameters
+    ----------
+    of
+        The line as the text has it now.
+    layout : (n, 3) m
+        Where it is to run. Joint 1 of a file without points is its origin and stays.
+    text
+        What it was read from.
+
+    Raises
+    ------
+    DesignError
+        If the text cannot say it: joint angles begin at a gearbox that is level.
+    """
+    at, was, said = line_address(of, text), of.layout, form(of, text)
+    changes: Changes = {}
+    if points := _list(f"{at}.points", text):
+        key, unit = points
+        for k, c in zip(*np.nonzero(np.abs(layout.points - was.points) > 1e-9), strict=True):
+            now, before = (rounded(float(o.points[k, c]), unit, "length") for o in (layout, was))
+            if now != before:
+                changes[f"{key}[{k + 1}][{c + 1}]"] = now
+        for name, end in (("gearbox_slope", 0), ("pinion_slope", -1)):
+            changes |= _slopes(f"{at}.{name}", was, layout, end, text)
+    elif said == "slopes":
+        for view in ("side", "top"):
+            changes |= _listed(
+                f"{at}.slopes.{view}", getattr(was, view), getattr(layout, view), text
+            )
+    else:
+        changes |= _slopes(f"{at}.gearbox_slope", was, layout, 0, text)
+        for view in ("side", "top"):
+            before, after = (np.diff(getattr(o, view)) for o in (was, layout))
+            changes |= _listed(f"{at}.joint_angles.{view}", before, after, text)
+    for k in np.flatnonzero(np.abs(layout.lengths - was.lengths) > 0.5 * FINEST["length"]):
+        if length := _list(f"{at}.shafts[{k + 1}].length", text):
+            key, unit = length
+            changes[key] = rounded(float(layout.lengths[k]), unit, "length")
+    return changes
+
+
+def phased(of: Installed, phases: Iterable[float], text: Manuscript) -> Changes:
+    """Return what changes in a text so that a line's shafts have other yoke phases, rad."""
+    changes: Changes = {}
+    for k, (shaft, phase) in enumerate(zip(of.line.shafts, phases, strict=True), 1):
+        if abs(shaft.phase - phase) > 1e-9:
+            key = phase_address(of, k, text)
+            changes[key] = rounded(phase, "rad" if key.endswith("_rad") else "deg", "slope")
+    return changes
+
+
+def phase_address(of: Installed, shaft: int, text: Manuscript) -> str:
+    """Return the key that a shaft's yoke phase stands under, or would."""
+    at = f"{line_address(of, text)}.shafts[{shaft}].phase"
+    return f"{at}_rad" if f"{at}_rad" in text else f"{at}_deg"
+
+
+def name_address(of: Installed, text: Manuscript, *, joint: int = 0, shaft: int = 0) -> str:
+    """Return the key under which the name of a joint or of a shaft's tube stands.
+
+    Nothing where the part is given in place or not at all: there is no name to change.
+    """
+    at = line_address(of, text)
+    keys = (f"{at}.joints", f"{at}.joints[{joint}]") if joint else (f"{at}.shafts[{shaft}].tube",)
+    return next((key for key in keys if text.written(key)), "")
+
+
+def rounded(value: float, unit: str, sort: str) -> float:
+    """Return a value in SI in a unit, without the digits nobody can measure."""
+    worth = UNITS[unit]
+    decimals = max(0, int(np.ceil(-np.log10(FINEST[sort] / worth) - 1e-9)))
+    return round(value / worth, decimals) + 0.0
+
+
+def _list(stem: str, text: Manuscript) -> tuple[str, str] | None:
+    """Return the key that begins so and ends in a unit, with the unit; None if none is given."""
+    keys = ((f"{stem}_{unit}", unit) for unit in UNITS)
+    return next(((key, unit) for key, unit in keys if key in text), None)
+
+
+def _slopes(at: str, was: Layout, now: Layout, end: int, text: Manuscript) -> Changes:
+    """Return changes to the slope of one end of a line."""
+    changes: Changes = {}
+    for view in ("side", "top"):
+        before, after = (float(getattr(o, view)[end]) for o in (was, now))
+        if abs(after - before) > 1e-9:
+            if at not in text:
+                msg = f"{at} is not in the file: give it a {view}_deg first"
+                raise DesignError(msg, about=at)
+            key, unit = _list(f"{at}.{view}", text) or (f"{at}.{view}_deg", "deg")
+            changes[key] = rounded(after, unit, "slope")
+    return changes
+
+
+def _listed(stem: str, was: FloatArray, now: FloatArray, text: Manuscript) -> Changes:
+    """Return changes to a list of angles, which is put there whole where it is not given."""
+    moved = np.flatnonzero(np.abs(now - was) > 1e-9)
+    if not len(moved):
+        return {}
+    given = _list(stem, text)
+    if given is None:
+        return {f"{stem}_deg": [rounded(float(v), "deg", "slope") for v in now]}
+    key, unit = given
+    rounds = {int(k): [rounded(float(o[k]), unit, "slope") for o in (now, was)] for k in moved}
+    return {f"{key}[{k + 1}]": new for k, (new, old) in rounds.items() if new != old}

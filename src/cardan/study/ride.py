@@ -1,0 +1,92 @@
+"""A line anywhere between rebound and jounce, under any torque: what a slider moves it through.
+
+The same demand as that of the states, asked at heights of the axle and torques that no state
+names. The axle winds up by the torque where the suspension says how stiff it is.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.errors import DesignError
+from cardan.demand.states import demand, demand_under, resolve
+from cardan.model.application import Application, Installed, State
+from cardan.model.vehicle import SuspensionState
+from cardan.quantity.response import Response, respond
+
+ENDS: tuple[SuspensionState, ...] = ("full rebound", "jounce")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach:
+    """How far a line's axle goes, and what torques it may carry; (0, 0) where nobody says.
+
+    Attributes
+    ----------
+    travel : m
+        Lowest and highest rise of the axle from the reference state.
+    torque : N m
+        Most in coast, below 0, and in drive; (0, 0) where no torque winds the axle up.
+    """
+
+    travel: tuple[float, float]
+    torque: tuple[float, float]
+
+
+def reach(response: Response) -> Reach:
+    """Return how far a line's axle goes, states and stops of the suspension together."""
+    application, installed = response.application, response.demand.installed
+    line = response.demand.standing.line
+    if line.suspension is None:
+        return Reach(travel=(0.0, 0.0), torque=(0.0, 0.0))
+    travels = [float(t) for t in response.demand.travel]
+    for kind in ENDS:
+        with suppress(DesignError):  # a suspension without one of its ends
+            at = replace(application, states=(State(name=kind, kind=kind),))
+            travels.append(float(demand(resolve(at, installed)).travel[0]))
+    asked = response.demand
+    winds = line.suspension.windup_stiffness is not None and line.axle is not None
+    most = np.nan_to_num(np.nanmax(np.append(asked.torque, 0.0))) if winds else 0.0
+    least = -np.nan_to_num(np.nanmax(np.append(asked.coast_torque, 0.0))) if winds else 0.0
+    lowest = min(float(least), float(np.nanmin(np.append(asked.torque, 0.0)))) if winds else 0.0
+    return Reach(travel=(min(travels), max(travels)), torque=(lowest, float(most)))
+
+
+def ride(
+    application: Application, installed: Installed, *, travel: ArrayLike, torque: ArrayLike
+) -> Response:
+    """Return the response of a line with its axle at heights, under torques.
+
+    Parameters
+    ----------
+    travel : (N,) m
+        Rise of the axle from the reference state.
+    torque : (N,) N m
+        Of the line; negative holds back.
+
+    Returns
+    -------
+    Response
+        (N,) on the axis of the states.
+
+    Raises
+    ------
+    DesignError
+        If the line cannot be there: the linkage does not follow, a joint locks.
+    """
+    heights, turned = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(travel, dtype=float)), np.asarray(torque, dtype=float)
+    )
+    at = replace(
+        application,
+        states=tuple(State(name=f"{k}", travel=float(h)) for k, h in enumerate(heights, 1)),
+    )
+    asked = demand(resolve(at, installed))
+    wound: FloatArray = turned[None]
+    under = demand_under(
+        asked, torque=wound, speed=asked.speed, coasts=wound < 0
+    )  # points of its own come first: here there is one
+    layout = under.layout[0]
+    return respond(at, asked, lay=lambda _: layout)

@@ -1,0 +1,559 @@
+"""A document in, results out, as the front draws them: keys, numbers, arrays, names.
+
+Nothing is remembered that could not be told again: what is kept of the last documents saves
+reading them twice. Lengths are in mm, angles in deg, as on the page; what a limit asks about
+is in the unit its quantity is shown in, and None where nothing is known.
+"""
+
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cardan import files
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import BadFile, CardanError, DesignError
+from cardan.base.units import deg, mm, rpm
+from cardan.base.verdict import GRADES, Check, Limit, worst
+from cardan.demand.states import demand, resolve
+from cardan.files.manuscript import Manuscript
+from cardan.files.placing import Changes, name_address, phase_address, phased, placed
+from cardan.kinematics.chain import turn
+from cardan.kinematics.equivalent import ae7_terms
+from cardan.model.application import Application, Installed
+from cardan.model.layout import Layout
+from cardan.model.parts import Shaft
+from cardan.quantity.quantities import ANSWERED, QUANTITIES
+from cardan.quantity.response import Response, respond
+from cardan.report.drawing import worst_state
+from cardan.report.language import Language
+from cardan.report.wording import badness, cited, move, notes, occasion, place, unanswered
+from cardan.study.approval import Approval, approve
+from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
+from cardan.study.driveline import Asked, asked, check
+from cardan.study.finding import DRIVELINE
+from cardan.study.moves import Move, corrected
+from cardan.study.ride import Reach, reach, ride
+from cardan.study.sensitivity import sensitivities
+
+SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
+"""Quantities that are sought over all operating points: a later answer than the others."""
+AT_ONCE = frozenset(ANSWERED) - SOUGHT
+
+RIDE = 61
+"""Places of a slider that its curves are drawn through."""
+ROUND = 72
+"""Points of a turn that the dial's curves are drawn through."""
+PHASES = 37
+"""Yoke phases from 0 to 180 deg that the dial's sum is drawn for."""
+
+KEPT = 6
+"""Documents that are not read again when they are asked about again."""
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A text, read once."""
+
+    text: str
+    name: str
+    folder: Path | None
+
+    @cached_property
+    def manuscript(self) -> Manuscript:
+        """The text as it can be written in."""
+        return Manuscript(self.text, self.name)
+
+    @cached_property
+    def application(self) -> Application:
+        """What it says."""
+        return files.loads(self.text, name=self.name, folder=self.folder)
+
+    @cached_property
+    def responses(self) -> tuple[Response, ...]:
+        """What its lines do in their states."""
+        app = self.application
+        return tuple(respond(app, demand(resolve(app, i))) for i in app.lines)
+
+
+_READ: OrderedDict[tuple[str, str, Path | None], Document] = OrderedDict()
+
+
+def document(text: str, name: str, folder: Path | None) -> Document:
+    """Return a document, the same one where it was asked about a moment ago."""
+    key = text, name, folder
+    found = _READ.pop(key, None) or Document(*key)
+    _READ[key] = found
+    while len(_READ) > KEPT:
+        _READ.popitem(last=False)
+    return found
+
+
+def answer(question: Json) -> Json:
+    """Return the answer to a question; what is wrong with its document is an answer too."""
+    folder = Path(question["folder"]) if question.get("folder") else None
+    text, name = question["text"], question["name"]
+    say = Language(question["lang"])
+    try:
+        edits = _edits(document(text, name, folder), question)
+        if edits:
+            text = document(text, name, folder).manuscript.with_(edits)
+        read = document(text, name, folder)
+        found = _JOBS[question["job"]](read, question, say)
+    except CardanError as error:
+        return {"text": text, "problems": _problems(error, text, name, folder)}
+    return {"text": text, "edits": edits, **found}
+
+
+def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> list[Json]:
+    """Return what is wrong with a document, each with its place."""
+    if isinstance(error, BadFile):
+        keys = ("message", "key", "value", "hint", "line", "column")
+        return [{k: getattr(p, k) for k in keys} for p in error.problems]
+    line = column = 0
+    key = ""
+    with suppress(CardanError):
+        about = error.about if isinstance(error, DesignError) else ""
+        if about and (found := files.place(document(text, name, folder).application, about)):
+            line, column, key = found.line, found.column, found.key
+    return [{"message": str(error), "key": key, "value": "", "hint": "", "line": line,
+             "column": column}]  # fmt: skip
+
+
+def _edits(read: Document, question: Json) -> Changes:
+    """Return the changes that a question makes to its document: by address, or by hand."""
+    edits: Changes = dict(question.get("edits") or {})
+    if drag := question.get("drag"):
+        handle = Handle(kind=drag["kind"], number=drag["number"], line=drag["line"], ways="")
+        assert handle.kind in KINDS
+        by = np.array(drag["by_mm"], dtype=float) * mm
+        edits |= dragged(read.application, handle, by, read.manuscript)
+    return edits
+
+
+# --------------------------------------------------------------------------- what is asked
+
+
+def _live(read: Document, question: Json, say: Language) -> Json:
+    """Return all that follows a hand at once: lines, limits that need no operating points."""
+    app = read.application
+    held = bool(question.get("held"))
+    lines = [_line(r, None if held else read.manuscript, say) for r in read.responses]
+    limits = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
+    grades = {g for row in limits for s in row["grades"] for g in s if g is not None}
+    return {
+        "title": app.title,
+        "profile": app.profile,
+        "states": [_state(read.responses[0], s, say) for s in range(len(app.states))],
+        "worst": worst_state(read.responses[0]),
+        "lines": lines,
+        "obstacles": [_obstacle(o) for o in app.obstacles],
+        **({} if held else {"handles": _handles(read)}),
+        "limits": limits,
+        "pending": [row for r in read.responses for row in _pending(r, say)],
+        "grade": worst([GRADES[g] for g in grades]) if grades else None,
+        "warnings": [
+            {"message": p.message, "key": p.key, "hint": p.hint, "line": p.line,
+             "column": p.column, "value": p.value}
+            for p in app.warnings
+        ],
+        **_posed(read, question),
+    }  # fmt: skip
+
+
+def _handles(read: Document) -> list[Json]:
+    return [
+        {"kind": h.kind, "number": h.number, "line": h.line, "ways": h.ways}
+        for h in handles(read.application, read.manuscript)
+    ]
+
+
+def _pose(read: Document, question: Json, _: Language) -> Json:
+    """Return a line where a slider has it, and what its curves are."""
+    return _posed(read, question)
+
+
+def _full(read: Document, _: Json, say: Language) -> Json:
+    """Return the verdict, and the limits that are sought over all operating points."""
+    found = approve(read.application)
+    others = [c for f in found.findings if f.study != DRIVELINE for c in f.checks]
+    return {
+        "verdict": found.verdict,
+        "counts": {g: sum(c.grade == g for c in found.checks) for g in GRADES},
+        "unanswered": unanswered(found, say),
+        "notes": notes(found, say),
+        "limits": [row for r in found.responses for row in _rows(r, SOUGHT, say)],
+        "others": [_other(c, found, say) for c in sorted(others, key=badness)],
+    }
+
+
+def _help(read: Document, _: Json, say: Language) -> Json:
+    """Return what moving things does to each limit that does not pass, as edits to apply."""
+    found = approve(read.application)
+    helps: list[Json] = []
+    for one in sensitivities(found):
+        installed = next(i for i in read.application.lines if i.line.name == one.check.line)
+        bars = [
+            bar
+            for e in one.effects
+            for value, step in ((e.back, -e.step), (e.forth, e.step))
+            if (bar := _bar(read, installed, one.check, Move(adjustable=e.adjustable, amount=step),
+                            value, say))
+        ]  # fmt: skip
+        bars.sort(key=lambda b: -b["gain"])
+        helps.append({**_other(one.check, found, say), "bars": bars})
+    return {"helps": helps}
+
+
+_JOBS = {"live": _live, "pose": _pose, "full": _full, "help": _help}
+
+
+# --------------------------------------------------------------------------- lines
+
+
+def _state(r: Response, s: int, say: Language) -> Json:
+    name = r.demand.states[s]
+    return {"name": name, "said": say.state(name), "kind": r.kinds[s]}
+
+
+def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
+    """Return a line: as installed, and in each state; where its phases stand in a text."""
+    line, installed = r.line, r.demand.installed
+    return {
+        "name": line.name,
+        "installed": _laid(installed.layout, installed),
+        "states": [_laid(r.layout[s], installed) for s in range(len(r.demand.states))],
+        "tubes": [_f(s.tube.outer / mm) if s.tube else None for s in line.shafts],
+        "tube_names": [_tube(s, say) for s in line.shafts],
+        "joints": [s.name if s else "" for s in r.sizes],
+        "phases": [round(s.phase / deg, 3) for s in line.shafts],
+        **(_written(installed, text) if text else {}),
+        "angles": _fs(r.angles / deg, 3),
+        "side_angles": _fs(r.side_angles / deg, 3),
+        "top_angles": _fs(r.top_angles / deg, 3),
+        "positions": _fs(r.positions / deg, 1),
+        "side": _fs(r.layout.side / deg, 3),
+        "top": _fs(r.layout.top / deg, 3),
+        "lengths": _fs(r.layout.lengths / mm, 1),
+        "plunge": _fs(r.spline_travel / mm, 2),
+        "travel": _fs(r.demand.travel / mm, 2),
+        "torque": _fs(r.demand.torque, 0),
+        "speed": _fs(r.demand.speed / rpm, 0),
+        "clearance": [_fs(c / mm, 2) for c in r.clearances],
+        "obstacles": [r.application.obstacles.index(o) for o in r.obstacles],
+        "phasors": [_phasors(r.side_angles[s], r.top_angles[s], r.phases) for s in
+                    range(len(r.demand.states))],
+        "equivalent": _fs(r.excitation.torsional.angle / deg, 3),
+        "rings": [_rings(r, s) for s in range(len(r.demand.states))],
+    }  # fmt: skip
+
+
+def _written(of: Installed, text: Manuscript) -> Json:
+    """Return where phases and names of parts stand in a text, and which; "" where none does."""
+    shafts, joints = range(1, len(of.line.shafts) + 1), range(1, of.line.joint_count + 1)
+    tubes = [name_address(of, text, shaft=k) for k in shafts]
+    sizes = [name_address(of, text, joint=k) for k in joints]
+    return {
+        "phase_at": [phase_address(of, k, text) for k in shafts],
+        "tube_at": tubes,
+        "tube_now": [text.written(at) or "" for at in tubes],
+        "joint_at": sizes,
+        "joint_now": [text.written(at) or "" for at in sizes],
+    }
+
+
+def _tube(shaft: Shaft, say: Language) -> str:
+    """Return a shaft's tube as drawings name it: 120 × 4; nothing where none is known."""
+    if shaft.tube is None:
+        return ""
+    return f"{say.short(shaft.tube.outer / mm)} × {say.short(shaft.tube.wall / mm)}"
+
+
+def _laid(layout: Layout, installed: Installed) -> Json:
+    """Return a layout (n, 3): joints, bearings, ends of the stubs at gearbox and pinion, mm."""
+    p, d = layout.points, layout.directions
+    stub = STUB * float(np.linalg.norm(p[-1] - p[0]))
+    bearings = [
+        p[k] - s.centre_bearing.from_rear_joint * d[k]
+        for k, s in enumerate(installed.line.shafts, 1)
+        if s.centre_bearing
+    ]
+    return {
+        "joints": _fs(p / mm, 2),
+        "bearings": [_fs(b / mm, 2) for b in bearings],
+        "ends": [_fs((p[0] - stub * d[0]) / mm, 2), _fs((p[-1] + stub * d[-1]) / mm, 2)],
+    }
+
+
+def _phasors(side: FloatArray, top: FloatArray, phases: FloatArray) -> list[Any]:
+    """Return where the joints' sum gets to one by one, as AE-7 has it, deg² along 0 and 45 deg."""
+    ends = np.cumsum(ae7_terms(side, top, phases=phases)) / deg**2
+    return [[0.0, 0.0], *([_f(float(t.real), 3), _f(float(t.imag), 3)] for t in ends)]
+
+
+def _rings(r: Response, s: int) -> list[Json]:
+    """Return how large the sum may be at a state's speed, deg², by the grade it begins."""
+    speed = float(r.demand.speed[s])
+    if not speed > 0:
+        return []
+    return [
+        {"grade": grade, "radius": _f(bound / speed**2 / deg**2, 3)}
+        for limit in r.application.limits
+        if limit.quantity == "torsional_acceleration"
+        for grade, bound in (("warn", limit.normal), ("fail", limit.maximum))
+        if bound is not None
+    ]
+
+
+def _obstacle(o: Any) -> Json:
+    return {
+        "name": o.name, "line": o.line, "radius": _f(o.radius / mm, 2), "share": o.travel_share,
+        "start": [_f(x / mm, 2) for x in o.start], "end": [_f(x / mm, 2) for x in o.end],
+    }  # fmt: skip
+
+
+# --------------------------------------------------------------------------- limits
+
+
+def _rows(r: Response, quantities: frozenset[str], say: Language) -> Iterator[Json]:
+    """Yield each limit of a line with its values, (states, parts)."""
+    for k, a in enumerate(asked(r, quantities=quantities)):
+        if a.may.any():
+            yield _row(r, a, k, say)
+
+
+def _row(r: Response, a: Asked, k: int, say: Language) -> Json:
+    q, limit = QUANTITIES[a.limit.quantity], a.limit
+    known = ~np.isnan(a.values)
+    grades = np.where(known, limit.grades(a.values), -1)
+    margins = np.where(known, limit.margins(a.values), np.nan)
+    return {
+        **_limit(limit, r, k, say),
+        "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
+        "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
+        "values": [[_g(v) for v in row] for row in (a.values / q.factor).tolist()],
+        "margins": [[_g(v) for v in row] for row in margins.tolist()],
+        "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
+        **({"points": _points(r, a, say)} if q.sought else {}),
+    }
+
+
+def _limit(limit: Limit, r: Response, k: int, say: Language) -> Json:
+    q = QUANTITIES[limit.quantity]
+
+    def shown(value: float | None) -> float | None:
+        return None if value is None else _g(value / q.factor)
+
+    return {
+        "id": f"{r.line.name}/{limit.quantity}/{k}",
+        "quantity": limit.quantity,
+        "line": r.line.name,
+        "name": say.name(limit.quantity),
+        "unit": q.unit_name,
+        "sense": "band" if limit.band else limit.sense,
+        "normal": shown(limit.normal),
+        "maximum": shown(limit.maximum),
+        "band": [shown(b) for b in limit.band] if limit.band else None,
+        "required": limit.required,
+        "source": cited(limit.source, say),
+    }
+
+
+def _points(r: Response, a: Asked, say: Language) -> list[list[str]]:
+    """Return where in its state each value was found worst."""
+    states, parts = a.values.shape
+    return [
+        [occasion(c, say) if (c := check(r, a, s, p)) else "" for p in range(parts)]
+        for s in range(states)
+    ]
+
+
+def _pending(r: Response, say: Language) -> Iterator[Json]:
+    """Yield the limits whose values come with a later answer."""
+    for k, limit in enumerate(m for m in r.application.limits if m.quantity in SOUGHT):
+        if r.line.joint_count > 2:
+            yield _limit(limit, r, k, say)
+
+
+def _other(c: Check, found: Approval, say: Language) -> Json:
+    """Return one check by itself."""
+    q = QUANTITIES[c.quantity]
+    return {
+        "quantity": c.quantity,
+        "line": c.line,
+        "name": say.name(c.quantity),
+        "where": place(c, say, several=len(found.responses) > 1),
+        "value": _g(c.value / q.factor),
+        "bound": _g(c.bound / q.factor),
+        "sense": "band" if c.limit.band else c.limit.sense,
+        "unit": q.unit_name,
+        "margin": _g(c.margin),
+        "grade": c.grade,
+        "source": cited(c.limit.source, say),
+    }
+
+
+def _bar(
+    read: Document, installed: Installed, of: Check, moved: Move, value: float, say: Language
+) -> Json | None:
+    """Return what one move does to a check, and the edits that make it."""
+    limit = of.limit
+    to = "maximum" if of.grade == "fail" else "normal"
+    if not isfinite(value):
+        return None
+    edits = _moved(read, installed, moved)
+    return {
+        "said": move(moved, say),
+        "value": _g(value / QUANTITIES[of.quantity].factor),
+        "gain": _g(float(limit.margin(value, to=to)) - of.margin),  # type: ignore[arg-type]
+        "edits": edits,
+    }
+
+
+def _moved(read: Document, installed: Installed, moved: Move) -> Changes:
+    """Return the edits of a document that a move of a workshop comes to."""
+    r = next(r for r in read.responses if r.line.name == installed.line.name)
+    after = corrected(r, (moved.adjustable,), np.array([moved.amount]))
+    new = next(i for i in after.lines if i.line.name == installed.line.name)
+    edits = placed(installed, new.layout, read.manuscript)
+    return edits | phased(installed, new.line.phases, read.manuscript)
+
+
+# --------------------------------------------------------------------------- sliders and dial
+
+
+def _posed(read: Document, question: Json) -> Json:
+    """Return where sliders have a line, their reach and curves, and its turn; or why not.
+
+    While something is held by a hand, what nobody looks at meanwhile is left for later.
+    """
+    asked_for: Mapping[str, Any] = question.get("pose") or {}
+    wanted = () if question.get("held") else ("curves", "turn")
+    wanted = question.get("want") or wanted
+    place_ = min(max(int(asked_for.get("line", 0)), 0), len(read.responses) - 1)
+    r = read.responses[place_]
+    s = asked_for.get("state")
+    s = worst_state(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
+    travel, torque = asked_for.get("travel_mm"), asked_for.get("torque_Nm")
+    free = travel is not None or torque is not None
+    if not (free or wanted):
+        return {}
+    reaches = reach(r)
+    low, high = reaches.travel
+    height = float(r.demand.travel[s]) if travel is None else float(np.clip(travel * mm, low, high))
+    turned = 0.0 if torque is None else float(np.clip(torque, *reaches.torque))
+    posed: Json = {
+        "line": place_,
+        "state": None if free else s,
+        "travel": _f(height / mm, 2),
+        "torque": _f(turned, 0),
+        "travel_reach": [_f(t / mm, 1) for t in reaches.travel],
+        "torque_reach": [_f(t, 0) for t in reaches.torque],
+    }
+    shown, k = r, s
+    try:
+        if free:
+            installed = r.demand.installed
+            shown, k = ride(read.application, installed, travel=[height], torque=turned), 0
+            posed["at"] = _place(shown, k, r)
+        if "curves" in wanted:
+            posed |= _curves(read, r, reaches, height, turned)
+    except DesignError as error:
+        posed["stuck"] = str(error)
+        shown, k = r, s
+    if "turn" in wanted:
+        posed["turn"] = _turn(shown, k)
+    return {"pose": posed}
+
+
+def _place(r: Response, s: int, base: Response) -> Json:
+    """Return a line in one place of its axle."""
+    return {
+        "laid": _laid(r.layout[s], r.demand.installed),
+        "angles": _fs(r.angles[s] / deg, 3),
+        "side_angles": _fs(r.side_angles[s] / deg, 3),
+        "top_angles": _fs(r.top_angles[s] / deg, 3),
+        "positions": _fs(r.positions[s] / deg, 1),
+        "side": _fs(r.layout.side[s] / deg, 3),
+        "top": _fs(r.layout.top[s] / deg, 3),
+        "lengths": _fs(r.layout.lengths[s] / mm, 1),
+        "plunge": _f(float(r.spline_travel[s]) / mm, 2),
+        "clearance": _fs(r.clearances[s] / mm, 2),
+        "phasors": _phasors(r.side_angles[s], r.top_angles[s], r.phases),
+        "equivalent": _f(float(r.excitation.torsional.angle[s]) / deg, 3),
+        "pitch": _f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),
+    }
+
+
+def _curves(read: Document, r: Response, of: Reach, height: float, torque: float) -> Json:
+    """Return what follows each slider while the other stays."""
+    app, installed = read.application, r.demand.installed
+    found: Json = {}
+    for name, ends, unit in (("travel", of.travel, mm), ("torque", of.torque, 1.0)):
+        if not ends[1] > ends[0]:
+            continue
+        along = np.linspace(*ends, RIDE)
+        at = {"travel": height, "torque": torque} | {name: along}
+        over = ride(app, installed, travel=np.broadcast_to(at["travel"], along.shape),
+                    torque=at["torque"])  # fmt: skip
+        clear = over.clearances.min(axis=(-1, -2)) if over.obstacles else None
+        found[f"over_{name}"] = {
+            "x": _fs(along / unit, 1),
+            "angles": _fs(over.angles.T / deg, 3),
+            "equivalent": _fs(over.excitation.torsional.angle / deg, 3),
+            "plunge": _fs(over.spline_travel / mm, 2),
+            "clearance": None if clear is None else _fs(clear / mm, 2),
+        }
+    return found
+
+
+def _turn(r: Response, s: int) -> Json:
+    """Return speed of every member round the turn, and the sum over the phase of each shaft."""
+    layout, phases = r.layout, np.asarray(r.phases, dtype=float)
+    one = turn(layout.directions[s], phases=phases, samples=ROUND)
+    swept = np.linspace(0.0, np.pi, PHASES)
+    over: list[Any] = []
+    for k in range(phases.shape[-1]):
+        tried = np.tile(phases, (PHASES, 1))
+        tried[:, k] = swept
+        terms = ae7_terms(r.side_angles[s], r.top_angles[s], phases=tried)
+        over.append(_fs(np.sqrt(np.abs(terms.sum(-1))) / deg, 3))
+    speed = float(np.nan_to_num(r.demand.speed[s])) / rpm
+    return {
+        "theta": _fs(np.linspace(0, 360, ROUND + 1), 1),
+        "speed": _fs(100 * (np.concatenate([one.speed, one.speed[:, :1]], axis=-1) - 1), 4),
+        "rpm": _f(speed, 0),
+        "phases": _fs(swept / deg, 1),
+        "over_phase": over,
+    }
+
+
+# --------------------------------------------------------------------------- numbers
+
+
+def _f(value: float, digits: int = 3) -> float | None:
+    """Return a number with some decimals; None where there is none."""
+    return round(float(value), digits) + 0.0 if isfinite(value) else None
+
+
+def _g(value: float) -> float | None:
+    """Return a number with six figures; None where there is none."""
+    return float(f"{value:.6g}") if isfinite(value) else None
+
+
+def _fs(values: FloatArray, digits: int) -> Any:
+    """Return numbers as lists, with some decimals."""
+    rounded = np.round(np.asarray(values, dtype=float), digits) + 0.0
+    if np.isfinite(rounded).all():
+        return rounded.tolist()
+    told = rounded.astype(object)
+    told[~np.isfinite(rounded)] = None
+    return told.tolist()

@@ -1,0 +1,164 @@
+"""The desk: the files that were opened, their drafts, and what changes on disk meanwhile.
+
+The file is the truth. What is edited and not saved lies as a draft in a folder of the
+user's, not beside the file; it is there again after a crash, and gone once it is saved.
+A browser names a file by its number here, never by a path.
+"""
+
+import json
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from cardan.base.errors import BadFile, CardanError
+from cardan.border.document import text_of
+from cardan.border.writer import write
+
+MOST = 500
+"""Files of a folder that are listed."""
+ENDS = (".yaml", ".yml")
+
+
+def mark(text: str) -> str:
+    """Return what tells a text from another."""
+    return sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:32]
+
+
+@dataclass(eq=False)
+class Paper:
+    """A file on the desk."""
+
+    path: Path
+    name: str
+    marked: bool = False
+    """Whether it begins with a byte order mark, which stays."""
+
+    def read(self) -> str:
+        """Return its text as it is on disk.
+
+        Raises
+        ------
+        BadFile
+            If it cannot be read.
+        """
+        text = text_of(self.path)
+        with suppress(OSError), self.path.open("rb") as file:
+            self.marked = file.read(3) == b"\xef\xbb\xbf"
+        return text
+
+    def stamp(self) -> tuple[int, int]:
+        """Return when it was last changed, and how long it is: another where it is another."""
+        try:
+            status = self.path.stat()
+        except OSError:
+            return 0, -1
+        return status.st_mtime_ns, status.st_size
+
+
+class Conflict(CardanError):  # noqa: N818  the name is the news
+    """A file is another on disk than the one that was edited."""
+
+
+class Desk:
+    """The files that a face may open, by number.
+
+    Parameters
+    ----------
+    opened
+        A file, or a folder whose application files are listed.
+    drafts
+        Where drafts lie.
+
+    Raises
+    ------
+    BadFile
+        If there is nothing to open.
+    """
+
+    def __init__(self, opened: Path, *, drafts: Path | None = None) -> None:
+        self.drafts = drafts or draft_folder()
+        path = Path(os.path.realpath(opened))
+        if path.is_dir():
+            found = sorted(p for p in path.iterdir() if p.suffix.lower() in ENDS and p.is_file())[
+                :MOST
+            ]
+            self.folder: Path = path
+        else:
+            text_of(path)  # refuses what is no file, and says why
+            found, self.folder = [path], path.parent
+        self.papers = tuple(Paper(path=p, name=p.name) for p in found)
+
+    def open(self, number: int) -> dict[str, Any]:
+        """Return a file's text, and its draft where there is one."""
+        paper = self.papers[number]
+        text = paper.read()
+        draft = self._draft(paper)
+        return {
+            "file": number,
+            "name": paper.name,
+            "saved": text,
+            "mark": mark(text),
+            "draft": draft["text"] if draft and draft["text"] != text else None,
+            "stale": bool(draft and draft["mark"] != mark(text)),
+        }
+
+    def keep(self, number: int, text: str, base: str) -> None:
+        """Keep an unsaved text; `base` marks the file's text that it was edited from."""
+        paper = self.papers[number]
+        self.drafts.mkdir(parents=True, exist_ok=True, mode=0o700)
+        held = {"file": str(paper.path), "mark": base, "text": text}
+        write(self._place(paper), json.dumps(held, ensure_ascii=False), replace=True)
+
+    def drop(self, number: int) -> None:
+        """Keep nothing of an unsaved text."""
+        self._place(self.papers[number]).unlink(missing_ok=True)
+
+    def save(self, number: int, text: str, base: str) -> str:
+        """Write a text into its file, and return its mark.
+
+        Raises
+        ------
+        Conflict
+            If the file is another than the one marked `base`: nothing is written.
+        BadFile
+            If it cannot be written.
+        """
+        paper = self.papers[number]
+        if mark(paper.read()) != base:
+            msg = f"{paper.name} was changed on disk meanwhile"
+            raise Conflict(msg)
+        head = "\ufeff" if paper.marked else ""
+        write(paper.path, head + text, replace=True)
+        self.drop(number)
+        return mark(text)
+
+    def _draft(self, paper: Paper) -> dict[str, str] | None:
+        try:
+            held = json.loads(self._place(paper).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        whole = isinstance(held, dict) and held.get("file") == str(paper.path)
+        return held if whole and isinstance(held.get("text"), str) else None
+
+    def _place(self, paper: Paper) -> Path:
+        name = sha256(os.fsencode(paper.path)).hexdigest()[:32]
+        return self.drafts / f"{name}.json"
+
+
+def draft_folder() -> Path:
+    """Return where this user's drafts lie, as the system has it."""
+    if os.name == "nt":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local")
+    else:
+        base = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local/state")
+    return base / "cardan" / "drafts"
+
+
+def readable(error: CardanError) -> str:
+    """Return why a file could not be read or written, without the path that leads to it."""
+    if isinstance(error, BadFile):
+        return "; ".join(p.message + (f"; {p.hint}" if p.hint else "") for p in error.problems)
+    return str(error)

@@ -1,0 +1,135 @@
+"""Lanes of questions, each answered by a process of its own, one after another.
+
+Who asks again before the last question was answered takes its place: the latest value wins.
+A process that takes too long, or ends, is replaced by a new one.
+"""
+
+import asyncio
+import json
+import os
+import sys
+from asyncio.subprocess import PIPE, Process
+from contextlib import suppress
+from typing import Any
+
+from cardan.web.worker import LENGTH, MOST
+
+LONGEST = 30.0
+"""Seconds an answer may take."""
+
+
+class Lane:
+    """One process, one question at a time; a patient one leaves processors to others."""
+
+    def __init__(self, longest: float = LONGEST, *, patient: bool = False) -> None:
+        self.longest = longest
+        self.patient = patient
+        self._process: Process | None = None
+        self._turn = asyncio.Lock()
+        self._closed = False
+
+    async def ask(self, question: dict[str, Any]) -> dict[str, Any]:
+        """Return an answer; one with a `fault` where there is none."""
+        data = json.dumps(question, separators=(",", ":")).encode()
+        if len(data) > MOST:
+            return {"fault": "too long"}
+        async with self._turn:
+            if self._closed:
+                return {"fault": "closed"}
+            process = await self._running()
+            try:
+                return await asyncio.wait_for(self._asked(process, data), self.longest)
+            except TimeoutError:
+                await self._end()
+                return {"fault": "too slow"}
+            except (OSError, asyncio.IncompleteReadError):
+                await self._end()
+                return {"fault": "ended"}
+            except asyncio.CancelledError:
+                # Half an answer may be on its way: nobody could tell it from the next.
+                await self._end()
+                raise
+
+    @property
+    def pid(self) -> int | None:
+        """Which process answers; None where none runs."""
+        running = self._process is not None and self._process.returncode is None
+        return self._process.pid if self._process and running else None
+
+    async def start(self) -> None:
+        """Start the process before anybody asks."""
+        async with self._turn:
+            await self._running()
+
+    def close(self) -> None:
+        """End the process for good, whatever it is doing."""
+        self._closed = True
+        if self._process is not None:
+            with suppress(ProcessLookupError):
+                self._process.kill()
+
+    async def closed(self) -> None:
+        """Wait until the process has ended."""
+        if self._process is not None:
+            await self._process.wait()
+
+    async def _asked(self, process: Process, data: bytes) -> dict[str, Any]:
+        assert process.stdin
+        assert process.stdout
+        process.stdin.write(LENGTH.pack(len(data)) + data)
+        await process.stdin.drain()
+        size = LENGTH.unpack(await process.stdout.readexactly(LENGTH.size))[0]
+        return json.loads(await process.stdout.readexactly(size))
+
+    async def _running(self) -> Process:
+        """Return the process, a new one where there is none."""
+        if self._process is None or self._process.returncode is not None:
+            # -P: what lies in the folder it is started from is no module of ours.
+            self._process = await asyncio.create_subprocess_exec(
+                sys.executable, "-P", "-m", "cardan.web.worker",
+                *(("patient",) if self.patient else ()),
+                stdin=PIPE, stdout=PIPE, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+                limit=MOST,
+            )  # fmt: skip
+        return self._process
+
+    async def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        with suppress(ProcessLookupError):
+            process.kill()
+        with suppress(Exception):
+            await process.wait()
+
+
+class Latest:
+    """What one asker wants of a lane: a question that is not asked yet gives way to a newer."""
+
+    def __init__(self, lane: Lane) -> None:
+        self.lane = lane
+        self._next: dict[str, Any] | None = None
+        self._waiting = asyncio.Event()
+
+    def put(self, question: dict[str, Any]) -> None:
+        """Ask this next, in place of what waited."""
+        self._next = question
+        self._waiting.set()
+
+    def drop(self) -> None:
+        """Ask nothing next."""
+        self._next = None
+
+    @property
+    def waits(self) -> bool:
+        """Whether a question waits."""
+        return self._next is not None
+
+    async def take(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the next question with its answer."""
+        while self._next is None:
+            self._waiting.clear()
+            await self._waiting.wait()
+        question, self._next = self._next, None
+        # Who goes leaves the process to the others: its answer is thrown away, not its work.
+        return question, await asyncio.shield(self.lane.ask(question))

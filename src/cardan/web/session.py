@@ -1,0 +1,312 @@
+"""One socket: what a page asks, and what it is told, by messages of JSON.
+
+    the page says                          it is told
+    hello  lang                            welcome: texts, quantities, files
+    open   file                            opened: text, draft
+    ask    id, text, drag, edits, pose     live: what follows a hand; then full: the verdict
+    pose   id, text, pose                  posed: where a slider has the line
+    help   id, text                        helped: what would help
+    keep   file, text, mark                kept
+    save   file, text, mark                saved, or conflict with the text on disk
+    drop   file                            kept
+                                           disk: a file is another than it was
+
+What has the wrong shape ends the socket: the page sends no such thing.
+"""
+
+import asyncio
+import json
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, Protocol
+
+from cardan import __version__
+from cardan.base.errors import CardanError
+from cardan.border.document import LONGEST
+from cardan.report.language import CODES, Language
+from cardan.study.drag import KINDS
+from cardan.web import words
+from cardan.web.desk import Conflict, Desk, readable
+from cardan.web.lanes import Lane, Latest
+
+WATCH = 1.0
+"""Seconds between looks at the disk."""
+
+SLOWEST = 20.0
+"""Seconds a page may take to accept a message."""
+
+REST = 0.2
+"""Seconds that a hand rests before the verdict is asked for."""
+
+FARTHEST = 1e5
+"""mm: nothing on a vehicle is moved farther."""
+
+Json = dict[str, Any]
+
+
+class Wrong(Exception):  # noqa: N818  never leaves this room
+    """A message that the page does not send."""
+
+
+class Socket(Protocol):
+    """What a session needs of a socket."""
+
+    async def receive_text(self) -> str:
+        """Return the next message."""
+        ...
+
+    async def send_text(self, data: str) -> None:
+        """Send a message."""
+        ...
+
+
+class Session:
+    """One page, from its hello to its end."""
+
+    def __init__(self, socket: Socket, desk: Desk, quick: Lane, slow: Lane) -> None:
+        self.socket, self.desk = socket, desk
+        self.quick, self.slow = Latest(quick), Latest(slow)
+        self.lang = "en"
+        self.file: int | None = None
+        self._sending = asyncio.Lock()
+        self._seen = (0, 0)
+        self._rest: asyncio.Task[None] | None = None
+
+    async def run(self) -> None:
+        """Listen and answer until the page goes, or says what it should not."""
+        doing = (self._listen(), self._answer_quick(), self._answer_slow(), self._watch())
+        loops = [asyncio.create_task(c) for c in doing]
+        try:
+            done, _ = await asyncio.wait(loops, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in (*loops, *filter(None, [self._rest])):
+                task.cancel()
+            await asyncio.gather(*loops, return_exceptions=True)
+
+    # ------------------------------------------------------------------- what the page says
+
+    async def _listen(self) -> None:
+        while True:
+            try:
+                said = json.loads(await self.socket.receive_text())
+            except (ValueError, RecursionError):
+                raise Wrong from None
+            if not isinstance(said, dict):
+                raise Wrong
+            await self._hear(said)
+
+    async def _hear(self, said: Json) -> None:
+        heard = {
+            "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
+            "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
+        }  # fmt: skip
+        handle = heard.get(str(said.get("type")))
+        if handle is None:
+            raise Wrong
+        await handle(said)
+
+    async def _hello(self, said: Json) -> None:
+        self.lang = said["lang"] if said.get("lang") in CODES else "en"
+        say = Language(self.lang)
+        await self._tell(
+            "welcome",
+            version=__version__,
+            lang=self.lang,
+            languages=words.languages(),
+            texts=words.texts(say),
+            quantities=words.quantities(say),
+            catalogue=words.catalogue(),
+            files=[p.name for p in self.desk.papers],
+        )
+
+    async def _open(self, said: Json) -> None:
+        number = self._number(said)
+        self._look(number)
+        try:
+            opened = await asyncio.to_thread(self.desk.open, number)
+        except CardanError as error:
+            await self._tell("refused", what="open", file=number, why=readable(error))
+            return
+        self.file = number
+        await self._tell("opened", **opened)
+
+    def _look(self, number: int) -> None:
+        """Take note of how a file is on disk, before it is read."""
+        self._seen = self.desk.papers[number].stamp()
+
+    async def _ask(self, said: Json) -> None:
+        if self._rest:
+            self._rest.cancel()
+        self.slow.drop()
+        self.quick.put(self._question(said, "live"))
+
+    async def _ask_pose(self, said: Json) -> None:
+        self.quick.put(self._question(said, "pose"))
+
+    async def _ask_help(self, said: Json) -> None:
+        self.slow.put(self._question(said, "help"))
+
+    async def _keep(self, said: Json) -> None:
+        number, text = self._number(said), _text(said, "text")
+        with suppress(CardanError, OSError):
+            await asyncio.to_thread(self.desk.keep, number, text, _text(said, "mark"))
+            await self._tell("kept", file=number)
+
+    async def _drop(self, said: Json) -> None:
+        with suppress(OSError):
+            await asyncio.to_thread(self.desk.drop, self._number(said))
+
+    async def _save(self, said: Json) -> None:
+        number, text = self._number(said), _text(said, "text")
+        try:
+            new = await asyncio.to_thread(self.desk.save, number, text, _text(said, "mark"))
+        except Conflict:
+            await self._tell_disk(number, conflict=True)
+        except (CardanError, OSError) as error:
+            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+            await self._tell("refused", what="save", file=number, why=why)
+        else:
+            self._look(number)
+            await self._tell("saved", file=number, mark=new, text=text)
+
+    # ------------------------------------------------------------------- what it is told
+
+    async def _answer_quick(self) -> None:
+        while True:
+            question, answer = await self.quick.take()
+            job = question["job"]
+            await self._tell("live" if job == "live" else "posed", id=question["id"], **answer)
+            whole = job == "live" and "problems" not in answer and "fault" not in answer
+            if whole and not self.quick.waits:
+                later = {k: question[k] for k in ("id", "name", "folder", "lang")}
+                later |= {"job": "full", "text": answer["text"]}
+                # A hand that moves on has not asked for it: it would only be slowed down.
+                self._rest = asyncio.create_task(self._later(later, REST * question["held"]))
+
+    async def _later(self, question: Json, after: float) -> None:
+        await asyncio.sleep(after)
+        self.slow.put(question)
+
+    async def _answer_slow(self) -> None:
+        while True:
+            question, answer = await self.slow.take()
+            kind = "full" if question["job"] == "full" else "helped"
+            await self._tell(kind, id=question["id"], **answer)
+
+    async def _watch(self) -> None:
+        while True:
+            await asyncio.sleep(WATCH)
+            number = self.file
+            if number is not None and self.desk.papers[number].stamp() != self._seen:
+                await self._tell_disk(number, conflict=False)
+
+    async def _tell_disk(self, number: int, *, conflict: bool) -> None:
+        """Tell what a file is on disk now."""
+        self._look(number)
+        try:
+            opened = await asyncio.to_thread(self.desk.open, number)
+        except CardanError as error:
+            await self._tell("refused", what="read", file=number, why=readable(error))
+            return
+        await self._tell(
+            "disk", file=number, text=opened["saved"], mark=opened["mark"], conflict=conflict
+        )
+
+    async def _tell(self, kind: str, **what: Any) -> None:
+        data = json.dumps({"type": kind, **what}, ensure_ascii=False, separators=(",", ":"))
+        data = data.encode("utf-8", "replace").decode()
+        async with self._sending, asyncio.timeout(SLOWEST):
+            await self.socket.send_text(data)
+
+    # ------------------------------------------------------------------- shapes
+
+    def _number(self, said: Json) -> int:
+        return _whole(said, "file", len(self.desk.papers))
+
+    def _question(self, said: Json, job: str) -> Json:
+        """Return what the page asks, as a worker takes it: nothing else gets through."""
+        question: Json = {
+            "job": job,
+            "id": _whole(said, "id", 2**53),
+            "text": _text(said, "text"),
+            "name": self.desk.papers[self.file].name if self.file is not None else "application",
+            "folder": str(self.desk.folder),
+            "lang": self.lang,
+            "held": said.get("held") is True,
+            "pose": _pose(said.get("pose")),
+        }
+        if (drag := said.get("drag")) is not None:
+            question["drag"] = _drag(drag)
+        if (edits := said.get("edits")) is not None:
+            question["edits"] = _edits(edits)
+        if (want := said.get("want")) is not None:
+            question["want"] = [
+                w for w in ("curves", "turn") if isinstance(want, list) and w in want
+            ]
+        return question
+
+
+def _text(said: Mapping[str, Any], key: str) -> str:
+    text = said.get(key)
+    if not isinstance(text, str) or len(text) > LONGEST + 1:
+        raise Wrong
+    return text
+
+
+def _whole(said: Mapping[str, Any], key: str, below: int) -> int:
+    value = said.get(key)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < below:
+        raise Wrong
+    return value
+
+
+def _number(value: Any, *, most: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= most:
+        raise Wrong
+    return float(value)
+
+
+def _pose(said: Any) -> Json:
+    """Return a pose: of a line, in a state or where sliders have it."""
+    if said is None:
+        return {}
+    if not isinstance(said, dict):
+        raise Wrong
+    most = {"line": 100, "state": 1000}
+    pose: Json = {k: _whole(said, k, below) for k, below in most.items() if said.get(k) is not None}
+    for key in ("travel_mm", "torque_Nm"):
+        if said.get(key) is not None:
+            pose[key] = _number(said[key], most=1e9)
+    return pose
+
+
+def _drag(said: Any) -> Json:
+    """Return a drag: what is held, and how far it has been moved, mm."""
+    if not isinstance(said, dict) or said.get("kind") not in KINDS:
+        raise Wrong
+    by = said.get("by_mm")
+    if not isinstance(by, list) or len(by) != 3:
+        raise Wrong
+    return {
+        "kind": said["kind"],
+        "number": _whole(said, "number", 10_000),
+        "line": _text(said, "line"),
+        "by_mm": [_number(b, most=FARTHEST) for b in by],
+    }
+
+
+def _edits(said: Any) -> Json:
+    """Return edits: numbers, names or lists of numbers by their addresses."""
+    if not isinstance(said, dict) or len(said) > 200:
+        raise Wrong
+    found: Json = {}
+    for at, to in said.items():
+        if isinstance(to, list) and len(to) <= 20:
+            found[at] = [_number(t, most=1e12) for t in to]
+        elif isinstance(to, str) and len(to) <= 200 and to.isprintable():
+            found[at] = to
+        else:
+            found[at] = _number(to, most=1e12)
+    return found

@@ -1,0 +1,188 @@
+"""What the workbench says, from the catalogues that every medium reads.
+
+The front names a text by its English wording, as everywhere in the house; a test holds the
+two lists against each other.
+"""
+
+from typing import Any
+
+from cardan.base.units import mm
+from cardan.files.catalogue import Kind, find, shipped
+from cardan.quantity.quantities import QUANTITIES
+from cardan.report.language import CODES, Language
+from cardan.report.wording import cited
+
+KINDS: tuple[Kind, ...] = ("joint", "tube")
+
+WORDS: tuple[str, ...] = (
+    "Colours",
+    "Drawing",
+    "Equation",
+    "Everything passes.",
+    "File",
+    "Files",
+    "How the joints add up: equivalent angle {angle} deg",
+    "Joints",
+    "Language",
+    "Limits by state",
+    "Limits of use",
+    "Line",
+    "Look from",
+    "Notes",
+    "Parts",
+    "Save",
+    "Shown is the last that could be read: {why}",
+    "Side view, from the left",
+    "Source of the equation",
+    "Source of the limit",
+    "State",
+    "Sum of the joints",
+    "The file",
+    "The file cannot be read as it is: see what is wrong below.",
+    "The file gives no suspension: there is no travel to show.",
+    "The file was changed on disk while there are unsaved edits here.",
+    "The file was changed on disk, and is shown as it is now.",
+    "The line in three dimensions",
+    "There is no application file in this folder; `cardan new` writes one.",
+    "This browser draws nothing in three dimensions.",
+    "This page does not know the workbench: open the address that `cardan serve` printed.",
+    "Top view",
+    "Torque, winding the axle up",
+    "Travel",
+    "Verdict",
+    "Vibration and stability",
+    "What was not saved last time is here again; undo goes back to the file.",
+    "What would help",
+    "Without an answer",
+    "Yoke phases",
+    "[deg] over deg",
+    "above",
+    "across {times} times as large",
+    "angle",
+    "as the system",
+    "aside",
+    "ask",
+    "asking …",
+    "bearing forces follow …",
+    "bearings",
+    "centre bearing {n}",
+    "clearance",
+    "close",
+    "coast",
+    "connection lost",
+    "dark",
+    "drive",
+    "each move alone; a click makes it",
+    "elastic limit",
+    "equivalent angle",
+    "equivalent angle over the phase of shaft {n}",
+    "every joint",
+    "fail",
+    "fatigue",
+    "file",
+    "gearbox slope",
+    "height",
+    "incomplete",
+    "joint",
+    "joint angles [deg]",
+    "joint {n}",
+    "jounce",
+    "light",
+    "light: the other states; dashed: as installed",
+    "limit",
+    "line",
+    "margin",
+    "margin in %, where it is smallest",
+    "not saved",
+    "nothing that can be moved alone",
+    "of the catalogue, with their ratings",
+    "outside",
+    "over the torque [N·m]",
+    "over the travel [mm]",
+    "part",
+    "pass",
+    "phase of shaft {n}: drag, or use the arrow keys",
+    "pinion",
+    "pinion slope",
+    "plane at",
+    "rebound",
+    "redo",
+    "save mine over it",
+    "seen from the gearbox",
+    "shaft {n}",
+    "side and top",
+    "side view",
+    "size",
+    "speed",
+    "speed over the gearbox's, less 1 [%], round the turn [deg]",
+    "spline travel",
+    "squared angles, deg²",
+    "take the file; undo keeps mine",
+    "the left",
+    "the rear",
+    "to scale",
+    "to the page",
+    "to the side",
+    "top view",
+    "torque",
+    "tube of shaft {n}",
+    "undo",
+    "value",
+    "warn",
+    "where the sliders have it",
+    "worst first",
+    "{count} more that pass",
+    "{count} unanswered",
+    "{part}, {way}: drag, or use the arrow keys",
+)
+
+
+def texts(say: Language) -> dict[str, str]:
+    """Return every text of the front by its English wording."""
+    return {word: say(word) for word in WORDS}
+
+
+def quantities(say: Language) -> dict[str, dict[str, Any]]:
+    """Return what each quantity is: symbol, equation, where it stands, source, limits of use."""
+    return {
+        q.key: {
+            "name": say.name(q.key),
+            "symbol": q.symbol,
+            "unit": q.unit_name,
+            "equation": say.given(q.stated),
+            "where": [[symbol, say.given(meaning)] for symbol, meaning in q.where.items()],
+            "use": say.given(q.use) if q.use else "",
+            "source": cited(q.source, say),
+        }
+        for q in QUANTITIES.values()
+    }
+
+
+def catalogue() -> dict[str, list[dict[str, Any]]]:
+    """Return the joints and tubes that come with the program, with what they are chosen by."""
+
+    def shown(value: float | None, unit: float = 1.0) -> float | None:
+        return None if value is None else float(f"{value / unit:.6g}")
+
+    found = {kind: [find(name, kind) for name in shipped(kind).rows] for kind in KINDS}
+    return {
+        "joints": [
+            {
+                "name": j.name,
+                "series": j.series,
+                "peak_Nm": shown(j.peak_torque),
+                "reversing_Nm": shown(j.reversing_torque),
+                "bearing_Nm": shown(j.bearing_torque),
+            }
+            for j in found["joint"]
+        ],
+        "tubes": [
+            {"name": name, "outer_mm": shown(tube.outer, mm), "wall_mm": shown(tube.wall, mm)}
+            for name, tube in zip(shipped("tube").rows, found["tube"], strict=True)
+        ],
+    }
+
+
+def languages() -> list[str]:
+    """Return the codes of the languages there are."""
+    return list(CODES)

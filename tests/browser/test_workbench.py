@@ -1,0 +1,407 @@
+"""The workbench in a real browser: what a hand does, what the file says after, who is let in.
+
+Needs the built page: `make browser` builds it.
+"""
+
+import os
+import shutil
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from workbench import PATIENCE, running  # noqa: E402
+
+from cardan import files  # noqa: E402
+from cardan.report.language import CODES  # noqa: E402
+from cardan.study.approval import approve  # noqa: E402
+from cardan.web import server  # noqa: E402
+
+pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+
+AXE = Path(os.environ.get("AXE", ROOT / "node_modules/axe-core/axe.min.js"))
+TRUCK = (ROOT / "examples/refuse-collector-6x2.yaml").read_text("utf-8")
+CHAIN = (ROOT / "examples/three-joint-chain.yaml").read_text("utf-8")
+SETTLED = (
+    "return document.querySelector('.strip .counts .pass')"
+    " && !document.querySelector('.strip.open')"
+)
+
+
+@contextmanager
+def browsing(width=1440, height=1000, *, deep=False):
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    drawn = (
+        ("--use-angle=swiftshader", "--enable-unsafe-swiftshader") if deep else ("--disable-gpu",)
+    )
+    options = webdriver.ChromeOptions()
+    for flag in ("--headless=new", "--no-sandbox", f"--window-size={width},{height}", *drawn,
+                 "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):  # fmt: skip
+        options.add_argument(flag)
+    options.binary_location = shutil.which("chromium") or shutil.which("google-chrome") or ""
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with browsing() as driver:
+        yield driver
+
+
+@contextmanager
+def workbench(tmp_path, text=TRUCK, name="truck.yaml"):
+    path = tmp_path / name
+    if not path.exists():
+        path.write_text(text, "utf-8")
+    with running(path, tmp_path / "drafts", built=server.front()) as house:
+        yield house, path
+
+
+def wait(driver, script, *arguments):
+    """Return what a script comes to, once that is something."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if found := driver.execute_script(script, *arguments):
+            return found
+        time.sleep(0.03)
+    said = driver.execute_script("return document.querySelector('main')?.innerText.slice(0, 300)")
+    msg = f"{script}: {said} {driver.get_log('browser')}"
+    raise TimeoutError(msg)
+
+
+def opened(driver, house):
+    driver.get("about:blank")
+    driver.get_log("browser")  # of pages before: their servers are gone
+    driver.get(house.address)
+    wait(driver, SETTLED)
+
+
+def text_of(driver):
+    return driver.execute_script("return document.querySelector('textarea').value")
+
+
+def on(driver, handle):
+    return driver.find_element("css selector", f"[data-handle='{handle}']")
+
+
+def drag(driver, handle, dx, dy, steps=6):
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    at = driver.find_element("css selector", f"[data-handle='{handle}'] .dot")
+    hand = ActionChains(driver, duration=10).move_to_element(at).click_and_hold()
+    for _ in range(steps):
+        hand.move_by_offset(dx, dy)
+    return hand
+
+
+def edited(driver, was):
+    """Return the text once it is another, and settled."""
+    wait(driver, "return document.querySelector('textarea').value !== arguments[0]", was)
+    wait(driver, SETTLED)
+    return text_of(driver)
+
+
+def clean(driver):
+    log = [e for e in driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")]
+    assert [e for e in log if "GPU" not in e["message"] and "GL Driver" not in e["message"]] == []
+
+
+def test_a_dragged_bearing_changes_drawing_verdict_and_file(browser, tmp_path):
+    with workbench(tmp_path) as (house, path):
+        opened(browser, house)
+        was = text_of(browser)
+        before = browser.find_element("css selector", ".worst").text
+        hand = drag(browser, "side/main/bearing/2", 0, -3)
+        hand.perform()
+        wait(browser, "return document.querySelector('.grip.held')")
+        # While it is held the drawing and the cells have followed; the file has not.
+        wait(browser, "return document.querySelector('.worst').innerText !== arguments[0]", before)
+        assert text_of(browser) == was
+        hand.reset_actions()
+        hand.release().perform()
+        now = edited(browser, was)
+        lines = [(a, b) for a, b in zip(was.splitlines(), now.splitlines(), strict=True) if a != b]
+        assert [a.split(":")[0].strip() for a, _ in lines] == ["points_mm"]
+        old, new = (files.loads(t).lines[0].layout.points[2, 2] for t in (was, now))
+        assert new - old > 0.005
+        verdict = browser.find_element("css selector", ".verdict").text.lower()
+        assert approve(files.loads(now)).verdict in verdict
+        assert path.read_text("utf-8") == was
+        browser.find_element("css selector", ".save").click()
+        wait(browser, "return document.querySelector('.save').disabled")
+        assert path.read_text("utf-8") == now
+        clean(browser)
+
+
+@pytest.mark.parametrize(
+    ("handle", "key"),
+    [
+        ("side/main/joint/2", "points_mm"), ("top/main/bearing/1", "points_mm"),
+        ("side/main/pinion/1", "pinion_slope"), ("side/main/gearbox/1", "gearbox_slope"),
+        ("side/main/obstacle/1", "start_mm"),
+    ],
+)  # fmt: skip
+def test_everything_is_moved_by_keys_too(browser, tmp_path, handle, key):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        grip = on(browser, handle)
+        grip.send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_UP, Keys.ENTER)
+        now = edited(browser, was)
+        changed = [b for a, b in zip(was.splitlines(), now.splitlines(), strict=True) if a != b]
+        assert changed[0].strip().startswith(key)
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+        browser.find_element("css selector", "[aria-label='redo']").click()
+        assert edited(browser, was) == now
+
+
+def test_escape_puts_back_what_is_held(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was, shown = text_of(browser), browser.find_element("css selector", ".worst").text
+        on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP)
+        wait(browser, "return document.querySelector('.worst').innerText !== arguments[0]", shown)
+        on(browser, "side/main/bearing/1").send_keys(Keys.ESCAPE)
+        wait(browser, "return document.querySelector('.worst').innerText === arguments[0]", shown)
+        wait(browser, SETTLED)
+        assert text_of(browser) == was
+        assert browser.find_element("css selector", ".save").get_property("disabled")
+
+
+def test_a_cell_leads_to_its_part_its_equation_and_its_source(browser, tmp_path):
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        cell = browser.find_element("css selector", ".heat tbody tr:first-child .cell.fail")
+        name = browser.find_element("css selector", ".heat tbody tr:first-child th").text
+        cell.click()
+        wait(browser, "return document.querySelector('.detail .equation')")
+        detail = browser.find_element("css selector", ".detail").text
+        assert name.splitlines()[0] in detail
+        assert "Source of the limit" in detail
+        assert browser.find_elements("css selector", ".drawing .chosen")
+        state = browser.find_element("css selector", ".poser .chips [aria-pressed='true']").text
+        assert state in detail
+
+
+def test_sliders_show_places_between_the_states(browser, tmp_path):
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        shown = browser.find_element("css selector", ".angles table").text
+        slide = """const [k, to] = arguments;
+            const e = document.querySelectorAll('.poser input[type=range]')[k];
+            e.value = to; e.dispatchEvent(new Event('input', {bubbles: true}));"""
+        browser.execute_script(slide, 0, -40)
+        wait(browser, "return document.querySelector('.angles').innerText.includes('sliders')")
+        at = "return document.querySelector('.angles table').innerText"
+        wait(browser, f"{at} !== arguments[0]", shown)
+        still = browser.execute_script(at)
+        browser.execute_script(slide, 1, 5000)
+        wait(browser, f"{at} !== arguments[0]", still)
+        assert "+" in browser.find_elements("css selector", ".poser output")[1].text
+        assert len(browser.find_elements("css selector", ".poser .plot canvas")) == 4
+
+
+def test_the_dial_turns_a_yoke(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path, CHAIN) as (house, _):
+        opened(browser, house)
+        was, sum_ = text_of(browser), browser.find_element("css selector", ".figure b").text
+        dial = on(browser, "phase/driveline.shafts[2].phase_deg")
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", dial)
+        dial.send_keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.ENTER)
+        now = edited(browser, was)
+        assert files.loads(now).lines[0].line.phases[1] == pytest.approx(0.349, abs=1e-3)
+        assert browser.find_element("css selector", ".figure b").text != sum_
+        assert len(browser.find_elements("css selector", ".dials .plot canvas")) == 2
+
+
+def test_what_would_help_is_made_by_a_click(browser, tmp_path):
+    with workbench(tmp_path, CHAIN) as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        browser.find_element("css selector", ".helps > header button").click()
+        wait(browser, "return document.querySelector('.help li button')")
+        browser.find_element("css selector", ".help li button").click()
+        now = edited(browser, was)
+        assert approve(files.loads(was)).verdict == "warn"
+        assert approve(files.loads(now)).verdict == "pass"
+        assert "pass" in browser.find_element("css selector", ".verdict").text.lower()
+
+
+def test_a_tube_is_swapped_for_another_of_the_catalogue(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        chosen = browser.find_element("css selector", "[data-part='driveline.shafts[2].tube']")
+        Select(chosen).select_by_value("100x3")
+        now = edited(browser, was)
+        assert files.loads(now).lines[0].line.shafts[1].tube.outer == pytest.approx(0.1)
+        assert now.count("120x4") == was.count("120x4") - 1
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+
+
+def test_an_unsaved_edit_survives_a_crash_and_another_program(browser, tmp_path):
+    with workbench(tmp_path, CHAIN) as (house, path):
+        opened(browser, house)
+        was = text_of(browser)
+        button = "document.querySelectorAll('.dial .set button')[1].click()"
+        browser.execute_script(button)
+        now = edited(browser, was)
+        wait(browser, "return performance.now() > 1500")
+        time.sleep(0.6)
+        browser.refresh()
+        wait(browser, SETTLED)
+        assert text_of(browser) == now
+        assert "not saved last time" in browser.find_element("css selector", ".notice").text
+    with workbench(tmp_path, CHAIN) as (house, path):  # as after a crash of the server
+        opened(browser, house)
+        assert text_of(browser) == now
+        path.write_text(CHAIN + "# somebody else\n", "utf-8")
+        wait(browser, "return document.querySelector('.notice.warn')")
+        browser.find_element("css selector", ".notice.warn button").click()
+        assert edited(browser, now).endswith("# somebody else\n")
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, CHAIN + "# somebody else\n") == now
+
+
+def test_what_is_typed_is_checked_and_said_where_it_is_wrong(browser, tmp_path):
+    with workbench(tmp_path, CHAIN) as (house, _):
+        opened(browser, house)
+        put = """const e = document.querySelector('textarea'); e.value = arguments[0];
+            e.dispatchEvent(new Event('input', {bubbles: true}));"""
+        browser.execute_script(put, CHAIN.replace("2800", "fast"))
+        wait(browser, "return document.querySelector('.problems .fail')")
+        assert "11:12" in browser.find_element("css selector", ".problems").text
+        assert browser.find_element("css selector", ".drawing")
+        browser.execute_script(put, CHAIN.replace("2800", "900"))
+        wait(browser, "return !document.querySelector('.problems .fail')")
+        wait(browser, SETTLED)
+        assert "pass" in browser.find_element("css selector", ".verdict").text.lower()
+
+
+def test_three_dimensions_are_drawn(tmp_path):
+    with browsing(deep=True) as driver, workbench(tmp_path, CHAIN) as (house, _):
+        opened(driver, house)
+        driver.find_elements("css selector", ".views .chips button")[1].click()
+        wait(driver, "return document.querySelector('.canvas canvas')")
+        colours = """
+            const c = document.querySelector('.canvas canvas');
+            const d = document.createElement('canvas');
+            [d.width, d.height] = [c.width, c.height];
+            const x = d.getContext('2d');
+            x.drawImage(c, 0, 0);
+            const pixels = x.getImageData(0, 0, d.width, d.height).data.buffer;
+            return new Set(new Uint32Array(pixels)).size"""
+        end = time.monotonic() + PATIENCE
+        while driver.execute_script(colours) < 50 and time.monotonic() < end:
+            time.sleep(0.1)
+        assert driver.execute_script(colours) > 50
+        clean(driver)
+
+
+def serious(driver):
+    driver.execute_script(AXE.read_text(encoding="utf-8"))
+    report = driver.execute_async_script(
+        "const done = arguments[arguments.length - 1]; axe.run().then(done, e => done(String(e)));"
+    )
+    assert report["passes"]
+    return [(v["id"], v["impact"], v["nodes"][0]["html"][:200]) for v in report["violations"]
+            if v["impact"] in ("serious", "critical")]  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nothing_serious_in_any_view_and_nothing_from_elsewhere(browser, tmp_path, code, theme):
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        browser.execute_script(
+            "localStorage.setItem('cardan-lang', arguments[0]);"
+            "localStorage.setItem('cardan-theme', arguments[1])", code, theme,
+        )  # fmt: skip
+        browser.refresh()
+        wait(browser, SETTLED)
+        assert browser.execute_script("return document.documentElement.lang")[:2] == code
+        browser.find_element("css selector", ".cell.fail").click()
+        browser.find_element("css selector", ".helps > header button").click()
+        wait(browser, "return document.querySelector('.detail') && document.querySelector('.help')")
+        browser.execute_script(
+            "document.querySelectorAll('details').forEach(d => { d.open = true })"
+        )
+        wait(browser, SETTLED)
+        assert serious(browser) == []
+        fetched = browser.execute_script(
+            "return performance.getEntriesByType('resource').map(e => new URL(e.name).host)"
+        )
+        assert set(fetched) == {f"127.0.0.1:{house.port}"}
+        assert browser.execute_script("return location.href").endswith(f":{house.port}/")
+        browser.execute_script("localStorage.clear()")
+        clean(browser)
+
+
+@pytest.mark.parametrize("width", [390, 768, 1920])
+def test_it_fits_the_screen(tmp_path, width):
+    with browsing(500, 900) as driver, workbench(tmp_path) as (house, _):
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500,
+        })  # fmt: skip
+        opened(driver, house)
+        wide = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+        assert wide[0] <= wide[1] == width
+        small = driver.execute_script("""
+            return [...document.querySelectorAll('button, select, input')]
+              .map(e => [e.innerText, e.getBoundingClientRect()])
+              .filter(([, r]) => r.width && r.height < 24).map(([t, r]) => [t, r.height])""")
+        assert [s for s in small if s[1] < 16] == []
+
+
+HOSTILE = [
+    "<img src=x onerror=document.title=1>",
+    "</script><script>alert(1)</script>",
+    "カルダン" * 50,
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE, ids=["markup", "script", "wide"])
+def test_a_hostile_name_is_text_in_every_view(browser, tmp_path, name):
+    quoted = '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    text = TRUCK.replace("title: Refuse collector 6x2, three shafts", f"title: {quoted}")
+    text = text.replace("name: auxiliary beam", f"name: {quoted}")
+    text = text.replace("{name: full rebound, kind", f"{{name: {quoted}, kind")
+    with workbench(tmp_path, text) as (house, _):
+        opened(browser, house)
+        browser.find_element("css selector", ".cell.fail").click()
+        browser.find_element("css selector", ".helps > header button").click()
+        wait(browser, "return document.querySelector('.detail') && document.querySelector('.help')")
+        assert browser.find_element("css selector", "h1").get_attribute("title") == name
+        assert not browser.find_elements("css selector", "img, main script, h1 *")
+        assert name in browser.execute_script("return document.title")
+        wide = browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+        assert wide[0] <= wide[1]
+        clean(browser)
+
+
+def test_a_page_without_the_token_says_what_to_do(tmp_path):
+    with browsing() as driver, workbench(tmp_path, CHAIN) as (house, _):
+        driver.get(f"http://127.0.0.1:{house.port}/")
+        wait(driver, "return document.body.innerText.includes('cardan serve')")

@@ -1,0 +1,729 @@
+"""The workbench's server: what it answers, what it refuses, how it ends. All on loopback."""
+
+import http.client
+import json
+import os
+import re
+import signal
+import socket
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from workbench import BUILT, PATIENCE, command, page, reached, running
+
+from cardan import files
+from cardan.base.errors import BadFile, CardanError, NotInstalled
+from cardan.cli import cli
+from cardan.report import contract
+from cardan.report.language import CODES, Language
+from cardan.study.approval import approve
+from cardan.web import lanes, server, session, words
+from cardan.web.answer import SOUGHT, answer
+from cardan.web.desk import Conflict, Desk
+from cardan.web.lanes import Lane
+
+ROOT = Path(__file__).parents[2]
+TRUCK = ROOT / "examples" / "refuse-collector-6x2.yaml"
+CHAIN = ROOT / "examples" / "three-joint-chain.yaml"
+TEXT = CHAIN.read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("desk")
+    (folder / "chain.yaml").write_text(TEXT, "utf-8")
+    with running(folder / "chain.yaml", folder / "drafts") as found:
+        yield found
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A workbench of one test's own, with the file on its desk."""
+    path = tmp_path / "chain.yaml"
+    path.write_text(TEXT, "utf-8")
+    with running(path, tmp_path / "drafts") as found:
+        yield found, path
+
+
+def asked(text, job="live", **what):
+    question = {"job": job, "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
+    return answer(question | what)
+
+
+# ------------------------------------------------------------------ what it answers
+
+
+@pytest.mark.parametrize("path", [TRUCK, CHAIN, ROOT / "examples/tandem-6x4.yaml"],
+                         ids=lambda p: p.stem)  # fmt: skip
+def test_the_two_answers_hold_every_check_there_is(path):
+    """Cell by cell the numbers, margins and grades of the contract: nothing is left out."""
+    text = path.read_text("utf-8")
+    found = approve(files.loads(text))
+    live, full = asked(text), asked(text, "full")
+    assert full["verdict"] == found.verdict
+    cells = {}
+    for row in (*live["limits"], *full["limits"]):
+        for s, state in enumerate(live["states"]):
+            for p, (kind, number, other) in enumerate(row["kinds"]):
+                if row["grades"][s][p] is not None:
+                    key = row["line"], row["quantity"], state["name"], kind, str(number), other
+                    bounds = row["sense"], row["normal"], row["maximum"]
+                    cells[(*key, *bounds)] = (
+                        row["values"][s][p], row["margins"][s][p], row["grades"][s][p]
+                    )  # fmt: skip
+    checks = [c for c in found.checks if c.when.kind == "state"]
+    own = [c for c in checks if c.quantity not in SOUGHT]
+    assert {r["quantity"] for r in full["limits"]} <= SOUGHT
+    assert own
+    seen = set()
+    for c in checks:
+        told = contract.check(c)
+        matching = [
+            (k, v) for k, v in cells.items()
+            if k[:3] == (c.line, c.quantity, c.when.name)
+            and k[3:6] == (c.part.kind, str(c.part.number), str(c.part.other))
+            and v[0] == pytest.approx(told["value"], rel=1e-5)
+            and v[1] == pytest.approx(c.margin, rel=1e-5, abs=1e-9)
+            and ("pass", "warn", "fail")[v[2]] == c.grade
+        ]  # fmt: skip
+        assert matching, c
+        seen |= {k for k, _ in matching}
+    assert len(seen) == len(cells)
+
+
+def test_a_page_is_welcomed_in_its_language(house):
+    for code in CODES:
+        with page(house) as one:
+            told = one.hello(code)
+            assert told["lang"] == code
+            assert told["files"] == ["chain.yaml"]
+            assert told["texts"]["Save"] == Language(code)("Save")
+    with page(house) as one:
+        assert one.hello("xx")["lang"] == "en"
+
+
+def test_a_drag_is_answered_with_the_file_that_says_it(house):
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        drag = {"kind": "bearing", "number": 1, "line": "main", "by_mm": [0, 0, 10.0]}
+        told = one.ask(text, drag=drag)
+        assert told["edits"].keys() == {
+            "driveline.joint_angles.side_deg[1]", "driveline.joint_angles.side_deg[2]",
+            "driveline.joint_angles.side_deg[3]", "driveline.shafts[2].length_mm",
+        }  # fmt: skip
+        assert "# published: table 2" in told["text"]
+        assert told["text"] != text
+        full = one.full()
+        assert full["verdict"] == approve(files.loads(told["text"])).verdict
+        assert full["id"] == told["id"]
+
+
+def test_numbers_and_names_are_edited_by_address(house):
+    with page(house) as one:
+        one.hello()
+        told = one.ask(TEXT, edits={"driveline.shafts[2].phase_deg": 90, "title": "Two: three"})
+        assert told["title"] == "Two: three"
+        assert told["lines"][0]["phases"] == [0, 90]
+        told = one.ask(TEXT, edits={"driveline.shafts[2].nothing": 1})
+        assert "nothing" in json.dumps(told["problems"])
+
+
+def test_a_joint_and_a_tube_are_swapped_by_name():
+    text = TRUCK.read_text("utf-8")
+    line = asked(text)["lines"][0]
+    assert line["joint_at"] == ["driveline.joints"] * 4
+    assert (line["joint_now"][0], line["tube_now"][2]) == ("2040", "120x4")
+    sizes = {j["name"]: j for j in words.catalogue()["joints"]}
+    tubes = {c["name"]: c for c in words.catalogue()["tubes"]}
+    assert len(sizes) > 40
+    assert len(tubes) > 20
+    edits = {"driveline.joints": "2055", "driveline.shafts[3].tube": "100x3"}
+    told = asked(text, edits=edits)
+    app = files.loads(told["text"])
+    assert app.lines[0].line.joints[0].peak_torque == sizes["2055"]["peak_Nm"]
+    assert app.lines[0].line.shafts[2].tube.outer * 1e3 == pytest.approx(tubes["100x3"]["outer_mm"])
+    assert told["text"].count("#") == text.count("#")
+    assert 'joints: "2055"' in told["text"]
+
+
+def test_what_is_wrong_with_a_file_is_an_answer(house):
+    with page(house) as one:
+        one.hello()
+        told = one.ask(TEXT.replace("speed_rpm: 2800", "speed_rpm: fast"))
+        (problem,) = told["problems"]
+        assert (problem["key"], problem["line"]) == ("speed_rpm", 11)
+        told = one.ask("title: [")
+        assert told["problems"]
+
+
+def test_the_latest_question_wins(house):
+    with page(house) as one:
+        one.hello()
+        for k in range(1, 41):
+            drag = {"kind": "bearing", "number": 1, "line": "main", "by_mm": [0, 0, k / 10]}
+            one.say("ask", id=k, text=TEXT, drag=drag, held=True)
+        answered = [one.hear("live")["id"]]
+        while answered[-1] != 40:
+            answered.append(one.hear("live")["id"])
+        assert answered == sorted(answered)
+        assert len(answered) < 40
+
+
+def test_sliders_are_answered_with_places_and_curves():
+    text = TRUCK.read_text("utf-8")
+    told = asked(text, "pose", pose={"travel_mm": -50.0, "torque_Nm": 4000.0})["pose"]
+    assert told["travel"] == -50
+    assert told["travel_reach"] == pytest.approx([-158, 35], abs=5)
+    curve = told["over_travel"]
+    k = min(range(len(curve["x"])), key=lambda k: abs(curve["x"][k] + 50))
+    near = abs(curve["x"][1] - curve["x"][0])
+    slope = abs(curve["angles"][3][k + 1] - curve["angles"][3][k])
+    assert curve["angles"][3][k] == pytest.approx(told["at"]["angles"][3], abs=slope + 1e-3)
+    assert near < 5
+    wound = asked(text, "pose", pose={"travel_mm": -50.0, "torque_Nm": 0.0})["pose"]
+    # METHOD: the housing turns by i η T over its stiffness; the nose rises.
+    turn = 4000 * 4.88 * 0.95 / 16000
+    assert told["at"]["pitch"] - wound["at"]["pitch"] == pytest.approx(turn, rel=2e-3)
+
+
+def test_what_would_help_can_be_applied():
+    told = asked(TEXT, "help")["helps"]
+    assert told
+    best = told[0]["bars"][0]
+    after = asked(TEXT, edits=best["edits"])
+    row = next(r for r in after["limits"] if r["quantity"] == told[0]["quantity"])
+    assert row["values"][0][0] == pytest.approx(best["value"], rel=1e-4)
+
+
+# ------------------------------------------------------------------ what it says
+
+
+def test_every_word_of_the_front_is_known_and_no_other():
+    said = {"pass", "warn", "fail", "incomplete"}
+    for source in (ROOT / "web" / "src").glob("*.ts*"):
+        said |= set(re.findall(r'\bt\(\s*"((?:[^"\\]|\\.)*)"', source.read_text("utf-8")))
+    assert sorted(said) == sorted(words.WORDS)
+    for code in CODES:
+        assert words.texts(Language(code)).keys() == said
+
+
+def test_the_front_is_small_and_needs_three_packages():
+    lines = sum(len(p.read_text("utf-8").splitlines()) for p in (ROOT / "web/src").iterdir())
+    assert lines < 4000
+    asked_for = json.loads((ROOT / "web/package.json").read_text("utf-8"))["dependencies"]
+    assert set(asked_for) == {"preact", "three", "uplot"}
+    lock = (ROOT / "web/package-lock.json").read_text("utf-8")
+    assert '"resolved"' not in lock
+
+
+# ------------------------------------------------------------------ what it refuses
+
+
+def got(house, path="/", method="GET", headers=None, body=None, address="127.0.0.1"):
+    """Return status, headers and body of a request that says of itself what it likes."""
+    one = http.client.HTTPConnection(address, house.port, timeout=PATIENCE)
+    try:
+        one.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+        for key, value in ({"Host": f"127.0.0.1:{house.port}"} | (headers or {})).items():
+            if value is not None:
+                one.putheader(key, value)
+        one.endheaders()
+        if body:
+            one.send(body)
+        answered = one.getresponse()
+        return answered.status, dict(answered.getheaders()), answered.read()
+    finally:
+        one.close()
+
+
+def test_the_page_comes_with_every_guard(house):
+    for path, (content, kind) in BUILT.items():
+        status, headers, body = got(house, path, headers={"Sec-Fetch-Site": "none"})
+        assert (status, body, headers["content-type"]) == (200, content, kind)
+        policy = headers["content-security-policy"]
+        assert "unsafe" not in policy
+        assert "frame-ancestors 'none'" in policy
+        assert "default-src 'none'" in policy
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["referrer-policy"] == "no-referrer"
+        assert "access-control-allow-origin" not in headers
+        assert not {"server", "date"} & set(headers)
+
+
+def test_both_of_this_machines_own_addresses_are_served(house):
+    for address, host in (("127.0.0.1", "127.0.0.1"), ("127.0.0.1", "localhost"), ("::1", "[::1]")):
+        if address == "::1" and not server.has_ipv6():
+            continue
+        asked_for = f"{host}:{house.port}"
+        headers = {"Host": asked_for, "Origin": f"http://{asked_for}"}
+        assert got(house, "/", headers=headers, address=address)[0] == 200
+        mixed = {"Host": asked_for, "Origin": "http://127.0.0.2:80"}
+        assert got(house, "/", headers=mixed, address=address)[0] == 403
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "cardan.example"},
+        {"Host": "127.0.0.1"},
+        {"Host": "localhost.example:80"},
+        {"Host": None},
+        {"Origin": "https://cardan.example"},
+        {"Origin": "null"},
+        {"Origin": "http://127.0.0.1:1"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+    ],
+    ids=str,
+)
+def test_what_comes_from_elsewhere_is_refused(house, headers):
+    status, said, body = got(house, "/", headers=headers)
+    assert status in ((400, 403) if headers.get("Host", "") is None else (403,))
+    assert b"<!doctype" not in body
+    del said
+
+
+@pytest.mark.parametrize(
+    ("path", "method", "headers", "body", "status"),
+    [
+        ("/", "POST", {"Content-Length": "0"}, None, 405),
+        ("/", "PUT", {"Content-Length": "9"}, None, 405),
+        ("/", "GET", {"Content-Length": "900000000"}, None, 413),
+        ("/", "GET", {"Transfer-Encoding": "chunked"}, None, 413),
+        ("/?file=/etc/passwd", "GET", {}, None, 404),
+        ("/../pyproject.toml", "GET", {}, None, 404),
+        ("/assets/../../guard.py", "GET", {}, None, 404),
+        ("/assets/%2e%2e/%2e%2e/guard.py", "GET", {}, None, 404),
+        ("/static/index.html", "GET", {}, None, 404),
+        ("/" + "a" * 300, "GET", {}, None, 404),
+        ("/ask", "GET", {}, None, 404),
+    ],
+    ids=str,
+)
+def test_nothing_is_taken_and_nothing_else_is_served(house, path, method, headers, body, status):
+    found, said, _ = got(house, path, method, headers, body)
+    assert found == status
+    assert said["x-content-type-options"] == "nosniff"
+
+
+def test_heads_too_long_are_not_read(house):
+    """A request whose headers go on and on is ended, and the next one is answered."""
+    with socket.create_connection(("127.0.0.1", house.port), timeout=PATIENCE) as one:
+        try:
+            for _ in range(200):
+                one.sendall(b"GET / HTTP/1.1\r\nX: " + b"a" * 1000)
+            left = one.recv(100)
+        except OSError:
+            left = b""
+        assert b"200" not in left
+    assert got(house)[0] == 200
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"origin": None},
+        {"origin": "https://cardan.example"},
+        {"origin": "null"},
+        {"token": "a" * 32},
+        {"additional_headers": {"Sec-Fetch-Site": "cross-site"}},
+    ],
+    ids=str,
+)
+def test_a_socket_from_elsewhere_is_refused(house, how):
+    with pytest.raises(InvalidStatus, match="403"), reached(house, **how):
+        pass
+
+
+def dragging(by):
+    """Return a question that drags joint 1 by what stands there."""
+    at = '"kind": "joint", "number": 1, "line": "main"'
+    return f'{{"type": "ask", "id": 1, "text": "", "drag": {{{at}, "by_mm": {by}}}}}'
+
+
+def asking(what):
+    return f'{{"type": "ask", "id": 1, "text": "", {what}}}'
+
+
+WRONG = [
+    "", "[]", "1", "null", "{", "[" * 100_000, '{"type": []}', '{"type": "exec"}',
+    '{"type": "__init__"}', '{"type": "open", "file": "../x"}', '{"type": "open", "file": 1}',
+    '{"type": "open", "file": -1}', '{"type": "open", "file": true}', '{"type": "ask"}',
+    '{"type": "ask", "id": 1}', '{"type": "ask", "id": 1, "text": 3}',
+    '{"type": "ask", "id": "1", "text": ""}', asking('"drag": {}'), dragging("[0, 0]"),
+    dragging("[0, 0, NaN]"), dragging("[0, 0, 1e9]"), asking('"edits": {"a": {}}'),
+    asking('"edits": {"a": "x\\ny"}'), asking('"pose": []'),
+    asking('"pose": {"travel_mm": Infinity}'), asking('"pose": {"state": 1.5}'),
+    '{"type": "save", "file": 0, "text": "a"}',
+    '{"type": "keep", "file": 7, "text": "a", "mark": ""}',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("said", WRONG, ids=lambda s: s[:60])
+def test_a_message_of_the_wrong_shape_ends_its_socket_alone(house, said):
+    with page(house) as other, page(house) as one:
+        other.hello()
+        one.hello()
+        one.socket.send(said)
+        with pytest.raises(ConnectionClosed) as ended:
+            one.hear("nothing")
+        assert ended.value.rcvd.code == 1003
+        assert other.open()["type"] == "opened"
+
+
+def told_until_closed(one, said):
+    one.socket.send(said)
+    one.hear("nothing")
+
+
+def test_bytes_and_messages_too_long_end_a_socket(house):
+    for said in (b"{}", "x" * (server.MESSAGE + 1)):
+        with page(house) as one:
+            one.hello()
+            with pytest.raises(ConnectionClosed):
+                told_until_closed(one, said)
+    assert got(house)[0] == 200
+
+
+def test_a_text_names_no_file_outside_its_folder(house):
+    with page(house) as one:
+        one.hello()
+        told = one.ask(TEXT.replace("limits: protractor", "limits: ../../../etc/hosts.yaml"))
+        assert "outside the folder" in told["problems"][0]["message"]
+        for name in ("/etc/passwd", "~/.ssh/id_rsa", "C:\\\\x.yaml"):
+            told = one.ask(TEXT + f'catalogues: "{name}"\n')
+            assert told["problems"]
+            assert "root:" not in json.dumps(told)
+
+
+HOSTILE = [
+    "<img src=x onerror=alert(1)>", "</script><script>alert(1)</script>", "\"'`;--",
+    "{{7*7}} ${7*7}",
+    "カルダン軸 传动轴", "a" * 200, "é" * 200,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE, ids=lambda n: n[:20])
+def test_a_hostile_name_is_told_as_it_is(name):
+    told = asked(TEXT, edits={"title": name})
+    assert told["title"] == name
+    assert files.loads(told["text"]).title == name
+
+
+@pytest.mark.parametrize("name", ["\u202egnp", "a\x1b[31m", "a\x00b", "a" * 20_000])
+def test_a_name_that_hides_or_never_ends_is_refused(name):
+    assert asked(TEXT.replace("Three-joint chain (Souza 2014, table 2)", name))["problems"]
+
+
+# ------------------------------------------------------------------ the disk
+
+
+def test_saving_writes_the_file_and_drops_the_draft(own):
+    house, path = own
+    with page(house) as one:
+        one.hello()
+        opened = one.open()
+        text = opened["saved"].replace("2800", "2900")
+        one.say("keep", file=0, text=text, mark=opened["mark"])
+        one.hear("kept")
+        assert path.read_text("utf-8") == TEXT
+        assert one.open()["draft"] == text
+        one.say("save", file=0, text=text, mark=opened["mark"])
+        assert one.hear("saved")["text"] == text
+        assert path.read_text("utf-8") == text
+        assert one.open()["draft"] is None
+
+
+def test_a_file_changed_meanwhile_is_not_written_over(own, monkeypatch):
+    monkeypatch.setattr(session, "WATCH", 0.05)
+    house, path = own
+    with page(house) as one:
+        one.hello()
+        opened = one.open()
+        path.write_text(TEXT + "# somebody else\n", "utf-8")
+        told = one.hear("disk")
+        assert told["text"].endswith("# somebody else\n")
+        one.say("save", file=0, text=TEXT + "# mine\n", mark=opened["mark"])
+        assert one.hear("disk")["conflict"]
+        assert path.read_text("utf-8").endswith("# somebody else\n")
+        one.say("save", file=0, text=TEXT + "# mine\n", mark=told["mark"])
+        one.hear("saved")
+        assert path.read_text("utf-8").endswith("# mine\n")
+
+
+def test_two_tabs_hear_of_each_other(own, monkeypatch):
+    monkeypatch.setattr(session, "WATCH", 0.05)
+    house, _ = own
+    with page(house) as one, page(house) as two:
+        marks = []
+        for tab in (one, two):
+            tab.hello()
+            marks.append(tab.open()["mark"])
+            assert tab.ask(TEXT)["title"]
+        one.say("save", file=0, text=TEXT + "# one\n", mark=marks[0])
+        one.hear("saved")
+        assert two.hear("disk")["text"] == TEXT + "# one\n"
+        two.say("save", file=0, text=TEXT + "# two\n", mark=marks[1])
+        assert two.hear("disk")["conflict"]
+
+
+def test_marks_and_line_ends_of_a_file_stay(tmp_path):
+    path = tmp_path / "a.yaml"
+    path.write_bytes(b"\xef\xbb\xbf" + TEXT.replace("\n", "\r\n").encode())
+    desk = Desk(path, drafts=tmp_path / "drafts")
+    opened = desk.open(0)
+    new = asked(opened["saved"], edits={"speed_rpm": 2500})["text"]
+    desk.save(0, new, opened["mark"])
+    written = path.read_bytes()
+    assert written.startswith(b"\xef\xbb\xbf#")
+    assert written.count(b"\r\n") == written.count(b"\n") == TEXT.count("\n")
+    with pytest.raises(Conflict):
+        desk.save(0, TEXT, opened["mark"])
+
+
+def test_a_draft_of_another_file_or_a_broken_one_is_none(tmp_path):
+    for name in ("a.yaml", "b.yaml"):
+        (tmp_path / name).write_text(TEXT, "utf-8")
+    desk = Desk(tmp_path, drafts=tmp_path / "drafts")
+    assert [p.name for p in desk.papers] == ["a.yaml", "b.yaml"]
+    desk.keep(0, "title: x", desk.open(0)["mark"])
+    assert desk.open(1)["draft"] is None
+    (kept,) = (tmp_path / "drafts").iterdir()
+    assert kept.parent.stat().st_mode & 0o077 == 0 or os.name == "nt"
+    desk.keep(1, "title: y", desk.open(1)["mark"])
+    (other,) = set((tmp_path / "drafts").iterdir()) - {kept}
+    other.write_bytes(kept.read_bytes())  # of the first, in the place of the second
+    assert desk.open(0)["draft"] == "title: x"
+    assert desk.open(1)["draft"] is None
+    kept.write_text("{", "utf-8")
+    assert desk.open(0)["draft"] is None
+
+
+def test_what_cannot_be_opened_is_said(tmp_path):
+    for name in ("no.yaml", "."):
+        found = CliRunner().invoke(cli, ["serve", str(tmp_path / name / "x")])
+        assert found.exit_code == 2
+    binary = tmp_path / "b.yaml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(BadFile, match="no UTF-8"):
+        Desk(binary, drafts=tmp_path)
+
+
+# ------------------------------------------------------------------ how it lives and ends
+
+
+def test_it_listens_on_this_machine_alone():
+    opened = server.sockets(0)
+    try:
+        names = [one.getsockname() for one in opened]
+        assert {n[0] for n in names} <= {"127.0.0.1", "::1"}
+        assert len({n[1] for n in names}) == 1
+        with pytest.raises(CardanError, match=f"port {names[0][1]} cannot be used"):
+            server.sockets(names[0][1])
+    finally:
+        for one in opened:
+            one.close()
+
+
+def test_a_taken_port_is_bad_input():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        one.listen()
+        port = str(one.getsockname()[1])
+        found = CliRunner().invoke(cli, ["serve", str(CHAIN), "--port", port])
+    assert found.exit_code == 2
+    assert "cannot be used" in found.output
+
+
+def test_without_the_built_page_it_says_what_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "files", lambda _: tmp_path)
+    with pytest.raises(NotInstalled, match="make serve"):
+        server.front()
+
+
+def test_connections_that_ask_nothing_are_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "SILENT", 0.3)
+    monkeypatch.setattr(server, "CONNECTIONS", 20)
+    path = tmp_path / "chain.yaml"
+    path.write_text(TEXT, "utf-8")
+    with running(path, tmp_path / "drafts") as house:
+        idle = [socket.create_connection(("127.0.0.1", house.port)) for _ in range(200)]
+        try:
+            end = time.monotonic() + PATIENCE
+            for one in idle:
+                one.settimeout(max(end - time.monotonic(), 0.1))
+                with suppress(ConnectionError):
+                    assert one.recv(1) == b""
+            assert got(house)[0] == 200
+        finally:
+            for one in idle:
+                one.close()
+
+
+def test_more_pages_than_a_person_opens_are_not_let_in(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "PAGES", 2)
+    path = tmp_path / "chain.yaml"
+    path.write_text(TEXT, "utf-8")
+    with running(path, tmp_path / "drafts") as house:
+        with page(house) as one, page(house) as two:
+            assert one.hello()
+            assert two.hello()
+            with pytest.raises((InvalidStatus, ConnectionClosed)), page(house) as three:
+                three.hello()
+        end = time.monotonic() + PATIENCE
+        while house.pages and time.monotonic() < end:
+            time.sleep(0.01)
+        with page(house) as again:
+            assert again.hello()
+
+
+async def _slow():
+    lane = Lane(longest=0.001)
+    try:
+        question = {"job": "live", "text": TEXT, "name": "x", "folder": None, "lang": "en"}
+        first = await lane.ask(question)
+        lane.longest = PATIENCE
+        second = await lane.ask(question)
+        pid = lane.pid
+        os.kill(pid, signal.SIGTERM)
+        third = await lane.ask(question)
+        fourth = await lane.ask(question)
+        return first, second, third, fourth, pid, lane.pid
+    finally:
+        lane.close()
+        await lane.closed()
+
+
+def test_what_takes_too_long_or_dies_is_replaced():
+    import asyncio
+
+    first, second, third, fourth, was, now = asyncio.run(_slow())
+    assert first == {"fault": "too slow"}
+    assert second["title"] == fourth["title"]
+    assert third in ({"fault": "ended"}, second)
+    assert was != now
+
+
+def test_a_fault_of_ours_is_told_and_the_next_question_answered():
+    import asyncio
+
+    async def ask():
+        lane = Lane()
+        try:
+            question = {"job": "nothing", "text": TEXT, "name": "x", "folder": None, "lang": "en"}
+            return await lane.ask(question), await lane.ask({**question, "job": "live"})
+        finally:
+            lane.close()
+            await lane.closed()
+
+    broken, whole = asyncio.run(ask())
+    assert broken == {"fault": "KeyError"}
+    assert whole["title"]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks processes up in /proc")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_it_ends_without_orphans_even_in_the_middle(tmp_path, how):
+    path = tmp_path / "truck.yaml"
+    path.write_text(TRUCK.read_text("utf-8"), "utf-8")
+    with command(path, state=tmp_path / "state") as (process, address):
+        port, token = re.match(r"http://127.0.0.1:(\d+)/#(.*)", address).groups()
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        assert len(children) == 2
+
+        class At:
+            pass
+
+        house = At()
+        house.port, house.token = int(port), token
+        with page(house) as one:
+            one.hello()
+            text = one.open()["saved"]
+            one.say("ask", id=1, text=text)
+            process.send_signal(how)
+            code = process.wait(PATIENCE)
+        out, err = process.communicate()
+        assert code == {signal.SIGINT: 130, signal.SIGTERM: -15, signal.SIGKILL: -9}[how]
+        assert token not in out + err
+        assert "Traceback" not in err
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end and any(_alive(pid) for pid in children):
+            time.sleep(0.02)
+        assert not any(_alive(pid) for pid in children)
+
+
+def _alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_no_log_holds_the_token(own, caplog, capfd):
+    house, _ = own
+    caplog.set_level(0)
+    with page(house) as one:
+        one.hello()
+        one.ask(TEXT)
+    with pytest.raises(InvalidStatus), reached(house, token="b" * 32):
+        pass
+    got(house, "/", headers={"Host": "x.example"})
+    said = capfd.readouterr()
+    ours = [r for r in caplog.records if not r.name.startswith("websockets.client")]
+    assert house.token not in said.out + said.err + "".join(r.getMessage() for r in ours)
+
+
+def said_for_ever(one, said):
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        one.sendall(said)
+        time.sleep(0.01)
+
+
+def test_a_page_that_does_not_read_is_let_go(own, monkeypatch):
+    """What it is told fills what the system keeps for it; then its socket ends, not the server."""
+    monkeypatch.setattr(session, "SLOWEST", 0.5)
+    house, _ = own
+    with socket.create_connection(("127.0.0.1", house.port), timeout=PATIENCE) as deaf:
+        host = f"127.0.0.1:{house.port}"
+        head = (
+            f"GET /ask HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nUpgrade: websocket\r\n"
+            "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            f"Sec-WebSocket-Protocol: cardan.1, {house.token}\r\n\r\n"
+        )
+        deaf.sendall(head.encode())
+        hello = b'{"type":"hello"}'
+        masked = bytes([0x81, 0x80 | len(hello), 0, 0, 0, 0]) + hello  # masked with nothing
+        with pytest.raises(OSError):
+            said_for_ever(deaf, masked * 20)
+        with page(house) as other:
+            other.hello()
+            assert other.ask(TEXT)["title"]
+
+
+def test_lanes_take_only_the_latest():
+    import asyncio
+
+    async def take():
+        class Echo:
+            async def ask(self, question):
+                return question
+
+        latest = lanes.Latest(Echo())
+        for k in range(5):
+            latest.put({"k": k})
+        first = await latest.take()
+        latest.put({"k": 9})
+        latest.drop()
+        latest.put({"k": 10})
+        return first, await latest.take()
+
+    first, second = asyncio.run(take())
+    assert (first[0], second[0]) == ({"k": 4}, {"k": 10})

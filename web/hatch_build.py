@@ -1,0 +1,40 @@
+"""Puts the built page of the workbench into what is distributed, where Node can build it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+class PageHook(BuildHookInterface[Any]):
+    """Builds the page where its sources are newer; says in one line where it cannot."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build the page, unless the package is installed in place."""
+        del build_data
+        root = Path(self.root)
+        page, sources = root / "src/cardan/web/static/index.html", root / "web"
+        newest = max((p.stat().st_mtime for p in (sources / "src").glob("*")), default=0.0)
+        if version == "editable" or (page.exists() and page.stat().st_mtime >= newest):
+            return
+        npm = shutil.which("npm")
+        why = "Node with npm is not installed" if npm is None else self._built(npm, sources)
+        if why:
+            sys.stderr.write(
+                f"cardan: the workbench's page is not built, `cardan serve` says so: {why}\n"
+            )
+
+    @staticmethod
+    def _built(npm: str, sources: Path) -> str:
+        """Return why the page could not be built; nothing where it was."""
+        for command in (["ci", "--silent"], ["run", "--silent", "build"]):
+            done = subprocess.run(
+                [npm, *command], cwd=sources, capture_output=True, text=True, check=False
+            )
+            if done.returncode:
+                said = (done.stderr or done.stdout).strip().splitlines()
+                return f"npm {command[-1]}: {said[-1] if said else done.returncode}"
+        return ""

@@ -1,0 +1,293 @@
+// The page: what it is of, the verdict, the views, the limits.
+
+import { useEffect, useState } from "preact/hooks";
+import type { ComponentType } from "preact";
+import { Drawing, type Shown } from "./Drawing";
+import { Dials } from "./Dial";
+import { Editor } from "./Editor";
+import { number, percent } from "./format";
+import { Detail, Heat, worstPart } from "./Heat";
+import { Helps } from "./Helps";
+import { unsaved } from "./history";
+import { Parts } from "./Parts";
+import { Phasors } from "./Phasors";
+import { Angles, Poser } from "./Poser";
+import { store, worst, type Known } from "./store";
+import { t } from "./text";
+import type { Row, Verdict } from "./types";
+import { still, useKnown } from "./use";
+
+type Both = { known: Known; shown: Shown };
+
+/** What a hand that moves something does not change: drawn again once it lets go. */
+const rested = ({ known, shown }: Both): unknown[] => [
+  known.held ? null : known.live,
+  known.held ? null : known.full,
+  known.pose,
+  known.asked,
+  known.theme,
+  known.lang,
+  shown.free,
+  shown.state,
+];
+const StillPoser = still<Both>(Poser, rested);
+const StillDials = still<Both>(Dials, (p) => [...rested(p), known_phase(p)]);
+const StillParts = still<Both>(Parts, rested);
+const StillEditor = still<{ known: Known }>(Editor, ({ known: k }) => [k.history, k.problems, k.live?.warnings.length, k.lang, k.file]);
+const StillHelps = still<{ known: Known }>(Helps, ({ known: k }) => [k.helps, k.helping, k.full, k.settled, k.lang]);
+
+const known_phase = ({ known, shown }: Both): string =>
+  known.held?.startsWith("phase/") ? shown.line.phases.join() + known.held : "";
+
+
+export function App() {
+  const known = useKnown();
+  const shown = what(known);
+  useKeys();
+  useEffect(() => {
+    const dirty = known.history !== null && unsaved(known.history);
+    document.title = `${dirty ? "• " : ""}${known.live?.title ?? "cardan"}`;
+  }, [known.live?.title, known.history]);
+  return (
+    <>
+      <Head known={known} />
+      <main id="main">
+        <Notices known={known} />
+        {known.file === null && known.connection === "open" && <Files known={known} />}
+        {known.connection === "refused" && (
+          <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>
+        )}
+        {shown && (
+          <>
+            <Strip known={known} />
+            <div class="columns">
+              <div class="left">
+                <Views known={known} shown={shown} />
+                <StillPoser known={known} shown={shown} />
+                <Angles known={known} shown={shown} />
+                <StillParts known={known} shown={shown} />
+                <StillEditor known={known} />
+              </div>
+              <div class="right">
+                <Heat known={known} />
+                <Detail known={known} />
+                <StillHelps known={known} />
+                <Phasors known={known} shown={shown} />
+                <StillDials known={known} shown={shown} />
+              </div>
+            </div>
+          </>
+        )}
+        {!shown && known.file !== null && known.history && (
+          <>
+            {known.problems.length > 0 && <p class="card note fail">{t("The file cannot be read as it is: see what is wrong below.")}</p>}
+            <StillEditor known={known} />
+          </>
+        )}
+      </main>
+    </>
+  );
+}
+
+/** The line and state that are shown. */
+function what(known: Known): Shown | null {
+  const { live, pose, asked } = known;
+  if (!live) return null;
+  const index = Math.min(asked.line ?? 0, live.lines.length - 1);
+  const line = live.lines[index];
+  if (!line) return null;
+  const state = Math.min(asked.state ?? (pose?.line === index ? pose.state : null) ?? live.worst, live.states.length - 1);
+  const free = asked.travel_mm !== undefined && pose?.at !== undefined && pose.line === index;
+  const laid = free ? pose.at?.laid : line.states[state];
+  return laid ? { live, line, index, state, laid, free } : null;
+}
+
+function useKeys(): void {
+  useEffect(() => {
+    const heard = (e: KeyboardEvent): void => {
+      if (!(e.ctrlKey || e.metaKey) || e.altKey) return;
+      const typing = e.target instanceof HTMLTextAreaElement;
+      const key = e.key.toLowerCase();
+      if (key === "s") store.save();
+      else if (key === "z" && !typing) e.shiftKey ? store.redo() : store.undo();
+      else if (key === "y" && !typing) store.redo();
+      else return;
+      e.preventDefault();
+    };
+    addEventListener("keydown", heard);
+    return () => removeEventListener("keydown", heard);
+  }, []);
+}
+
+function Head({ known }: { known: Known }) {
+  const history = known.history;
+  const dirty = history !== null && unsaved(history);
+  const title = known.live?.title ?? "cardan";
+  return (
+    <header class="head">
+      <a class="skip" href="#main">{t("to the page")}</a>
+      <svg class="mark" viewBox="0 0 32 32" aria-hidden="true">
+        <path d="M2 10 13 14m6 4 11 4" /><circle cx="16" cy="16" r="5" />
+      </svg>
+      <h1 title={title}>{title}</h1>
+      {known.files.length > 1 && (
+        <select aria-label={t("File")} value={known.file ?? ""} onChange={(e) => store.open(Number((e.currentTarget as HTMLSelectElement).value))}>
+          {known.file === null && <option value="">…</option>}
+          {known.files.map((name, k) => <option key={name} value={k}>{name}</option>)}
+        </select>
+      )}
+      <div class="tools">
+        {known.connection === "lost" && <span class="note fail" role="status">{t("connection lost")}</span>}
+        <button disabled={!history?.past.length} onClick={() => store.undo()} title="Ctrl+Z" aria-label={t("undo")}>↶</button>
+        <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
+        <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
+        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak((e.currentTarget as HTMLSelectElement).value)}>
+          {known.languages.map((code) => <option key={code} value={code}>{code}</option>)}
+        </select>
+        <select aria-label={t("Colours")} value={known.theme} onChange={(e) => store.theme((e.currentTarget as HTMLSelectElement).value as Known["theme"])}>
+          <option value="auto">{t("as the system")}</option>
+          <option value="light">{t("light")}</option>
+          <option value="dark">{t("dark")}</option>
+        </select>
+      </div>
+    </header>
+  );
+}
+
+function Notices({ known }: { known: Known }) {
+  const n = known.notice;
+  const unread = known.live !== null && known.problems.length > 0;
+  return (
+    <div aria-live="polite">
+      {n?.kind === "restored" && (
+        <p class="notice">
+          {t("What was not saved last time is here again; undo goes back to the file.")}
+          <button onClick={() => store.dismiss()}>{t("close")}</button>
+        </p>
+      )}
+      {n?.kind === "reloaded" && (
+        <p class="notice">
+          {t("The file was changed on disk, and is shown as it is now.")}
+          <button onClick={() => store.dismiss()}>{t("close")}</button>
+        </p>
+      )}
+      {n?.kind === "conflict" && (
+        <p class="notice warn">
+          {t("The file was changed on disk while there are unsaved edits here.")}
+          <button onClick={() => store.settle(true)}>{t("take the file; undo keeps mine")}</button>
+          <button onClick={() => store.settle(false)}>{t("save mine over it")}</button>
+        </p>
+      )}
+      {n?.kind === "refused" && (
+        <p class="notice fail">
+          {n.why}
+          <button onClick={() => store.dismiss()}>{t("close")}</button>
+        </p>
+      )}
+      {unread && (
+        <p class="notice fail">
+          {t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}
+        </p>
+      )}
+    </div>
+  );
+}
+
+function Files({ known }: { known: Known }) {
+  return (
+    <section class="card files" aria-labelledby="files">
+      <header><h2 id="files">{t("Files")}</h2></header>
+      {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
+      <ul>
+        {known.files.map((name, k) => (
+          <li key={name}><button class="link" onClick={() => store.open(k)}>{name}</button></li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+const SIGNS: Record<Verdict, string> = { pass: "✓", warn: "△", incomplete: "…", fail: "✗" };
+
+function Strip({ known }: { known: Known }) {
+  const { full, live, settled } = known;
+  // A failure that is known at once is one, whatever comes after.
+  const verdict: Verdict | null = !settled && live?.grade === "fail" ? "fail" : (full?.verdict ?? live?.grade ?? null);
+  const bad = store
+    .rows()
+    .filter((r): r is Row => r.values !== undefined && worst(r) < -0.5)
+    .sort((a, b) => worst(a) - worst(b));
+  return (
+    <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
+      <p class="verdict" role="status">
+        <span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}
+      </p>
+      <p class="counts">
+        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counts[g]} {t(g)}</span>)}
+        {full && full.unanswered.length > 0 && <span>{t("{count} unanswered", { count: full.unanswered.length })}</span>}
+        <span class="profile">{live?.profile}</span>
+        <span class="pending" aria-hidden={settled}>{settled ? "" : t("bearing forces follow …")}</span>
+      </p>
+      <ul class="worst">
+        {bad.slice(0, 5).map((row) => {
+          const s = worstState(row);
+          const p = worstPart(row, s);
+          const grade = row.grades[s]?.[p] === 2 ? "fail" : "warn";
+          return (
+            <li key={row.id}>
+              <button class={grade} onClick={() => store.look({ row: row.id, state: s, part: p })}>
+                <b>{row.name}</b>
+                <span>{live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
+                <span>{number(row.values[s]?.[p])} {row.unit} <i>{percent(row.margins[s]?.[p])} %</i></span>
+              </button>
+            </li>
+          );
+        })}
+      </ul>
+    </section>
+  );
+}
+
+function worstState(row: Row): number {
+  let found = 0;
+  let least = Infinity;
+  row.grades.forEach((_, s) => {
+    const p = worstPart(row, s);
+    const grade = row.grades[s]?.[p];
+    if (p < 0 || grade === null || grade === undefined) return;
+    const rank = (row.margins[s]?.[p] ?? 0) - 100 * grade;
+    if (rank < least) [least, found] = [rank, s];
+  });
+  return found;
+}
+
+function Views({ known, shown }: { known: Known; shown: Shown }) {
+  const [deep, go] = useState(false);
+  const [Scene, load] = useState<ComponentType<{ known: Known; shown: Shown }> | null>(null);
+  useEffect(() => {
+    if (deep && !Scene) void import("./Scene").then((m) => load(() => m.default));
+  }, [deep]);
+  return (
+    <section class="card views" aria-labelledby="views">
+      <header>
+        <h2 id="views">{t("Drawing")}</h2>
+        <span class="note">
+          {shown.free ? t("where the sliders have it") : shown.live.states[shown.state]?.said}
+          {!deep && ` · ${t("light: the other states; dashed: as installed")}`}
+        </span>
+        <div class="chips" role="group" aria-label={t("Drawing")}>
+          <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
+          <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
+        </div>
+      </header>
+      {deep ? (
+        Scene ? <Scene known={known} shown={shown} /> : <p class="note">…</p>
+      ) : (
+        <>
+          <Drawing known={known} shown={shown} view="side" />
+          <Drawing known={known} shown={shown} view="top" />
+        </>
+      )}
+    </section>
+  );
+}

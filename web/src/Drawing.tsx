@@ -1,0 +1,317 @@
+// Side and top view: the line where it is shown, as installed and in its states; handles on it.
+
+import { useMemo, useRef } from "preact/hooks";
+import { fixed, signed } from "./format";
+import { grade } from "./marks";
+import { store, type Known } from "./store";
+import { t } from "./text";
+import type { Drag, Handle, Laid, Line, Live, Maybe, Obstacle, Point } from "./types";
+import { useHand, useWidth } from "./use";
+import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
+
+export interface Shown {
+  live: Live;
+  line: Line;
+  index: number;
+  state: number;
+  laid: Laid;
+  free: boolean;
+}
+
+const TALLEST: Record<View, number> = { side: 330, top: 250 };
+
+export function Drawing({ known, shown, view }: { known: Known; shown: Shown; view: View }) {
+  const [box, width] = useWidth(900);
+  const { live, line, state } = shown;
+  const obstacles = live.obstacles.filter((o) => o.line === line.name);
+  const tallest = width < 560 ? 260 : TALLEST[view];
+  const fresh = useMemo(() => page(line, obstacles, view, width, tallest), [live, width, view]);
+  const still = useRef(fresh);
+  // While a hand moves something the page keeps its scale: nothing else moves under it.
+  if (!known.held || still.current.width !== fresh.width) still.current = fresh;
+  const p = still.current;
+  const c = ACROSS[view];
+  const rows = store.rows();
+  const selected = known.selected;
+  const chosen = rows.find((r) => r.id === selected?.row);
+  const part = chosen?.values ? chosen.kinds[selected?.part ?? 0] : undefined;
+  const marked = (kind: string, n: number): boolean =>
+    chosen?.line === line.name && part?.[0] === kind && part[1] === n;
+  const points = (laid: Laid): Point[] => [laid.ends[0], ...laid.joints, laid.ends[1]];
+  const path = (at: Point[]): string =>
+    at.map((q, k) => `${k ? "L" : "M"}${p.x(q[0]).toFixed(1)} ${p.y(q[c]).toFixed(1)}`).join("");
+  const bold = points(shown.laid);
+  const angles = view === "side" ? line.side_angles[state] : line.top_angles[state];
+  const slopes = (view === "side" ? line.side : line.top)[state];
+  const posed = shown.free ? known.pose?.at : undefined;
+  const seen = {
+    angles: posed ? (view === "side" ? posed.side_angles : posed.top_angles) : angles,
+    slopes: posed ? (view === "side" ? posed.side : posed.top) : slopes,
+    lengths: posed?.lengths ?? line.lengths[state],
+  };
+  const clearance = posed?.clearance ?? line.clearance[state];
+  const title = view === "side" ? t("Side view, from the left") : t("Top view");
+  const mine = known.handles.filter((h) => h.line === line.name);
+
+  return (
+    <figure class="view" ref={box}>
+      <figcaption>
+        <b>{title}</b>
+        <span>
+          {p.times === 1 ? t("to scale") : t("across {times} times as large", { times: p.times })}
+        </span>
+      </figcaption>
+      <svg
+        class="drawing"
+        width={p.width}
+        height={p.height}
+        viewBox={`0 0 ${p.width} ${p.height}`}
+        role="group"
+        aria-label={title}
+      >
+        <g class="states" aria-hidden="true">
+          {line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />))}
+        </g>
+        <path class="installed" d={path(points(line.installed))} aria-hidden="true" />
+        <g aria-hidden="true">
+          {obstacles.map((o) => (
+            <Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />
+          ))}
+        </g>
+        <g aria-hidden="true">
+          {bold.slice(0, -1).map((a, k) => {
+            const b = bold[k + 1] as Point;
+            const tube = k > 0 && k < bold.length - 2;
+            const thick = Math.max(3, (tube ? (line.tubes[k - 1] ?? 50) : 50) * p.scale * p.times);
+            const worst = tube ? grade(rows, line.name, state, "shaft", k) : null;
+            return (
+              <line
+                key={k}
+                class={`tube ${tube ? "" : "stub"} ${worst ?? ""} ${marked("shaft", k) || marked("clearance", k) ? "chosen" : ""}`}
+                x1={p.x(a[0])}
+                y1={p.y(a[c])}
+                x2={p.x(b[0])}
+                y2={p.y(b[c])}
+                stroke-width={Math.min(thick, 60)}
+              />
+            );
+          })}
+          <path class="bold" d={path(bold)} />
+        </g>
+        <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} />
+        <g aria-hidden="true">
+          {shown.laid.bearings.map((b, k) => (
+            <Bearing
+              key={k}
+              x={p.x(b[0])}
+              y={p.y(b[c])}
+              n={k + 1}
+              grade={grade(rows, line.name, state, "centre bearing", k + 1)}
+              chosen={marked("centre bearing", k + 1)}
+            />
+          ))}
+          {shown.laid.joints.map((q, k) => {
+            const worst = grade(rows, line.name, state, "joint", k + 1);
+            const [x, y] = [p.x(q[0]), p.y(q[c])];
+            return (
+              <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
+                <circle cx={x} cy={y} r={9.5} />
+                <text x={x} y={y + 4} text-anchor="middle">{k + 1}</text>
+                <text class="angle" x={x} y={y + 27} text-anchor="middle">
+                  {signed(seen.angles?.[k] ?? 0, 2)}°
+                </text>
+              </g>
+            );
+          })}
+          {view === "side" && <Rooms live={live} line={line} clearance={clearance} p={p} c={c} shown={shown} known={known} />}
+        </g>
+        <Scale p={p} />
+        <g class="handles">
+          {mine.map((h) => (
+            <Grip key={`${h.kind}${h.number}`} handle={h} view={view} p={p} shown={shown} known={known} />
+          ))}
+        </g>
+      </svg>
+    </figure>
+  );
+}
+
+/** How far an obstacle has gone with the axle, mm. */
+function lift(o: Obstacle, shown: Shown, known: Known): number {
+  const travel = shown.free ? known.pose?.travel : shown.line.travel[shown.state];
+  return o.share * (travel ?? 0);
+}
+
+function Bar({ of, p, c, lift: up }: { of: Obstacle; p: Page; c: 1 | 2; lift: number }) {
+  const rise = c === 2 ? up : 0;
+  const [x1, x2] = [p.x(of.start[0]), p.x(of.end[0])];
+  const [y1, y2] = [p.y(of.start[c] + rise), p.y(of.end[c] + rise)];
+  const [rx, ry] = [Math.max(of.radius * p.scale, 1.5), Math.max(of.radius * p.scale * p.times, 1.5)];
+  const flat = Math.hypot(x2 - x1, y2 - y1) < 1;
+  return (
+    <g class="obstacle">
+      {flat ? (
+        <ellipse cx={x1} cy={y1} rx={rx} ry={ry} />
+      ) : (
+        <line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />
+      )}
+    </g>
+  );
+}
+
+function Rooms(of: {
+  live: Live;
+  line: Line;
+  clearance: Maybe[][] | undefined;
+  p: Page;
+  c: 1 | 2;
+  shown: Shown;
+  known: Known;
+}) {
+  const { live, line, p, c } = of;
+  return (
+    <>
+      {line.obstacles.map((number, k) => {
+        const o = live.obstacles[number];
+        if (!o) return null;
+        const free = (of.clearance ?? []).map((room) => room[k]).filter((v) => v !== null && v !== undefined);
+        const x = p.x(Math.max(o.start[0], o.end[0]) + o.radius) + 8;
+        const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known));
+        const y = Math.min(Math.max(up, 60), p.height - 62);
+        return (
+          <g key={number} class="room">
+            <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}</text>
+            <text x={x} y={y + 11}>{free.length ? `${fixed(Math.min(...free), 1)} mm` : ""}</text>
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+function Bearing(of: { x: number; y: number; n: number; grade: string | null; chosen: boolean }) {
+  const { x, y } = of;
+  return (
+    <g class={`bearing ${of.grade ?? ""} ${of.chosen ? "chosen" : ""}`}>
+      <rect x={x - 6} y={y - 14} width={12} height={28} rx={2} />
+      <path d={`M${x} ${y - 14}V${y - 32}M${x - 12} ${y - 32}H${x + 12}`} />
+    </g>
+  );
+}
+
+function Dimensions(of: {
+  p: Page;
+  bold: Point[];
+  c: 1 | 2;
+  slopes: number[] | undefined;
+  lengths: number[] | undefined;
+}) {
+  const { p, bold, c } = of;
+  return (
+    <g class="dimensions" aria-hidden="true">
+      {bold.slice(0, -1).map((a, k) => {
+        const b = bold[k + 1] as Point;
+        const x = (p.x(a[0]) + p.x(b[0])) / 2;
+        const y = (p.y(a[c]) + p.y(b[c])) / 2;
+        const length = k > 0 && k < bold.length - 2 ? of.lengths?.[k - 1] : undefined;
+        const room = Math.abs(p.x(b[0]) - p.x(a[0]));
+        return (
+          <g key={k}>
+            <line x1={x} y1={y + 3} x2={x} y2={p.height - 44} />
+            <text x={x} y={p.height - 31} text-anchor="middle">
+              {signed(of.slopes?.[k] ?? 0, 2)}°
+            </text>
+            {length !== undefined && room > 70 && (
+              <text x={x} y={p.height - 17} text-anchor="middle">{fixed(length, 0)} mm</text>
+            )}
+          </g>
+        );
+      })}
+    </g>
+  );
+}
+
+function Scale({ p }: { p: Page }) {
+  const size = [1000, 500, 200, 100, 50].find((m) => m * p.scale < 0.3 * p.width) ?? 50;
+  const [x1, x2, y] = [26, 26 + size * p.scale, p.height - 4];
+  return (
+    <g class="scale" aria-hidden="true">
+      <path d={`M${x1} ${y - 4}V${y}H${x2}V${y - 4}`} />
+      <text x={x2 + 6} y={y}>{size} mm</text>
+    </g>
+  );
+}
+
+/** Where a handle is drawn in the line as it is shown. */
+function spot(h: Handle, shown: Shown, known: Known, view: View): Point | undefined {
+  const { laid, live } = shown;
+  if (h.kind === "joint") return laid.joints[h.number - 1];
+  if (h.kind === "bearing") return laid.bearings[bearingOf(shown, h.number)];
+  if (h.kind === "gearbox") return laid.ends[0];
+  if (h.kind === "pinion") return laid.ends[1];
+  const o = live.obstacles[h.number - 1];
+  if (!o) return undefined;
+  const middle = o.start.map((v, k) => (v + (o.end[k] ?? v)) / 2) as Point;
+  if (view === "side") middle[2] += lift(o, shown, known);
+  return middle;
+}
+
+/** Which of the drawn bearings hangs on a shaft: every shaft but the last has one. */
+const bearingOf = (_: Shown, shaft: number): number => shaft - 1;
+
+function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Known }) {
+  const { handle: h, view, p, shown, known } = of;
+  const name = `${view}/${h.line}/${h.kind}/${h.number}`;
+  const drag = (by: Point): { drag: Drag } => ({
+    drag: { kind: h.kind, number: h.number, line: h.line, by_mm: by },
+  });
+  const hand = useHand({
+    moved: (dx, dy) => {
+      const [right, up] = moved(p, dx, dy);
+      store.hold(name, drag(along(h.ways, view, right, up)));
+    },
+    stepped: (right, up) => store.hold(name, drag(along(h.ways, view, tenth(right), tenth(up)))),
+    release: () => store.release(),
+    cancel: () => store.cancel(),
+  });
+  const at = spot(h, shown, known, view);
+  if (!at || !h.ways.includes(AXIS[view])) return null;
+  const c = ACROSS[view];
+  const label = t("{part}, {way}: drag, or use the arrow keys", {
+    part: said(h, shown),
+    way: view === "side" ? t("height") : t("to the side"),
+  });
+  const y = p.y(at[c]) - (h.kind === "bearing" ? 23 : 0);
+  return (
+    <g
+      class={`grip on-${h.kind} ${known.held === name ? "held" : ""}`}
+      tabindex={0}
+      role="slider"
+      aria-label={label}
+      aria-orientation="vertical"
+      aria-valuenow={Math.round(at[c] * 10) / 10}
+      aria-valuetext={`${fixed(at[c], 1)} mm`}
+      data-handle={name}
+      {...hand}
+    >
+      <title>{label}</title>
+      <circle class="reach" cx={p.x(at[0])} cy={y} r={18} />
+      <circle class="dot" cx={p.x(at[0])} cy={y} r={h.kind === "bearing" ? 6.5 : h.kind === "joint" ? 12.5 : 6} />
+    </g>
+  );
+}
+
+export function said(h: Handle, shown: Shown): string {
+  switch (h.kind) {
+    case "joint":
+      return t("joint {n}", { n: h.number });
+    case "bearing":
+      return t("centre bearing {n}", { n: h.number });
+    case "gearbox":
+      return t("gearbox slope");
+    case "pinion":
+      return t("pinion slope");
+    case "obstacle":
+      return shown.live.obstacles[h.number - 1]?.name ?? "";
+  }
+}

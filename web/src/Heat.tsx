@@ -1,0 +1,220 @@
+// Limits by states: the margin as colour and number; a click shows what it is about.
+
+import { number, percent } from "./format";
+import { GRADES } from "./marks";
+import { store, type Known } from "./store";
+import { t } from "./text";
+import type { Full, Limit, Row } from "./types";
+import { still } from "./use";
+
+type Any = Row | (Limit & { values?: undefined });
+
+/** The part with the smallest margin of a row in a state; -1 where none is asked about. */
+export function worstPart(row: Row, state: number): number {
+  let found = -1;
+  const [grades, margins] = [row.grades[state] ?? [], row.margins[state] ?? []];
+  grades.forEach((grade, p) => {
+    if (grade === null) return;
+    const [best, now] = [margins[found] ?? Infinity, margins[p] ?? -Infinity];
+    const worse = (grades[found] ?? -1) < grade;
+    if (found < 0 || worse || (grades[found] === grade && now < best)) found = p;
+  });
+  return found;
+}
+
+export function Heat({ known }: { known: Known }) {
+  const live = known.live;
+  if (!live) return null;
+  const rows = store.rows();
+  const several = live.lines.length > 1;
+  return (
+    <section class="card heat" aria-labelledby="heat">
+      <header>
+        <h2 id="heat">{t("Limits by state")}</h2>
+        <span class="note">{t("margin in %, where it is smallest")}</span>
+        <button class="plain" onClick={() => store.resort()}>{t("worst first")}</button>
+      </header>
+      <div class="scroll" tabindex={0} role="region" aria-label={t("Limits by state")}>
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">{t("limit")}</th>
+              {live.states.map((s, k) => (
+                <th key={s.name} scope="col" class={k === (known.asked.state ?? known.pose?.state) ? "now" : ""}>
+                  <span>{s.said}</span>
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map((row) => (
+              <StillRow key={row.id} row={row} known={known} several={several} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <Others full={known.full} />
+    </section>
+  );
+}
+
+interface Of {
+  row: Any;
+  known: Known;
+  several: boolean;
+}
+
+/** Most rows stay what they are while one thing is moved: those are not drawn again. */
+const StillRow = still<Of>(HeatRow, ({ row, known, several }) => [
+  row.id,
+  row.name,
+  row.values && row.margins.join(),
+  row.values && row.grades.join(),
+  "points" in row && !known.settled,
+  known.selected?.row === row.id ? known.selected.state : null,
+  known.live?.states.length,
+  several,
+  known.lang,
+]);
+
+function HeatRow({ row, known, several }: Of) {
+  const states = known.live?.states ?? [];
+  const late = "points" in row && !known.settled;
+  return (
+    <tr class={`${row.values ? "" : "coming"} ${late ? "late" : ""}`}>
+      <th scope="row" title={row.name}>
+        {several && <i>{row.line}: </i>}
+        {row.name}
+        <small>{bound(row)}</small>
+      </th>
+      {states.map((s, k) => {
+        if (!row.values) return <td key={s.name}><span class="cell none">…</span></td>;
+        const p = worstPart(row, k);
+        const grade = row.grades[k]?.[p] ?? null;
+        if (p < 0 || grade === null) return <td key={s.name} />;
+        const margin = row.margins[k]?.[p];
+        const chosen = known.selected?.row === row.id && known.selected.state === k;
+        const part = row.parts[p] ?? "";
+        return (
+          <td key={s.name}>
+            <button
+              class={`cell ${GRADES[grade]} ${near(margin)} ${chosen ? "chosen" : ""}`}
+              aria-pressed={chosen}
+              aria-label={`${row.name}, ${s.said}${part ? `, ${part}` : ""}: ${t(GRADES[grade] ?? "")}, ${percent(margin)} %`}
+              onClick={() => store.look(chosen ? null : { row: row.id, state: k, part: p })}
+            >
+              {percent(margin)}
+            </button>
+          </td>
+        );
+      })}
+    </tr>
+  );
+}
+
+/** How near to its limit what passes is: a shade more. */
+const near = (margin: number | null | undefined): string =>
+  margin !== null && margin !== undefined && margin < 0.1 ? "near" : "";
+
+export function bound(row: Limit): string {
+  const unit = row.unit ? ` ${row.unit}` : "";
+  if (row.band) return `${t("outside")} ${number(row.band[0])} … ${number(row.band[1])}${unit}`;
+  const sense = row.sense === "<=" ? "≤" : "≥";
+  const both = [row.normal, row.maximum].filter((b) => b !== null).map((b) => number(b));
+  return `${sense} ${both.join(" | ")}${unit}`;
+}
+
+function Others({ full }: { full: Full | null }) {
+  if (!full) return null;
+  const bad = full.others.filter((o) => o.grade !== "pass").slice(0, 12);
+  const rest = full.others.length - bad.length;
+  return (
+    <>
+      {full.others.length > 0 && (
+        <details class="more" open={bad.length > 0}>
+          <summary>{t("Vibration and stability")}</summary>
+          <ul class="others">
+            {bad.map((o, k) => (
+              <li key={k} class={o.grade}>
+                <b>{t(o.grade)}</b> {o.name}, {o.where}: {number(o.value)} {o.sense === "<=" ? "≤" : o.sense === ">=" ? "≥" : t("outside")}{" "}
+                {number(o.bound)} {o.unit}
+              </li>
+            ))}
+            {rest > 0 && <li>{t("{count} more that pass", { count: rest })}</li>}
+          </ul>
+        </details>
+      )}
+      {full.unanswered.length > 0 && (
+        <details class="more">
+          <summary>{t("Without an answer")} ({full.unanswered.length})</summary>
+          <ul>{full.unanswered.map((u) => <li key={u}>{u}</li>)}</ul>
+        </details>
+      )}
+      {full.notes.length > 0 && (
+        <details class="more">
+          <summary>{t("Notes")} ({full.notes.length})</summary>
+          <ul>{full.notes.map((n) => <li key={n}>{n}</li>)}</ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+/** What a cell is about: its parts, the equation, the source of the limit. */
+export function Detail({ known }: { known: Known }) {
+  const { selected, live } = known;
+  const row = store.rows().find((r) => r.id === selected?.row);
+  if (!selected || !live || !row?.values) return null;
+  const q = known.quantities[row.quantity];
+  const state = live.states[selected.state];
+  return (
+    <section class="card detail" aria-labelledby="detail">
+      <header>
+        <h2 id="detail">{row.name}</h2>
+        <span class="note">{state?.said}</span>
+        <button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>
+      </header>
+      <table class="rows">
+        <thead>
+          <tr>
+            <th scope="col">{t("part")}</th>
+            <th scope="col" class="n">{t("value")}</th>
+            <th scope="col" class="n">{t("limit")}</th>
+            <th scope="col" class="n">{t("margin")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {row.parts.map((part, p) => {
+            const grade = row.grades[selected.state]?.[p];
+            if (grade === null || grade === undefined) return null;
+            return (
+              <tr key={p} class={p === selected.part ? "chosen" : ""}>
+                <th scope="row">
+                  <button class="link" onClick={() => store.look({ ...selected, part: p })}>
+                    {part || t("line")}
+                  </button>
+                  {row.points?.[selected.state]?.[p] && <small>{row.points[selected.state]?.[p]}</small>}
+                </th>
+                <td class="n">{number(row.values[selected.state]?.[p])} {row.unit}</td>
+                <td class="n">{bound(row)}</td>
+                <td class={`n ${GRADES[grade]}`}>{percent(row.margins[selected.state]?.[p])} %</td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+      {q && (
+        <dl>
+          <dt>{t("Equation")}</dt>
+          <dd class="equation">{q.symbol && !q.equation.startsWith(q.symbol) ? `${q.symbol}: ` : ""}{q.equation}</dd>
+          {q.where.map(([symbol, meaning]) => (
+            <dd key={symbol} class="where"><i>{symbol}</i> {meaning}</dd>
+          ))}
+          {q.use && <><dt>{t("Limits of use")}</dt><dd>{q.use}</dd></>}
+          <dt>{t("Source of the equation")}</dt><dd>{q.source}</dd>
+          <dt>{t("Source of the limit")}</dt><dd>{row.source}</dd>
+        </dl>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,44 @@
+// What moving one thing would do to each limit that does not pass; a click makes the move.
+
+import { number, percent } from "./format";
+import { store, type Known } from "./store";
+import { t } from "./text";
+
+const SHOWN = 4;
+
+export function Helps({ known }: { known: Known }) {
+  const { helps, helping, full } = known;
+  if (!full) return null;
+  return (
+    <section class="card helps" aria-labelledby="helps">
+      <header>
+        <h2 id="helps">{t("What would help")}</h2>
+        <span class="note">{t("each move alone; a click makes it")}</span>
+        <button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>
+          {helping ? t("asking …") : t("ask")}
+        </button>
+      </header>
+      {helps?.length === 0 && <p class="note">{t("Everything passes.")}</p>}
+      {helps?.map((h, k) => (
+        <div key={k} class="help">
+          <p class={h.grade}>
+            <b>{h.name}</b> {h.where}: {number(h.value)} {h.sense === ">=" ? "≥" : "≤"} {number(h.bound)} {h.unit}
+          </p>
+          {h.bars.filter((b) => b.gain > 0.001).length === 0 && <p class="note">{t("nothing that can be moved alone")}</p>}
+          <ul>
+            {h.bars.filter((b) => b.gain > 0.001).slice(0, SHOWN).map((b) => (
+              <li key={b.said}>
+                <button onClick={() => store.apply(b.edits)} disabled={!Object.keys(b.edits).length}>
+                  <span class="bar"><svg viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width={Math.min(100, 100 * b.gain)} height={6} /></svg></span>
+                  <span>{b.said}</span>
+                  <span class="n">{number(b.value)} {h.unit}</span>
+                  <span class="n">{percent(b.gain)} %</span>
+                </button>
+              </li>
+            ))}
+          </ul>
+        </div>
+      ))}
+    </section>
+  );
+}

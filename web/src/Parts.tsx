@@ -1,0 +1,94 @@
+// Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
+
+import { number } from "./format";
+import { grade } from "./marks";
+import { store, type Known } from "./store";
+import { t } from "./text";
+import type { Shown } from "./Drawing";
+
+export function Parts({ known, shown }: { known: Known; shown: Shown }) {
+  const { line, state } = shown;
+  const { joints, tubes } = known.catalogue;
+  const rows = store.rows();
+  // One name may stand for every joint of the line.
+  const alike = new Set(line.joint_at).size === 1;
+  const listed = alike ? line.joints.slice(0, 1) : line.joints;
+  return (
+    <section class="card parts" aria-labelledby="parts">
+      <header>
+        <h2 id="parts">{t("Parts")}</h2>
+        <span class="note">{t("of the catalogue, with their ratings")}</span>
+      </header>
+      <div class="scroll" tabindex={0} role="region" aria-label={t("Parts")}>
+        <table class="rows">
+          <thead>
+            <tr>
+              <th scope="col">{t("part")}</th>
+              <th scope="col">{t("size")}</th>
+              <th scope="col" class="n">{t("elastic limit")}</th>
+              <th scope="col" class="n">{t("fatigue")}</th>
+              <th scope="col" class="n">{t("bearings")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {listed.map((name, k) => {
+              const rated = joints.find((j) => j.name === name);
+              const part = alike && line.joints.length > 1 ? t("every joint") : t("joint {n}", { n: k + 1 });
+              return (
+                <tr key={`j${k}`}>
+                  <th scope="row" class={grade(rows, line.name, state, "joint", k + 1) ?? ""}>{part}</th>
+                  <td>
+                    <Choice
+                      at={line.joint_at[k]}
+                      now={line.joint_now[k] || name}
+                      label={part}
+                      of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])}
+                    />
+                  </td>
+                  <td class="n">{rated ? `${number(rated.peak_Nm)} N·m` : ""}</td>
+                  <td class="n">{rated ? `${number(rated.reversing_Nm)} N·m` : ""}</td>
+                  <td class="n">{rated ? `${number(rated.bearing_Nm)} N·m` : ""}</td>
+                </tr>
+              );
+            })}
+            {line.tube_names.map((size, k) => {
+              const part = t("tube of shaft {n}", { n: k + 1 });
+              return (
+                <tr key={`t${k}`}>
+                  <th scope="row">{part}</th>
+                  <td>
+                    <Choice
+                      at={line.tube_at[k]}
+                      now={line.tube_now[k] || size}
+                      label={part}
+                      of={tubes.map((c) => [c.name, `${c.outer_mm} × ${c.wall_mm}`])}
+                    />
+                  </td>
+                  <td class="n" colSpan={3}>{size && `${size} mm`}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}
+
+function Choice({ at, now, label, of }: { at: string | undefined; now: string; label: string; of: [string, string][] }) {
+  if (!at) return <span>{now || "–"}</span>;
+  const known = of.some(([name]) => name === now);
+  return (
+    <select
+      aria-label={label}
+      value={now}
+      data-part={at}
+      onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}
+    >
+      {!known && <option value={now}>{now}</option>}
+      {of.map(([name, said]) => (
+        <option key={name} value={name}>{said}</option>
+      ))}
+    </select>
+  );
+}

@@ -1,0 +1,123 @@
+// A curve or some, by uPlot: its colours from the page, its cursor where the slider stands.
+
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { fixed } from "./format";
+import { useWidth } from "./use";
+
+export interface Series {
+  name: string;
+  values: (number | null)[];
+  /** Number of the colour in the page's palette. */
+  colour: number;
+  dash?: boolean;
+  right?: boolean;
+}
+
+export interface Axis {
+  unit: string;
+  digits: number;
+}
+
+const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+export function Plot(of: {
+  x: number[];
+  series: Series[];
+  left: Axis;
+  right?: Axis;
+  unit: string;
+  at?: number | null;
+  height: number;
+  label: string;
+  theme: string;
+}) {
+  const [box, width] = useWidth(420);
+  const root = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | null>(null);
+  const at = useRef(of.at);
+  at.current = of.at;
+  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour, s.right]), of.unit, of.left, of.right, of.height, of.theme]);
+
+  useEffect(() => {
+    const element = root.current;
+    if (!element) return undefined;
+    const axis = { stroke: colour("--faint"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
+    const ticks = (a: Axis) => (_: uPlot, values: number[]) => values.map((v) => `${fixed(v, decimals(values))}${a.unit === "°" ? "°" : ""}`);
+    plot.current = new uPlot(
+      {
+        width,
+        height: of.height,
+        legend: { show: false },
+        cursor: { show: false },
+        scales: { x: { time: false } },
+        pxAlign: 0,
+        padding: [8, of.right ? 0 : 12, 0, 0],
+        axes: [
+          { ...axis, size: 22, values: (_, values) => values.map((v) => fixed(v, decimals(values))) },
+          { ...axis, size: 44, values: ticks(of.left) },
+          ...(of.right ? [{ ...axis, side: 1 as const, scale: "right", size: 44, grid: { show: false }, values: ticks(of.right) }] : []),
+        ],
+        series: [
+          {},
+          ...of.series.map((s) => ({
+            stroke: colour(`--series-${s.colour}`),
+            width: 1.8,
+            scale: s.right ? "right" : "y",
+            points: { show: false },
+            ...(s.dash ? { dash: [6, 4] } : {}),
+          })),
+        ],
+        hooks: {
+          draw: [
+            (u) => {
+              if (at.current === null || at.current === undefined) return;
+              const x = u.valToPos(at.current, "x", true);
+              const { ctx } = u;
+              ctx.save();
+              ctx.strokeStyle = colour("--accent");
+              ctx.setLineDash([]);
+              ctx.lineWidth = 1.5 * devicePixelRatio;
+              ctx.beginPath();
+              ctx.moveTo(x, u.bbox.top);
+              ctx.lineTo(x, u.bbox.top + u.bbox.height);
+              ctx.stroke();
+              ctx.restore();
+            },
+          ],
+        },
+      },
+      data(of.x, of.series),
+      element,
+    );
+    return () => {
+      plot.current?.destroy();
+      plot.current = null;
+    };
+  }, [shape]);
+
+  useEffect(() => plot.current?.setSize({ width, height: of.height }), [width]);
+  useEffect(() => plot.current?.setData(data(of.x, of.series)), [of.x, of.series]);
+  useEffect(() => plot.current?.redraw(false), [of.at]);
+
+  return (
+    <div class="plot" ref={box} role="img" aria-label={of.label}>
+      <div ref={root} />
+      <p class="legend" aria-hidden="true">
+        {of.series.map((s) => (
+          <span key={s.name} class={`key key-${s.colour} ${s.dash ? "dash" : ""}`}>{s.name}</span>
+        ))}
+        <span class="unit">{of.unit}</span>
+      </p>
+    </div>
+  );
+}
+
+const data = (x: number[], series: Series[]): uPlot.AlignedData => [x, ...series.map((s) => s.values)] as uPlot.AlignedData;
+
+/** Decimals that tell neighbouring ticks apart. */
+function decimals(values: number[]): number {
+  const step = Math.abs((values[1] ?? 1) - (values[0] ?? 0)) || 1;
+  return Math.max(0, Math.min(4, Math.ceil(-Math.log10(step) - 1e-9)));
+}

@@ -1,0 +1,193 @@
+// Where the line is shown: in one of its states, or where the sliders have it.
+
+import { useMemo } from "preact/hooks";
+import { fixed, number, signed } from "./format";
+import { Plot, type Series } from "./Plot";
+import { store, type Known } from "./store";
+import { t } from "./text";
+import type { Shown } from "./Drawing";
+import type { Curve } from "./types";
+
+export function Poser({ known, shown }: { known: Known; shown: Shown }) {
+  const { live, index, free } = shown;
+  const pose = known.pose;
+  const reach = pose?.travel_reach ?? [0, 0];
+  const turns = pose?.torque_reach ?? [0, 0];
+  const moves = reach[1] > reach[0];
+  const winds = turns[1] > turns[0];
+  const travel = known.asked.travel_mm ?? pose?.travel ?? 0;
+  const torque = known.asked.torque_Nm ?? pose?.torque ?? 0;
+  return (
+    <section class="card poser" aria-labelledby="poser">
+      <header>
+        <h2 id="poser">{t("State")}</h2>
+        {free && <span class="note">{t("where the sliders have it")}</span>}
+        {pose?.stuck && <span class="note fail">{pose.stuck}</span>}
+      </header>
+      {live.lines.length > 1 && (
+        <div class="chips" role="group" aria-label={t("Line")}>
+          {live.lines.map((l, k) => (
+            <button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>
+          ))}
+        </div>
+      )}
+      <div class="chips" role="group" aria-label={t("State")}>
+        {live.states.map((s, k) => (
+          <button
+            key={s.name}
+            class={gradeOf(k, shown)}
+            aria-pressed={!free && k === shown.state}
+            onClick={() => store.pose({ line: index, state: k })}
+          >
+            {s.said}
+          </button>
+        ))}
+      </div>
+      {moves && (
+        <div class="sliders">
+          <Slider
+            name={t("Travel")}
+            low={reach[0]}
+            high={reach[1]}
+            step={0.5}
+            value={travel}
+            said={`${signed(travel, 1)} mm`}
+            ends={[t("rebound"), t("jounce")]}
+            set={(v) => store.pose({ line: index, travel_mm: v, torque_Nm: torque })}
+          />
+          {winds && (
+            <Slider
+              name={t("Torque, winding the axle up")}
+              low={turns[0]}
+              high={turns[1]}
+              step={10}
+              value={torque}
+              said={`${number(torque)} N·m${pose?.at ? `, ${signed(pitch(known), 2)}°` : ""}`}
+              ends={[t("coast"), t("drive")]}
+              set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
+            />
+          )}
+        </div>
+      )}
+      {!moves && pose && <p class="note">{t("The file gives no suspension: there is no travel to show.")}</p>}
+      <div class="curves">
+        {pose?.over_travel && <Curves curve={pose.over_travel} over={t("over the travel [mm]")} at={travel} known={known} />}
+        {pose?.over_torque && <Curves curve={pose.over_torque} over={t("over the torque [N·m]")} at={torque} known={known} />}
+      </div>
+    </section>
+  );
+}
+
+/** How far the pinion's nose has risen from where it was installed, deg. */
+function pitch(known: Known): number {
+  return known.pose?.at?.pitch ?? 0;
+}
+
+function gradeOf(state: number, shown: Shown): string {
+  let found = 0;
+  for (const row of store.rows()) {
+    if (!row.values || row.line !== shown.line.name) continue;
+    for (const g of row.grades[state] ?? []) found = Math.max(found, g ?? 0);
+  }
+  return ["pass", "warn", "fail"][found] ?? "";
+}
+
+export function Slider(of: {
+  name: string;
+  low: number;
+  high: number;
+  step: number;
+  value: number;
+  said: string;
+  ends: [string, string];
+  set: (value: number) => void;
+  done?: () => void;
+}) {
+  return (
+    <label class="slider">
+      <span class="name">{of.name}</span>
+      <output>{of.said}</output>
+      <input
+        type="range"
+        min={of.low}
+        max={of.high}
+        step={of.step}
+        value={of.value}
+        aria-valuetext={of.said}
+        onInput={(e) => of.set(Number((e.currentTarget as HTMLInputElement).value))}
+        onChange={() => of.done?.()}
+      />
+      <span class="end">{of.ends[0]}</span>
+      <span class="end">{of.ends[1]}</span>
+    </label>
+  );
+}
+
+function Curves({ curve, over, at, known }: { curve: Curve; over: string; at: number; known: Known }) {
+  const [angles, rooms] = useMemo<[Series[], Series[]]>(
+    () => [
+      curve.angles.map((values, k) => ({ name: t("joint {n}", { n: k + 1 }), values, colour: k % 6 })),
+      [
+        ...(curve.clearance ? [{ name: t("clearance"), values: curve.clearance, colour: 1 }] : []),
+        { name: t("spline travel"), values: curve.plunge, colour: 0, dash: true },
+      ],
+    ],
+    [curve, known.lang],
+  );
+  return (
+    <>
+      <Plot x={curve.x} series={angles} left={{ unit: "°", digits: 1 }} unit={`${t("joint angles [deg]")} ${over}`} at={at} height={150} theme={known.theme} label={`${t("joint angles [deg]")} ${over}`} />
+      <Plot x={curve.x} series={rooms} left={{ unit: "mm", digits: 0 }} unit={`[mm] ${over}`} at={at} height={150} theme={known.theme} label={`${t("clearance")}, ${t("spline travel")} ${over}`} />
+    </>
+  );
+}
+
+/** The angles of the line as it is shown. */
+export function Angles({ known, shown }: { known: Known; shown: Shown }) {
+  const { line, state } = shown;
+  const at = shown.free ? known.pose?.at : undefined;
+  const of = (key: "angles" | "side_angles" | "top_angles" | "positions"): number[] => at?.[key] ?? line[key][state] ?? [];
+  const plunge = at ? at.plunge : line.plunge[state];
+  const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
+  return (
+    <section class="card angles" aria-labelledby="angles">
+      <header>
+        <h2 id="angles">{t("Joints")}</h2>
+        <span class="note">{shown.free ? t("where the sliders have it") : shown.live.states[state]?.said}</span>
+      </header>
+      <div class="scroll" tabindex={0} role="region" aria-label={t("Joints")}>
+        <table class="rows">
+          <thead>
+            <tr>
+              <th scope="col">{t("joint")}</th>
+              <th scope="col" class="n">{t("angle")}</th>
+              <th scope="col" class="n">{t("side view")}</th>
+              <th scope="col" class="n">{t("top view")}</th>
+              <th scope="col" class="n">{t("plane at")}</th>
+              <th scope="col">{t("size")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {of("angles").map((angle, k) => (
+              <tr key={k}>
+                <th scope="row">{k + 1}</th>
+                <td class="n strong">{fixed(angle, 3)}°</td>
+                <td class="n">{signed(of("side_angles")[k] ?? 0, 3)}°</td>
+                <td class="n">{signed(of("top_angles")[k] ?? 0, 3)}°</td>
+                <td class="n">{fixed(of("positions")[k], 1)}°</td>
+                <td>{line.joints[k]}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <p class="facts">
+        <span>{t("spline travel")} <b>{plunge === null || plunge === undefined ? "–" : `${signed(plunge, 1)} mm`}</b></span>
+        {rooms.length > 0 && <span>{t("clearance")} <b>{fixed(Math.min(...(rooms as number[])), 1)} mm</b></span>}
+        {!shown.free && line.torque[state] !== null && <span>{t("torque")} <b>{number(line.torque[state])} N·m</b></span>}
+        {!shown.free && line.speed[state] !== null && <span>{t("speed")} <b>{number(line.speed[state])} rpm</b></span>}
+      </p>
+    </section>
+  );
+}
+

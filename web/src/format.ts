@@ -1,0 +1,34 @@
+// Numbers as an engineer writes them, with the language's decimal sign.
+
+let sign = ".";
+
+export function speak(lang: string): void {
+  sign = lang === "en" ? "." : ",";
+}
+
+const pointed = (said: string): string => said.replace(".", sign).replace("-", "−");
+
+/** Four figures. */
+export function number(value: number | null | undefined): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (Math.abs(value) < 5e-7) return "0";
+  const size = Math.floor(Math.log10(Math.abs(value)));
+  return pointed(size >= -3 && size < 7 ? value.toFixed(Math.max(0, 3 - size)) : value.toExponential(3));
+}
+
+export function fixed(value: number | null | undefined, digits: number): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  return pointed((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits));
+}
+
+export const signed = (value: number, digits: number): string =>
+  (value > 0 && Number(value.toFixed(digits)) !== 0 ? "+" : "") + fixed(value, digits);
+
+/** A margin in per cent, short enough for a cell. */
+export function percent(margin: number | null | undefined): string {
+  if (margin === null || margin === undefined || Number.isNaN(margin)) return "";
+  if (margin < -9.99) return "< −999";
+  if (margin > 9.99) return "> 999";
+  if (Math.abs(margin) > 0 && Math.abs(margin) < 0.0095) return signed(100 * margin, 1);
+  return signed(100 * margin, 0);
+}

@@ -1,0 +1,56 @@
+// The socket: opens, speaks, comes back after a loss. The token came behind the address's #.
+
+import type { Told } from "./types";
+
+export type Connection = "opening" | "open" | "lost" | "refused";
+
+const KEY = "cardan-token";
+
+/** The token of the address, kept for a reload of this tab alone and taken out of the address. */
+export function token(): string {
+  const given = location.hash.slice(1);
+  if (given) {
+    sessionStorage.setItem(KEY, given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return given || (sessionStorage.getItem(KEY) ?? "");
+}
+
+export class Link {
+  private socket: WebSocket | null = null;
+  private tries = 0;
+
+  constructor(
+    private readonly token: string,
+    private readonly told: (message: Told) => void,
+    private readonly state: (connection: Connection) => void,
+  ) {}
+
+  open(): void {
+    if (!this.token) {
+      this.state("refused");
+      return;
+    }
+    this.state("opening");
+    let greeted = false;
+    const socket = new WebSocket(`ws://${location.host}/ask`, ["cardan.1", this.token]);
+    this.socket = socket;
+    socket.onopen = () => {
+      greeted = true;
+      this.tries = 0;
+      this.state("open");
+    };
+    socket.onmessage = (event) => this.told(JSON.parse(String(event.data)) as Told);
+    socket.onclose = () => {
+      this.tries += 1;
+      // Never let in: another token, or nobody there any more.
+      const refused = !greeted && this.tries > 4;
+      this.state(refused ? "refused" : "lost");
+      if (!refused) setTimeout(() => this.open(), Math.min(300 * 2 ** this.tries, 4000));
+    };
+  }
+
+  say(message: object): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+}

@@ -1,0 +1,574 @@
+// What the page knows, and all it does. One question is under way; the latest one goes next.
+
+import * as History from "./history";
+import { speak } from "./format";
+import { Link, type Connection, token } from "./link";
+import { learn } from "./text";
+import type {
+  Catalogue,
+  Drag,
+  Edits,
+  Explained,
+  Full,
+  Handle,
+  Help,
+  Limit,
+  Live,
+  Pose,
+  PoseAsked,
+  Problem,
+  Question,
+  Row,
+  Told,
+} from "./types";
+
+export interface Selected {
+  row: string;
+  state: number;
+  part: number;
+}
+
+export type Notice =
+  | { kind: "restored" }
+  | { kind: "conflict"; text: string; mark: string }
+  | { kind: "reloaded" }
+  | { kind: "refused"; why: string };
+
+export interface Known {
+  connection: Connection;
+  version: string;
+  lang: string;
+  languages: string[];
+  quantities: Record<string, Explained>;
+  catalogue: Catalogue;
+  files: string[];
+  file: number | null;
+  history: History.History | null;
+  live: Live | null;
+  handles: Handle[];
+  full: Full | null;
+  /** Whether the verdict is of what is shown, or of what it was before. */
+  settled: boolean;
+  pose: Pose | null;
+  asked: PoseAsked;
+  problems: Problem[];
+  helps: Help[] | null;
+  helping: boolean;
+  selected: Selected | null;
+  order: string[];
+  notice: Notice | null;
+  held: string | null;
+  theme: "auto" | "light" | "dark";
+}
+
+const start: Known = {
+  connection: "opening",
+  version: "",
+  lang: "en",
+  languages: ["en"],
+  quantities: {},
+  catalogue: { joints: [], tubes: [] },
+  files: [],
+  file: null,
+  history: null,
+  live: null,
+  handles: [],
+  full: null,
+  settled: false,
+  pose: null,
+  asked: {},
+  problems: [],
+  helps: null,
+  helping: false,
+  selected: null,
+  order: [],
+  notice: null,
+  held: null,
+  theme: "auto",
+};
+
+interface Gesture {
+  name: string;
+  /** The text it began from; null while an earlier change is still being answered. */
+  base: string | null;
+  change: { drag?: Drag; edits?: Edits };
+  want: ("curves" | "turn")[];
+}
+
+interface Sent {
+  id: number;
+  kind: "ask" | "pose";
+  commit: boolean;
+  held: boolean;
+  since: number;
+  shown: boolean;
+}
+
+interface Waiting {
+  kind: "ask" | "pose";
+  question: Question;
+  commit: boolean;
+  since: number;
+  /** Whether what was asked for is on the page before the answer. */
+  shown?: boolean;
+}
+
+export const remembered = (key: string): string | null => {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+};
+
+export const remember = (key: string, value: string): void => {
+  try {
+    localStorage.setItem(key, value);
+  } catch {
+    // A browser that keeps nothing: it is asked again next time.
+  }
+};
+
+export class Store {
+  known: Known = start;
+  private readonly watchers = new Set<() => void>();
+  private link: Link | null = null;
+  private ids = 0;
+  private sent: Sent | null = null;
+  private next: Waiting | null = null;
+  /** What must not be lost: each is made of the document as it is when its turn comes. */
+  private commits: Waiting[] = [];
+  private gesture: Gesture | null = null;
+  private keeping: ReturnType<typeof setTimeout> | undefined;
+  private latest = 0;
+  /** What an editor has not told yet: asked for before anything that counts on the text. */
+  pending: (() => void) | null = null;
+
+  watch(watcher: () => void): () => void {
+    this.watchers.add(watcher);
+    return () => this.watchers.delete(watcher);
+  }
+
+  private set(change: Partial<Known>): void {
+    this.known = { ...this.known, ...change };
+    for (const watcher of this.watchers) watcher();
+  }
+
+  // ------------------------------------------------------------------ the socket
+
+  connect(): void {
+    const theme = remembered("cardan-theme");
+    if (theme === "light" || theme === "dark") this.theme(theme);
+    this.link = new Link(token(), (m) => this.told(m), (c) => this.connected(c));
+    this.link.open();
+  }
+
+  private connected(connection: Connection): void {
+    this.sent = this.next = null;
+    this.commits = [];
+    this.set({ connection });
+    if (connection === "open") {
+      const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
+      this.link?.say({ type: "hello", lang });
+    }
+  }
+
+  private told(m: Told): void {
+    switch (m.type) {
+      case "welcome":
+        learn(m.texts);
+        speak(m.lang);
+        document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
+        this.set({
+          version: m.version,
+          lang: m.lang,
+          languages: m.languages,
+          quantities: m.quantities,
+          catalogue: m.catalogue,
+          files: m.files,
+        });
+        if (this.known.file !== null) this.rejoin(this.known.file);
+        else if (m.files.length === 1) this.open(0);
+        break;
+      case "opened":
+        this.opened(m);
+        break;
+      case "live":
+      case "posed":
+        this.answered(m);
+        break;
+      case "full":
+        if (m.id === this.latest && m.verdict) {
+          const full = m as Full;
+          this.set({ full, settled: true, order: this.sorted(full) });
+        }
+        break;
+      case "helped":
+        this.set({ helping: false, helps: m.helps ?? this.known.helps });
+        break;
+      case "saved": {
+        const history = this.known.history;
+        if (history) this.set({ history: History.written(history, m.text, m.mark), notice: null });
+        break;
+      }
+      case "disk":
+        this.disk(m.text, m.mark, m.conflict);
+        break;
+      case "refused":
+        this.set({ notice: { kind: "refused", why: m.why } });
+        break;
+      case "kept":
+        break;
+    }
+  }
+
+  private opened(m: Extract<Told, { type: "opened" }>): void {
+    const mine = this.known.history;
+    if (mine && this.rejoining) {
+      // The server was away: what is on the page is newer than any draft.
+      this.rejoining = false;
+      const { now, conflict } = History.onDisk({ ...mine, saved: mine.saved }, m.saved, m.mark);
+      this.set({
+        history: now,
+        notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice,
+      });
+      this.ask({ text: now.text });
+      return;
+    }
+    // Nothing that was under way is of this document.
+    this.sent = this.next = this.gesture = null;
+    this.commits = [];
+    const history = History.opened(m.saved, m.mark, m.draft);
+    let notice: Notice | null = null;
+    if (m.draft !== null) notice = { kind: "restored" };
+    if (m.draft !== null && m.stale) notice = { kind: "conflict", text: m.saved, mark: m.mark };
+    this.set({
+      file: m.file,
+      history,
+      notice,
+      live: null,
+      full: null,
+      settled: false,
+      pose: null,
+      asked: {},
+      problems: [],
+      helps: null,
+      selected: null,
+      order: [],
+      held: null,
+    });
+    this.ask({ text: history.text });
+  }
+
+  private rejoining = false;
+
+  private rejoin(file: number): void {
+    this.rejoining = this.known.history !== null;
+    this.link?.say({ type: "open", file });
+  }
+
+  private disk(text: string, mark: string, conflict: boolean): void {
+    this.pending?.();
+    const history = this.known.history;
+    if (!history) return;
+    const found = History.onDisk(history, text, mark);
+    if (found.conflict || (conflict && text !== history.text)) {
+      this.set({ notice: { kind: "conflict", text, mark } });
+    } else if (found.now.text !== history.text) {
+      this.set({ history: found.now, notice: { kind: "reloaded" } });
+      this.ask({ text: found.now.text });
+    } else {
+      this.set({ history: found.now });
+    }
+  }
+
+  // ------------------------------------------------------------------ questions
+
+  private ask(question: Question, how: { commit?: boolean; since?: number } = {}): void {
+    this.put({
+      kind: "ask",
+      question: { pose: this.known.asked, ...question },
+      commit: how.commit ?? false,
+      since: how.since ?? performance.now(),
+    });
+  }
+
+  private put(waiting: Waiting): void {
+    if (!this.sent) this.send(waiting);
+    else if (waiting.commit) this.commits.push(waiting);
+    else this.next = { ...waiting, since: this.next?.since ?? waiting.since };
+  }
+
+  private send(waiting: Waiting): void {
+    this.ids += 1;
+    const { kind, commit, since } = waiting;
+    const now = this.known.history?.text;
+    const question = commit && now !== undefined ? { ...waiting.question, text: now } : waiting.question;
+    this.sent = { id: this.ids, kind, commit, since, held: question.held ?? false, shown: waiting.shown ?? false };
+    if (kind === "ask") {
+      this.latest = this.ids;
+      if (this.known.settled || this.known.helping) this.set({ settled: false, helping: false });
+    }
+    this.link?.say({ type: kind, id: this.ids, ...question });
+  }
+
+  private answered(m: Extract<Told, { type: "live" | "posed" }>): void {
+    const sent = this.sent;
+    if (!sent || sent.id !== m.id) return;
+    this.sent = null;
+    if (m.type === "posed") {
+      if (m.pose) this.set({ pose: m.pose });
+    } else if (m.problems) {
+      this.set({ problems: m.problems });
+      if (sent.commit) this.back();
+    } else if (m.fault === undefined && m.lines) {
+      this.took(m as Extract<Told, { type: "live" }> & Live, sent);
+    }
+    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
+    if (!sent.shown) painted(sent.since);
+    const commit = this.commits.shift();
+    const next = commit ?? this.next;
+    if (!commit) this.next = null;
+    if (next) this.send(next);
+  }
+
+  private took(m: { text: string; edits?: Edits } & Live, sent: Sent): void {
+    const change: Partial<Known> = { live: sent.held ? this.kept(m) : m, problems: [] };
+    if (m.handles) change.handles = m.handles;
+    if (m.pose) change.pose = sent.held ? { ...this.known.pose, ...m.pose } : m.pose;
+    if (sent.commit && this.known.history) {
+      change.history = History.edited(this.known.history, m.text);
+      change.helps = null;
+    }
+    this.set(change);
+    if (sent.commit) {
+      this.keep();
+      if (this.gesture && this.gesture.base === null && this.known.history) {
+        this.gesture.base = this.known.history.text;
+        this.held();
+      }
+    }
+  }
+
+  /** What an answer leaves out while something is held. */
+  private kept(live: Live): Live {
+    const lines = this.known.live?.lines;
+    const written = (k: number) => {
+      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [] } = lines?.[k] ?? {};
+      return { phase_at, tube_at, tube_now, joint_at, joint_now };
+    };
+    return { ...live, lines: live.lines.map((l, k) => ({ ...l, ...written(k) })) };
+  }
+
+  /** Show the document as it is: a change could not be made. */
+  private back(): void {
+    const history = this.known.history;
+    const problems = this.known.problems;
+    if (!history) return;
+    const [first] = problems;
+    if (first) this.set({ notice: { kind: "refused", why: first.message } });
+    this.ask({ text: history.text });
+  }
+
+  // ------------------------------------------------------------------ hands
+
+  /** Something is held and has been moved so far; the document waits until it is let go. */
+  hold(name: string, change: { drag?: Drag; edits?: Edits }, want: ("curves" | "turn")[] = []): void {
+    if (!this.known.history) return;
+    if (!this.gesture || this.gesture.name !== name) {
+      if (this.gesture) this.release();
+      const busy = this.sent?.commit || this.commits.length > 0;
+      this.gesture = { name, base: busy ? null : this.known.history.text, change, want };
+      this.set({ held: name });
+    }
+    this.gesture.change = change;
+    this.held();
+  }
+
+  private held(): void {
+    const g = this.gesture;
+    if (!g || g.base === null) return;
+    this.ask({ text: g.base, ...g.change, held: true, want: g.want });
+  }
+
+  release(): void {
+    const g = this.gesture;
+    this.gesture = null;
+    if (!g) return;
+    this.set({ held: null });
+    const base = g.base ?? this.known.history?.text;
+    if (base !== undefined) this.ask({ text: base, ...g.change }, { commit: true });
+  }
+
+  cancel(): void {
+    if (!this.gesture) return;
+    this.gesture = null;
+    this.set({ held: null });
+    if (this.known.history) this.ask({ text: this.known.history.text });
+  }
+
+  apply(edits: Edits): void {
+    const history = this.known.history;
+    if (history) this.ask({ text: history.text, edits }, { commit: true });
+  }
+
+  // ------------------------------------------------------------------ the document
+
+  open(file: number): void {
+    this.rejoining = false;
+    this.pending?.();
+    this.release();
+    if (this.keeping !== undefined) this.keepNow();
+    this.link?.say({ type: "open", file });
+  }
+
+  private now(history: History.History): void {
+    if (history === this.known.history) return;
+    this.set({ history, helps: null });
+    this.ask({ text: history.text });
+    this.keep();
+  }
+
+  type(text: string, merge: boolean): void {
+    if (this.known.history) this.now(History.edited(this.known.history, text, merge));
+  }
+
+  undo(): void {
+    this.pending?.();
+    if (this.known.history) this.now(History.undone(this.known.history));
+  }
+
+  redo(): void {
+    this.pending?.();
+    if (this.known.history) this.now(History.redone(this.known.history));
+  }
+
+  save(): void {
+    this.pending?.();
+    const { history, file } = this.known;
+    if (!history || file === null) return;
+    clearTimeout(this.keeping);
+    this.link?.say({ type: "save", file, text: history.text, mark: history.mark });
+  }
+
+  /** Which of two texts counts: that on disk, or the one here, which is saved over it. */
+  settle(disk: boolean): void {
+    const { notice, history } = this.known;
+    if (notice?.kind !== "conflict" || !history) return;
+    const known = History.written(history, notice.text, notice.mark);
+    this.set({ notice: null });
+    if (disk) this.now(History.edited(known, notice.text));
+    else this.set({ history: known });
+    if (!disk) this.save();
+  }
+
+  private keep(): void {
+    clearTimeout(this.keeping);
+    this.keeping = setTimeout(() => this.keepNow(), 300);
+  }
+
+  private keepNow(): void {
+    clearTimeout(this.keeping);
+    this.keeping = undefined;
+    const { history, file } = this.known;
+    if (!history || file === null) return;
+    const { text, mark } = history;
+    this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
+  }
+
+  dismiss(): void {
+    this.set({ notice: null });
+  }
+
+  // ------------------------------------------------------------------ what is looked at
+
+  pose(asked: PoseAsked): void {
+    const line = this.known.asked.line ?? 0;
+    this.set({ asked: { line, ...asked } });
+    const history = this.known.history;
+    if (!history) return;
+    const since = performance.now();
+    const shown = asked.travel_mm === undefined && asked.torque_Nm === undefined;
+    // A state is here already; only its curves are asked for.
+    if (shown) painted(since);
+    const question = { text: history.text, pose: this.known.asked };
+    this.put({ kind: "pose", question, commit: false, since, shown });
+  }
+
+  look(selected: Selected | null): void {
+    this.set({ selected });
+    if (selected) {
+      const row = this.rows().find((r) => r.id === selected.row);
+      const line = this.known.live?.lines.findIndex((l) => l.name === row?.line) ?? 0;
+      this.pose({ line: Math.max(line, 0), state: selected.state });
+    }
+  }
+
+  help(): void {
+    const history = this.known.history;
+    if (!history || this.known.helping) return;
+    this.set({ helping: true });
+    this.link?.say({ type: "help", id: this.latest, text: history.text });
+  }
+
+  speak(lang: string): void {
+    remember("cardan-lang", lang);
+    this.link?.say({ type: "hello", lang });
+  }
+
+  theme(theme: Known["theme"]): void {
+    remember("cardan-theme", theme);
+    if (theme === "auto") delete document.documentElement.dataset.theme;
+    else document.documentElement.dataset.theme = theme;
+    this.set({ theme });
+  }
+
+  /** Every limit: what is known at once, and what came later, in one order. */
+  rows(): (Row | (Limit & { values?: undefined }))[] {
+    const { live, full, order } = this.known;
+    if (!live) return [];
+    const later = full?.limits ?? live.pending;
+    const all = [...live.limits, ...later];
+    const place = new Map(order.map((id, k) => [id, k]));
+    return all.sort((a, b) => (place.get(a.id) ?? 1e6) - (place.get(b.id) ?? 1e6));
+  }
+
+  /** The worst first; kept while a hand moves, so that nothing jumps under it. */
+  private sorted(full: Full): string[] {
+    const { live, order } = this.known;
+    if (!live) return order;
+    const rows = [...live.limits, ...full.limits];
+    if (order.length === rows.length && rows.every((r) => order.includes(r.id))) return order;
+    return rows.map((r) => ({ id: r.id, worst: worst(r) })).sort((a, b) => a.worst - b.worst).map((r) => r.id);
+  }
+
+  resort(): void {
+    this.set({ order: [] });
+    if (this.known.full) this.set({ order: this.sorted(this.known.full) });
+  }
+}
+
+/** What a row is sorted by: failures first, then warnings, each by margin. */
+export function worst(row: Row): number {
+  let found = Infinity;
+  row.grades.forEach((of, s) =>
+    of.forEach((grade, p) => {
+      if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade);
+    }),
+  );
+  return found;
+}
+
+/** Measure from a hand's move until what follows has been painted. */
+function painted(since: number): void {
+  requestAnimationFrame(() => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => {
+      if (performance.getEntriesByName("cardan:painted").length > 500) performance.clearMeasures();
+      performance.measure("cardan:painted", { start: since, end: performance.now() });
+    };
+    port2.postMessage(0);
+  });
+}
+
+export const store = new Store();

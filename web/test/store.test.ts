@@ -1,0 +1,186 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Store } from "../src/store";
+
+interface Said {
+  type: string;
+  id: number;
+  text: string;
+  held?: boolean;
+  drag?: { by_mm: number[] };
+  edits?: Record<string, number>;
+}
+
+/** A socket that a test answers by hand. */
+class Socket {
+  static OPEN = 1;
+  static last: Socket;
+  readyState = 1;
+  said: Said[] = [];
+  onopen?: () => void;
+  onclose?: () => void;
+  onmessage?: (e: { data: string }) => void;
+  constructor() {
+    Socket.last = this;
+  }
+  send(data: string): void {
+    this.said.push(JSON.parse(data) as Said);
+  }
+  tell(message: object): void {
+    this.onmessage?.({ data: JSON.stringify(message) });
+  }
+  asked(): Said[] {
+    return this.said.filter((s) => s.type === "ask");
+  }
+  answer(text?: string): void {
+    const q = this.said.filter((s) => s.type === "ask" || s.type === "pose").at(-1) as Said;
+    const moved = q.drag ? `${q.text}+${q.drag.by_mm[2]}` : q.edits ? `${q.text}*` : q.text;
+    this.tell({ type: "live", id: q.id, text: text ?? moved, lines: [], limits: [], pending: [], states: [], obstacles: [], handles: [] });
+  }
+}
+
+const kept = new Map<string, string>();
+const box = { getItem: (k: string) => kept.get(k) ?? null, setItem: (k: string, v: string) => void kept.set(k, v) };
+
+let store: Store;
+let socket: Socket;
+const by = (z: number) => ({ drag: { kind: "bearing" as const, number: 1, line: "main", by_mm: [0, 0, z] as [number, number, number] } });
+
+beforeEach(async () => {
+  vi.resetModules();
+  vi.useFakeTimers();
+  kept.clear();
+  vi.stubGlobal("WebSocket", Socket);
+  vi.stubGlobal("location", { hash: "#token", pathname: "/", host: "127.0.0.1:1" });
+  vi.stubGlobal("history", { replaceState: vi.fn() });
+  vi.stubGlobal("sessionStorage", box);
+  vi.stubGlobal("localStorage", box);
+  vi.stubGlobal("navigator", { language: "en" });
+  vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" } });
+  vi.stubGlobal("requestAnimationFrame", () => 0);
+  store = new (await import("../src/store")).Store();
+  store.connect();
+  socket = Socket.last;
+  socket.onopen?.();
+  socket.tell({ type: "welcome", version: "1", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
+  socket.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: null, stale: false });
+  socket.answer();
+  socket.said = [];
+});
+
+describe("a hand that moves", () => {
+  it("has one question under way, and asks the latest next", () => {
+    for (let z = 1; z <= 20; z++) store.hold("h", by(z));
+    expect(socket.asked().map((s) => s.drag?.by_mm[2])).toEqual([1]);
+    socket.answer();
+    expect(socket.asked().map((s) => s.drag?.by_mm[2])).toEqual([1, 20]);
+    expect(store.known.history?.text).toBe("a");
+  });
+
+  it("changes the document once, where it lets go", () => {
+    store.hold("h", by(1));
+    store.hold("h", by(2));
+    store.release();
+    socket.answer();
+    socket.answer();
+    expect(socket.asked().at(-1)).toMatchObject({ text: "a", drag: { by_mm: [0, 0, 2] } });
+    expect(store.known.history).toMatchObject({ text: "a+2", past: ["a"] });
+  });
+
+  it("loses no change when it takes hold again before the last was answered", () => {
+    store.hold("h", by(1));
+    store.release();
+    store.hold("g", by(5));
+    store.release();
+    for (let k = 0; k < 6; k++) socket.answer();
+    expect(store.known.history).toMatchObject({ text: "a+1+5", past: ["a", "a+1"] });
+  });
+
+  it("puts everything back on escape", () => {
+    store.hold("h", by(1));
+    socket.answer();
+    store.cancel();
+    expect(socket.asked().at(-1)?.drag).toBeUndefined();
+    socket.answer();
+    expect(store.known.history).toMatchObject({ text: "a", past: [] });
+  });
+
+  it("keeps the document where a change cannot be", () => {
+    store.hold("h", by(1));
+    store.release();
+    socket.answer();
+    const q = socket.asked().at(-1) as Said;
+    socket.tell({ type: "live", id: q.id, text: "a", problems: [{ message: "no", line: 0, column: 0, key: "", value: "", hint: "" }] });
+    expect(store.known.history?.text).toBe("a");
+    expect(store.known.notice).toMatchObject({ kind: "refused", why: "no" });
+    expect(socket.asked().at(-1)?.drag).toBeUndefined();
+  });
+});
+
+describe("the document", () => {
+  it("is kept as a draft a moment after a change, and no longer once it is as on disk", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    vi.advanceTimersByTime(400);
+    expect(socket.said.at(-1)).toMatchObject({ type: "keep", text: "a*", mark: "m" });
+    store.undo();
+    vi.advanceTimersByTime(400);
+    expect(socket.said.at(-1)).toMatchObject({ type: "drop", file: 0 });
+  });
+
+  it("asks who counts where the disk is another, and obeys", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    socket.tell({ type: "disk", file: 0, text: "z", mark: "n", conflict: false });
+    expect(store.known.notice?.kind).toBe("conflict");
+    expect(store.known.history?.text).toBe("a*");
+    store.settle(false);
+    expect(socket.said.at(-1)).toMatchObject({ type: "save", text: "a*", mark: "n" });
+  });
+
+  it("is asked about again after the connection was lost, with what is on the page", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    socket.onclose?.();
+    vi.advanceTimersByTime(5000);
+    const again = Socket.last;
+    expect(again).not.toBe(socket);
+    again.onopen?.();
+    again.tell({ type: "welcome", version: "1", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
+    again.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: null, stale: false });
+    expect(store.known.history?.text).toBe("a*");
+    expect(again.asked().at(-1)?.text).toBe("a*");
+  });
+
+  it("saves what an editor has not told yet", () => {
+    store.pending = () => store.type("typed", false);
+    store.save();
+    expect(socket.said.at(-1)).toMatchObject({ type: "save", text: "typed" });
+  });
+
+  it("is never mixed with another: an answer of the one before changes nothing", () => {
+    store.hold("h", by(1));
+    store.release();
+    const late = socket.asked().at(-1) as Said;
+    store.apply({ x: 1 });
+    socket.tell({ type: "opened", file: 0, name: "b.yaml", saved: "b", mark: "n", draft: null, stale: false });
+    socket.tell({ type: "live", id: late.id, text: "a+1", lines: [], limits: [], pending: [], states: [], obstacles: [], handles: [] });
+    expect(store.known.history).toMatchObject({ text: "b", past: [] });
+    socket.answer();
+    expect(store.known.history).toMatchObject({ text: "b", past: [] });
+  });
+
+  it("is kept at once where another one is opened", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    store.open(0);
+    expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*" }, { type: "open" }]);
+  });
+
+  it("takes the verdict of the latest question alone", () => {
+    const first = store.known;
+    socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
+    expect(store.known.settled).toBe(first.settled);
+    socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
+    expect(store.known.settled).toBe(true);
+  });
+});
