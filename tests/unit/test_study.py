@@ -93,7 +93,7 @@ def test_a_joint_is_sized_by_a_state_that_carries_more_than_the_engine_gives(tru
     rated = JointSize(name="r", peak_torque=20e3)
     (installed,) = truck.lines
     line = replace(installed.line, joints=(rated,) * installed.line.joint_count)
-    limit = Limit(quantity="joint_torque_utilisation", maximum=1.0, source=HOUSE)
+    limit = Limit(quantity="joint_torque_utilisation", maximum=1.0, source=HOUSE, points="own")
     truck = replace(only(truck, limit), lines=(replace(installed, line=line),))
     first, *others = truck.states
     engine = demand(resolve(truck, truck.lines[0])).engine_torque[0]

@@ -53,8 +53,8 @@ def _plots(r: Response, say: Language) -> Iterator[Figure]:
     for k in range(r.line.joint_count - 2 if np.isfinite(r.demand.torque).any() else 0):
         yield bearing_ellipse(r, say, bearing=k)
         yield bearing_orders(r, say, bearing=k)
-        if r.worst and not np.isnan(r.worst["dynamic"].running.dynamic[:, k]).all():
-            yield bearing_over_speed(r, say, bearing=k)
+        if r.worst and r.held is not None:
+            yield from bearing_over_speed(r, say, bearing=k)
     if r.demand.gears is not None:
         yield torque_by_gear(r, say)
     if np.isfinite(r.critical_speeds).any():
@@ -235,18 +235,24 @@ def bearing_orders(r: Response, say: Language, *, bearing: int) -> Figure:
     )
 
 
-def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Figure:
-    """Return what shakes a bearing against speed, gear by gear, in the state where most does."""
+def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Iterator[Figure]:
+    """Yield what shakes a bearing on rubber against speed, in the state where most does.
+
+    Gear by gear; nothing where the line stands still.
+    """
     worst = r.worst["dynamic"]
     found, part = worst.curves, Part("centre bearing", bearing + 1)
-    s = int(np.nanargmax(worst.running.dynamic[:, bearing]))
+    assert r.held is not None  # the caller asks
+    s = int(np.nan_to_num(worst.running.dynamic[:, bearing]).argmax())
     drawn = [
         k for k, (way, end) in enumerate(zip(found.directions, found.fastest[:, s], strict=True))
         if way != "coast" and end > 0
     ]  # fmt: skip
+    if not drawn:
+        return
     top = float(np.nanmax(found.fastest[drawn, s]))
     modes = 2 * (r.line.joint_count - 2)
-    meets = r.held.modes().frequency[s, :modes] / 2 if r.held else np.zeros(0)
+    meets = r.held.modes().frequency[s, :modes] / 2
     meets = meets[meets < top]
     top = min(top, 3 * float(meets.max())) if len(meets) else top  # beyond it only falls
     near = meets[:, None] * np.linspace(0.8, 1.2, 33)
@@ -274,7 +280,7 @@ def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Figure:
     name, value = say.part(part), float(worst.running.dynamic[s, bearing])
     title = say("Dynamic force on {part} over speed", part=name)
     at = worst.named((s, bearing))
-    return plot(
+    yield plot(
         say,
         title=title,
         alt=title + ". " + say(

@@ -29,7 +29,7 @@ from cardan.study.moves import Move, adjustables, corrected, tried
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
 
-TRIALS = 16
+TRIALS = 48
 """Trials spread over each way that is free before the search follows the best of them."""
 
 TURNINGS = 8

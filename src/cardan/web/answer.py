@@ -342,7 +342,7 @@ def _row(r: Response, a: Asked, k: int, say: Language) -> Json:
         "values": [[_g(v) for v in row] for row in (a.values / q.factor).tolist()],
         "margins": [[_g(v) for v in row] for row in margins.tolist()],
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
-        **({"points": _points(r, a, say)} if q.sought else {}),
+        **({"points": _points(r, a, say)} if a.spots is not None else {}),
     }
 
 
