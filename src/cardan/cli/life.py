@@ -141,6 +141,26 @@ from cardan.cli.ending import kindly, leave
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
+@click.option(
+    "--mask",
+    multiple=True,
+    metavar="[CHANNEL=]KIND[@FROM..TO]",
+    help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
+    "seconds, FROM..TO; may be repeated. Nothing is masked by itself.",
+)
+@click.option(
+    "--accept",
+    multiple=True,
+    metavar="[CHANNEL=]KIND[@FROM..TO]",
+    help="It was what the part felt (also clip, drift); may be repeated.",
+)
+@click.option(
+    "--between-samples",
+    type=click.Choice(["auto", "yes", "no"]),
+    default="auto",
+    show_default=True,
+    help="Look for crests between samples; auto: where they lose 1 % or more.",
+)
 @click.option("--target-hours", type=float, help="Fail where a gauge lives shorter.")
 @click.option(
     "--limits",

@@ -5,6 +5,7 @@ runs backwards: an error names the file, the place and what to do. A hole in tim
 missing samples, which the survey of the recording reports.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,8 +17,14 @@ from cardan.base.errors import BadFile, Problem
 from cardan.border.document import visible
 from cardan.fatigue.recording import Channel, Recording
 
-TIME_NAMES = {"time", "t", "zeit", "tempo", "temps", "time_s", "t_s"}
-TIME_UNITS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6}
+TIME_UNITS = {
+    "": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
+    "h": 3600.0,
+}  # fmt: skip
+_TIME = re.compile(
+    r"(time|timestamp|zeit|tempo|temps|t)(?:[\s_]*[\[(]?(\w+)[\])]?)?", re.IGNORECASE
+)
+"""A clock, and the unit its name ends in: `Time_ms`. A `T` by itself is no clock."""
 
 
 def bad(path: Path, message: str, *, hint: str = "", line: int = 0, value: str = "") -> BadFile:
@@ -128,18 +135,29 @@ def _clock(path: Path, table: Table, time: str | None) -> int | None:
         if time not in names:
             raise bad(path, f"no time column {time!r}", hint=f"it has {', '.join(names)}")
         return names.index(time)
-    found = [k for k, n in enumerate(names) if n.strip().lower() in TIME_NAMES]
+    found = [k for k, c in enumerate(table.columns) if _ticks(c)]
+    plain = [k for k in found if len(names[k].strip()) > 1]
+    found = plain or found  # a column t beside one called time is something else
     return found[0] if len(found) == 1 else None
 
 
+def _ticks(column: Channel) -> bool:
+    """Whether a column is a clock by its name."""
+    name = column.name.strip()
+    match = _TIME.fullmatch(name)
+    return match is not None and name != "T" and (match[2] or "") in TIME_UNITS
+
+
 def _second(path: Path, column: Channel) -> float:
-    """Seconds in one unit of the time column."""
-    if column.unit.strip() not in TIME_UNITS:
+    """Seconds in one unit of the time column: that of the file, or of its name."""
+    match = _TIME.fullmatch(column.name.strip())
+    unit = column.unit.strip() or ((match and match[2]) or "")
+    if unit not in TIME_UNITS:
         raise bad(
-            path, f"unknown unit of time column {column.name!r}", value=repr(column.unit),
+            path, f"unknown unit of time column {column.name!r}", value=repr(unit),
             hint=f"known are {', '.join(u for u in TIME_UNITS if u)}",
         )  # fmt: skip
-    return TIME_UNITS[column.unit.strip()]
+    return TIME_UNITS[unit]
 
 
 def _rate(path: Path, table: Table, clock: int) -> float:

@@ -10,7 +10,10 @@ from cardan import __version__
 from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import MEANING, Comparison
+from cardan.fatigue.conditioning import Health
+from cardan.fatigue.fault import FREEZE, HOLE
 from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
+from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.report.contract import check, coverage, plain
@@ -29,6 +32,64 @@ if TYPE_CHECKING:
 def _number(value: float) -> float | None:
     """JSON knows no infinity: a life without end, or an unknown, is null."""
     return float(value) if math.isfinite(value) else None
+
+
+def _life(one: GaugeLife, value: float) -> float | None:
+    """Return a number of a life; unknown where it is vetoed."""
+    return None if one.vetoed else _number(value)
+
+
+def _quality(one: GaugeLife) -> dict[str, Any]:
+    of = one.quality
+    return {
+        "verdict": of.verdict if one.heard else "silent",
+        "vetoes": list(of.vetoes) if one.heard else [],
+        "live_s": of.live,
+        "live_share": of.share,
+        "suspects": [
+            {
+                "kind": e.kind,
+                "count": e.count,
+                "samples": e.samples,
+                "undecided": e.undecided,
+                "damage_recorded": _number(e.recorded),
+                "damage_without": _number(e.without),
+            }
+            for e in of.effects
+        ],
+        "between_samples": not math.isnan(of.samples_only),
+        "damage_of_samples": _number(of.samples_only),
+        "power_above_0.4_rate": of.fast,
+        "biaxiality": _number(of.biaxiality),
+        "damage_by_measure": dict(of.measures),
+    }
+
+
+MOST = 100
+"""Places of one kind of fault that the contract lists, those farthest off."""
+
+
+def _suspects(health: Health, rate: float) -> list[dict[str, Any]]:
+    """Return the places of each kind of fault, in s and the channel's unit."""
+    found: list[dict[str, Any]] = []
+    for kind, where in health.faults.items():
+        size = np.abs(where.sizes)
+        weight = np.where(np.isnan(size), where.runs[:, 1] - where.runs[:, 0], size)
+        far = np.sort(np.argsort(-weight, kind="stable")[:MOST])
+        found.append(
+            {
+                "kind": kind,
+                "count": where.count,
+                "samples": where.samples,
+                "places": [
+                    {"from_s": first / rate, "to_s": last / rate, "size": _number(height)}
+                    for (first, last), height in zip(
+                        where.runs[far].tolist(), where.sizes[far], strict=True
+                    )
+                ],
+            }
+        )
+    return found
 
 
 def _compared(answer: Comparison) -> dict[str, Any]:
@@ -92,12 +153,13 @@ def contract(
             "low_MPa": _number(one.low / MPa),
             "high_MPa": _number(one.high / MPa),
             "damage": _number(one.life.damage),
-            "repeats": _number(one.life.repeats),
-            "hours": _number(one.life.hours),
-            "km": _number(one.life.kilometres),
+            "repeats": _life(one, one.life.repeats),
+            "hours": _life(one, one.life.hours),
+            "km": _life(one, one.life.kilometres),
             "damage_exponent": _number(one.exponent),
-            "repeats_at_failure": {f"{f:g}": _number(n) for f, n in one.repeats.items()},
+            "repeats_at_failure": {f"{f:g}": _life(one, n) for f, n in one.repeats.items()},
             "spectral_damage": one.spectral,
+            "quality": _quality(one),
         }
         if causes is not None and k is not None:
             found = causes.attributions[k]
@@ -116,29 +178,40 @@ def contract(
             if causes.comparisons:
                 entry["order2"] = _compared(causes.comparisons[k])
         gauges.append(entry)
+    driven = next((o.life.distance / o.quality.share for o in lives if o.quality.live), math.nan)
     channels = {name: h for one in lives for name, h in one.health.items()}
     return {
         "cardan": __version__,
         "recording": recording.name,
         "rate_Hz": recording.rate,
-        "duration_s": lives[0].life.duration if lives else 0.0,
-        "distance_km": _number(lives[0].life.distance / 1e3) if lives else None,
+        "duration_s": lives[0].quality.recorded if lives else 0.0,
+        "distance_km": _number(driven / 1e3) if lives else None,
         "notes": list(recording.notes),
         "rules": {
             "residue": plan.rule.__name__,
             "mean_stress": getattr(plan.correction, "func", plan.correction).__name__,
             "allowed_damage": plan.allowed,
             "shares": "Shapley",
+            "masked": [_ruled(r) for r in plan.rules if r.mask],
+            "accepted": [_ruled(r) for r in plan.rules if not r.mask],
         },
         "channels": [
             {
                 "name": name, "missing": h.missing, "spikes": h.spikes, "clipped": h.clipped,
                 "dead": h.dead, "drift": h.drift, "findings": h.findings(rate=recording.rate),
+                "suspects": _suspects(h, recording.rate),
             }
             for name, h in channels.items()
         ],
         "gauges": gauges,
         "doubts": [] if causes is None else causes.doubts,
+    }  # fmt: skip
+
+
+def _ruled(rule: Rule) -> dict[str, Any]:
+    return {
+        "channel": rule.channel or None, "kind": rule.kind or None, "from_s": rule.first,
+        "to_s": _number(rule.last),
     }  # fmt: skip
 
 
@@ -181,7 +254,7 @@ def lines(
     recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None
 ) -> Iterator[str]:
     """Yield the report as lines of text."""
-    duration = lives[0].life.duration
+    duration = lives[0].quality.recorded
     yield f"{recording.name}: {duration / hour:.4g} h at {recording.rate:g} Hz"
     for note in recording.notes:
         yield f"  note: {note}"
@@ -196,9 +269,11 @@ def lines(
     for one in lives:
         life, hours = one.life, one.life.hours if one.heard else math.nan
         km = "" if math.isnan(life.kilometres * hours) else _long(life.kilometres)
+        told = "vetoed" if one.vetoed else _long(hours)
+        km = "" if one.vetoed else km
         yield (
             f"{one.name:<12}{_known(one.low / MPa, '.1f'):>8}{_known(one.high / MPa, '.1f'):>8}"
-            f"{_known(life.damage, '.4g'):>12}{_long(hours):>12}{km:>12}"
+            f"{_known(life.damage, '.4g'):>12}{told:>12}{km:>12}"
             f"{_known(one.exponent, '.2f'):>15}"
         )
     yield ""
@@ -206,8 +281,12 @@ def lines(
         if not one.heard:
             yield f"{one.name}: said nothing, so its life is not known"
             continue
+        yield from _trust(one, rate=recording.rate)
+        if one.vetoed:
+            continue
         rate = ", ".join(
-            f"{f:.0%} failed {_long(n * duration / hour)} h" for f, n in one.repeats.items()
+            f"{f:.0%} failed {_long(n * one.life.duration / hour)} h"
+            for f, n in one.repeats.items()
         )
         yield f"{one.name}: {rate}"
         if one.spectral:
@@ -247,6 +326,42 @@ def lines(
     yield (
         f"Residue by {plan.rule.__name__.replace('_', ' ')}; failure at damage {plan.allowed:g}."
     )
+
+
+def _trust(one: GaugeLife, *, rate: float) -> Iterator[str]:
+    """Yield how far a gauge's answer may be trusted, and why no farther."""
+    of = one.quality
+    for e in of.effects:
+        if e.kind in (HOLE, FREEZE):
+            continue
+        state = "undecided" if e.undecided else "decided"
+        yield (
+            f"{one.name}: {e.kind} ({e.count}, {state}): damage {e.recorded:.4g} as recorded, "
+            f"{e.without:.4g} without"
+        )
+    if of.share < 0.9999:
+        yield f"{one.name}: alive for {of.share:.1%} of the time; its life is told of that time"
+    if not math.isnan(of.samples_only):
+        yield (
+            f"{one.name}: its crests fall between samples and were looked for there: damage "
+            f"{of.samples_only:.4g} by the samples alone"
+        )
+    if of.fast > FAST:
+        yield (
+            f"{one.name}: undersampled: {of.fast:.0%} of its power lies above {0.4 * rate:g} Hz, "
+            "and what was faster still is folded in"
+        )
+    if of.sheared:
+        each = ", ".join(f"{name} {damage:.4g}" for name, damage in of.measures.items())
+        yield (
+            f"{one.name}: mostly shear (biaxiality {of.biaxiality:.2f}), so its measure decides: "
+            f"damage by {each}"
+        )
+    if of.vetoes:
+        yield (
+            f"{one.name}: VETOED: its damage hangs on {' and '.join(of.vetoes)}; say what it was "
+            "with --mask or --accept"
+        )
 
 
 def figure(

@@ -6,6 +6,7 @@ recording.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import partial
@@ -13,13 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.errors import CardanError, DesignError, positive
+from cardan.base.errors import CardanError, DesignError
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
 from cardan.fatigue.correction import Correction
+from cardan.fatigue.fault import DRIFT, KINDS, MASKABLE
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import (
     Rotation,
@@ -27,6 +29,7 @@ from cardan.fatigue.orders import (
     rotation_from_pulses,
     rotation_from_speed,
 )
+from cardan.fatigue.quality import Rule
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
@@ -81,8 +84,27 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "mean_stress": ("none", "goodman", "gerber", "swt", "walker", "fkm"),
     "residue": tuple(_RESIDUES),
     "zero": tuple(_ZEROS),
+    "between_samples": ("auto", "yes", "no"),
 }
 """What an option may be, where it is one of a few."""
+
+_ABOVE, _FROM = "above", "at least"
+RANGES: Mapping[str, tuple[str, float, float]] = {
+    "modulus_GPa": (_ABOVE, 0, 2000),
+    "ultimate_MPa": (_ABOVE, 0, 10_000),
+    "scatter": (_FROM, 0, 1),
+    "gauge_error": (_FROM, 0, 1),
+    "mean_sensitivity": (_FROM, 0, 1),
+    "allowed": (_ABOVE, 0, 100),
+    "low_pass_Hz": (_ABOVE, 0, 1e9),
+    "pulses": (_FROM, 1, 10_000),
+    "axle_ratio": (_ABOVE, 0, 100),
+    "tyre_radius_m": (_ABOVE, 0, 5),
+    "bearing": (_FROM, 1, 100),
+    "rate": (_ABOVE, 0, 1e9),
+    "target_hours": (_ABOVE, 0, 1e12),
+}
+"""Where an option's number lies: above or at least the first, at most the second."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +139,12 @@ class Campaign:
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
     rate, time, group
         How the file is read.
+    mask, accept
+        What of that which looks wrong is made a hole of, and what is what the part felt:
+        `[CHANNEL=]KIND[@FROM..TO]`, or a time alone, `[CHANNEL=]FROM..TO`, in seconds. What is
+        accepted was not masked.
+    between_samples
+        Whether crests are looked for between samples: `auto` where they lose 1 % or more.
     limits
         A profile by name or file; its rows of a recording count.
     target_hours
@@ -157,6 +185,9 @@ class Campaign:
     rate: float | None = None
     time: str | None = None
     group: str = ""
+    mask: tuple[str, ...] = ()
+    accept: tuple[str, ...] = ()
+    between_samples: str = "auto"
     limits: str | None = None
     target_hours: float | None = None
 
@@ -184,15 +215,22 @@ class Campaign:
             if getattr(self, name) not in choices:
                 msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 raise DesignError(msg)
-        positive(
-            "a campaign", modulus_GPa=self.modulus_GPa, ultimate_MPa=self.ultimate_MPa,
-            allowed=self.allowed, pulses=self.pulses, axle_ratio=self.axle_ratio,
-            tyre_radius_m=self.tyre_radius_m, rate=self.rate, target_hours=self.target_hours,
-        )  # fmt: skip
-        given = (self.modulus_GPa, self.ultimate_MPa, self.allowed, self.rate, self.target_hours)
-        if not all(n is None or math.isfinite(n) for n in given):
-            msg = "modulus, strength, allowed damage, rate and target of a campaign must be finite"
-            raise DesignError(msg)
+        for name, (sort, low, high) in RANGES.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if not (low < value if sort == _ABOVE else low <= value) or not value <= high:
+                msg = (
+                    f"{name} of a campaign must be {sort} {low:g} and at most {high:g}, "
+                    f"got {value:g}"
+                )
+                raise DesignError(msg)
+        for name in ("joint_orders", "engine_orders"):
+            wrong = [n for n in numbers(getattr(self, name)) if not 0 < n <= 100]
+            if wrong:
+                msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
+                raise DesignError(msg)
+        _ = self.rules  # refuses what is none
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -239,9 +277,27 @@ class Campaign:
             try:
                 found[name] = float(value) * MPa / 1e3
             except ValueError:
+                found[name] = math.nan
+            if not 0 <= found[name] < math.inf:
                 msg = f"a prediction is GAUGE=MPa_per_kNm, got {text!r}"
-                raise DesignError(msg) from None
+                raise DesignError(msg)
         return found
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """What is masked and accepted of what looks wrong."""
+        return (
+            *(_rule(text, mask=True) for text in self.mask),
+            *(_rule(text, mask=False) for text in self.accept),
+        )
+
+    def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
+        """Refuse what is said of a gauge or channel that there is not."""
+        names = list(known)
+        for name in given:
+            if name not in names:
+                msg = f"--{option}: no {kind} {name!r}; {nearest(name, names)}"
+                raise DesignError(msg)
 
     def plan(self, recording: Recording) -> Plan:
         """Return what is counted of a recording, and held against which strength.
@@ -261,12 +317,25 @@ class Campaign:
             if names.count(name) > 1:
                 msg = f"two gauges are called {name}"
                 raise DesignError(msg)
+        foretold = [text.rpartition("=")[0] for text in self.predicted]
+        self._held("predicted", foretold, names, "gauge")
+        felt = [text.rpartition("=")[0] for text in self.unit_stress]
+        self._held("unit-stress", felt, names, "gauge")
+        if (foretold or felt) and self.torque is None:
+            msg = (
+                "a predicted order 2 is held against the measured by torque: name it with --torque"
+            )
+            raise DesignError(msg)
+        channels = {c for g in gauges for c in g.channels}
+        ruled = [r.channel for r in self.rules if r.channel]
+        self._held("mask and --accept", ruled, channels, "gauge's channel")
         if self.low_pass_Hz is not None:
             conditioning.low_pass(self.low_pass_Hz, rate=recording.rate)  # refuses what it cannot
         return Plan(
             gauges=gauges, curve=self._curve(), correction=self._correction(),
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
-            allowed=self.allowed, gauge_error=self.gauge_error,
+            allowed=self.allowed, gauge_error=self.gauge_error, rules=self.rules,
+            between={"auto": None, "yes": True, "no": False}[self.between_samples],
         )  # fmt: skip
 
     def hold(self, recording: Recording, *, samples: int) -> None:
@@ -347,6 +416,9 @@ class Campaign:
         except ValueError:
             msg = f"an S-N curve is AMPLITUDE_MPa,CYCLES,SLOPE at its knee, got {self.sn!r}"
             raise DesignError(msg) from None
+        if not (math.isfinite(amplitude) and math.isfinite(cycles) and math.isfinite(slope)):
+            msg = f"an S-N curve is of finite numbers, got {self.sn!r}"
+            raise DesignError(msg)
         curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
         return _CURVES[self.miner](curve)
 
@@ -367,6 +439,38 @@ class Campaign:
         if name == "walker":
             return partial(correction.walker, exponent=0.65 if given is None else given)
         return correction.swt if name == "swt" else correction.uncorrected
+
+
+_TIMES = re.compile(r"([0-9.eE+-]*?)\.\.([0-9.eE+-]*)")
+
+
+def _rule(text: str, *, mask: bool) -> Rule:
+    """Return the rule of `[CHANNEL=]KIND[@FROM..TO]` or `[CHANNEL=]FROM..TO`."""
+    channel, _, rest = text.rpartition("=")
+    kind, at, times = rest.partition("@")
+    if not at and _TIMES.fullmatch(rest):
+        kind, times = "", rest
+    match = _TIMES.fullmatch(times) if times else None
+    try:
+        first = float(match[1] or 0) if match else 0.0
+        last = float(match[2] or math.inf) if match else math.inf
+    except ValueError:
+        match = None
+        first, last = 0.0, math.inf
+    if (times and match is None) or not 0 <= first < last:
+        msg = f"a time is FROM..TO in seconds, the first before the last, got {text!r}"
+        raise DesignError(msg)
+    if kind and kind not in KINDS:
+        msg = f"{text!r}: no kind of fault {kind!r}; there are: {', '.join(KINDS)}"
+        raise DesignError(msg)
+    if mask and kind and kind not in MASKABLE:
+        instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
+        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(MASKABLE)}"
+        raise DesignError(msg)
+    if not (kind or times):
+        msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"
+        raise DesignError(msg)
+    return Rule(mask=mask, kind=kind, channel=channel, first=first, last=last)
 
 
 def numbers(text: str) -> tuple[float, ...]:

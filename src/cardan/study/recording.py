@@ -5,7 +5,7 @@ there is one it only predicts. What is limited are rows of a profile, and a targ
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -26,6 +26,16 @@ from cardan.study.finding import Finding, Tell, silent
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
+
+DECIDE: Mapping[str, str] = {
+    "sentinel": "a word on its sentinels, which decide the damage: --mask or --accept sentinel",
+    "spike": "a word on its spikes, which decide the damage: --mask or --accept spike",
+    "dropout": "a word on its dropouts, which decide the damage: --mask or --accept dropout",
+    "clip": "a recording that is not clipped, or --accept clip",
+    "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
+    "hole": "a recording in which it is alive for a quarter of the time",
+}
+"""What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,10 +126,14 @@ def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard
 
 
 def verdict_on(found: Finding[Heard]) -> Verdict | None:
-    """Return what the gauges come to; None where nothing was asked of them."""
+    """Return what the gauges come to; None where nothing was asked of them.
+
+    Where a life is vetoed the recording was asked and has no answer, limit or not.
+    """
     coverage = coverage_of(found)
     if not coverage.asked:
-        return None
+        spoiled = found.answer is not None and any(one.vetoed for one in found.answer.lives)
+        return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
 
 
@@ -184,15 +198,20 @@ def _checks(
 def _unanswered(
     lives: Sequence[GaugeLife], limits: Sequence[Limit], *, when: Occasion, line: str
 ) -> Iterator[Unanswered]:
-    """Yield each limit and gauge that got no number: a broken wire lives for ever."""
+    """Yield each limit and gauge that got no number, or one that cannot be trusted.
+
+    A broken wire lives for ever.
+    """
     for limit in limits:
         for one in lives:
             if not _known(one, limit):
-                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=(NEEDS,))
+                needs = tuple(DECIDE[k] for k in one.quality.vetoes) if one.vetoed else (NEEDS,)
+                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=needs)
 
 
 def _known(one: GaugeLife, limit: Limit) -> bool:
-    return one.heard and not math.isnan(_VALUES[limit.quantity](one))
+    told = one.heard and not one.vetoed
+    return told and not math.isnan(_VALUES[limit.quantity](one))
 
 
 def _part(one: GaugeLife) -> Part:
