@@ -9,7 +9,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check test bracket lint docs oracle office browser mutants bench clean
+.PHONY: check test bracket lint docs oracle office browser slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -39,6 +39,9 @@ office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core  ## pages read in Chromium
 	$(BIN)/python -m pytest -q -m browser tests/browser
+
+slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
+	$(BIN)/python -m pytest -q -m slow -n 2
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants

@@ -369,7 +369,8 @@ class _Plateaus:
 
     def add(self, level: FloatArray, *columns: FloatArray | IntArray) -> None:
         """Enter levels (k,), first and last samples, steps into the level, crowns."""
-        self.rows = np.concatenate([self.rows, np.stack([level, *columns], -1)])
+        fresh = np.stack([np.asarray(c, float) for c in (level, *columns)], -1)
+        self.rows = np.concatenate([self.rows, fresh])
         if len(self.rows):
             known = np.unique(self.rows[:, 0])
             self.rows = self.rows[self.rows[:, 0] >= known[-self.LEVELS :][0]]

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import tee, zip_longest
+from itertools import repeat, tee, zip_longest
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import (
+    ENGINE,
     JOINTS,
     Attribution,
     Comparison,
@@ -28,6 +30,7 @@ from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
 from cardan.fatigue.fault import FREEZE, HOLE, union
+from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import SHORT, Effect, Quality, Rule, Way, decided, ways
 from cardan.fatigue.rainflow import (
     NONE,
@@ -38,7 +41,8 @@ from cardan.fatigue.rainflow import (
     half_cycles,
     join,
 )
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.recording import Recording, cut
+from cardan.fatigue.response import Evidence, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -499,6 +503,8 @@ class Causes:
         Their names, in the plan's order.
     attributions
         One a gauge, in that order.
+    evidence
+        What the joints are answerable for, one a gauge.
     time : (m,) s
         Middles of the spans in which orders were found.
     speed : (m,) turns/s
@@ -515,6 +521,7 @@ class Causes:
 
     gauges: tuple[str, ...]
     attributions: list[Attribution]
+    evidence: list[Evidence]
     time: FloatArray
     speed: FloatArray
     order2: FloatArray
@@ -523,12 +530,19 @@ class Causes:
     doubts: list[str]
 
 
+IDENTIFIED = 300.0
+"""Seconds of recording in which the joints' part is identified at once."""
+
+
 def causes(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
-    torque: tuple[str, float] | None = None, predicted: dict[str, float] | None = None,
-    progress: Progress | None = None,
+    angle: Angle | None = None, torque: tuple[str, float] | None = None,
+    predicted: dict[str, float] | None = None, progress: Progress | None = None,
 ) -> Causes:  # fmt: skip
     """Share the damage at every gauge among its causes.
+
+    The joints' part is identified first, by phase and torque; what is left is taken apart
+    into the other causes.
 
     Parameters
     ----------
@@ -536,6 +550,8 @@ def causes(
         As for `life`.
     how
         Tones and their causes.
+    angle
+        Of the shaft, and how far to trust it; that of the first tone unless given.
     torque
         Channel of the shaft torque, and N m in its unit.
     predicted : Pa per N m
@@ -543,18 +559,20 @@ def causes(
     progress
         Told how far it is.
     """
-    amplitudes: list[ComplexArray] = []
+    shaft = how.suspects[0].tone.rotation
+    joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
+    stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
     times: list[FloatArray] = []
-    second = next(
-        (k for k, s in enumerate(how.suspects) if s.cause == JOINTS and s.tone.order == 2), None
-    )
+    amplitudes: list[FloatArray] = []
+    row = how.causes.index(JOINTS)
 
     def stretches() -> Iterator[FloatArray]:
-        stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
-        for stretch, parts in parts_of(stress, how=how):
+        for stretch, parts in parts_of(joints.taken_off(stress), how=how.beside_joints):
+            theirs, order2 = joints.part(stretch.start, stretch.signal.shape[1])
+            parts[row] += theirs
             times.append(stretch.time)
-            if second is not None:
-                amplitudes.append(stretch.amplitude[:, second])
+            place = np.rint(stretch.time * recording.rate).astype(np.intp) - stretch.start
+            amplitudes.append(order2[:, np.clip(place, 0, order2.shape[1] - 1)])
             yield parts
 
     found = attribute(
@@ -562,13 +580,12 @@ def causes(
         rule=plan.rule,
     )  # fmt: skip
     time = np.concatenate(times)
-    order2 = np.abs(np.concatenate(amplitudes, axis=-1)) if amplitudes else np.zeros((0, 0))
-    speed = how.suspects[0].tone.rotation.speed(time)
+    order2 = np.concatenate(amplitudes, axis=-1)
     load = None
     comparisons: list[Comparison] = []
     if torque is not None:
         load = span_means(recording, torque[0], how=how)[: time.size] * torque[1]
-        if predicted and second is not None:
+        if predicted:
             comparisons = [
                 held_against(a[: load.size], torque=load, per_torque=predicted.get(g.name, np.nan))
                 for g, a in zip(plan.gauges, order2, strict=True)
@@ -576,13 +593,97 @@ def causes(
     pairs = coincidences(how.suspects, times=time, resolution=1 / how.splitter.span)
     doubts = [
         f"{a.cause} order {a.tone.order:g} and {b.cause} order {b.tone.order:g} run together "
-        f"for {share:.0%} of the time: their sum is shared evenly there"
+        f"for {share:.0%} of the time: nothing in the signal tells them apart there"
         for a, b, share in pairs
     ]
+    evidence = joints.evidence()
+    for gauge, one in zip(plan.gauges, evidence, strict=True):
+        doubts += [f"{gauge.name}: {said}" for said in one.doubts]
+    if joints.engine is None:
+        doubts.append(
+            "no engine speed was given: an order of its that runs with order 2 would not show"
+        )
+    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and 2.0 not in joints.engine_orders:
+        doubts.append(
+            f"the engine turns with the shaft for {share:.0%} of the time: one whose order 2 is "
+            "strong, of four cylinders, would do the same as the joints"
+        )
+    if torque is None:
+        doubts.append("no torque was given, so phase alone tells the joints from others")
     return Causes(
-        gauges=tuple(g.name for g in plan.gauges), attributions=found, time=time, speed=speed,
-        order2=order2, torque=load, comparisons=comparisons, doubts=doubts,
+        gauges=tuple(g.name for g in plan.gauges), attributions=found, evidence=evidence,
+        time=time, speed=shaft.speed(time), order2=order2, torque=load,
+        comparisons=comparisons, doubts=doubts,
     )  # fmt: skip
+
+
+def _direct(shaft: Rotation, engine: Rotation, time: FloatArray) -> float:
+    """Share of the time under way in which engine and shaft turn as one, the gear direct."""
+    own, other = shaft.speed(time), engine.speed(time)
+    moving = own > 1
+    return float(np.mean(np.abs(own - other)[moving] < 0.25)) if moving.any() else 0.0
+
+
+class _Joints:
+    """The joints' part of every gauge, identified stretch by stretch as the stress passes."""
+
+    def __init__(
+        self, plan: Plan, recording: Recording, angle: Angle, torque: tuple[str, float] | None,
+        how: Separation,
+    ) -> None:  # fmt: skip
+        self.plan, self.recording, self.angle, self.torque = plan, recording, angle, torque
+        engine = [s.tone for s in how.suspects if s.cause == ENGINE]
+        self.engine = engine[0].rotation if engine else None
+        self.engine_orders = tuple(tone.order for tone in engine)
+        self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
+        self.held: list[tuple[int, FloatArray, FloatArray]] = []
+
+    def damage(self, stress: FloatArray) -> float:
+        """Damage of a stretch of stress (n,)."""
+        tally = _Tally(self.plan)
+        tally.add(stress)
+        return tally.closed()
+
+    def taken_off(self, stress: Iterable[FloatArray]) -> Iterator[FloatArray]:
+        """Yield the stress (gauges, n) without their part."""
+        rate = self.recording.rate
+        size = max(round(IDENTIFIED * rate), 1)
+        loads: Iterator[FloatArray | None] = repeat(None)
+        if self.torque is not None:
+            loads = self.recording.pieces([self.torque[0]], size=size)
+        start = 0
+        with ThreadPoolExecutor(4) as pool:
+            for piece, load in zip(cut(stress, size=size), loads, strict=False):
+                torque = None if load is None or self.torque is None else load[0] * self.torque[1]
+                ask = partial(
+                    identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
+                    engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
+                )  # fmt: skip
+                answers = list(pool.map(ask, piece))
+                for told, answer, x in zip(self.told, answers, piece, strict=True):
+                    told.append((answer.evidence, self.damage(x)))
+                theirs = np.stack([a.stress for a in answers])
+                theirs[np.isnan(piece)] = 0.0
+                self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+                yield piece - theirs
+                start += piece.shape[1]
+
+    def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
+        """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
+        self.held = [h for h in self.held if h[0] + h[1].shape[1] > start]
+        rows = [
+            [
+                part[:, max(start - first, 0) : max(start + n - first, 0)]
+                for part in (theirs, order2)
+            ]
+            for first, theirs, order2 in self.held
+        ]
+        theirs, order2 = (np.concatenate(parts, axis=-1) for parts in zip(*rows, strict=True))
+        return theirs, order2
+
+    def evidence(self) -> list[Evidence]:
+        """Return what they are answerable for, one a gauge."""
+        return [together([e for e, _ in told], [w for _, w in told]) for told in self.told]
 
 
 def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatArray:
@@ -601,8 +702,8 @@ def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatA
     return np.concatenate(means) if means else NONE
 
 
-def verdict(gauge: str, attribution: Attribution) -> str:
-    """Say in a sentence how much the joints had to do with it, whichever way it falls."""
+def verdict(gauge: str, attribution: Attribution, evidence: Evidence | None = None) -> str:
+    """Say in a sentence or three how much the joints had to do with it, whichever way it falls."""
     share, without = attribution.share(JOINTS), attribution.without(JOINTS)
     whole = attribution.whole
     if not whole > 0:
@@ -616,4 +717,10 @@ def verdict(gauge: str, attribution: Attribution) -> str:
     )
     if chief != JOINTS:
         said += f" The largest share, {most:.1%}, is of {chief}."
+    if evidence is not None:
+        low, high = evidence.interval
+        said += (
+            f" By phase and torque {evidence.removed:.0%} of the damage would go with them "
+            f"(90 % interval {low:.0%} to {high:.0%}): {evidence.finding.upper()}."
+        )
     return said

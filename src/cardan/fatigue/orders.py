@@ -216,7 +216,7 @@ def order_spectrum(
     Returns
     -------
     order, amplitude : (m,)
-        0-to-peak; of a steady order exact to the window's 0.1 % at whole orders.
+        Up to `top`. 0-to-peak; of a steady order exact to the window's 0.1 % at whole orders.
     """
     from scipy.signal import resample_poly
 
@@ -224,23 +224,31 @@ def order_spectrum(
     time = np.arange(signal.size) / rate
     made = rotation.at(time)
     rising = np.concatenate([[True], np.diff(made) > 0])
-    first, last = np.ceil(made[0]), np.floor(made[-1])
-    angle = np.arange(0, (last - first) * per_turn) / per_turn + first
+    clock, angle = time[rising], made[rising]
+    first = np.ceil(made[0])
+    blocks = int((np.floor(made[-1]) - first) / turns)
+    if blocks < 1:
+        msg = f"the shaft makes fewer than {turns} turns; ask for fewer"
+        raise ValueError(msg)
     # Four times finer first: straight lines then lose a per mille of the fastest order.
     fine = resample_poly(bridged(signal), 4, 1)
     fine_time = np.arange(fine.size) / (4 * rate)
-    x = np.interp(np.interp(angle, made[rising], time[rising]), fine_time, fine)
-    size = turns * per_turn
-    blocks = x[: x.size // size * size].reshape(-1, size)
-    if not len(blocks):
-        msg = f"the shaft makes fewer than {turns} turns; ask for fewer"
-        raise ValueError(msg)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
-    lines = np.fft.rfft((blocks - blocks.mean(-1, keepdims=True)) * window, axis=-1)
-    amplitude = 2 * np.abs(lines) / window.sum()
-    order = np.arange(size // 2 + 1) / turns
-    keep = order <= top
-    return order[keep], np.sqrt((amplitude**2).mean(0))[keep]
+    keep = int(turns * top) + 1
+    power = np.zeros(keep)
+    for k in range(blocks):
+        start = first + k * turns
+        span = np.interp([start, start + turns], angle, clock)
+        # As many samples a turn as the block's slowest turn needs to hold all that was recorded:
+        # fewer would fold a tone of fixed frequency onto an order.
+        edges = np.interp(start + np.arange(turns + 1), angle, clock)
+        slowest = max(1 / float(np.diff(edges).max()), 0.1 / float(np.diff(span)[0]))
+        each = max(int(np.ceil(1.2 * rate / slowest)), per_turn)
+        size = turns * each
+        x = np.interp(np.interp(start + np.arange(size) / each, angle, clock), fine_time, fine)
+        window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
+        lines = np.fft.rfft((x - x.mean()) * window)[:keep]
+        power += (2 * np.abs(lines) / window.sum()) ** 2
+    return np.arange(keep) / turns, np.sqrt(power / blocks)
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ import numpy as np
 from cardan import __version__
 from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
-from cardan.fatigue.cause import MEANING, Comparison
+from cardan.fatigue.cause import JOINTS, MEANING, Comparison
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.fault import FREEZE, HOLE
 from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
 from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
+from cardan.fatigue.response import Evidence
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import headline, table, without_answer
@@ -62,6 +63,18 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "power_above_0.4_rate": of.fast,
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
+    }
+
+
+def _evidence(of: Evidence) -> dict[str, Any]:
+    return {
+        "removed": of.removed,
+        "removed_interval": list(of.interval),
+        "finding": of.finding,
+        "strength": _number(of.strength),
+        "modes": [{"frequency_Hz": f, "damping_ratio": d} for f, d in of.modes],
+        "speed_ratio": of.ratio,
+        "speed_lag_s": of.lag,
     }
 
 
@@ -162,7 +175,8 @@ def contract(
             "quality": _quality(one),
         }
         if causes is not None and k is not None:
-            found = causes.attributions[k]
+            found, evidence = causes.attributions[k], _evidence(causes.evidence[k])
+            entry |= evidence
             entry["causes"] = [
                 {
                     "cause": cause,
@@ -170,10 +184,11 @@ def contract(
                     "share": found.share(cause),
                     "damage_alone": found.alone(cause),
                     "damage_without": found.without(cause),
+                    **(evidence if cause == JOINTS else {}),
                 }
                 for cause in found.causes
             ]
-            entry["verdict"] = verdict(one.name, found)
+            entry["verdict"] = verdict(one.name, found, causes.evidence[k])
             entry["order2_by_speed"] = _cut(causes.speed, causes.order2[k])
             if causes.comparisons:
                 entry["order2"] = _compared(causes.comparisons[k])
@@ -318,7 +333,7 @@ def lines(
                 f"  order 2 measured over predicted {c.ratio:.2f}, correlation with torque "
                 f"{c.correlation:.2f}"
             )
-        yield verdict(one.name, found)
+        yield verdict(one.name, found, causes.evidence[k])
     yield ""
     yield "Shares are Shapley values; without it and alone are damages over that of all together."
     for doubt in causes.doubts:

@@ -14,21 +14,18 @@ from typing import Any
 
 import numpy as np
 
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
+from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
 from cardan.fatigue.fault import DRIFT, KINDS, MASKABLE
 from cardan.fatigue.life import Plan
-from cardan.fatigue.orders import (
-    Rotation,
-    estimated_rotation,
-    rotation_from_pulses,
-    rotation_from_speed,
-)
+from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
 from cardan.fatigue.quality import Rule
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.strain import Gauge
@@ -41,6 +38,9 @@ from cardan.study.recorded import predicted_stress
 NAME = "recording"
 ASKED = Source("asked on the command line")
 """Who says how long a gauge has to live, where no profile does."""
+
+FASTEST = 25.0
+"""Turns/s that a shaft's tacho must be able to tell: 1500 rpm."""
 
 TURN = 2 * math.pi
 STRESS = {
@@ -351,22 +351,42 @@ class Campaign:
             )
             raise DesignError(msg)
 
-    def shaft(self, recording: Recording) -> Rotation | None:
-        """Return the shaft's rotation: measured, counted, or found in a gauge."""
+    def shaft(self, recording: Recording) -> Angle | None:
+        """Return how far the shaft has turned: measured, counted, or found in a gauge.
+
+        Raises
+        ------
+        DesignError
+            If the tacho's pulses come faster than the recording can hold them apart.
+        """
         if self.tacho is not None:
-            return rotation_from_pulses(
+            fastest = recording.rate / 2.5 / self.pulses
+            if fastest < FASTEST:
+                msg = (
+                    f"{self.tacho}: {self.pulses} pulses a turn at {recording.rate:g} Hz are held "
+                    f"apart up to {fastest * 60:.0f} rpm, and no faster turn would show: a shaft's "
+                    f"tacho needs {FASTEST * 2.5 * self.pulses:g} Hz or a divided pulse"
+                )
+                raise DesignError(msg)
+            counted = rotation_from_pulses(
                 recording.pieces([self.tacho]), rate=recording.rate, per_turn=self.pulses
             )
+            return Angle(counted, lag=0.02)
         if self.speed is not None:
-            return _turning(recording, self.speed)
+            engine = None if self.engine is None else _speeds(recording, self.engine)
+            speed, rate = _speeds(recording, self.speed)
+            return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
             signal = recording.whole([self.estimate_speed])[0]
-            return estimated_rotation(signal, rate=recording.rate)
+            return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
         return None
 
     def engine_of(self, recording: Recording) -> Rotation | None:
         """Return the engine's rotation, where it was measured."""
-        return None if self.engine is None else _turning(recording, self.engine)
+        if self.engine is None:
+            return None
+        speed, rate = _speeds(recording, self.engine)
+        return shaft_angle(speed, rate=rate).rotation
 
     def torque_of(self, recording: Recording) -> tuple[str, float] | None:
         """Return the channel of the shaft torque, and N m in its unit."""
@@ -403,7 +423,7 @@ class Campaign:
             ]  # fmt: skip
         return found
 
-    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], strain.FloatArray]]:
+    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], FloatArray]]:
         """Return what is counted of a rosette, by the ending of the gauge's name."""
         if self.rosette_measure == "planes":
             angles = range(0, 180, 10)
@@ -501,11 +521,18 @@ def _unit(
     return table[name]
 
 
-def _turning(recording: Recording, text: str) -> Rotation:
-    """Return what a channel of speed makes turn."""
+READ = 200.0
+"""Readings a second of a channel of speed that are looked at."""
+
+
+def _speeds(recording: Recording, text: str) -> tuple[FloatArray, float]:
+    """Return a channel of speed in turns/s, as written, and at which rate it was looked at."""
     channel, given = _named(text)
     unit = _unit(recording, channel, given, SPEED)
-    return rotation_from_speed(recording.pieces([channel]), rate=recording.rate, unit=unit)
+    every = max(int(recording.rate / READ), 1)
+    size = every * 4096
+    read = [piece[0][::every] for piece in recording.pieces([channel], size=size)]
+    return np.concatenate(read or [np.empty(0)]) * unit, recording.rate / every
 
 
 def _worded(value: Any, *, several: bool) -> Any:

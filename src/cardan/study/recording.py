@@ -14,6 +14,7 @@ from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
+from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.life import Causes, GaugeLife, Plan
@@ -83,16 +84,17 @@ class RecordingStudy:
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
         campaign.hold(recording, samples=max(h.samples for h in healths.values()))
-        shaft = campaign.shaft(recording)
+        angle = campaign.shaft(recording)
+        shaft = None if angle is None else angle.rotation
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
             progress=progress,
         )  # fmt: skip
         heard = [g for g, one in zip(plan.gauges, lives, strict=True) if one.heard]
         causes = None
-        if shaft is not None and heard:
+        if angle is not None and heard:
             causes = _causes(
-                campaign, recording, replace(plan, gauges=tuple(heard)), shaft, healths=healths,
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 predicted=predicted, progress=progress,
             )  # fmt: skip
         when = Occasion("recording", recording.name)
@@ -159,11 +161,11 @@ def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
 
 
 def _causes(
-    campaign: Campaign, recording: Recording, plan: Plan, shaft: Rotation, *,
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle, *,
     healths: dict[str, Health], predicted: dict[str, float], progress: room.Progress,
 ) -> Causes:  # fmt: skip
     """Return who did the damage at a plan's gauges."""
-    ratio = campaign.axle_ratio
+    ratio, shaft = campaign.axle_ratio, angle.rotation
     named = suspects(
         shaft, joint_orders=numbers(campaign.joint_orders), engine=campaign.engine_of(recording),
         engine_orders=numbers(campaign.engine_orders),
@@ -171,7 +173,7 @@ def _causes(
     )  # fmt: skip
     return room.causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
-        torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
+        angle=angle, torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
     )  # fmt: skip
 
 
