@@ -104,7 +104,17 @@ from cardan.cli.ending import kindly, leave
     help="What is taken off each channel as zero.",
 )
 @click.option("--low-pass-Hz", "low_pass_Hz", type=float, help="Count nothing faster.")
-@click.option("--speed", metavar="CHANNEL[:UNIT]", help="Shaft speed: with it, causes are told.")
+@click.option(
+    "--scale",
+    multiple=True,
+    metavar="CHANNEL=FACTOR[,OFFSET]:UNIT",
+    help="Of a channel in V or mV/V: its value times FACTOR plus OFFSET is in UNIT.",
+)
+@click.option(
+    "--speed",
+    metavar="CHANNEL[:UNIT]",
+    help="Shaft speed: with it, causes are told. In km/h with --axle-ratio and --tyre-radius-m.",
+)
 @click.option("--tacho", metavar="CHANNEL", help="Shaft tacho, in place of a speed.")
 @click.option("--pulses", type=int, default=1, show_default=True, help="Of the tacho, per turn.")
 @click.option(

@@ -7,8 +7,8 @@ recording.
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
@@ -54,6 +54,10 @@ SPEED = {
     "rpm": rpm / TURN, "1/min": rpm / TURN, "U/min": rpm / TURN, "min-1": rpm / TURN,
     "Hz": 1.0, "1/s": 1.0, "rad/s": 1 / TURN,
 }  # fmt: skip
+VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
+"""Units of what an amplifier gives, and not of what it measures."""
+DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
+"""Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
 TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
 
 _KINDS = {"rectangular": strain.RECTANGULAR, "delta": strain.DELTA}
@@ -127,8 +131,12 @@ class Campaign:
         M of fkm, or the exponent of walker.
     allowed
         Damage at failure.
+    scale
+        `CHANNEL=FACTOR[,OFFSET]:UNIT` of what was written in volts or mV/V: the value by the
+        factor and the offset on top, in the unit.
     speed, engine, torque, tacho
-        `CHANNEL[:UNIT]`; with a speed or a tacho causes are told.
+        `CHANNEL[:UNIT]`; with a speed or a tacho causes are told. A speed of the vehicle (km/h)
+        turns the shaft by `axle_ratio` and `tyre_radius_m`.
     estimate_speed
         The gauge in which it is looked for where nobody measured it.
     axle_ratio
@@ -152,6 +160,7 @@ class Campaign:
     """
 
     sn: str
+    scale: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
     rosettes: tuple[str, ...] = ()
     rosette_kind: str = "rectangular"
@@ -230,7 +239,7 @@ class Campaign:
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
-        _ = self.rules  # refuses what is none
+        _ = self.rules, self.scales  # refuse what is none
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -290,6 +299,46 @@ class Campaign:
             *(_rule(text, mask=True) for text in self.mask),
             *(_rule(text, mask=False) for text in self.accept),
         )
+
+    @property
+    def scales(self) -> dict[str, tuple[float, float, str]]:
+        """Factor, offset and unit of the channels that are scaled."""
+        found: dict[str, tuple[float, float, str]] = {}
+        for text in self.scale:
+            channel, _, rest = text.rpartition("=")
+            value, _, unit = rest.rpartition(":")
+            try:
+                given = [float(v) for v in value.split(",")]
+            except ValueError:
+                given = []
+            known = (*STRESS, *STRAIN, *SPEED, *DRIVEN, *TORQUE)
+            whole = channel and len(given) in (1, 2) and all(map(math.isfinite, given))
+            if not whole or given[0] == 0 or unit not in known:
+                msg = (
+                    f"a scale is CHANNEL=FACTOR[,OFFSET]:UNIT with a unit of {', '.join(known)}, "
+                    f"got {text!r}"
+                )
+                raise DesignError(msg)
+            found[channel] = (given[0], given[1] if len(given) > 1 else 0.0, unit)
+        return found
+
+    def scaled(self, recording: Recording) -> Recording:
+        """Return the recording with its scaled channels in the units they are scaled to."""
+        scales = {recording.place(name): of for name, of in self.scales.items()}
+        if not scales:
+            return recording
+        channels = tuple(
+            replace(c, unit=scales[k][2]) if k in scales else c
+            for k, c in enumerate(recording.channels)
+        )
+
+        def read(wanted: tuple[int, ...]) -> Iterator[FloatArray]:
+            own = [scales.get(k, (1.0, 0.0, "")) for k in wanted]
+            factor, offset = (np.array([o[k] for o in own])[:, None] for k in (0, 1))
+            for piece in recording.read(wanted):
+                yield piece * factor + offset
+
+        return replace(recording, channels=channels, read=read)
 
     def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
         """Refuse what is said of a gauge or channel that there is not."""
@@ -374,12 +423,18 @@ class Campaign:
             return Angle(counted, lag=0.02)
         if self.speed is not None:
             engine = None if self.engine is None else _speeds(recording, self.engine)
-            speed, rate = _speeds(recording, self.speed)
+            speed, rate = _speeds(recording, self.speed, wheel=self._wheel())
             return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
             signal = recording.whole([self.estimate_speed])[0]
             return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
         return None
+
+    def _wheel(self) -> float | None:
+        """Shaft turns a metre of the vehicle's way, where the axle and its tyres are given."""
+        if self.axle_ratio is None or self.tyre_radius_m is None:
+            return None
+        return self.axle_ratio / (TURN * self.tyre_radius_m)
 
     def engine_of(self, recording: Recording) -> Rotation | None:
         """Return the engine's rotation, where it was measured."""
@@ -505,7 +560,7 @@ def numbers(text: str) -> tuple[float, ...]:
 def _named(text: str) -> tuple[str, str | None]:
     """Split CHANNEL:UNIT; channel names may hold colons, units do not."""
     name, _, unit = text.rpartition(":")
-    known = (*STRESS, *STRAIN, *SPEED, *TORQUE)
+    known = (*STRESS, *STRAIN, *SPEED, *DRIVEN, *TORQUE)
     return (name, unit) if name and unit in known else (text, None)
 
 
@@ -517,6 +572,8 @@ def _unit(
     if name not in table:
         said = repr(name) if name else "no unit"
         msg = f"{channel}: {said}; write {channel}:UNIT with one of {', '.join(table)}"
+        if name in VOLTS:
+            msg += f", or scale it: --scale {channel}=FACTOR[,OFFSET]:UNIT"
         raise DesignError(msg)
     return table[name]
 
@@ -525,10 +582,25 @@ READ = 200.0
 """Readings a second of a channel of speed that are looked at."""
 
 
-def _speeds(recording: Recording, text: str) -> tuple[FloatArray, float]:
-    """Return a channel of speed in turns/s, as written, and at which rate it was looked at."""
+def _speeds(
+    recording: Recording, text: str, *, wheel: float | None = None
+) -> tuple[FloatArray, float]:
+    """Return a channel of speed in turns/s, as written, and at which rate it was looked at.
+
+    `wheel` is how many turns go to a metre, for a speed of the vehicle.
+    """
     channel, given = _named(text)
-    unit = _unit(recording, channel, given, SPEED)
+    said = given or recording.channel(channel).unit
+    if said in DRIVEN:
+        if wheel is None:
+            msg = (
+                f"{channel}: {said} is the vehicle's speed; the shaft turns with it by "
+                "--axle-ratio and --tyre-radius-m"
+            )
+            raise DesignError(msg)
+        unit = DRIVEN[said] * wheel
+    else:
+        unit = _unit(recording, channel, given, SPEED)
     every = max(int(recording.rate / READ), 1)
     size = every * 4096
     read = [piece[0][::every] for piece in recording.pieces([channel], size=size)]

@@ -80,6 +80,7 @@ class RecordingStudy:
         """
         campaign = self.campaign
         profile, limits = campaign.asked()
+        recording = campaign.scaled(recording)
         predicted, plan = campaign.predictions(), campaign.plan(recording)
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
