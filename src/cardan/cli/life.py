@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from cardan.base.errors import NotInstalled
+from cardan.base.errors import DesignError, NotInstalled
 from cardan.cli.common import (
     JSON,
     LANG,
@@ -56,7 +56,6 @@ from cardan.cli.ending import kindly, leave
 @click.option("--modulus-GPa", "modulus_GPa", type=float, default=206.0, show_default=True)
 @click.option(
     "--sn",
-    required=True,
     metavar="MPa,CYCLES,SLOPE",
     help="S-N curve at the gauge, half failed: amplitude and cycles at the knee, slope.",
 )
@@ -196,6 +195,9 @@ def life(
 ) -> None:
     """Damage and life at the gauges of a RECORDING, and who did it.
 
+    A RECORDING that ends in .yaml is a campaign: a file that names recordings and says of all
+    what the options say of one. Of the options only --json, --lang and --quiet go with it.
+
     Held against --target-hours and the rows of --limits, where either is given. Exit code 0
     where every gauge passes or warns or nothing was asked, 1 where one fails or the life of
     one is not known, 2 for a bad file or option.
@@ -206,6 +208,12 @@ def life(
     from cardan.study.recording import listen, verdict_on
 
     say = Language(lang)
+    if recording.suffix.lower() in (".yaml", ".yml"):
+        _campaign(recording, json_out=json_out, allow_outside=allow_outside, say=say, quiet=quiet)
+        return
+    if options["sn"] is None:
+        msg = "a recording is asked with an S-N curve: --sn MPa,CYCLES,SLOPE"
+        raise DesignError(msg)
     outputs = claim(recording, application, options["limits"], json_out=json_out, plot=plot)
     predicting = (
         read(application, None, allow_outside=allow_outside, outputs=outputs)
@@ -221,6 +229,33 @@ def life(
         put_lines(report.terminal(found, say))
     if plot:
         _draw(plot, found)
+    leave(verdict_on(found) or "pass")
+
+
+def _campaign(
+    path: Path, *, json_out: str | None, allow_outside: bool, say: Any, quiet: bool
+) -> None:
+    """Ask all the recordings of a campaign's file."""
+    from cardan.report import life as report
+    from cardan.study.recording import listen_to_all, verdict_on
+
+    context = click.get_current_context()
+    given = click.core.ParameterSource.COMMANDLINE
+    own = {"recording", "json_out", "lang", "quiet", "allow_outside"}
+    beside = [
+        n for n in context.params if n not in own and context.get_parameter_source(n) == given
+    ]
+    if beside:
+        option = beside[0].replace("_", "-")
+        msg = f"--{option} is said in the campaign's file, {path.name}, not beside it"
+        raise DesignError(msg)
+    claim(path, json_out=json_out)
+    with progress(say("reading"), quiet=quiet) as line:
+        found = listen_to_all(path, allow_outside=allow_outside, tell=line.study)
+    if json_out is not None:
+        write_json(report.mix_document(found), json_out)
+    if json_out != "-":
+        put_lines(report.mix_terminal(found, say))
     leave(verdict_on(found) or "pass")
 
 

@@ -160,9 +160,14 @@ class GaugeLife:
         return self.low < self.high and not any(h.dead for h in self.health.values())
 
     @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil what it said."""
+        return self.quality.vetoes if self.heard else ()
+
+    @property
     def vetoed(self) -> bool:
         """Whether what it said is spoiled, so that its life cannot be known."""
-        return self.heard and bool(self.quality.vetoes)
+        return bool(self.vetoes)
 
 
 class _Tally:

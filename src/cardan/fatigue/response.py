@@ -528,7 +528,7 @@ def identified(
         high = float(min(high, 1.0))
         middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
         found = Evidence(
-            removed=middle, interval=(0.0, high), strength=line.strength,
+            removed=middle, interval=(-0.01, high), strength=line.strength,
             ratio=first.ratio, lag=first.lag, doubts=tuple(doubts),
         )  # fmt: skip
         return Identified(found, np.zeros_like(filled), spread(line.wave))

@@ -223,7 +223,7 @@ def mdf(path: Path, *, group: str = "") -> Table:
     return joined(path, [_channels(file, k, sizes[k], names[k]) for k in chosen])
 
 
-AT_ONCE = 1 << 23
+AT_ONCE = 1 << 22
 """Samples of an MDF4 channel read at once: each reading starts at the channel's beginning."""
 
 

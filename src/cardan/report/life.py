@@ -24,7 +24,7 @@ from cardan.report.wording import gaps, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.campaign import ASKED
 from cardan.study.finding import Finding
-from cardan.study.recording import Heard, verdict_on
+from cardan.study.recording import Heard, Mix, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -143,6 +143,105 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     }
 
 
+def mix_document(found: Finding[Mix]) -> dict[str, Any]:
+    """Return the JSON contract of `cardan life` of a campaign: as of one recording, for the mix."""
+    of = _mix(found)
+    gauges: list[dict[str, Any]] = []
+    for one in of.lives:
+        life, told = one.life, of.evidence(one.name)
+        known = not one.vetoes and one.heard
+        gauges.append(
+            {
+                "name": one.name,
+                "damage": _number(life.damage),
+                "hours": _number(life.hours) if known else None,
+                "km": _number(life.kilometres) if known else None,
+                "vetoes": list(one.vetoes),
+                "recordings": [
+                    {
+                        "recording": name,
+                        "times": times,
+                        "damage": _number(part.life.damage),
+                        "share": _number(times * part.life.damage / life.damage)
+                        if life.damage
+                        else None,
+                        "live_s": part.quality.live,
+                        "damage_per_km": _number(part.life.damage / (part.life.distance / 1e3))
+                        if part.life.distance > 0
+                        else None,
+                        "damage_per_hour": _number(part.life.damage / part.life.duration * hour)
+                        if part.life.duration > 0
+                        else None,
+                    }
+                    for (name, times, _), (part, _) in zip(of.parts, one.parts, strict=True)
+                ],
+                **(_evidence(told) if told else {}),
+            }
+        )
+    return {
+        "cardan": __version__,
+        "campaign": of.title,
+        "verdict": verdict_on(found),
+        "profile": of.profile or None,
+        "gauges": gauges,
+        "recordings": [
+            {
+                "times": times,
+                **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
+            }
+            for _, times, h in of.parts
+        ],
+        **plain(
+            {
+                "checks": [check(c) for c in found.checks],
+                "coverage": coverage(coverage_of(found)),
+            }
+        ),
+    }
+
+
+def _mix(found: Finding[Mix]) -> Mix:
+    assert found.answer is not None
+    return found.answer
+
+
+def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
+    """Yield the verdict on a campaign, its mix, and each recording as lines of text."""
+    of = _mix(found)
+    yield from _verdict(found, of.title, of.profile, say)
+    yield ""
+    heads = {"times": 10, "live h": 10, "damage": 12, "per h": 12, "per km": 12, "of the mix": 12}
+    for one in of.lives:
+        whole = one.life.damage or math.nan
+        yield f"{one.name:<28}" + "".join(f"{name:>{width}}" for name, width in heads.items())
+        for (name, times, _), (part, _) in zip(of.parts, one.parts, strict=True):
+            life = part.life
+            per_km = life.damage / (life.distance / 1e3) if life.distance > 0 else math.nan
+            per_hour = life.damage / life.duration * hour if life.duration > 0 else math.nan
+            yield (
+                f"  {name[:26]:<26}{times:>10g}{life.duration / hour:>10.3g}"
+                f"{_known(life.damage, '.4g'):>12}{_known(per_hour, '.3g'):>12}"
+                f"{_known(per_km, '.3g'):>12}{_known(times * life.damage / whole, '.1%'):>12}"
+            )
+        yield f"  {'the mix':<26}{'':>10}{one.life.duration / hour:>10.3g}{whole:>12.4g}"
+        if one.vetoes:
+            kinds = " and ".join(one.vetoes)
+            yield f"{one.name}: VETOED: its damage hangs on {kinds} of some recording"
+        else:
+            hours = one.life.hours if one.heard else math.nan
+            yield f"{one.name}: lives {_long(hours)} h of the mix"
+        if evidence := of.evidence(one.name):
+            low, high = evidence.interval
+            yield (
+                f"{one.name}: {evidence.removed:.0%} of the mix's damage would go with the joints "
+                f"(90 % interval {low:.0%} to {high:.0%}): {evidence.finding.upper()}"
+            )
+        yield ""
+    for _, _, heard in of.parts:
+        yield from lines(heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes)
+        yield ""
+
+
 def _heard(found: Finding[Heard]) -> Heard:
     assert found.answer is not None  # of a recording that could be asked
     return found.answer
@@ -243,12 +342,14 @@ def _long(value: float) -> str:
 def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     """Yield the verdict, the limits that were asked, and the report as lines of text."""
     of = _heard(found)
-    yield from _verdict(found, of, say)
+    yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
     yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes)
 
 
-def _verdict(found: Finding[Heard], of: Heard, say: Language) -> Iterator[str]:
+def _verdict(
+    found: Finding[Heard] | Finding[Mix], title: str, profile: str, say: Language
+) -> Iterator[str]:
     """Yield the verdict and each limit where it is worst, or that there is none."""
     verdict = verdict_on(found)
     if verdict is None:
@@ -256,11 +357,11 @@ def _verdict(found: Finding[Heard], of: Heard, say: Language) -> Iterator[str]:
             "Nothing was asked: --target-hours or --limits hold the gauges' lives against a limit."
         )
     else:
-        yield headline(of.recording.name, verdict, found.checks, found.unanswered, say)
+        yield headline(title, verdict, found.checks, found.unanswered, say)
     if any(x.limit.source != ASKED for x in (*found.checks, *found.unanswered)):
-        yield say("limits: {profile}", profile=of.profile)
-    elif of.profile:
-        yield say("{profile} limits no fatigue_life and no fatigue_damage.", profile=of.profile)
+        yield say("limits: {profile}", profile=profile)
+    elif profile:
+        yield say("{profile} limits no fatigue_life and no fatigue_damage.", profile=profile)
     yield from table(worst_of_each(found.checks), say)
     yield from without_answer(gaps(found.unanswered, say), coverage_of(found), say)
 

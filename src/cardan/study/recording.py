@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion, Part
@@ -17,9 +18,12 @@ from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.recording import Recording, alongside, between
+from cardan.fatigue.response import Evidence, together
+from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
@@ -128,14 +132,137 @@ def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard
         raise NotInstalled(msg) from error
 
 
-def verdict_on(found: Finding[Heard]) -> Verdict | None:
+@dataclass(frozen=True)
+class Mixed:
+    """One gauge in a mix of recordings.
+
+    Attributes
+    ----------
+    name
+        Of the gauge.
+    parts
+        What each recording did to it, and how often that is driven in the mix.
+    """
+
+    name: str
+    parts: tuple[tuple[GaugeLife, float], ...]
+
+    @property
+    def life(self) -> Life:
+        """Of the mix: damages, times and ways, each as often as it is driven."""
+
+        def total(of: Callable[[Life], float]) -> float:
+            return sum(times * of(one.life) for one, times in self.parts)
+
+        return Life(
+            damage=total(lambda one: one.damage), duration=total(lambda one: one.duration),
+            distance=total(lambda one: one.distance), allowed=self.parts[0][0].life.allowed,
+        )  # fmt: skip
+
+    @property
+    def heard(self) -> bool:
+        """Whether it said something in every recording."""
+        return all(one.heard for one, _ in self.parts)
+
+    @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil it in any of them."""
+        return tuple(dict.fromkeys(kind for one, _ in self.parts for kind in one.vetoes))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mix:
+    """The answer of a campaign: its recordings, and what they come to together.
+
+    Attributes
+    ----------
+    title
+        Of the campaign.
+    parts
+        Name, how often it is driven, and what was heard in each.
+    lives
+        One a gauge.
+    profile
+        The limits' name; "" where no profile was asked.
+    """
+
+    title: str
+    parts: tuple[tuple[str, float, Heard], ...]
+    lives: tuple[Mixed, ...]
+    profile: str
+
+    def evidence(self, gauge: str) -> Evidence | None:
+        """Return what the joints are answerable for at a gauge, of the mix's damage."""
+        told: list[tuple[Evidence, float]] = []
+        for (_, times, heard), (one, _) in zip(
+            self.parts, next(m for m in self.lives if m.name == gauge).parts, strict=True
+        ):
+            if heard.causes is not None and gauge in heard.causes.gauges:
+                where = heard.causes.gauges.index(gauge)
+                told.append((heard.causes.evidence[where], times * one.life.damage))
+        return together([e for e, _ in told], [w for _, w in told]) if told else None
+
+
+def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silent) -> Finding[Mix]:
+    """Ask every recording of a campaign's file, and hold the mix against its limits.
+
+    Raises
+    ------
+    CardanError
+        As `listen`, of the file and of each recording.
+    """
+    written = campaigned(path, allow_outside=allow_outside)
+    asked = Campaign(**written.options)
+    profile, limits = asked.asked()
+    parts: list[tuple[str, float, Heard]] = []
+    for drive in written.drives:
+        own = {
+            k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
+            for k, v in drive.options.items()
+        }
+        campaign = replace(asked, limits=None, target_hours=None, **own)
+        whole = _opened(drive.file, campaign)
+        for file, late in drive.beside:
+            whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
+        segments = drive.segments or (None,)
+        for segment in segments:
+            name, times, recording = drive.name, drive.times, whole
+            if segment is not None:
+                name, times = f"{drive.name}, {segment.name}", times * segment.times
+                recording = between(whole, segment.first, segment.last)
+            answer = RecordingStudy(campaign).run(replace(recording, name=name), tell).answer
+            assert answer is not None
+            parts.append((name, times, answer))
+    names = [one.name for one in parts[0][2].lives]
+    lives = tuple(
+        Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts))
+        for k, name in enumerate(names)
+    )
+    when = Occasion("recording", written.title)
+    return Finding(
+        study=NAME,
+        answer=Mix(title=written.title, parts=tuple(parts), lives=lives, profile=profile),
+        checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
+        unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
+    )
+
+
+def _opened(path: Path, campaign: Campaign) -> Recording:
+    try:
+        return open_recording(path, rate=campaign.rate, time=campaign.time, group=campaign.group)
+    except ImportError as error:
+        msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"
+        raise NotInstalled(msg) from error
+
+
+def verdict_on(found: Finding[Heard] | Finding[Mix]) -> Verdict | None:
     """Return what the gauges come to; None where nothing was asked of them.
 
     Where a life is vetoed the recording was asked and has no answer, limit or not.
     """
     coverage = coverage_of(found)
     if not coverage.asked:
-        spoiled = found.answer is not None and any(one.vetoed for one in found.answer.lives)
+        spoiled = found.answer is not None and any(one.vetoes for one in found.answer.lives)
         return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
 
@@ -178,7 +305,31 @@ def _causes(
     )  # fmt: skip
 
 
-_VALUES: dict[str, Callable[[GaugeLife], float]] = {
+class Lived(Protocol):
+    """What limits are asked of: a gauge in a recording, or in a mix of some."""
+
+    @property
+    def name(self) -> str:
+        """Of the gauge."""
+        ...
+
+    @property
+    def life(self) -> Life:
+        """Damage and what follows from it."""
+        ...
+
+    @property
+    def heard(self) -> bool:
+        """Whether it said anything."""
+        ...
+
+    @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil what it said."""
+        ...
+
+
+_VALUES: dict[str, Callable[[Lived], float]] = {
     "fatigue_life": lambda one: one.life.hours * hour,
     "fatigue_damage": lambda one: one.life.damage,
 }
@@ -186,7 +337,7 @@ _VALUES: dict[str, Callable[[GaugeLife], float]] = {
 
 
 def _checks(
-    lives: Sequence[GaugeLife], limits: Sequence[Limit], *, when: Occasion, line: str
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
 ) -> Iterator[Check]:
     """Yield a check for each limit and gauge that said something."""
     for limit in limits:
@@ -199,7 +350,7 @@ def _checks(
 
 
 def _unanswered(
-    lives: Sequence[GaugeLife], limits: Sequence[Limit], *, when: Occasion, line: str
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
 ) -> Iterator[Unanswered]:
     """Yield each limit and gauge that got no number, or one that cannot be trusted.
 
@@ -208,14 +359,14 @@ def _unanswered(
     for limit in limits:
         for one in lives:
             if not _known(one, limit):
-                needs = tuple(DECIDE[k] for k in one.quality.vetoes) if one.vetoed else (NEEDS,)
+                needs = tuple(DECIDE[k] for k in one.vetoes) or (NEEDS,)
                 yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=needs)
 
 
-def _known(one: GaugeLife, limit: Limit) -> bool:
-    told = one.heard and not one.vetoed
+def _known(one: Lived, limit: Limit) -> bool:
+    told = one.heard and not one.vetoes
     return told and not math.isnan(_VALUES[limit.quantity](one))
 
 
-def _part(one: GaugeLife) -> Part:
+def _part(one: Lived) -> Part:
     return Part("gauge", 0, one.name)
