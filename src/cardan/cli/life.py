@@ -119,7 +119,7 @@ from cardan.cli.ending import kindly, leave
 @click.option(
     "--estimate-speed",
     metavar="GAUGE",
-    help="No speed: find it in this channel. Loads that channel whole.",
+    help="No speed: find it in this channel. It gives no angle to trust.",
 )
 @click.option("--joint-orders", default="2,4", show_default=True)
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")

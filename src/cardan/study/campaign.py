@@ -426,7 +426,7 @@ class Campaign:
             speed, rate = _speeds(recording, self.speed, wheel=self._wheel())
             return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
-            signal = recording.whole([self.estimate_speed])[0]
+            signal = recording.pieces([self.estimate_speed])
             return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
         return None
 
