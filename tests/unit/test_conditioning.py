@@ -62,7 +62,7 @@ def test_faults_are_counted_whatever_the_cuts(size):
     assert (health.missing, health.longest_hole) == (250, 250)
     assert health.longest_flat == 150
     assert [s for s in health.findings(rate=RATE) if "250 samples missing" in s]
-    assert [s for s in health.findings(rate=RATE) if "8 samples are spikes in 5 places" in s]
+    assert [s for s in health.findings(rate=RATE) if "8 samples like spikes in 5 places" in s]
 
 
 def test_holes_longer_than_pieces_are_one_hole():

@@ -268,7 +268,7 @@ def _draw(out: Path, found: Any) -> None:
     except ImportError as error:
         msg = "--plot needs matplotlib; pip install 'cardan[report]'"
         raise NotInstalled(msg) from error
-    sheet = Figure(figsize=(11, 7.5), layout="constrained")
+    sheet = Figure(figsize=(11, 10), layout="constrained")
     of = found.answer
     report.figure(sheet, recording=of.recording, lives=of.lives, causes=of.causes)
     drawn = BytesIO()

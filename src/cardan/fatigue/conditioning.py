@@ -241,21 +241,20 @@ class Health:
             if kind == HOLE:
                 continue
             first = where.runs[0, 0] / rate
-            said.append(
-                f"{where.samples} samples {_SAID[kind]} in {where.count} "
-                f"{'place' if where.count == 1 else 'places'}, the first at {first:.6g} s"
-            )
+            samples = "1 sample" if where.samples == 1 else f"{where.samples} samples"
+            places = "1 place" if where.count == 1 else f"{where.count} places"
+            said.append(f"{samples} {_SAID[kind]} in {places}, the first at {first:.6g} s")
         if self.drifts:
             said.append(f"drifts by {self.drift:.4g} from beginning to end")
         return said
 
 
 _SAID = {
-    "sentinel": "hold a logger's number for no value",
-    "spike": "are spikes",
-    "dropout": "are dropouts",
-    "clip": "look clipped",
-    "freeze": "stand still",
+    "sentinel": "with a logger's number for no value",
+    "spike": "like spikes",
+    "dropout": "like dropouts",
+    "clip": "that look clipped",
+    "freeze": "standing still",
 }
 
 

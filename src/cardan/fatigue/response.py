@@ -307,33 +307,25 @@ def _searched(
     """Modes that an order shakes: each added where it explains most, while it explains enough."""
     poles: tuple[tuple[float, float], ...] = ()
     forces = scene.inputs(order)
-    base = _real(_columns(scene, order, ()))
-    grid = np.geomspace(within[0], within[1], 44)
-
-    def orthogonal(rows: FloatArray) -> FloatArray:
-        q, _ = np.linalg.qr(rows.T)
-        return q
-
+    # Every other sample tells inner products as well as all.
+    base, seen = _real(_columns(scene, order, ()))[:, ::2], y[::2]
     for _ in range(most):
-        q = orthogonal(base)
-        left = y - q @ (q.T @ y)
-        whole = float(y @ y - left @ left)
+        q, _ = np.linalg.qr(base.T)
+        left = seen - q @ (q.T @ seen)
+        whole = float(seen @ seen - left @ left)
 
         def gain(pole: tuple[float, float], q: FloatArray = q, left: FloatArray = left) -> float:
-            made = np.stack([_levelled(_through(u, pole, scene.rate), scene.rate) for u in forces])
-            rows = _real(made)
+            """Energy that the order through one more mode explains of what is left."""
+            rows = _real(np.stack([_through(u, pole, scene.rate)[::2] for u in forces]))
             rows = rows - (rows @ q) @ q.T
             gram, right = rows @ rows.T, rows @ left
             scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
             gram = gram / np.outer(scale, scale) + 1e-6 * np.eye(scale.size)
             return float((right / scale) @ np.linalg.solve(gram, right / scale))
 
-        tried = [(gain((f, d)), f, d) for f in grid for d in (0.012, 0.04)]
-        best, f, d = max(tried)
-        width, steps = grid[1] / grid[0], 0
-        log_step = np.log(width) / 2
-        damp_step = 0.5
-        while steps < 8:
+        best, f, d = max((gain(pole), *pole) for pole in _likely(scene, left, order, within))
+        log_step, damp_step, steps = 0.03, 0.5, 0
+        while steps < 6:
             options = [
                 (
                     float(np.clip(f * np.exp(a * log_step), *within)),
@@ -349,8 +341,39 @@ def _searched(
         if best < POLE * (whole + best):
             break
         poles = (*poles, (float(f), float(d)))
-        base = _real(_columns(scene, order, poles))
+        base = _real(_columns(scene, order, poles))[:, ::2]
     return poles
+
+
+def _likely(
+    scene: _Scene, left: FloatArray, order: int, within: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Modes to begin a search with: those that fit the response band by band, and some others.
+
+    Bands know nothing of what a mode remembers, so they only say where to look.
+    """
+    f = order * scene.speed[::2]
+    band = (f / 1.5).astype(np.int64)
+    u = scene.inputs(order)[0][::2]
+    power = np.bincount(band, np.abs(u) ** 2) / 2
+    z = left * np.conj(u)
+    busy = np.flatnonzero(power > 1e-3 * power.sum())
+    h = (np.bincount(band, z.real) + 1j * np.bincount(band, z.imag))[busy] / power[busy]
+    middle = (np.bincount(band, f) / np.maximum(np.bincount(band), 1))[busy]
+    w = np.sqrt(power[busy])
+    modes = np.geomspace(*within, 44)
+    found: list[tuple[float, float, float]] = []
+    for damping in (0.012, 0.04, 0.12):
+        r = middle / modes[:, None]
+        rows = np.stack([np.ones_like(r), 1 / (1 - r**2 + 2j * damping * r)], -1) * w[:, None]
+        gram = np.conj(rows.swapaxes(-1, -2)) @ rows
+        gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(2)
+        right = np.conj(rows.swapaxes(-1, -2)) @ (h * w)
+        c = np.linalg.solve(gram, right[..., None])[..., 0]
+        energy = (np.conj(c) * right).real.sum(-1)
+        found += [(float(e), float(m), damping) for e, m in zip(energy, modes, strict=True)]
+    best = sorted(found, reverse=True)[:8]
+    return [(m, d) for _, m, d in best] + [(float(m), 0.03) for m in modes[2::5]]
 
 
 @dataclass(frozen=True)

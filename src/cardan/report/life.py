@@ -11,7 +11,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Comparison
 from cardan.fatigue.conditioning import Health
-from cardan.fatigue.fault import FREEZE, HOLE
+from cardan.fatigue.fault import FREEZE, HOLE, KINDS
 from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
 from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
@@ -480,11 +480,36 @@ def _trust(one: GaugeLife, *, rate: float) -> Iterator[str]:
         )
 
 
+def _suspected(sheet: Any, *, recording: Recording, lives: Sequence[GaugeLife]) -> None:
+    """Draw where and when each channel looks wrong, a colour a kind."""
+    channels = {name: h for one in lives for name, h in one.health.items()}
+    colours = {kind: f"C{k}" for k, kind in enumerate(KINDS)}
+    end, drawn = 0.0, set[str]()
+    for row, health in enumerate(channels.values()):
+        end = max(end, health.samples / recording.rate)
+        for kind, where in health.faults.items():
+            spans = [(a / recording.rate, (b - a) / recording.rate) for a, b in where.runs[:2000]]
+            label = kind if kind not in drawn else None
+            sheet.broken_barh(spans, (row - 0.4, 0.8), facecolor=colours[kind], label=label,
+                              edgecolor=colours[kind], linewidth=1)  # fmt: skip
+            drawn.add(kind)
+    sheet.set_yticks(range(len(channels)), list(channels))
+    sheet.set(xlabel="what looks wrong, s", xlim=(0, end or 1), ylim=(-0.6, len(channels) - 0.4))
+    if drawn:
+        sheet.legend(loc="upper right")
+
+
 def figure(
     sheet: "Figure", *, recording: Recording, lives: Sequence[GaugeLife], causes: Causes | None
 ) -> None:
-    """Draw range pairs, spectra, shares and the joints' order 2 on a sheet of matplotlib."""
-    (pairs, density), (shares, order) = sheet.subplots(2, 2)
+    """Draw a recording's gauges on a sheet of matplotlib.
+
+    Range pairs, spectra, shares, the joints' order 2, what goes with them, and where and when
+    channels look wrong.
+    """
+    (pairs, density), (shares, order), (removed, health) = sheet.subplots(
+        3, 2, height_ratios=(3, 3, 2)
+    )
     places = _places(causes)
     for one in lives:
         k = places.get(one.name)
@@ -509,5 +534,17 @@ def figure(
     density.set(xlabel="frequency, Hz", ylabel="stress density, MPa²/Hz")
     shares.set(xlabel="share of damage (Shapley), %")
     order.set(xlabel="shaft speed, rpm", ylabel="order 2 amplitude, MPa")
+    _suspected(health, recording=recording, lives=lives)
+    if causes is not None:
+        for k, one in enumerate(causes.evidence):
+            low, high = (100 * v for v in one.interval)
+            removed.plot([low, high], [k, k], "-", lw=6, alpha=0.4, color=f"C{k % 10}")
+            removed.plot(100 * one.removed, k, "o", color=f"C{k % 10}")
+            removed.annotate(one.finding, (50, k + 0.25), ha="center", va="bottom")
+            removed.set_yticks(range(len(causes.gauges)), causes.gauges)
+            removed.set_ylim(-0.7, len(causes.gauges))
+        removed.axvspan(-10, 25, color="0.93", zorder=-1)
+        removed.axvline(35, color="0.8", lw=0.8, zorder=-1)
+    removed.set(xlabel="damage that would go with the joints, %", xlim=(-10, 105))
     pairs.legend()
     sheet.suptitle(recording.name)
