@@ -189,6 +189,20 @@ def test_the_schema_knows_the_file(folder):
         read(folder / "d.yaml")
 
 
+def test_a_script_asks_the_same(folder):
+    import cardan
+
+    found = cardan.life(folder / "c.yaml")
+    document = json.loads(run("life", folder / "c.yaml", "--json").output)
+    assert json.loads(json.dumps(found.to_dict())) == document
+    assert found.verdict == "pass"
+    assert "lives" in repr(found)
+    frame = found.to_frame()
+    assert list(frame["recording"][:3]) == ["town.csv", "hill, up", "hill, down"]
+    with pytest.raises(DesignError, match="sn is said in the campaign's file"):
+        cardan.life(folder / "c.yaml", sn="30,2e6,5")
+
+
 # --------------------------------------------------------------------------- recordings
 
 

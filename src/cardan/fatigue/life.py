@@ -42,7 +42,7 @@ from cardan.fatigue.rainflow import (
     join,
 )
 from cardan.fatigue.recording import Recording, cut
-from cardan.fatigue.response import Evidence, identified, together
+from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -716,16 +716,25 @@ def verdict(gauge: str, attribution: Attribution, evidence: Evidence | None = No
     ranked = sorted(attribution.shares.items(), key=lambda kv: -kv[1])
     chief, most = ranked[0]
     longer = whole / without if without > 0 else np.inf
-    said = (
-        f"{gauge}: the joints' orders answer for {share:.1%} of the damage; "
+    told = (
+        f"the joints' orders answer for {share:.1%} of the damage; "
         f"without them it would live {longer:.3g} times as long."
     )
+    if evidence is None:
+        said = f"{gauge}: {told}"
+    else:
+        low, high = evidence.interval
+        removed = (
+            f"by phase and torque {evidence.removed:.0%} of the damage would go with them "
+            f"(90 % interval {low:.0%} to {high:.0%})"
+        )
+        if evidence.strength < FOUND and evidence.finding == CANNOT_TELL:
+            # A share of nought beside "cannot tell" would be read as an acquittal.
+            return (
+                f"{gauge}: CANNOT TELL: nothing that could be followed is locked to the shaft, and "
+                f"{removed}. In the shares above, where it counts as others', {told}"
+            )
+        said = f"{gauge}: {told} {removed[0].upper()}{removed[1:]}: {evidence.finding.upper()}."
     if chief != JOINTS:
         said += f" The largest share, {most:.1%}, is of {chief}."
-    if evidence is not None:
-        low, high = evidence.interval
-        said += (
-            f" By phase and torque {evidence.removed:.0%} of the damage would go with them "
-            f"(90 % interval {low:.0%} to {high:.0%}): {evidence.finding.upper()}."
-        )
     return said

@@ -150,7 +150,7 @@ def _aligned(
     met at once: as a function of the angle, a wrong ratio is a frequency.
     """
     time = start + np.arange(y.size) / rate
-    lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.03 if angle.lag < 0.5 else 0.06)
+    lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
     found: list[_Aligned] = []
     for lag in lags:
         shifted = time - lag
