@@ -418,7 +418,7 @@ FATIGUE = (
            "turns a minute where turns a second are said", "unit/test_life.py::test_the_json_contract"),
     mutant("fatigue/quality.py", "mask &= kind in MASKABLE", "mask[:] = kind in MASKABLE",
            "what looks wrong is taken out unasked", "unit/test_quality.py::test_what_decides_the_damage_vetoes_the_life"),
-    mutant("fatigue/quality.py", "if e.undecided and e.change > VETO]", "if e.undecided and e.change > 1e9]",
+    mutant("fatigue/quality.py", "(VETO / 2 if e.kind == CLIP else VETO)", "1e9",
            "a sentinel decides a life", "unit/test_quality.py::test_a_vetoed_life_passes_no_target"),
     mutant("fatigue/life.py", "life=Life(damage=damage, duration=quality.live, allowed=plan.allowed)",
            "life=Life(damage=damage, duration=quality.recorded, allowed=plan.allowed)",

@@ -127,6 +127,25 @@ def test_clipped_crests_veto():
     assert not of(x, accept("clip")).vetoed
 
 
+@pytest.mark.parametrize("hertz", [11.0, 1.0, 0.2])
+@pytest.mark.parametrize("cut", [0.25, 0.05])  # of the samples, at either end
+def test_clipping_is_no_answer_at_any_speed(hertz, cut):
+    """Wherever it costs more than a fifth of the damage, the life is vetoed."""
+    x = 35 * np.sin(2 * np.pi * hertz * T) + 0.5 * np.random.default_rng(3).normal(size=T.size)
+    x = np.round(x * 20) / 20
+    truth = of(x).life.damage
+    one = of(np.clip(x, *np.quantile(x, [cut, 1 - cut])))
+    assert one.life.damage < 0.95 * truth
+    assert one.vetoes == ("clip",)
+
+
+def test_a_signal_that_drops_to_nought_is_not_clipped():
+    x = clean()
+    for k in range(500, 60_000, 6000):
+        x[k : k + 100] = 0.0
+    assert "clip" not in of(x).health["S1"].faults
+
+
 def test_drift_is_counted_both_ways():
     x = clean() + 300 * T / 60
     one = of(x)

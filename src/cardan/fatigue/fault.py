@@ -44,8 +44,12 @@ FREEZE_SECONDS = 0.1
 """Shortest freeze, of 20 samples at least, and of 20 times as long as the channel's own steps."""
 QUIET = 32
 """Samples before a jump, or behind, that say how the channel moves there."""
-OUTSTANDING = 8.0
-"""Times their 90 % quantile that a jump stands out by."""
+OUTSTANDING = 5.0
+"""Times their 90 % quantile that a jump stands out by; noise alone reaches some three."""
+BLOCK = 1024
+"""Samples whose highest and lowest are kept."""
+RARE = 0.1
+"""Share of blocks that may reach beyond a level that crests are cut off at."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +144,7 @@ class Finder:
         self.beside: dict[int, int] = {}
         self.last, self.changes, self.step = np.nan, 0, np.inf
         self.low, self.high = np.inf, -np.inf
+        self.reached: list[FloatArray] = []
 
     def add(self, padded: FloatArray, filled: FloatArray) -> None:
         """Take a piece with `reach` neighbours on both sides, as it is and with holes bridged."""
@@ -155,6 +160,9 @@ class Finder:
         plain = x[~written & ~missing]
         if plain.size:
             self.low, self.high = min(self.low, plain.min()), max(self.high, plain.max())
+            edge = np.arange(0, plain.size, BLOCK)
+            highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
+            self.reached.append(np.stack([highest, -lowest]))
         offset = self.start - margin
         runs, sizes = _jumps(filled, longest=margin - QUIET - 4)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
@@ -183,13 +191,11 @@ class Finder:
         inside = (first > 1) & (last < x.size - 1)
         first, last = first[inside], last[inside]
         rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
-        # The step before the last one into the level: whole, where the last was cut.
-        flank = np.minimum(np.abs(x[first - 1] - x[first - 2]), np.abs(x[last] - x[last + 1]))
-        crown = flank * (last - first + 1) / 4
         for book, sign in ((self.top, 1), (self.bottom, -1)):
             k = (sign * rise > 0) & (sign * fall > 0)
             entry = np.minimum(np.abs(rise), np.abs(fall))[k]
-            book.add(sign * x[first[k]], first[k] + offset, last[k] + offset, entry, crown[k])
+            crown = _crowns(sign * x, first[k], last[k])
+            book.add(sign * x[first[k]], first[k] + offset, last[k] + offset, entry, crown)
 
     def _neighbours(self, edge: IntArray, offset: int, size: int) -> None:
         """Enter, by its edges, how long the values beside a value that stands long stood."""
@@ -257,17 +263,20 @@ class Finder:
         rows: list[tuple[int, int]] = []
         sizes: list[float] = []
         for book, sign, end in ((self.top, 1, self.high), (self.bottom, -1, self.low)):
-            level, found = book.clips(self.step, taken, end=sign * end)
+            reached = np.concatenate(
+                [np.empty(0), *(r[0 if sign > 0 else 1] for r in self.reached)]
+            )
+            level, found = book.clips(self.step, taken, end=sign * end, reached=reached)
             held = [r for r in long if r[2] == sign * level]
-            crown = float(np.median(found[:, 2])) if len(found) else (self.high - self.low) / 2
+            # What stood cut off for long hides more than what was for a moment: a guess, large.
+            crown = (self.high - self.low) / 4
             if not len(found):
                 held = [r for r in long if r[2] == end]
                 held = held if len(held) > 2 else []
-            known = {first for first, _, _ in held}
-            for first, last, height in found:
-                if first not in known:
-                    rows.append((int(first), int(last)))
-                    sizes.append(sign * float(height))
+            rows += [(int(first), int(last)) for first, last, _ in found]
+            sizes += [sign * float(height) for _, _, height in found]
+            known = {int(first) for first, _, _ in found}
+            held = [r for r in held if r[0] not in known]
             rows += [r[:2] for r in held]
             sizes += [sign * crown] * len(held)
         return places(rows, sizes)
@@ -283,6 +292,29 @@ def _touching(rows: IntArray, others: IntArray) -> BoolArray:
         return np.zeros(len(rows), bool)
     near = np.searchsorted(others[:, 1], rows[:, 0], "right")
     return (near < len(others)) & (others[np.minimum(near, len(others) - 1), 0] < rows[:, 1])
+
+
+def _crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
+    """Return what stands on top (k,) of level crests of x: a parabola through their flanks.
+
+    Noise breaks a crest that was cut off into several; those close together are one, and its
+    flanks are met some samples before it.
+    """
+    if not first.size:
+        return np.empty(0)
+    near = first[1:] - last[:-1] <= np.maximum(last[:-1] - first[:-1], CLIPPED_RUN)
+    near &= x[first[1:]] == x[first[:-1]]
+    group = np.concatenate([[0], np.cumsum(~near)])
+    begin = first[np.searchsorted(group, np.arange(group[-1] + 1))]
+    end = last[np.searchsorted(group, np.arange(group[-1] + 1), "right") - 1]
+    width = end - begin
+    away = np.clip(width // 8, 2, 32)
+    level = x[begin]
+    left = (level - x[np.maximum(begin - away, 0)]) / away
+    right = (level - x[np.minimum(end - 1 + away, x.size - 1)]) / away
+    height = np.maximum((left + right) / 2, 0.0) * (width + 1) / 4
+    # Each part carries the crest's whole height: together they are one.
+    return height[group]
 
 
 def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
@@ -375,16 +407,20 @@ class _Plateaus:
             known = np.unique(self.rows[:, 0])
             self.rows = self.rows[self.rows[:, 0] >= known[-self.LEVELS :][0]]
 
-    def clips(self, step: float, taken: IntArray, *, end: float) -> tuple[float, FloatArray]:
+    def clips(
+        self, step: float, taken: IntArray, *, end: float, reached: FloatArray
+    ) -> tuple[float, FloatArray]:
         """Return the level that crests are cut off at, and (k, 3) first, last and crown of each.
 
         A crest of slow data in coarse steps is level too; it is reached by one step. A single
-        one below the channel's `end` stood still by chance.
+        one below the channel's `end` stood still by chance, and what many blocks reach beyond
+        (m,) cuts nothing off.
         """
         rows = self.rows[~_touching(self.rows[:, 1:3].astype(np.intp), taken)]
         for level in np.unique(rows[:, 0])[::-1]:
             there = rows[rows[:, 0] == level]
             cut = len(there) > 1 or level >= end
+            cut &= bool(np.mean(reached > level) < RARE)
             if cut and np.median(there[:, 3]) > 1.5 * step:
                 return float(level), there[:, [1, 2, 4]]
         return np.nan, np.empty((0, 3))

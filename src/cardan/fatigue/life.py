@@ -490,9 +490,10 @@ class _Listened:
                 for k, tally in self.others.items()
                 if self.how[k].kind == kind
             }
+            samples = sum(d.places.samples for d in of)
             yield Effect(
-                kind=kind, count=sum(d.places.count for d in of),
-                samples=sum(d.places.samples for d in of),
+                kind=kind, count=sum(d.places.count for d in of), samples=samples,
+                share=samples / max(sum(h.samples for h in self.healths.values()), 1),
                 undecided=0 if kind == HOLE else sum(len(d.open) for d in of),
                 recorded=damage.get(False, ruled), without=damage.get(True, ruled),
             )  # fmt: skip

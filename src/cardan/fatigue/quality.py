@@ -23,6 +23,8 @@ from cardan.fatigue.fault import (
 
 VETO = 0.2
 """Change of damage, relative, beyond which a fault nobody decided on leaves no answer."""
+CLIPPED = 0.01
+"""Share of samples cut off that leaves no answer, whatever is put on top of them."""
 LEAST_LIVE = 0.25
 """Share of the time a gauge must have lived to be answered for."""
 SHORT = 0.01
@@ -107,6 +109,11 @@ def windows(*, channel: str, rules: Sequence[Rule], rate: float, samples: int) -
     return union([np.array([r], np.intp) for r in rows if r[1] > r[0]])
 
 
+def _creep(health: Health) -> FloatArray:
+    """Return what a channel creeps by, five spans at a time: a step of its zero goes too."""
+    return slow_drift(health, spans=5)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Way:
     """One way to treat the channels: as ruled, or one kind of fault the other way."""
@@ -136,7 +143,7 @@ def ways(
                 runs.append(said[kind].places.runs)
             level = baseline
             if kind == DRIFT and without and kind in said:
-                level = slow_drift
+                level = _creep
             crowns = said[CLIP].places if kind == CLIP and kind in said else None
             made[channel] = Treatment(
                 masked=union(runs), baseline=level(health), span=health.span,
@@ -167,6 +174,8 @@ class Effect:
         Of fault.
     count, samples
         How many there are in the gauge's channels.
+    share
+        Of the channels' samples.
     undecided
         How many of them no rule accepts or masks.
     recorded, without
@@ -177,6 +186,7 @@ class Effect:
     kind: str
     count: int
     samples: int
+    share: float
     undecided: int
     recorded: float
     without: float
@@ -224,7 +234,16 @@ class Quality:
     @property
     def vetoes(self) -> tuple[str, ...]:
         """Kinds of fault that leave no answer; "hole" where it hardly lived."""
-        found = [e.kind for e in self.effects if e.undecided and e.change > VETO]
+        found = [
+            e.kind
+            for e in self.effects
+            # What is put on top of a clipped crest may be less than what was there.
+            if e.undecided
+            and (
+                e.change > (VETO / 2 if e.kind == CLIP else VETO)
+                or (e.kind == CLIP and e.share > CLIPPED)
+            )
+        ]
         return (*found, HOLE) if self.share < LEAST_LIVE else tuple(found)
 
     @property
