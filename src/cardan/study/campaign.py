@@ -231,7 +231,7 @@ class Campaign:
             if not (low < value if sort == _ABOVE else low <= value) or not value <= high:
                 msg = (
                     f"{name} of a campaign must be {sort} {low:g} and at most {high:g}, "
-                    f"got {value:g}"
+                    f"got {value:g}" + ("" if math.isfinite(value) else "; it must be finite")
                 )
                 raise DesignError(msg)
         for name in ("joint_orders", "engine_orders"):
