@@ -10,7 +10,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check serve test bracket lint docs oracle office browser front mutants bench clean
+.PHONY: check serve test bracket lint docs oracle office browser front slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -47,11 +47,14 @@ browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE
 front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
 
+slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
+	$(BIN)/python -m pytest -q -m slow -n 2
+
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants
 
-bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles  ## performance, as ratios in one run
-	$(BIN)/python -m benchmarks
+bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles $(VENV)-peers/made  ## performance, as ratios in one run
+	CARDAN_PEERS=$(CURDIR)/$(VENV)-peers/bin/python $(BIN)/python -m benchmarks
 
 $(VENV)/cardan: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -71,8 +74,16 @@ web/node_modules: web/package.json web/package-lock.json
 	cd web && npm ci --silent
 	@touch $@
 
+# What we are measured against has needs of its own, which are not ours.
+$(VENV)-peers/made:
+	$(PYTHON) -m venv $(VENV)-peers
+	for peer in fatpack py-fatigue rfcnt rainflow pylife; do \
+	$(VENV)-peers/bin/python -m pip --quiet --disable-pip-version-check install $$peer || true; done
+	@touch $@
+
 node_modules/axe-core:
 	npm install --silent --no-save --no-package-lock axe-core@4.14.1
 
 clean:
-	rm -rf $(VENV) node_modules web/node_modules src/cardan/web/static site build dist
+	rm -rf $(VENV) node_modules web/node_modules src/cardan/web/static site build dist \
+	  $(VENV)-peers

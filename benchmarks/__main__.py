@@ -17,9 +17,15 @@ def main() -> None:
         f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}; Python "
         f"{platform.python_version()}, NumPy {np.__version__}"
     )
+    missed: list[str] = []
     for script in sorted(HERE.glob("bench_*.py")):
-        print(f"\n## {script.stem.removeprefix('bench_')}\n", flush=True)
-        subprocess.run([sys.executable, str(script)], check=True)
+        name = script.stem.removeprefix("bench_")
+        print(f"\n## {name}\n", flush=True)
+        if subprocess.run([sys.executable, str(script)], check=False).returncode:
+            missed.append(name)
+            print(f"\n**{name}: a target was missed, or it could not run: see above.**", flush=True)
+    if missed:
+        sys.exit(f"\nmissed: {', '.join(missed)}")
 
 
 if __name__ == "__main__":

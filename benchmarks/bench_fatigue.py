@@ -2,8 +2,9 @@
 
     python benchmarks/bench_fatigue.py [--samples 10000000] [--gigabytes 1.0] [--keep FILE]
 
-Everything is timed in one run on one machine, so the ratios hold. Packages that are not
-installed are left out. The recording is synthetic.
+Everything is timed in one run on one machine, in turn and warm, so the ratios hold. Peers run in
+an environment of their own (`CARDAN_PEERS`, its Python); those not there are left out. The
+recording is synthetic.
 """
 
 import argparse
@@ -23,10 +24,73 @@ RATE = 2000
 GAUGES = ("S1", "S2", "S3", "S4", "S5")
 
 
+ROUNDS = 3
+"""Each is timed as often, in turn, and warm; the median counts."""
+
+
 def clock(work):
     start = time.perf_counter()
     result = work()
     return time.perf_counter() - start, result
+
+
+PEERS = {
+    "pyLife, four-point": """
+from pylife.stress.rainflow import FourPointDetector, FullRecorder
+def count(x):
+    recorder = FullRecorder()
+    FourPointDetector(recorder=recorder).process(x)
+    return len(recorder.values_from)
+""",
+    "fatpack, 64 classes": """
+import fatpack
+def count(x):
+    return fatpack.find_rainflow_ranges(x).size
+""",
+    "rainflow": """
+import rainflow
+def count(x):
+    return sum(1 for _ in rainflow.extract_cycles(x))
+""",
+    "py-fatigue": """
+from py_fatigue.cycle_count.rainflow import rainflow
+def count(x):
+    return len(rainflow(x)[0])
+""",
+    "rfcnt, 512 classes": """
+import rfcnt
+def count(x):
+    low, high = x.min(), x.max()
+    found = rfcnt.rfc(
+        x, (high - low) / 500, class_count=512, class_offset=low - (high - low) / 100,
+        hysteresis=0.0, residual_method=0,
+    )["rfm"]
+    return float(np.sum(found[:, 2] if found.shape[1] == 3 else found))
+""",
+}
+"""Peers, each in a process of the environment that `CARDAN_PEERS` names: theirs, not ours."""
+
+PEER = """
+import json, sys, time
+import numpy as np
+x = np.load(sys.argv[1])
+{count}
+count(x[:20000])
+start = time.perf_counter()
+cycles = count(x)
+print(json.dumps([time.perf_counter() - start, float(cycles)]))
+"""
+
+
+def peer(name, signal):
+    """Seconds and cycles of a peer on a signal's file; None where it is not there."""
+    python = os.environ.get("CARDAN_PEERS", sys.executable)
+    code = PEER.replace("{count}", PEERS[name])
+    done = subprocess.run([python, "-c", code, signal], capture_output=True, text=True, check=False)
+    if done.returncode:
+        said = (done.stderr.strip().splitlines() or ["no word"])[-1]
+        return None, said
+    return json.loads(done.stdout.strip().splitlines()[-1]), ""
 
 
 def rainflow_rows(samples):
@@ -47,59 +111,33 @@ def rainflow_rows(samples):
             matrix = matrix.added(cycles)
         return matrix.counts.sum()
 
-    rows = [("cardan, whole signal, every cycle", *clock(lambda: rainflow(x).count.size))]
-    rows.append(("cardan, in pieces, into a matrix", *clock(in_pieces)))
-
     def without_numba():
         closed, _ = four_point(x, kernel=plain)
         return join([closed]).count.size
 
-    rows.append(("cardan without numba", *clock(without_numba)))
-
-    def pylife():
-        from pylife.stress.rainflow import FourPointDetector, FullRecorder
-
-        recorder = FullRecorder()
-        FourPointDetector(recorder=recorder).process(x)
-        return len(recorder.values_from)
-
-    def fatpack():
-        import fatpack as package
-
-        return package.find_rainflow_ranges(x).size
-
-    def rainflow_package():
-        import rainflow as package
-
-        return sum(1 for _ in package.extract_cycles(x))
-
-    def py_fatigue():
-        from py_fatigue.cycle_count.rainflow import rainflow as package
-
-        return len(package(x)[0])
-
-    def rfcnt():
-        import rfcnt as package
-
-        low, high = x.min(), x.max()
-        found = package.rfc(
-            x, (high - low) / 500, class_count=512, class_offset=low - (high - low) / 100,
-            hysteresis=0.0, residual_method=0,
-        )  # fmt: skip
-        return float(np.sum(found["rfm"][:, 2] if found["rfm"].shape[1] == 3 else found["rfm"]))
-
-    others = {
-        "pyLife, four-point": pylife, "fatpack, 64 classes": fatpack, "rainflow": rainflow_package,
-        "py-fatigue": py_fatigue, "rfcnt, 512 classes": rfcnt,
+    ours = {
+        "cardan, whole signal, every cycle": lambda: rainflow(x).count.size,
+        "cardan, in pieces, into a matrix": in_pieces, "cardan without numba": without_numba,
     }  # fmt: skip
-    for name, work in others.items():
-        try:
-            rows.append((name, *clock(work)))
-        except ImportError as error:
-            print(f"  {name}: left out, {error.name} is not installed")
-        except Exception as error:  # noqa: BLE001  whatever they raise, the rest goes on
-            print(f"  {name}: failed, {error}")
-    return rows
+    timed = {name: [] for name in (*ours, *PEERS)}
+    with tempfile.TemporaryDirectory() as folder:
+        signal = str(Path(folder) / "signal.npy")
+        np.save(signal, x)
+        for _ in range(ROUNDS):
+            for name, work in ours.items():
+                timed[name].append(clock(work))
+            for name in list(timed):
+                if name in PEERS:
+                    answer, said = peer(name, signal)
+                    if answer is None:
+                        print(f"  {name}: left out, {said}")
+                        del timed[name]
+                    else:
+                        timed[name].append(answer)
+    return [
+        (name, float(np.median([t for t, _ in rounds])), rounds[0][1])
+        for name, rounds in timed.items()
+    ]
 
 
 def write_recording(path, gigabytes):

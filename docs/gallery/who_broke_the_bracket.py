@@ -76,7 +76,7 @@ for seed, (name, (side, phase)) in enumerate(CASES.items(), start=7):
     print(f"{name}: predicted order 2 {per_torque * 1e3 / MPa:.2f} MPa per kN m at the gauge")
     for line in lines(drive, plan=plan, lives=lives, causes=found):
         print("  " + line)
-    sheet = plt.figure(figsize=(11, 7.5), layout="constrained")
+    sheet = plt.figure(figsize=(11, 10), layout="constrained")
     figure(sheet, recording=drive, lives=lives, causes=found)
 
 innocent, guilty = (told[name][0] for name in CASES)

@@ -244,6 +244,29 @@ class Life(Finding[Any]):
         return _frame({name: [g[name] for g in gauges] for name in names})
 
 
+class LifeOfMix(Life):
+    """What a campaign of recordings tells: the lives at its gauges in the mix of all.
+
+    `answer` holds the `parts`, recording by recording, and the `lives`.
+    """
+
+    def __repr__(self) -> str:
+        return terminal.bare(_report("life").mix_terminal(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `cardan life --json` writes of a campaign."""
+        return _report("life").mix_document(self)
+
+    def to_frame(self) -> Any:
+        """Return a pandas frame with a row for each gauge and recording."""
+        rows = [
+            {"name": gauge["name"], **row}
+            for gauge in self.to_dict()["gauges"]
+            for row in gauge["recordings"]
+        ]
+        return _frame({name: [row[name] for row in rows] for name in rows[0]})
+
+
 # --------------------------------------------------------------------------- what is asked
 
 
@@ -327,8 +350,14 @@ def life(recording: str | Path, **options: Any) -> Life:
     """Return damage and life at the gauges of a recording, and who did it.
 
     The options are those of `cardan.study.campaign.Campaign`, named as on the command line:
-    `gauges=["bracket:MPa"], sn=(90, 2e6, 5), speed="shaft:rpm", low_pass_Hz=400`.
+    `gauges=["bracket:MPa"], sn=(90, 2e6, 5), speed="shaft:rpm", low_pass_Hz=400`. A recording
+    that ends in .yaml is a campaign's file, which says all of that itself.
     """
+    if Path(recording).suffix.lower() in (".yaml", ".yml"):
+        if options:
+            msg = f"{next(iter(options))} is said in the campaign's file, not beside it"
+            raise DesignError(msg)
+        return _shown(LifeOfMix, _recording().listen_to_all(Path(recording), allow_outside=True))
     campaign = import_module("cardan.study.campaign").Campaign.of(**options)
     return _shown(Life, _recording().listen(Path(recording), campaign))
 

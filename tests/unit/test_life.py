@@ -1,6 +1,7 @@
 """From a recording to life and cause: the whole way, on synthetic recordings with known truth."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from cardan.fatigue.conditioning import zero_at_median
 from cardan.fatigue.damage import miner
 from cardan.fatigue.life import Plan, causes, life, look, verdict
 from cardan.fatigue.orders import Rotation
+from cardan.fatigue.quality import Rule
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.spectral import spectrum
@@ -50,6 +52,7 @@ def test_life_is_that_of_the_whole_signal(drive):
 
 
 def test_zero_spikes_and_residue_are_seen_to(drive):
+    """Two spikes of 900 MPa: counted both ways, kept unless a rule masks them."""
     x = drive.recording.whole(["S1"]).copy()
     dirty = x + 500
     dirty[0, [5000, 90_000]] += 900
@@ -57,14 +60,27 @@ def test_zero_spikes_and_residue_are_seen_to(drive):
     plan = Plan(
         gauges=PLAN.gauges[:1], curve=CURVE, baseline=zero_at_median, rule=repeating, allowed=0.5
     )
-    one = life(recording, plan=plan)[0]
+    kept = life(recording, plan=plan)[0]
+    one = life(recording, plan=replace(plan, rules=(Rule(mask=True, kind="spike"),)))[0]
     assert one.health["S1"].spikes == 2
     clean = miner(rainflow(x[0] * MPa, rule=repeating), curve=CURVE)
-    # No mean-stress correction: the zero shifts nothing; two bridged samples change little.
+    # No mean-stress correction: the zero shifts nothing; two samples less change little.
     assert one.life.damage == pytest.approx(clean, rel=1e-3)
     assert one.life.repeats == pytest.approx(0.5 / one.life.damage)
     assert one.repeats[0.5] == pytest.approx(one.life.repeats, rel=1e-9)
     assert abs(one.high + one.low) < abs(dirty.max() * MPa)
+    spiked = miner(rainflow(dirty[0] * MPa, rule=repeating), curve=CURVE)
+    assert kept.life.damage == pytest.approx(spiked, rel=1e-9)
+    assert kept.vetoed
+    assert not one.vetoed
+    accepted = life(recording, plan=replace(plan, rules=(Rule(mask=False, kind="spike"),)))[0]
+    assert not accepted.vetoed
+    assert accepted.life.damage == kept.life.damage
+    for told in (kept, one, accepted):
+        (effect,) = told.quality.effects
+        assert (effect.kind, effect.samples) == ("spike", 2)
+        assert effect.recorded == pytest.approx(spiked, rel=1e-9)
+        assert effect.without == pytest.approx(clean, rel=1e-3)
 
 
 def test_a_filter_takes_off_what_is_fast(drive):
@@ -253,6 +269,7 @@ def test_an_application_predicts_the_second_order(parquet):
         (("--gauge", "S1", "--sn", "30,2e6,5", "--mean-stress", "goodman"), "--ultimate-MPa"),
         (("--rosette", "R=S1,S2", "--sn", "30,2e6,5"), "three channels"),
         (("--gauge", "S1", "--sn", "30,2e6,5", "--low-pass-Hz", "900"), "cutoff"),
+        (("--gauge", "S1"), "--sn MPa,CYCLES,SLOPE"),
         ((*ALL, "--predicted", "S1:4"), "GAUGE=MPa_per_kNm"),
         ((*ALL, "--unit-stress", "S1=1,2,3"), "--application"),
     ],
@@ -506,7 +523,6 @@ def test_every_option_is_a_field_of_the_campaign():
     declared = {f.name: f for f in fields(Campaign)}
     assert set(options) == set(declared)
     assert [n for n, f in declared.items() if f.default is MISSING] == ["sn"]
-    assert options["sn"].required
     given = command.make_context("life", ["x", "--sn", "1,1,1"]).params
     blank = Campaign(sn="1,1,1")
     assert {n: given[n] for n in options} == {n: getattr(blank, n) for n in declared}

@@ -82,6 +82,11 @@ def test_rotation_estimated_from_the_signal(run_up):
     inside = np.linspace(2, 58, 200)
     # Frames of 1 s at 0.5 turns/s²; a tenth of a line of the second order.
     np.testing.assert_allclose(found.speed(inside), rotation.speed(inside), atol=0.3)
+    pieces = estimated_rotation(iter(np.split(x[None], [777, 20_000], axis=1)), rate=RATE)
+    np.testing.assert_array_equal(pieces.turns, found.turns)
+    # Sampled four times as fast, thinned again.
+    fast = estimated_rotation(np.repeat(x, 4), rate=4 * RATE)
+    np.testing.assert_allclose(fast.speed(inside), rotation.speed(inside), atol=0.4)
 
 
 def test_orders_of_a_run_up(run_up):

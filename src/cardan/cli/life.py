@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from cardan.base.errors import NotInstalled
+from cardan.base.errors import DesignError, NotInstalled
 from cardan.cli.common import (
     JSON,
     LANG,
@@ -56,7 +56,6 @@ from cardan.cli.ending import kindly, leave
 @click.option("--modulus-GPa", "modulus_GPa", type=float, default=206.0, show_default=True)
 @click.option(
     "--sn",
-    required=True,
     metavar="MPa,CYCLES,SLOPE",
     help="S-N curve at the gauge, half failed: amplitude and cycles at the knee, slope.",
 )
@@ -104,13 +103,23 @@ from cardan.cli.ending import kindly, leave
     help="What is taken off each channel as zero.",
 )
 @click.option("--low-pass-Hz", "low_pass_Hz", type=float, help="Count nothing faster.")
-@click.option("--speed", metavar="CHANNEL[:UNIT]", help="Shaft speed: with it, causes are told.")
+@click.option(
+    "--scale",
+    multiple=True,
+    metavar="CHANNEL=FACTOR[,OFFSET]:UNIT",
+    help="Of a channel in V or mV/V: its value times FACTOR plus OFFSET is in UNIT.",
+)
+@click.option(
+    "--speed",
+    metavar="CHANNEL[:UNIT]",
+    help="Shaft speed: with it, causes are told. In km/h with --axle-ratio and --tyre-radius-m.",
+)
 @click.option("--tacho", metavar="CHANNEL", help="Shaft tacho, in place of a speed.")
 @click.option("--pulses", type=int, default=1, show_default=True, help="Of the tacho, per turn.")
 @click.option(
     "--estimate-speed",
     metavar="GAUGE",
-    help="No speed: find it in this channel. Loads that channel whole.",
+    help="No speed: find it in this channel. It gives no angle to trust.",
 )
 @click.option("--joint-orders", default="2,4", show_default=True)
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")
@@ -141,6 +150,26 @@ from cardan.cli.ending import kindly, leave
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
+@click.option(
+    "--mask",
+    multiple=True,
+    metavar="[CHANNEL=]KIND[@FROM..TO]",
+    help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
+    "seconds, FROM..TO; may be repeated. Nothing is masked by itself.",
+)
+@click.option(
+    "--accept",
+    multiple=True,
+    metavar="[CHANNEL=]KIND[@FROM..TO]",
+    help="It was what the part felt (also clip, drift); may be repeated.",
+)
+@click.option(
+    "--between-samples",
+    type=click.Choice(["auto", "yes", "no"]),
+    default="auto",
+    show_default=True,
+    help="Look for crests between samples; auto: where they lose 1 % or more.",
+)
 @click.option("--target-hours", type=float, help="Fail where a gauge lives shorter.")
 @click.option(
     "--limits",
@@ -166,6 +195,9 @@ def life(
 ) -> None:
     """Damage and life at the gauges of a RECORDING, and who did it.
 
+    A RECORDING that ends in .yaml is a campaign: a file that names recordings and says of all
+    what the options say of one. Of the options only --json, --lang and --quiet go with it.
+
     Held against --target-hours and the rows of --limits, where either is given. Exit code 0
     where every gauge passes or warns or nothing was asked, 1 where one fails or the life of
     one is not known, 2 for a bad file or option.
@@ -176,6 +208,12 @@ def life(
     from cardan.study.recording import listen, verdict_on
 
     say = Language(lang)
+    if recording.suffix.lower() in (".yaml", ".yml"):
+        _campaign(recording, json_out=json_out, allow_outside=allow_outside, say=say, quiet=quiet)
+        return
+    if options["sn"] is None:
+        msg = "a recording is asked with an S-N curve: --sn MPa,CYCLES,SLOPE"
+        raise DesignError(msg)
     outputs = claim(recording, application, options["limits"], json_out=json_out, plot=plot)
     predicting = (
         read(application, None, allow_outside=allow_outside, outputs=outputs)
@@ -194,6 +232,33 @@ def life(
     leave(verdict_on(found) or "pass")
 
 
+def _campaign(
+    path: Path, *, json_out: str | None, allow_outside: bool, say: Any, quiet: bool
+) -> None:
+    """Ask all the recordings of a campaign's file."""
+    from cardan.report import life as report
+    from cardan.study.recording import listen_to_all, verdict_on
+
+    context = click.get_current_context()
+    given = click.core.ParameterSource.COMMANDLINE
+    own = {"recording", "json_out", "lang", "quiet", "allow_outside"}
+    beside = [
+        n for n in context.params if n not in own and context.get_parameter_source(n) == given
+    ]
+    if beside:
+        option = beside[0].replace("_", "-")
+        msg = f"--{option} is said in the campaign's file, {path.name}, not beside it"
+        raise DesignError(msg)
+    claim(path, json_out=json_out)
+    with progress(say("reading"), quiet=quiet) as line:
+        found = listen_to_all(path, allow_outside=allow_outside, tell=line.study)
+    if json_out is not None:
+        write_json(report.mix_document(found), json_out)
+    if json_out != "-":
+        put_lines(report.mix_terminal(found, say))
+    leave(verdict_on(found) or "pass")
+
+
 def _draw(out: Path, found: Any) -> None:
     """Draw a figure to a file whose ending says of which kind."""
     from cardan.report import life as report
@@ -203,7 +268,7 @@ def _draw(out: Path, found: Any) -> None:
     except ImportError as error:
         msg = "--plot needs matplotlib; pip install 'cardan[report]'"
         raise NotInstalled(msg) from error
-    sheet = Figure(figsize=(11, 7.5), layout="constrained")
+    sheet = Figure(figsize=(11, 10), layout="constrained")
     of = found.answer
     report.figure(sheet, recording=of.recording, lives=of.lives, causes=of.causes)
     drawn = BytesIO()

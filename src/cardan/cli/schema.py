@@ -12,14 +12,19 @@ from cardan.cli.ending import kindly
 @click.command()
 @click.option("--out", type=OUT, help="Into a file.")
 @click.option("--contract", is_flag=True, help="Of what --json writes, instead.")
+@click.option("--campaign", is_flag=True, help="Of a campaign of recordings, instead.")
 @click.option("--force", is_flag=True, help="Replace the file.")
 @kindly
-def schema(*, out: Path | None, contract: bool, force: bool) -> None:
+def schema(*, out: Path | None, contract: bool, campaign: bool, force: bool) -> None:
     """Print the JSON Schema of the application file, for editors."""
     from cardan import files
 
     if contract:
         from cardan.report.contract_schema import schema as described
+
+        document = described()
+    elif campaign:
+        from cardan.files.campaign import schema as described
 
         document = described()
     else:

@@ -12,7 +12,7 @@ Source: Shapley, A value for n-person games (1953).
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -104,7 +104,7 @@ class Separation:
     suspects
         Tones and their causes.
     splitter
-        Finds them; its tones are those of the suspects.
+        Finds them; its tones are those of the suspects, less what is identified elsewhere.
     road : Hz
         Below it, what is left is road; above it, rest.
     """
@@ -119,12 +119,20 @@ class Separation:
         said = [LOAD, *(s.cause for s in self.suspects), EVENTS, ROAD, REST]
         return tuple(dict.fromkeys(said))
 
+    @property
+    def beside_joints(self) -> "Separation":
+        """The same for a stress that the joints' own part has been taken off already."""
+        tones = tuple(s.tone for s in self.suspects if s.cause != JOINTS)
+        return replace(self, splitter=replace(self.splitter, tones=tones))
+
     def parts(self, stretch: Split) -> FloatArray:
         """One stretch by cause, (causes, channels, n)."""
         names = self.causes
         out = np.zeros((len(names), *stretch.signal.shape))
         out[names.index(LOAD)] = stretch.slow
-        for k, suspect in enumerate(self.suspects):
+        sought = {id(tone) for tone in self.splitter.tones}
+        looked_for = [s for s in self.suspects if id(s.tone) in sought]
+        for k, suspect in enumerate(looked_for):
             out[names.index(suspect.cause)] += stretch.tones[:, k]
         margin, n = stretch.margin, stretch.signal.shape[1]
         events = stretch.padded_rest * stretch.padded_event

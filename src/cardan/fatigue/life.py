@@ -1,18 +1,22 @@
-"""From a recording to life and cause: looks, mends, counts and takes apart, in that order.
+"""From a recording to life and cause: looks, counts and takes apart, in that order.
 
 Two passes over the recording, one to see what is wrong with it and one to count; a third
 where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import repeat, tee, zip_longest
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import (
+    ENGINE,
     JOINTS,
     Attribution,
     Comparison,
@@ -22,9 +26,12 @@ from cardan.fatigue.cause import (
     held_against,
     parts_of,
 )
-from cardan.fatigue.conditioning import Health, low_pass, mended, no_zero, survey
+from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
+from cardan.fatigue.fault import FREEZE, HOLE, union
+from cardan.fatigue.orders import Rotation
+from cardan.fatigue.quality import SHORT, Effect, Quality, Rule, Way, decided, ways
 from cardan.fatigue.rainflow import (
     NONE,
     Cycles,
@@ -34,7 +41,8 @@ from cardan.fatigue.rainflow import (
     half_cycles,
     join,
 )
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.recording import Recording, cut
+from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -42,7 +50,7 @@ from cardan.fatigue.spectral import (
     rayleigh,
     tovo_benasciutti,
 )
-from cardan.fatigue.strain import Gauge
+from cardan.fatigue.strain import Gauge, PlaneStress, largest, signed_mises
 from cardan.fatigue.strength import SNCurve
 
 Progress = Callable[[str, float], None]
@@ -75,6 +83,10 @@ class Plan:
         Shares of parts for which life is asked.
     segment : samples
         Of the spectra.
+    rules
+        What is masked or accepted of what looks wrong; the last one that concerns it counts.
+    between
+        Whether crests are looked for between samples; None where they lose more than `SHORT`.
     """
 
     gauges: tuple[Gauge, ...]
@@ -87,6 +99,8 @@ class Plan:
     gauge_error: float = 0.0
     failures: tuple[float, ...] = (0.1, 0.5, 0.9)
     segment: int = 4096
+    rules: tuple[Rule, ...] = ()
+    between: bool | None = None
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -122,6 +136,8 @@ class GaugeLife:
         Of the stress; None if no stretch was long enough.
     spectral : name to damage
         Of the recording, by Rayleigh, Dirlik and Tovo-Benasciutti.
+    quality
+        How far to trust it.
     """
 
     name: str
@@ -136,37 +152,71 @@ class GaugeLife:
     repeats: dict[float, float]
     spectrum: Spectrum | None
     spectral: dict[str, float]
+    quality: Quality
 
     @property
     def heard(self) -> bool:
         """Whether it said anything: a stress that moved, of channels that all did."""
         return self.low < self.high and not any(h.dead for h in self.health.values())
 
+    @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil what it said."""
+        return self.quality.vetoes if self.heard else ()
 
-class _Count:
+    @property
+    def vetoed(self) -> bool:
+        """Whether what it said is spoiled, so that its life cannot be known."""
+        return bool(self.vetoes)
+
+
+class _Tally:
+    """Damage of one stress, as pieces pass."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan, self.damage, self.residue = plan, 0.0, NONE
+
+    def add(self, stress: FloatArray) -> Cycles:
+        cycles, self.residue = four_point(stress, residue=self.residue)
+        self.damage += miner(cycles, curve=self.plan.curve, correction=self.plan.correction)
+        return cycles
+
+    def closed(self) -> float:
+        left = self.plan.rule(self.residue)
+        return self.damage + miner(left, curve=self.plan.curve, correction=self.plan.correction)
+
+
+class _Count(_Tally):
     """One gauge's count, as pieces pass."""
 
     def __init__(self, plan: Plan, rate: float) -> None:
-        self.plan, self.rate = plan, rate
-        self.matrix, self.residue = FromTo.empty(), NONE
-        self.damage, self.low, self.high = 0.0, np.inf, -np.inf
+        super().__init__(plan)
+        self.rate, self.matrix = rate, FromTo.empty()
         self.power: FloatArray = np.zeros(plan.segment // 2 + 1)
-        self.segments = 0
+        self.segments = self.live = 0
 
-    def add(self, stress: FloatArray) -> None:
-        cycles, self.residue = four_point(stress, residue=self.residue)
-        self.damage += miner(cycles, curve=self.plan.curve, correction=self.plan.correction)
+    def add(self, stress: FloatArray) -> Cycles:
+        cycles = super().add(stress)
         self.matrix = self.matrix.added(cycles)
+        return cycles
+
+    def hear(self, stress: FloatArray) -> None:
+        self.live += int(np.count_nonzero(~np.isnan(stress)))
         _, power = periodograms(stress, rate=self.rate, segment=self.plan.segment)
         self.power, self.segments = self.power + power.sum(0), self.segments + len(power)
 
-    def result(self, gauge: Gauge, healths: dict[str, Health], duration: float) -> GaugeLife:
+    def spectrum(self) -> Spectrum | None:
+        if not self.segments:
+            return None
+        frequency = np.arange(self.power.size, dtype=float) * (self.rate / self.plan.segment)
+        return Spectrum(frequency, self.power / self.segments)
+
+    def result(self, gauge: Gauge, healths: dict[str, Health], quality: Quality) -> GaugeLife:
         plan, curve, correction = self.plan, self.plan.curve, self.plan.correction
         if not self.residue.size:
-            return self._silence(gauge, healths, duration)
-        left = plan.rule(self.residue)
-        damage = self.damage + miner(left, curve=curve, correction=correction)
-        cycles = join([self.matrix.cycles(), left])
+            return self._silence(gauge, healths, quality)
+        damage = self.closed()
+        cycles = join([self.matrix.cycles(), plan.rule(self.residue)])
         binned = miner(cycles, curve=curve, correction=correction)
         lives = repeats_at(
             cycles, curve=curve, failures=plan.failures,
@@ -174,31 +224,64 @@ class _Count:
         )  # fmt: skip
         # The bins' rounding cancels: their ratio to the exact damage is the same in all.
         exact = plan.allowed * (binned / damage if damage > 0 else 1.0)
-        spectrum, spectral = None, dict[str, float]()
-        if self.segments:
-            frequency = np.arange(self.power.size, dtype=float) * (self.rate / plan.segment)
-            spectrum = Spectrum(frequency, self.power / self.segments)
-            if spectrum.moment(0) > 0:
-                for method in (rayleigh, dirlik, tovo_benasciutti):
-                    spectral[method.__name__] = method(spectrum).damage_rate(curve) * duration
+        spectrum, spectral = self.spectrum(), dict[str, float]()
+        if spectrum is not None and spectrum.moment(0) > 0:
+            for method in (rayleigh, dirlik, tovo_benasciutti):
+                spectral[method.__name__] = method(spectrum).damage_rate(curve) * quality.live
         return GaugeLife(
             name=gauge.name, health=healths,
             low=float(self.residue.min()), high=float(self.residue.max()),
-            life=Life(damage=damage, duration=duration, allowed=plan.allowed),
+            life=Life(damage=damage, duration=quality.live, allowed=plan.allowed),
             closed=self.matrix, residue=self.residue, cycles=cycles,
             exponent=damage_exponent(cycles, curve=curve, correction=correction),
             repeats={f: exact * n for f, n in lives.items()},
-            spectrum=spectrum, spectral=spectral,
+            spectrum=spectrum, spectral=spectral, quality=quality,
         )  # fmt: skip
 
-    def _silence(self, gauge: Gauge, healths: dict[str, Health], duration: float) -> GaugeLife:
+    def _silence(self, gauge: Gauge, healths: dict[str, Health], quality: Quality) -> GaugeLife:
         nan = float("nan")
         return GaugeLife(
             name=gauge.name, health=healths, low=nan, high=nan,
-            life=Life(damage=nan, duration=duration, allowed=self.plan.allowed),
+            life=Life(damage=nan, duration=quality.live, allowed=self.plan.allowed),
             closed=self.matrix, residue=NONE, cycles=self.matrix.cycles(), exponent=nan,
             repeats=dict.fromkeys(self.plan.failures, nan), spectrum=None, spectral={},
+            quality=quality,
         )  # fmt: skip
+
+
+_PLANES = range(0, 180, 45)
+_MEASURES: dict[str, Callable[[PlaneStress], FloatArray]] = {
+    "mises": signed_mises,
+    "principal": largest,
+    **{f"@{a}": partial(PlaneStress.normal, angle=np.radians(a)) for a in _PLANES},
+}
+"""Measures of a rosette that are held beside each other where it is sheared."""
+
+
+class _Shear:
+    """How a rosette is sheared where it is stressed, and what each measure makes of it."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.weight = self.total = 0.0
+        self.tallies = {name: _Tally(plan) for name in _MEASURES}
+
+    def add(self, plane: PlaneStress) -> None:
+        # The fifth power, as damage goes: what is small has no say.
+        size = np.nan_to_num(plane.mises) ** 5
+        self.weight += float(size.sum())
+        self.total += float((size * np.nan_to_num(plane.biaxiality)).sum())
+        for name, measure in _MEASURES.items():
+            self.tallies[name].add(measure(plane))
+
+    def biaxiality(self) -> float:
+        return self.total / self.weight if self.weight > 0 else float("nan")
+
+    def measures(self) -> dict[str, float]:
+        found = {name: tally.closed() for name, tally in self.tallies.items()}
+        return {
+            "mises": found["mises"], "principal": found["principal"],
+            "planes": max(found[f"@{a}"] for a in _PLANES),
+        }  # fmt: skip
 
 
 def _told(
@@ -235,19 +318,41 @@ def stresses(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], name: str,
     progress: Progress | None = None,
 ) -> Iterator[FloatArray]:  # fmt: skip
-    """Yield the stress of every gauge, mended and filtered, (gauges, n) Pa."""
+    """Yield the stress of every gauge, treated by the plan's rules, (gauges, n) Pa."""
+    how = ways(
+        {c: healths[c] for c in plan.channels}, rules=plan.rules, rate=recording.rate,
+        baseline=plan.baseline,
+    )[:1]  # fmt: skip
+    for felt in _felt(recording, plan=plan, how=how, name=name, progress=progress):
+        yield felt[0]
+
+
+def _felt(
+    recording: Recording, *, plan: Plan, how: Sequence[Way], name: str,
+    progress: Progress | None = None, seen: Callable[[int, FloatArray], None] | None = None,
+) -> Iterator[FloatArray]:  # fmt: skip
+    """Yield the stress of every gauge in each way of treatment, (ways, gauges, n) Pa.
+
+    `seen` is shown each gauge's place, and its channels as treated in the first way.
+    """
     names = plan.channels
-    found = [healths[n] for n in names]
     place = {n: k for k, n in enumerate(names)}
     raw = _told(recording.pieces(names), name=name, rate=recording.rate, progress=progress)
-    base = None if plan.baseline is no_zero else [plan.baseline(h) for h in found]
-    clean = mended(raw, healths=found, baseline=base)
-    stress = (
-        np.stack([g.stress(x[[place[c] for c in g.channels]]) for g in plan.gauges]) for x in clean
-    )
-    if plan.low_pass is None:
-        return stress
-    return low_pass(plan.low_pass, rate=recording.rate)(stress)
+
+    def stress() -> Iterator[FloatArray]:
+        for clean in treated(raw, how=[[w.treatments[n] for n in names] for w in how]):
+            rows = [np.stack([x[place[c]] for c in g.channels]) for x in clean for g in plan.gauges]
+            if seen is not None:
+                for k in range(len(plan.gauges)):
+                    seen(k, rows[k])
+            each = zip(plan.gauges * len(how), rows, strict=True)
+            yield np.stack([g.stress(r) for g, r in each])
+
+    made = stress()
+    if plan.low_pass is not None:
+        made = low_pass(plan.low_pass, rate=recording.rate)(made)
+    for felt in made:
+        yield felt.reshape(len(how), len(plan.gauges), -1)
 
 
 def life(
@@ -291,21 +396,107 @@ def counted(
     """Damage and life at every gauge, as by `life`; nan at those without a sample."""
     if healths is None:
         healths = look(recording, channels=plan.channels, progress=progress)
-    counts = [_Count(plan, recording.rate) for _ in plan.gauges]
+    own = {c: healths[c] for c in plan.channels}
+    how = ways(own, rules=plan.rules, rate=recording.rate, baseline=plan.baseline)
+    gauges = [
+        _Listened(g, plan, recording.rate, {c: healths[c] for c in g.channels}, how)
+        for g in plan.gauges
+    ]
     samples = 0
+    felt = _felt(
+        recording, plan=plan, how=how, name="count", progress=progress,
+        seen=lambda k, channels: gauges[k].see(channels),
+    )  # fmt: skip
+    sharp = [k for k, g in enumerate(gauges) if g.sharp]
+    coarse, fine = tee(felt) if sharp else (felt, iter(()))
+    between = finer(x[:, sharp] for x in fine)
     with ThreadPoolExecutor(4) as pool:
-        for stress in stresses(
-            recording, plan=plan, healths=healths, name="count", progress=progress
-        ):
-            samples += stress.shape[1]
-            for job in [pool.submit(c.add, x) for c, x in zip(counts, stress, strict=True)]:
+        for piece, more in zip_longest(coarse, between):
+            jobs = []
+            if piece is not None:
+                samples += piece.shape[-1]
+                jobs = [pool.submit(g.add, piece[:, k]) for k, g in enumerate(gauges)]
+            if more is not None:
+                jobs += [pool.submit(gauges[k].sharpen, more[:, m]) for m, k in enumerate(sharp)]
+            for job in jobs:
                 job.result()
-    found: list[GaugeLife] = []
-    for gauge, count in zip(plan.gauges, counts, strict=True):
-        own = {c: healths[c] for c in gauge.channels}
-        one = count.result(gauge, own, samples / recording.rate)
-        found.append(replace(one, life=replace(one.life, distance=distance)))
-    return found
+    return [g.result(samples, distance) for g in gauges]
+
+
+class _Listened:
+    """One gauge in every way of treatment, as pieces pass."""
+
+    def __init__(
+        self, gauge: Gauge, plan: Plan, rate: float, healths: dict[str, Health],
+        how: Sequence[Way],
+    ) -> None:  # fmt: skip
+        self.gauge, self.plan, self.rate, self.healths = gauge, plan, rate, healths
+        self.decided = {
+            c: decided(h, channel=c, rules=plan.rules, rate=rate) for c, h in healths.items()
+        }
+        kinds = {kind for said in self.decided.values() for kind in said}
+        short = max((h.short for h in healths.values() if not h.dead), default=0.0)
+        self.sharp = short > SHORT if plan.between is None else plan.between
+        self.count = _Count(plan, rate)
+        self.others = {k: _Tally(plan) for k, w in enumerate(how) if w.kind in kinds}
+        self.how = how
+        self.samples_only = _Tally(plan)
+        self.shear = _Shear(plan) if gauge.plane is not None else None
+
+    def see(self, channels: FloatArray) -> None:
+        """Take a piece of the channels (k, n)."""
+        if self.shear is not None and self.gauge.plane is not None:
+            self.shear.add(self.gauge.plane(channels))
+
+    def add(self, stress: FloatArray) -> None:
+        """Take a piece of the stress in each way (ways, n)."""
+        self.count.hear(stress[0])
+        if self.sharp:
+            self.samples_only.add(stress[0])
+        else:
+            self.sharpen(stress)
+
+    def sharpen(self, stress: FloatArray) -> None:
+        """Take what is counted of a piece."""
+        self.count.add(stress[0])
+        for k, tally in self.others.items():
+            tally.add(stress[k])
+
+    def result(self, samples: int, distance: float) -> GaugeLife:
+        """Return what it came to in a recording of so many samples."""
+        frozen = union(d[FREEZE].open for d in self.decided.values() if FREEZE in d)
+        live = self.count.live - int((frozen[:, 1] - frozen[:, 0]).sum())
+        spectrum = self.count.spectrum()
+        fast = 0.0
+        if spectrum is not None and (whole := spectrum.moment(0)) > 0:
+            above = spectrum.frequency > 0.4 * self.rate
+            fast = Spectrum(spectrum.frequency[above], spectrum.density[above]).moment(0) / whole
+        quality = Quality(
+            live=max(live, 0) / self.rate, recorded=samples / self.rate,
+            effects=tuple(self._effects()), fast=fast,
+            samples_only=self.samples_only.closed() if self.sharp else float("nan"),
+            biaxiality=self.shear.biaxiality() if self.shear else float("nan"),
+            measures=self.shear.measures() if self.shear else {},
+        )  # fmt: skip
+        one = self.count.result(self.gauge, self.healths, quality)
+        return replace(one, life=replace(one.life, distance=distance * quality.share))
+
+    def _effects(self) -> Iterator[Effect]:
+        ruled = self.count.closed()
+        for kind in dict.fromkeys(k for said in self.decided.values() for k in said):
+            of = [said[kind] for said in self.decided.values() if kind in said]
+            damage = {
+                self.how[k].without: tally.closed()
+                for k, tally in self.others.items()
+                if self.how[k].kind == kind
+            }
+            samples = sum(d.places.samples for d in of)
+            yield Effect(
+                kind=kind, count=sum(d.places.count for d in of), samples=samples,
+                share=samples / max(sum(h.samples for h in self.healths.values()), 1),
+                undecided=0 if kind == HOLE else sum(len(d.open) for d in of),
+                recorded=damage.get(False, ruled), without=damage.get(True, ruled),
+            )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,6 +509,8 @@ class Causes:
         Their names, in the plan's order.
     attributions
         One a gauge, in that order.
+    evidence
+        What the joints are answerable for, one a gauge.
     time : (m,) s
         Middles of the spans in which orders were found.
     speed : (m,) turns/s
@@ -334,6 +527,7 @@ class Causes:
 
     gauges: tuple[str, ...]
     attributions: list[Attribution]
+    evidence: list[Evidence]
     time: FloatArray
     speed: FloatArray
     order2: FloatArray
@@ -342,12 +536,19 @@ class Causes:
     doubts: list[str]
 
 
+IDENTIFIED = 300.0
+"""Seconds of recording in which the joints' part is identified at once."""
+
+
 def causes(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
-    torque: tuple[str, float] | None = None, predicted: dict[str, float] | None = None,
-    progress: Progress | None = None,
+    angle: Angle | None = None, torque: tuple[str, float] | None = None,
+    predicted: dict[str, float] | None = None, progress: Progress | None = None,
 ) -> Causes:  # fmt: skip
     """Share the damage at every gauge among its causes.
+
+    The joints' part is identified first, by phase and torque; what is left is taken apart
+    into the other causes.
 
     Parameters
     ----------
@@ -355,6 +556,8 @@ def causes(
         As for `life`.
     how
         Tones and their causes.
+    angle
+        Of the shaft, and how far to trust it; that of the first tone unless given.
     torque
         Channel of the shaft torque, and N m in its unit.
     predicted : Pa per N m
@@ -362,18 +565,20 @@ def causes(
     progress
         Told how far it is.
     """
-    amplitudes: list[ComplexArray] = []
+    shaft = how.suspects[0].tone.rotation
+    joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
+    stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
     times: list[FloatArray] = []
-    second = next(
-        (k for k, s in enumerate(how.suspects) if s.cause == JOINTS and s.tone.order == 2), None
-    )
+    amplitudes: list[FloatArray] = []
+    row = how.causes.index(JOINTS)
 
     def stretches() -> Iterator[FloatArray]:
-        stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
-        for stretch, parts in parts_of(stress, how=how):
+        for stretch, parts in parts_of(joints.taken_off(stress), how=how.beside_joints):
+            theirs, order2 = joints.part(stretch.start, stretch.signal.shape[1])
+            parts[row] += theirs
             times.append(stretch.time)
-            if second is not None:
-                amplitudes.append(stretch.amplitude[:, second])
+            place = np.rint(stretch.time * recording.rate).astype(np.intp) - stretch.start
+            amplitudes.append(order2[:, np.clip(place, 0, order2.shape[1] - 1)])
             yield parts
 
     found = attribute(
@@ -381,13 +586,12 @@ def causes(
         rule=plan.rule,
     )  # fmt: skip
     time = np.concatenate(times)
-    order2 = np.abs(np.concatenate(amplitudes, axis=-1)) if amplitudes else np.zeros((0, 0))
-    speed = how.suspects[0].tone.rotation.speed(time)
+    order2 = np.concatenate(amplitudes, axis=-1)
     load = None
     comparisons: list[Comparison] = []
     if torque is not None:
         load = span_means(recording, torque[0], how=how)[: time.size] * torque[1]
-        if predicted and second is not None:
+        if predicted:
             comparisons = [
                 held_against(a[: load.size], torque=load, per_torque=predicted.get(g.name, np.nan))
                 for g, a in zip(plan.gauges, order2, strict=True)
@@ -395,13 +599,97 @@ def causes(
     pairs = coincidences(how.suspects, times=time, resolution=1 / how.splitter.span)
     doubts = [
         f"{a.cause} order {a.tone.order:g} and {b.cause} order {b.tone.order:g} run together "
-        f"for {share:.0%} of the time: their sum is shared evenly there"
+        f"for {share:.0%} of the time: nothing in the signal tells them apart there"
         for a, b, share in pairs
     ]
+    evidence = joints.evidence()
+    for gauge, one in zip(plan.gauges, evidence, strict=True):
+        doubts += [f"{gauge.name}: {said}" for said in one.doubts]
+    if joints.engine is None:
+        doubts.append(
+            "no engine speed was given: an order of its that runs with order 2 would not show"
+        )
+    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and 2.0 not in joints.engine_orders:
+        doubts.append(
+            f"the engine turns with the shaft for {share:.0%} of the time: one whose order 2 is "
+            "strong, of four cylinders, would do the same as the joints"
+        )
+    if torque is None:
+        doubts.append("no torque was given, so phase alone tells the joints from others")
     return Causes(
-        gauges=tuple(g.name for g in plan.gauges), attributions=found, time=time, speed=speed,
-        order2=order2, torque=load, comparisons=comparisons, doubts=doubts,
+        gauges=tuple(g.name for g in plan.gauges), attributions=found, evidence=evidence,
+        time=time, speed=shaft.speed(time), order2=order2, torque=load,
+        comparisons=comparisons, doubts=doubts,
     )  # fmt: skip
+
+
+def _direct(shaft: Rotation, engine: Rotation, time: FloatArray) -> float:
+    """Share of the time under way in which engine and shaft turn as one, the gear direct."""
+    own, other = shaft.speed(time), engine.speed(time)
+    moving = own > 1
+    return float(np.mean(np.abs(own - other)[moving] < 0.25)) if moving.any() else 0.0
+
+
+class _Joints:
+    """The joints' part of every gauge, identified stretch by stretch as the stress passes."""
+
+    def __init__(
+        self, plan: Plan, recording: Recording, angle: Angle, torque: tuple[str, float] | None,
+        how: Separation,
+    ) -> None:  # fmt: skip
+        self.plan, self.recording, self.angle, self.torque = plan, recording, angle, torque
+        engine = [s.tone for s in how.suspects if s.cause == ENGINE]
+        self.engine = engine[0].rotation if engine else None
+        self.engine_orders = tuple(tone.order for tone in engine)
+        self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
+        self.held: list[tuple[int, FloatArray, FloatArray]] = []
+
+    def damage(self, stress: FloatArray) -> float:
+        """Damage of a stretch of stress (n,)."""
+        tally = _Tally(self.plan)
+        tally.add(stress)
+        return tally.closed()
+
+    def taken_off(self, stress: Iterable[FloatArray]) -> Iterator[FloatArray]:
+        """Yield the stress (gauges, n) without their part."""
+        rate = self.recording.rate
+        size = max(round(IDENTIFIED * rate), 1)
+        loads: Iterator[FloatArray | None] = repeat(None)
+        if self.torque is not None:
+            loads = self.recording.pieces([self.torque[0]], size=size)
+        start = 0
+        with ThreadPoolExecutor(4) as pool:
+            for piece, load in zip(cut(stress, size=size), loads, strict=False):
+                torque = None if load is None or self.torque is None else load[0] * self.torque[1]
+                ask = partial(
+                    identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
+                    engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
+                )  # fmt: skip
+                answers = list(pool.map(ask, piece))
+                for told, answer, x in zip(self.told, answers, piece, strict=True):
+                    told.append((answer.evidence, self.damage(x)))
+                theirs = np.stack([a.stress for a in answers])
+                theirs[np.isnan(piece)] = 0.0
+                self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+                yield piece - theirs
+                start += piece.shape[1]
+
+    def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
+        """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
+        self.held = [h for h in self.held if h[0] + h[1].shape[1] > start]
+        rows = [
+            [
+                part[:, max(start - first, 0) : max(start + n - first, 0)]
+                for part in (theirs, order2)
+            ]
+            for first, theirs, order2 in self.held
+        ]
+        theirs, order2 = (np.concatenate(parts, axis=-1) for parts in zip(*rows, strict=True))
+        return theirs, order2
+
+    def evidence(self) -> list[Evidence]:
+        """Return what they are answerable for, one a gauge."""
+        return [together([e for e, _ in told], [w for _, w in told]) for told in self.told]
 
 
 def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatArray:
@@ -420,8 +708,8 @@ def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatA
     return np.concatenate(means) if means else NONE
 
 
-def verdict(gauge: str, attribution: Attribution) -> str:
-    """Say in a sentence how much the joints had to do with it, whichever way it falls."""
+def verdict(gauge: str, attribution: Attribution, evidence: Evidence | None = None) -> str:
+    """Say in a sentence or three how much the joints had to do with it, whichever way it falls."""
     share, without = attribution.share(JOINTS), attribution.without(JOINTS)
     whole = attribution.whole
     if not whole > 0:
@@ -429,10 +717,25 @@ def verdict(gauge: str, attribution: Attribution) -> str:
     ranked = sorted(attribution.shares.items(), key=lambda kv: -kv[1])
     chief, most = ranked[0]
     longer = whole / without if without > 0 else np.inf
-    said = (
-        f"{gauge}: the joints' orders answer for {share:.1%} of the damage; "
+    told = (
+        f"the joints' orders answer for {share:.1%} of the damage; "
         f"without them it would live {longer:.3g} times as long."
     )
+    if evidence is None:
+        said = f"{gauge}: {told}"
+    else:
+        low, high = evidence.interval
+        removed = (
+            f"by phase and torque {evidence.removed:.0%} of the damage would go with them "
+            f"(90 % interval {low:.0%} to {high:.0%})"
+        )
+        if evidence.strength < FOUND and evidence.finding == CANNOT_TELL:
+            # A share of nought beside "cannot tell" would be read as an acquittal.
+            return (
+                f"{gauge}: CANNOT TELL: nothing that could be followed is locked to the shaft, and "
+                f"{removed}. In the shares above, where it counts as others', {told}"
+            )
+        said = f"{gauge}: {told} {removed[0].upper()}{removed[1:]}: {evidence.finding.upper()}."
     if chief != JOINTS:
         said += f" The largest share, {most:.1%}, is of {chief}."
     return said

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray
 from cardan.base.errors import DesignError
-from cardan.fatigue.conditioning import bridged, overlapping
+from cardan.fatigue.conditioning import bridged, low_pass, overlapping
 from cardan.fatigue.recording import cut
 from cardan.fatigue.spectral import periodograms
 
@@ -138,18 +139,21 @@ def rotation_from_pulses(
 
 
 def estimated_rotation(
-    signal: FloatArray, *, rate: float, orders: Sequence[float] = (2.0, 1.0, 4.0),
-    slowest: float = 5.0, fastest: float = 60.0, window: float = 1.0, jerk: float = 2.0,
+    signal: FloatArray | Iterable[FloatArray], *, rate: float,
+    orders: Sequence[float] = (2.0, 1.0, 4.0), slowest: float = 5.0, fastest: float = 60.0,
+    window: float = 1.0, jerk: float = 2.0,
 ) -> Rotation:  # fmt: skip
     """Estimate the shaft's rotation from the signal itself, where there is no tacho.
 
     In a spectrogram of `window` s the speed is the path along which the power at `orders`
     is largest, changing by at most `jerk` turns/s from frame to frame (dynamic programming).
+    It is told to some tenths of a turn a second: enough for a spectrum, and no phase.
 
     Parameters
     ----------
-    signal : (n,)
-        A channel in which the orders stand out.
+    signal : (n,) or pieces of it (1, n)
+        A channel in which the orders stand out. Of a long one some bytes a sample are held,
+        thinned to what the orders need, and two bytes for each speed and half second.
     rate : Hz
         Of its samples.
     orders
@@ -157,42 +161,71 @@ def estimated_rotation(
     slowest, fastest : turns/s
         Range searched. A standing shaft is not recognised.
     """
+    every = max(int(rate / (2.2 * max(orders) * fastest)), 1)
+    pieces = [signal[None]] if isinstance(signal, np.ndarray) else signal
+    thin, rate = _thinned(pieces, every=every, rate=rate), rate / every
     n = round(window * rate)
-    frequency, power = periodograms(bridged(signal), rate=rate, segment=n)
-    if len(power) < 2:
+    if thin.size < 1.5 * n:
         msg = f"the signal is too short: at least {1.5 * window:g} s are needed"
         raise DesignError(msg)
-    level = np.log(power + 1e-9 * power.max())
-    # Above the neighbourhood: half a window's median over a tenth of the band flattens roads.
-    around = np.lib.stride_tricks.sliding_window_view(
-        np.pad(level, ((0, 0), (12, 12)), mode="edge"), 25, axis=-1
-    )
-    level = np.maximum(level - np.median(around, axis=-1), 0)
     fine = 0.1 / window / max(orders)
     speeds = np.arange(slowest, fastest, fine)
-    score: FloatArray = np.zeros((len(level), speeds.size))
-    for rank, k in enumerate(orders):
-        line = np.stack([np.interp(k * speeds, frequency, row, right=0) for row in level])
-        score += line / (rank + 1)
     reach = max(int(jerk / fine), 1)
-    best, back = score[0], np.zeros(score.shape, dtype=np.int64)
     price = np.abs(np.arange(-reach, reach + 1)) * (0.5 * len(orders) / reach)
-    for k in range(1, len(score)):
+    best: FloatArray = np.zeros(speeds.size)
+    back: list[npt.NDArray[np.int16]] = []
+    for score in _scores(thin, rate=rate, n=n, orders=orders, speeds=speeds):
         options = np.lib.stride_tricks.sliding_window_view(
             np.pad(best, reach, constant_values=-np.inf), 2 * reach + 1
         )
         options = options - price
-        back[k] = options.argmax(-1)
-        best = score[k] + options.max(-1)
-    path = np.empty(len(score), dtype=np.int64)
+        back.append(options.argmax(-1).astype(np.int16))
+        best = score + options.max(-1)
+    path = np.empty(len(back), dtype=np.int64)
     path[-1] = int(best.argmax())
-    for k in range(len(score) - 1, 0, -1):
-        path[k - 1] = path[k] + back[k, path[k]] - reach
-    middle = (np.arange(len(score)) * (n // 2) + n / 2) / rate
-    time = np.arange(0, signal.size / rate + 0.02, 0.02)
+    for k in range(len(back) - 1, 0, -1):
+        path[k - 1] = path[k] + back[k][path[k]] - reach
+    middle = (np.arange(len(back)) * (n // 2) + n / 2) / rate
+    time = np.arange(0, thin.size / rate + 0.02, 0.02)
     speed = np.interp(time, middle, speeds[path])
     turns = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
     return Rotation(time, turns)
+
+
+def _thinned(pieces: Iterable[FloatArray], *, every: int, rate: float) -> FloatArray:
+    """Every so manyth sample (n / every,) of a signal in pieces (1, n), freed of what is faster."""
+    if every == 1:
+        kept = [bridged(piece[0]) for piece in pieces]
+        return np.concatenate(kept or [np.empty(0)])
+    slow = low_pass(0.45 * rate / every, rate=rate)
+    start, found = 0, list[npt.NDArray[np.float32]]()
+    for piece in slow(pieces):
+        x = bridged(piece[0])
+        found.append(x[-start % every :: every].astype(np.float32))
+        start += x.size
+    return np.concatenate(found or [np.empty(0, np.float32)]).astype(float)
+
+
+def _scores(
+    x: FloatArray, *, rate: float, n: int, orders: Sequence[float], speeds: FloatArray
+) -> Iterator[FloatArray]:
+    """Yield how much the orders of each speed stand out, frame by half-overlapping frame."""
+    step = n // 2
+    most = 512
+    for first in range(0, x.size - n + 1, most * step):
+        frequency, power = periodograms(x[first : first + (most + 1) * step], rate=rate, segment=n)
+        power = power[:most]
+        level = np.log(power + 1e-9 * power.max() + 1e-300)
+        # Above the neighbourhood: half a window's median over a tenth of the band flattens roads.
+        around = np.lib.stride_tricks.sliding_window_view(
+            np.pad(level, ((0, 0), (12, 12)), mode="edge"), 25, axis=-1
+        )
+        level = np.maximum(level - np.median(around, axis=-1), 0)
+        for row in level:
+            score: FloatArray = np.zeros(speeds.size)
+            for rank, k in enumerate(orders):
+                score += np.interp(k * speeds, frequency, row, right=0) / (rank + 1)
+            yield score
 
 
 def order_spectrum(
@@ -216,7 +249,7 @@ def order_spectrum(
     Returns
     -------
     order, amplitude : (m,)
-        0-to-peak; of a steady order exact to the window's 0.1 % at whole orders.
+        Up to `top`. 0-to-peak; of a steady order exact to the window's 0.1 % at whole orders.
     """
     from scipy.signal import resample_poly
 
@@ -224,23 +257,31 @@ def order_spectrum(
     time = np.arange(signal.size) / rate
     made = rotation.at(time)
     rising = np.concatenate([[True], np.diff(made) > 0])
-    first, last = np.ceil(made[0]), np.floor(made[-1])
-    angle = np.arange(0, (last - first) * per_turn) / per_turn + first
+    clock, angle = time[rising], made[rising]
+    first = np.ceil(made[0])
+    blocks = int((np.floor(made[-1]) - first) / turns)
+    if blocks < 1:
+        msg = f"the shaft makes fewer than {turns} turns; ask for fewer"
+        raise ValueError(msg)
     # Four times finer first: straight lines then lose a per mille of the fastest order.
     fine = resample_poly(bridged(signal), 4, 1)
     fine_time = np.arange(fine.size) / (4 * rate)
-    x = np.interp(np.interp(angle, made[rising], time[rising]), fine_time, fine)
-    size = turns * per_turn
-    blocks = x[: x.size // size * size].reshape(-1, size)
-    if not len(blocks):
-        msg = f"the shaft makes fewer than {turns} turns; ask for fewer"
-        raise ValueError(msg)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
-    lines = np.fft.rfft((blocks - blocks.mean(-1, keepdims=True)) * window, axis=-1)
-    amplitude = 2 * np.abs(lines) / window.sum()
-    order = np.arange(size // 2 + 1) / turns
-    keep = order <= top
-    return order[keep], np.sqrt((amplitude**2).mean(0))[keep]
+    keep = int(turns * top) + 1
+    power = np.zeros(keep)
+    for k in range(blocks):
+        start = first + k * turns
+        span = np.interp([start, start + turns], angle, clock)
+        # As many samples a turn as the block's slowest turn needs to hold all that was recorded:
+        # fewer would fold a tone of fixed frequency onto an order.
+        edges = np.interp(start + np.arange(turns + 1), angle, clock)
+        slowest = max(1 / float(np.diff(edges).max()), 0.1 / float(np.diff(span)[0]))
+        each = max(int(np.ceil(1.2 * rate / slowest)), per_turn)
+        size = turns * each
+        x = np.interp(np.interp(start + np.arange(size) / each, angle, clock), fine_time, fine)
+        window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
+        lines = np.fft.rfft((x - x.mean()) * window)[:keep]
+        power += (2 * np.abs(lines) / window.sum()) ** 2
+    return np.arange(keep) / turns, np.sqrt(power / blocks)
 
 
 @dataclass(frozen=True)

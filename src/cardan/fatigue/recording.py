@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -113,3 +113,71 @@ def cut(pieces: Iterable[FloatArray], *, size: int) -> Iterator[FloatArray]:
             held, count = [whole[..., full:]], count - full
     if count:
         yield np.concatenate(held, axis=-1)
+
+
+def between(recording: Recording, first: float, last: float, *, name: str = "") -> Recording:
+    """Return a stretch of a recording, from `first` to `last` s.
+
+    Raises
+    ------
+    DesignError
+        If there is nothing of it between.
+    """
+    start, stop = round(first * recording.rate), round(min(last, 1e12) * recording.rate)
+    there = recording.samples
+    if stop <= start or (there is not None and start >= there):
+        msg = f"{recording.name} has nothing between {first:g} and {last:g} s"
+        raise DesignError(msg)
+
+    def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
+        done = 0
+        for piece in recording.read(places):
+            n = piece.shape[-1]
+            if done + n > start:
+                yield piece[:, max(start - done, 0) : stop - done]
+            done += n
+            if done >= stop:
+                return
+
+    samples = None if there is None else min(stop, there) - start
+    return replace(recording, name=name or recording.name, read=read, samples=samples)
+
+
+def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recording:
+    """Return a recording with the channels of another, straight between their samples.
+
+    `late` is how much later than this one the other began, s. The other is held in memory.
+
+    Raises
+    ------
+    DesignError
+        If both have a channel of one name.
+    """
+    for name in other.names:
+        if name in own.names:
+            msg = f"{own.name} and {other.name} both have a channel {name!r}"
+            raise DesignError(msg)
+    whole = other.whole()
+    time = late + np.arange(whole.shape[-1]) / other.rate
+    count = len(own.channels)
+
+    def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
+        mine = tuple(k for k in places if k < count) or (0,)
+        done = 0
+        for piece in own.read(mine):
+            t = (done + np.arange(piece.shape[-1])) / own.rate
+            done += piece.shape[-1]
+            yield np.stack(
+                [
+                    piece[mine.index(k)]
+                    if k < count
+                    else np.interp(t, time, whole[k - count], left=np.nan, right=np.nan)
+                    for k in places
+                ]
+            )
+
+    note = f"with {other.name} ({other.rate:g} Hz), {late:g} s later, straight between its samples"
+    return replace(
+        own, channels=(*own.channels, *other.channels), read=read,
+        notes=(*own.notes, *other.notes, note),
+    )  # fmt: skip

@@ -132,11 +132,14 @@ class Gauge:
         Names of the channels, one or one per grid of a rosette.
     stress
         Turns pieces of those channels (k, n) into stress (n,) Pa.
+    plane
+        Turns them into the plane stress, of which `stress` is one measure; None of single gauges.
     """
 
     name: str
     channels: tuple[str, ...]
     stress: Callable[[FloatArray], FloatArray]
+    plane: Callable[[FloatArray], PlaneStress] | None = None
 
 
 def _scaled(piece: FloatArray, *, factor: float) -> FloatArray:
@@ -163,7 +166,10 @@ def rosette_gauge(
 ) -> Gauge:
     """Return a rosette whose stress is one measure of its plane stress."""
 
-    def stress(piece: FloatArray) -> FloatArray:
-        return measure(rosette(piece * unit, angles=angles, modulus=modulus, poisson=poisson))
+    def plane(piece: FloatArray) -> PlaneStress:
+        return rosette(piece * unit, angles=angles, modulus=modulus, poisson=poisson)
 
-    return Gauge(name=name, channels=channels, stress=stress)
+    def stress(piece: FloatArray) -> FloatArray:
+        return measure(plane(piece))
+
+    return Gauge(name=name, channels=channels, stress=stress, plane=plane)

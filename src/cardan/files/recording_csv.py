@@ -7,8 +7,9 @@ import csv
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -36,6 +37,10 @@ class Dialect:
     first: int
     """Lines before the first row of numbers."""
     encoding: str
+    texts: tuple[int, ...] = ()
+    """Columns that hold no numbers."""
+    clock: int | None = None
+    """The one of them that holds dates or times of day."""
 
 
 def _fields(line: str, delimiter: str) -> list[str]:
@@ -67,6 +72,61 @@ def _first_row(lines: list[str], delimiter: str, decimal: str) -> tuple[int, int
     return None if first is None else (first, width)
 
 
+_STAMP = re.compile(
+    r"(?:(\d{4})[-/.](\d\d)[-/.](\d\d)[T ]|(\d\d)[-/.](\d\d)[-/.](\d{4})[T ])?"
+    r"(\d\d?):(\d\d):(\d\d(?:[.,]\d+)?)(?:Z|[+-]\d\d:?\d\d)?"
+)
+"""A time of day, and perhaps the date before it: year first, or day first."""
+
+
+def _mixed_row(
+    lines: list[str], delimiter: str, decimal: str
+) -> tuple[int, tuple[int, ...], int | None] | None:
+    """First line of rows in which some columns are never numbers, those, and a clock of them.
+
+    Only where names stand above: without, a row of words may be anything.
+    """
+    rows = [(k, _fields(line, delimiter)) for k, line in enumerate(lines) if line.strip()]
+    if len(rows) < 3:
+        return None
+    width = len(rows[-2][1])
+    number = _NUMBER[decimal]
+    last = [f for _, f in rows[-50:] if len(f) == width][:-1]
+    if width < 2 or len(last) < 1:
+        return None
+
+    def numeric(field: str) -> bool:
+        return field in MISSING or number.fullmatch(field) is not None
+
+    texts = tuple(c for c in range(width) if not all(numeric(f[c]) for f in last))
+    said = [c for c in range(width) if c not in texts and any(f[c] not in MISSING for f in last)]
+    if not texts or not said:
+        return None
+    first: int | None = None
+    for k, fields in reversed(rows):
+        whole = len(fields) == width and all(numeric(fields[c]) for c in said)
+        if not whole and not (k == rows[-1][0] and first is None):
+            break
+        first = k if whole else first
+    clocks = [c for c in texts if all(_STAMP.fullmatch(f[c]) or f[c] in MISSING for f in last)]
+    clock = clocks[0] if len(clocks) == 1 else None
+    if first is None or first == rows[0][0]:
+        return None
+    return first, texts, clock
+
+
+def _seconds(stamp: str) -> float:
+    """Seconds of a time of day, from the first day of its era; nan where there is none."""
+    match = _STAMP.fullmatch(stamp.strip())
+    if match is None:
+        return float("nan")
+    year, month, day, day2, month2, year2, hours, minutes, seconds = match.groups()
+    days = 0
+    if year or year2:
+        days = date(int(year or year2), int(month or month2), int(day or day2)).toordinal()
+    return days * 86400.0 + int(hours) * 3600 + int(minutes) * 60 + float(seconds.replace(",", "."))
+
+
 def dialect(path: Path) -> Dialect:
     """Find out how a table is written from its first 64 kB.
 
@@ -84,6 +144,8 @@ def dialect(path: Path) -> Dialect:
     if "\ufffd" in text[:-1]:  # the very last letter may have been cut in two by us
         encoding, text = "latin-1", head.decode("latin-1")
     lines = text.removeprefix("\ufeff").splitlines()
+    if len(head) == _HEAD and len(lines) < 2:
+        raise bad(path, f"its first line does not end within {_HEAD >> 10} kB")
     if len(head) == _HEAD:
         lines = lines[:-1]  # cut by us, not by the writer
     found: list[tuple[int, Dialect]] = []
@@ -97,6 +159,8 @@ def dialect(path: Path) -> Dialect:
             # Names rarely hold commas; a line of names that does was meant to be cut there.
             sure = 0 if not named else 1 if any("," in c.name for c in columns) else 2
             found.append((sure, Dialect(delimiter, decimal, columns, first, encoding)))
+    if not found:
+        found = list(_with_texts(lines, encoding))
     if not found:
         raise bad(
             path, "no rows of numbers found in its first lines",
@@ -112,6 +176,8 @@ def dialect(path: Path) -> Dialect:
             path, "its rows can be read in more than one way", value=ways, hint="add a header"
         )
     chosen = best[0]
+    if chosen.texts:
+        return chosen
     for k, line in enumerate(lines[: chosen.first]):
         fields = _fields(line, chosen.delimiter)
         if len(fields) == len(chosen.columns) and _numeric(fields, chosen.decimal):
@@ -123,13 +189,56 @@ def dialect(path: Path) -> Dialect:
     return chosen
 
 
+def _with_texts(lines: list[str], encoding: str) -> Iterator[tuple[int, Dialect]]:
+    """Yield the ways to read rows of which some columns are words or times."""
+    for delimiter in (";", "\t", ",", "|"):
+        for decimal in ".,":
+            found = None if delimiter == decimal else _mixed_row(lines, delimiter, decimal)
+            if found is None:
+                continue
+            first, texts, clock = found
+            width = len(_fields(lines[first], delimiter))
+            columns, named = _header(lines[:first], delimiter, width)
+            if named:
+                sure = width - len(texts)
+                yield sure, Dialect(delimiter, decimal, columns, first, encoding, texts, clock)
+
+
+_UNITS = {
+    "", "-", "1", "s", "ms", "us", "µs", "min", "h", "hz", "khz", "rpm", "1/min", "u/min", "min-1",
+    "1/s", "rad/s", "deg/s", "mpa", "n/mm2", "n/mm²", "kpa", "pa", "bar", "ksi", "um/m", "µm/m",
+    "μm/m", "ue", "µε", "με", "ustrain", "microstrain", "m/m", "mm/m", "%", "nm", "n.m", "n·m",
+    "knm", "kn.m", "kn·m", "n", "kn", "v", "mv", "mv/v", "v/v", "ma", "a", "g", "m/s2", "m/s²",
+    "km/h", "kph", "mph", "m/s", "km", "m", "mm", "um", "µm", "deg", "°", "rad", "degc", "°c",
+    "c", "k", "bool", "count",
+}  # fmt: skip
+
+
 def _header(before: list[str], delimiter: str, width: int) -> tuple[tuple[Channel, ...], bool]:
-    """Names and units from the lines above the numbers, and whether they were found."""
+    """Names and units from the lines above the numbers, and whether they were found.
+
+    Names stand first; which of the lines below holds units is seen by what it says, others
+    (descriptions, channel numbers, dates) are nobody's.
+    """
     rows = [_fields(line.lstrip("#% "), delimiter) for line in before if line.strip()]
-    rows = [r for r in rows[-2:] if len(r) == width]
-    if not rows:
+    own: list[list[str]] = []
+    for row in reversed(rows):
+        if len(row) != width:
+            break
+        own.insert(0, row)
+    if not own:
+        own = [r for r in rows[-2:] if len(r) == width]
+    if not own:
         return tuple(Channel(f"column {k + 1}") for k in range(width)), False
-    names, units = rows[0], rows[1] if len(rows) == 2 else [""] * width
+
+    def like_units(row: list[str]) -> float:
+        said = [f.strip().strip("[]()").lower() for f in row]
+        return sum(f in _UNITS for f in said) / width if any(said) else 0.0
+
+    names, units = own[0], [""] * width
+    below = max(own[1:], key=like_units, default=None)
+    if below is not None and (like_units(below) >= 0.5 or len(own) == 2):
+        units = below
     channels: list[Channel] = []
     for name, unit in zip(names, units, strict=True):
         match = _UNIT.match(name)
@@ -142,15 +251,22 @@ def _header(before: list[str], delimiter: str, width: int) -> tuple[tuple[Channe
 def table(path: Path) -> Table:
     """Open a CSV recording."""
     form = dialect(path)
-    kept = tuple(k for k, c in enumerate(form.columns) if c.name)  # a delimiter ends the row
+    # A delimiter ends the row; words have no samples.
+    left = [k for k in form.texts if k != form.clock]
+    kept = tuple(k for k, c in enumerate(form.columns) if c.name and k not in left)
     named = form.columns[0].name != "column 1"
     notes = () if named else ("the columns have no names in the file",)
+    if left:
+        notes = (*notes, f"not numbers, left out: {', '.join(form.columns[k].name for k in left)}")
+    columns = list(form.columns)
+    if form.clock is not None:
+        columns[form.clock] = Channel("time", "s")
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         wanted = [kept[k] for k in places]
         return _spaced(path, form, wanted) if form.delimiter == " " else _arrow(path, form, wanted)
 
-    return Table(columns=tuple(form.columns[k] for k in kept), rows=rows, notes=notes)
+    return Table(columns=tuple(columns[k] for k in kept), rows=rows, notes=notes)
 
 
 def _arrow(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]:
@@ -175,14 +291,24 @@ def _arrow(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]
                 delimiter=form.delimiter, invalid_row_handler=cut_short
             ),
             convert_options=pacsv.ConvertOptions(
-                column_types=dict.fromkeys(names, pa.float64()), decimal_point=form.decimal,
+                column_types={
+                    n: pa.string() if k in form.texts else pa.float64()
+                    for k, n in enumerate(names)
+                }, decimal_point=form.decimal,
                 null_values=list(MISSING), include_columns=[names[k] for k in wanted],
             ),
         )  # fmt: skip
         for batch in reader:
             if short and not _ends_with(path, short[0], form.encoding):
                 break
-            yield np.stack([c.to_numpy(zero_copy_only=False) for c in batch.columns])
+            yield np.stack(
+                [
+                    np.array([_seconds(str(v)) for v in c.to_pylist()])
+                    if k in form.texts
+                    else c.to_numpy(zero_copy_only=False)
+                    for k, c in zip(wanted, batch.columns, strict=True)
+                ]
+            )
     except pa.ArrowInvalid as error:
         said = str(error).replace("CSV conversion error to double: ", "")
         raise bad(
@@ -204,6 +330,22 @@ def _ends_with(path: Path, row: str, encoding: str) -> bool:
         return file.read().rstrip(b"\r\n\x00").endswith(tail.rstrip(b"\x00"))
 
 
+LONGEST = 1 << 22
+"""Letters of the longest line."""
+
+
+def _lines(path: Path, file: TextIO) -> list[str]:
+    """Return the next lines, some megabytes of them, and refuse one without an end."""
+    lines: list[str] = []
+    taken = 0
+    while taken < LONGEST and (line := file.readline(LONGEST)):
+        if len(line) == LONGEST:
+            raise bad(path, f"a line does not end within {LONGEST >> 20} MB")
+        lines.append(line)
+        taken += len(line)
+    return lines
+
+
 def _spaced(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]:
     """Columns set apart by any number of spaces."""
     width = len(form.columns)
@@ -211,7 +353,7 @@ def _spaced(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray
         for _ in range(form.first):
             next(file)
         row = form.first
-        while lines := file.readlines(1 << 22):
+        while lines := _lines(path, file):
             text = "".join(lines)
             fields = (text.replace(",", ".") if form.decimal == "," else text).split()
             if len(fields) != width * sum(1 for line in lines if line.strip()):

@@ -1,6 +1,7 @@
 """Parquet, HDF5, TDMS and MDF4 recordings, read a stretch at a time."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.fatigue.recording import SIZE, Channel
-from cardan.files.recordings import Table, bad
+from cardan.files.recordings import Table, bad, budget, joined
 
 _RATES = ("rate_Hz", "rate", "sample_rate", "sampling_rate", "samplerate", "fs")
 _UNITS = ("unit", "units", "Unit", "unit_string")
@@ -43,6 +44,7 @@ def parquet(path: Path) -> Table:
         raise bad(
             path, f"Parquet cannot open it: {error}", hint="was it written to its end?"
         ) from error
+    budget(path, file.metadata.num_rows, file.metadata.num_columns)
     schema = file.schema_arrow
     fields = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
     left = [f.name for f in schema if f not in fields]
@@ -83,24 +85,49 @@ def hdf5(path: Path, *, group: str = "") -> Table:
 
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "fiu":
-            sets[name] = item
+            sets[f"{group}/{name}" if group else name] = item
 
-    if group and group not in file:
-        raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(file)}")
-    home: Any = file[group] if group else file
-    home.visititems(visit)
+    home = _inside(path, file, group) if group else file
+    home.visititems(visit)  # follows no link out of the file
     if not sets:
         raise bad(path, "no one-dimensional datasets of numbers in it")
-    lengths = {item.shape[0] for item in sets.values()}
-    if len(lengths) > 1:
-        raise bad(
-            path, "its datasets have more than one length",
-            value=", ".join(f"{n} {i.shape[0]}" for n, i in list(sets.items())[:6]),
-            hint="name the group that holds one rate",
-        )  # fmt: skip
-    samples, items = lengths.pop(), list(sets.values())
-    rate = _said(path, home.attrs) or _said(path, file.attrs)
-    rate = rate or next((r for i in items if (r := _said(path, i.attrs))), None)
+    for name, item in sets.items():
+        if item.external or item.is_virtual:
+            raise bad(path, f"{name} keeps its samples in another file, which is not opened")
+        if item.shape[0] > 64 and item.shape[0] > 2000 * item.id.get_storage_size():
+            raise bad(
+                path, f"{name} claims more samples than are stored",
+                value=f"{item.shape[0]:.4g} samples in {item.id.get_storage_size()} bytes",
+                hint="was it written to its end?",
+            )  # fmt: skip
+    # Those of one length and one rate are of one clock, whatever group they are in.
+    alike: dict[tuple[int, float | None, str], dict[str, Any]] = {}
+    for name, item in sets.items():
+        rate = next((r for at in (item, item.parent, file) if (r := _said(path, at.attrs))), None)
+        parent = name.rpartition("/")[0] if len({i.shape[0] for i in sets.values()}) > 1 else ""
+        alike.setdefault((item.shape[0], rate, parent), {})[name] = item
+    return joined(path, [_datasets(path, sets=own, rate=key[1]) for key, own in alike.items()])
+
+
+def _inside(path: Path, file: Any, group: str) -> Any:
+    """Return a group of an HDF5 file, reached by no link that leads out of it."""
+    import h5py  # pyright: ignore[reportMissingTypeStubs]
+
+    home = file
+    for part in filter(None, group.split("/")):
+        link = home.get(part, getlink=True) if part in home or part in list(home) else None
+        if isinstance(link, h5py.ExternalLink):
+            raise bad(path, f"group {group!r} is in another file, which is not opened")
+        if link is None or not isinstance(home[part], h5py.Group):
+            raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(file)}")
+        home = home[part]
+    return home
+
+
+def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
+    """Return HDF5 datasets of one length as a table."""
+    items = list(sets.values())
+    samples = int(items[0].shape[0])
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         try:
@@ -116,7 +143,7 @@ def hdf5(path: Path, *, group: str = "") -> Table:
     names = names if len(set(names)) == len(names) else list(sets)
     return Table(
         columns=tuple(Channel(n, unit(i)) for n, i in zip(names, items, strict=True)),
-        rows=rows, rate=rate, samples=samples,
+        rows=rows, rate=rate, samples=samples, group=next(iter(sets)).rpartition("/")[0],
     )  # fmt: skip
 
 
@@ -133,15 +160,34 @@ def tdms(path: Path, *, group: str = "") -> Table:
         raise bad(path, "it holds no samples")
     if group and group not in groups:
         raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(groups)}")
-    if not group and len(groups) > 1:
-        raise bad(path, "it has more than one group", value=", ".join(groups), hint="name one")
-    items = [c for c in groups[group or next(iter(groups))].channels() if len(c)]
+    chosen = [groups[group]] if group else list(groups.values())
+    items = [c for g in chosen for c in g.channels() if len(c)]
     items = [c for c in items if c.dtype is not None and c.dtype.kind in "fiu"]
-    lengths = {len(c) for c in items}
-    steps = {c.properties.get("wf_increment") for c in items}
-    if len(lengths) > 1 or len(steps) > 1:
-        raise bad(path, "its channels differ in length or rate", hint="name the group of one rate")
-    samples, step = lengths.pop(), steps.pop()
+    if not items:
+        raise bad(path, "no channel of numbers in it")
+    budget(path, max(len(c) for c in items), len(items))
+    alike: dict[tuple[str, int, Any], list[Any]] = {}
+    several = len({(len(c), c.properties.get("wf_increment")) for c in items}) > 1
+    for c in items:
+        key = (c.group_name if several else "", len(c), c.properties.get("wf_increment"))
+        alike.setdefault(key, []).append(c)
+    table = joined(path, [_waveforms(path, own) for own in alike.values()])
+    state = file.file_status
+    if state is not None and state.incomplete_final_segment:
+        lost = sum(
+            s.expected_length - s.read_length for s in (state.channel_statuses or {}).values()
+        )
+        note = f"the file is cut short: {lost} samples of its last segment are not there"
+        table = replace(table, notes=(*table.notes, note))
+    return table
+
+
+def _waveforms(path: Path, items: list[Any]) -> Table:
+    """Return TDMS channels of one length and step as a table."""
+    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
+
+    samples, properties = len(items[0]), items[0].properties
+    step = properties.get("wf_increment")
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         with TdmsFile.open(path) as file:
@@ -152,12 +198,13 @@ def tdms(path: Path, *, group: str = "") -> Table:
 
     return Table(
         columns=tuple(Channel(c.name, str(c.properties.get("unit_string", ""))) for c in items),
-        rows=rows, rate=1 / step if step else None, samples=samples,
+        rows=rows, rate=1 / step if step else None, samples=samples, group=items[0].group_name,
+        start=float(properties.get("wf_start_offset", 0.0) or 0.0),
     )  # fmt: skip
 
 
-def mdf(path: Path) -> Table:
-    """Open an MDF4 recording: the channels that share the longest group's time."""
+def mdf(path: Path, *, group: str = "") -> Table:
+    """Open an MDF4 recording: the channels of every group, each by its own time."""
     from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
 
     try:
@@ -165,30 +212,46 @@ def mdf(path: Path) -> Table:
     except Exception as error:
         raise bad(path, f"MDF cannot open it: {error}") from error
     sizes = [g.channel_group.cycles_nr for g in file.groups]
-    if not sizes or not max(sizes):
+    names = {
+        k: file.groups[k].channel_group.acq_name or f"group {k + 1}" for k in range(len(sizes))
+    }
+    chosen = [k for k, n in enumerate(sizes) if n > 1 and group in ("", names[k])]
+    if group and not chosen:
+        raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(names.values())}")
+    if not chosen:
         raise bad(path, "it holds no samples")
-    best = int(np.argmax(sizes))
-    found = file.groups[best].channels
-    names = [c.name for c in found]
-    master = file.masters_db.get(best, None)
-    units: list[str] = []
+    return joined(path, [_channels(file, k, sizes[k], names[k]) for k in chosen])
+
+
+AT_ONCE = 1 << 22
+"""Samples of an MDF4 channel read at once: each reading starts at the channel's beginning."""
+
+
+def _channels(file: Any, group: int, samples: int, name: str) -> Table:
+    """Return the channels of numbers of an MDF4 group as a table, its time among them."""
+    found = file.groups[group].channels
+    master = file.masters_db.get(group, None)
+    columns: list[Channel] = []
     kept: list[int] = []
-    for k in range(len(names)):
-        sample = file.get(group=best, index=k, record_offset=0, record_count=1)
+    for k, channel in enumerate(found):
+        sample = file.get(group=group, index=k, record_offset=0, record_count=1)
         if sample.samples.dtype.kind in "fiu" and sample.samples.ndim == 1:
             kept.append(k)
-            units.append("s" if k == master else str(sample.unit))
-    columns = tuple(
-        Channel("time" if k == master else names[k], u) for k, u in zip(kept, units, strict=True)
-    )
+            time = k == master
+            columns.append(
+                Channel("time" if time else channel.name, "s" if time else str(sample.unit))
+            )
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        for first in range(0, sizes[best], SIZE):
+        at_once = max(AT_ONCE // max(len(places), 1), SIZE)
+        for first in range(0, samples, at_once):
             parts: list[FloatArray] = []
             for k in places:
-                piece = file.get(group=best, index=kept[k], record_offset=first, record_count=SIZE)
+                piece = file.get(
+                    group=group, index=kept[k], record_offset=first, record_count=at_once
+                )
                 values = piece.timestamps if kept[k] == master else piece.samples
                 parts.append(np.asarray(values, dtype=float))
             yield np.stack(parts)
 
-    return Table(columns=columns, rows=rows, samples=sizes[best])
+    return Table(columns=tuple(columns), rows=rows, samples=samples, group=name)

@@ -13,6 +13,9 @@ from cardan.base.arrays import FloatArray
 from cardan.fatigue.recording import SIZE, Channel
 from cardan.files.recordings import Table, bad
 
+MOST = 1024
+"""Channels of a WAV file; no logger writes as many."""
+
 _TYPES = {
     (1, 8): "u1",
     (1, 16): "<i2",
@@ -49,6 +52,8 @@ def table(path: Path) -> Table:
         start = file.tell()
     if (code, bits) not in _TYPES or not channels:
         raise bad(path, "unknown kind of samples", value=f"format {code}, {bits} bits")
+    if channels > MOST:
+        raise bad(path, f"it claims more than {MOST} channels", value=str(channels))
     said = large if length == 0xFFFFFFFF and large else length
     frame = channels * bits // 8
     there = min(said, size - start)

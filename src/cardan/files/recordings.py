@@ -5,6 +5,7 @@ runs backwards: an error names the file, the place and what to do. A hole in tim
 missing samples, which the survey of the recording reports.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,8 +17,14 @@ from cardan.base.errors import BadFile, Problem
 from cardan.border.document import visible
 from cardan.fatigue.recording import Channel, Recording
 
-TIME_NAMES = {"time", "t", "zeit", "tempo", "temps", "time_s", "t_s"}
-TIME_UNITS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6}
+TIME_UNITS = {
+    "": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
+    "h": 3600.0,
+}  # fmt: skip
+_TIME = re.compile(
+    r"(time|timestamp|zeit|tempo|temps|t)(?:[\s_]*[\[(]?(\w+)[\])]?)?", re.IGNORECASE
+)
+"""A clock, and the unit its name ends in: `Time_ms`. A `T` by itself is no clock."""
 
 
 def bad(path: Path, message: str, *, hint: str = "", line: int = 0, value: str = "") -> BadFile:
@@ -30,7 +37,8 @@ class Table:
     """What a reader found: columns of equal length, time perhaps among them.
 
     `rows` takes places of columns and yields pieces (k, n). `rate` is what the file itself
-    says, if it does.
+    says, if it does, and `start` when its first sample was taken, s. `group` names it among
+    those `beside` it, which have other rates.
     """
 
     columns: tuple[Channel, ...]
@@ -38,6 +46,69 @@ class Table:
     rate: float | None = None
     samples: int | None = None
     notes: tuple[str, ...] = ()
+    start: float = 0.0
+    group: str = ""
+    beside: tuple["Table", ...] = ()
+
+
+LIVELY = 50
+"""Samples a byte of a file that it may hold at most: a real one holds less than one."""
+BESIDE = 1 << 26
+"""Samples of slower channels that are held in memory, beside the fastest."""
+
+
+def budget(path: Path, samples: int, channels: int = 1) -> None:
+    """Refuse a file that claims more samples than its bytes can hold.
+
+    Raises
+    ------
+    BadFile
+        Before anything of it is read.
+    """
+    size = path.stat().st_size
+    if samples > LIVELY * size:
+        raise bad(
+            path, "it claims more samples than it can hold",
+            value=f"{samples:.4g} samples of {channels} channels in {size} bytes",
+            hint="a file of one value throughout is no recording",
+        )  # fmt: skip
+
+
+def joined(path: Path, tables: Iterable[Table]) -> Table:
+    """Return tables of several rates as one: the fastest, with the others beside it.
+
+    Raises
+    ------
+    BadFile
+        If nothing says how fast one of them is.
+    """
+    found = list(tables)
+    if len(found) == 1:
+        return found[0]
+    rates: list[float] = []
+    for one in found:
+        clock = _clock(path, one, None)
+        if one.rate is None and clock is None:
+            raise bad(
+                path, "its channels have more than one length",
+                value=", ".join(
+                    f"{t.group}/{t.columns[0].name} {t.samples}".lstrip("/") for t in found[:6]
+                ),
+                hint="give each group its rate or a time column, or name the group of one rate",
+            )  # fmt: skip
+        rates.append(one.rate or _rate(path, one, clock or 0))
+    fastest = max(range(len(found)), key=lambda k: (rates[k], found[k].samples or 0))
+    others = tuple(
+        replace(t, rate=r)
+        for k, (t, r) in enumerate(zip(found, rates, strict=True))
+        if k != fastest
+    )
+    if sum((t.samples or 0) * len(t.columns) for t in others) > BESIDE:
+        raise bad(
+            path, "its slower channels are too long to be held beside the fastest",
+            hint="name the group of one rate",
+        )  # fmt: skip
+    return replace(found[fastest], beside=others)
 
 
 def open_recording(
@@ -76,9 +147,8 @@ def open_recording(
         raise bad(
             path, f"reading it needs {error.name}", hint=f"pip install 'cardan[{extra}]'"
         ) from error
-    # A logger's names may hold anything; what nobody sees must not reach a terminal.
-    columns = tuple(Channel(visible(c.name), visible(c.unit)) for c in table.columns)
-    table = replace(table, columns=columns, notes=tuple(map(visible, table.notes)))
+    table = _seen(table)
+    table = replace(table, beside=tuple(_apart(t, table) for t in map(_seen, table.beside)))
     _unique(path, table)
     clock = _clock(path, table, time)
     places = tuple(k for k in range(len(table.columns)) if k != clock)
@@ -108,10 +178,78 @@ def open_recording(
     assert final is not None
     if not 0 < final < np.inf:
         raise bad(path, "the sample rate must be above 0", value=f"{final:g} Hz")
-    return Recording(
+    start = table.start
+    if by_clock and table.beside:
+        assert clock is not None
+        first = next(iter(table.rows((clock,))))[0, 0]
+        start = float(first) * _second(path, table.columns[clock])
+    own = Recording(
         name=path.name, channels=channels, rate=final, read=read,
         samples=table.samples, notes=table.notes,
     )  # fmt: skip
+    return _beside(path, own, table.beside, start) if table.beside else own
+
+
+def _seen(table: Table) -> Table:
+    """Return a table without what nobody sees: names of a logger may hold anything."""
+    columns = tuple(Channel(visible(c.name), visible(c.unit)) for c in table.columns)
+    return replace(table, columns=columns, notes=tuple(map(visible, table.notes)))
+
+
+def _apart(table: Table, first: Table) -> Table:
+    """Return a table beside another with its group before the names that both have."""
+    taken = {c.name for c in first.columns}
+    columns = tuple(
+        Channel(f"{table.group}/{c.name}", c.unit) if c.name in taken and not _ticks(c) else c
+        for c in table.columns
+    )
+    return replace(table, columns=columns)
+
+
+def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -> Recording:
+    """Lay slower channels on the clock of the fastest, straight between their samples."""
+    channels = list(own.channels)
+    laid: list[tuple[FloatArray, FloatArray]] = []
+    said: list[str] = []
+    for table in others:
+        clock = _clock(path, table, None)
+        assert table.rate is not None
+        whole = np.concatenate(list(table.rows(tuple(range(len(table.columns))))), axis=-1)
+        if clock is None:
+            time = table.start + np.arange(whole.shape[1]) / table.rate
+        else:
+            time = whole[clock] * _second(path, table.columns[clock])
+        if not (np.diff(time) > 0).all():
+            raise bad(path, f"the time of group {table.group!r} stands still or runs backwards")
+        names: list[str] = []
+        for k, column in enumerate(table.columns):
+            if k != clock:
+                channels.append(column)
+                names.append(column.name)
+                laid.append((time - start, whole[k]))
+        said.append(f"{', '.join(names)} ({table.rate:.6g} Hz)")
+    count = len(own.channels)
+
+    def read(wanted: tuple[int, ...]) -> Iterator[FloatArray]:
+        mine = tuple(k for k in wanted if k < count) or (0,)
+        begun = 0
+        for piece in own.read(mine):
+            time = (begun + np.arange(piece.shape[1])) / own.rate
+            rows = [
+                piece[mine.index(k)]
+                if k < count
+                else np.interp(time, *laid[k - count], left=np.nan, right=np.nan)
+                for k in wanted
+            ]
+            begun += piece.shape[1]
+            yield np.stack(rows)
+
+    note = f"laid on one clock of {own.rate:g} Hz, straight between samples: {'; '.join(said)}"
+    found = replace(own, channels=tuple(channels), read=read, notes=(*own.notes, note))
+    for name in found.names:
+        if found.names.count(name) > 1:
+            raise bad(path, "two channels have one name", value=repr(name), hint="name the group")
+    return found
 
 
 def _unique(path: Path, table: Table) -> None:
@@ -128,18 +266,29 @@ def _clock(path: Path, table: Table, time: str | None) -> int | None:
         if time not in names:
             raise bad(path, f"no time column {time!r}", hint=f"it has {', '.join(names)}")
         return names.index(time)
-    found = [k for k, n in enumerate(names) if n.strip().lower() in TIME_NAMES]
+    found = [k for k, c in enumerate(table.columns) if _ticks(c)]
+    plain = [k for k in found if len(names[k].strip()) > 1]
+    found = plain or found  # a column t beside one called time is something else
     return found[0] if len(found) == 1 else None
 
 
+def _ticks(column: Channel) -> bool:
+    """Whether a column is a clock by its name."""
+    name = column.name.strip()
+    match = _TIME.fullmatch(name)
+    return match is not None and name != "T" and (match[2] or "") in TIME_UNITS
+
+
 def _second(path: Path, column: Channel) -> float:
-    """Seconds in one unit of the time column."""
-    if column.unit.strip() not in TIME_UNITS:
+    """Seconds in one unit of the time column: that of the file, or of its name."""
+    match = _TIME.fullmatch(column.name.strip())
+    unit = column.unit.strip() or ((match and match[2]) or "")
+    if unit not in TIME_UNITS:
         raise bad(
-            path, f"unknown unit of time column {column.name!r}", value=repr(column.unit),
+            path, f"unknown unit of time column {column.name!r}", value=repr(unit),
             hint=f"known are {', '.join(u for u in TIME_UNITS if u)}",
         )  # fmt: skip
-    return TIME_UNITS[column.unit.strip()]
+    return TIME_UNITS[unit]
 
 
 def _rate(path: Path, table: Table, clock: int) -> float:
@@ -171,6 +320,20 @@ def _evenly(
         steps = np.diff(np.concatenate([[last], t])) * rate
         whole = np.rint(steps)
         wrong = ~((whole >= 1) & (np.abs(steps - whole) < 0.4))
+        if whole.size > 20 and np.mean(whole > 1) > 0.2:
+            k = int(np.argmax(whole > 1))
+            raise bad(
+                path, f"its clock changes its rate near row {row + k + 1}",
+                value=f"steps of {float(np.median(whole)):g} samples of the rate it began with",
+                hint="split or resample it",
+            )  # fmt: skip
+        even = whole == 1
+        if np.count_nonzero(even) > 20 and abs(float(steps[even].mean()) - 1) > 0.01:
+            raise bad(
+                path, f"its clock runs at another rate from about row {row + 1}",
+                value=f"{rate / float(steps[even].mean()):.6g} Hz, and {rate:.6g} Hz at first",
+                hint="split or resample it",
+            )  # fmt: skip
         if wrong.any():
             k = int(np.argmax(wrong))
             raise bad(
@@ -216,10 +379,10 @@ def _tdms(path: Path, group: str) -> Table:
     return tdms(path, group=group)
 
 
-def _mdf(path: Path, _group: str) -> Table:
+def _mdf(path: Path, group: str) -> Table:
     from cardan.files.recording_tables import mdf
 
-    return mdf(path)
+    return mdf(path, group=group)
 
 
 def _wav(path: Path, _group: str) -> Table:

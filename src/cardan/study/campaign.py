@@ -6,27 +6,27 @@ recording.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from cardan.base.errors import CardanError, DesignError, positive
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import CardanError, DesignError
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
+from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
+from cardan.fatigue.fault import DRIFT, KINDS, MASKABLE
 from cardan.fatigue.life import Plan
-from cardan.fatigue.orders import (
-    Rotation,
-    estimated_rotation,
-    rotation_from_pulses,
-    rotation_from_speed,
-)
+from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
+from cardan.fatigue.quality import Rule
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
@@ -38,6 +38,9 @@ from cardan.study.recorded import predicted_stress
 NAME = "recording"
 ASKED = Source("asked on the command line")
 """Who says how long a gauge has to live, where no profile does."""
+
+FASTEST = 25.0
+"""Turns/s that a shaft's tacho must be able to tell: 1500 rpm."""
 
 TURN = 2 * math.pi
 STRESS = {
@@ -51,6 +54,10 @@ SPEED = {
     "rpm": rpm / TURN, "1/min": rpm / TURN, "U/min": rpm / TURN, "min-1": rpm / TURN,
     "Hz": 1.0, "1/s": 1.0, "rad/s": 1 / TURN,
 }  # fmt: skip
+VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
+"""Units of what an amplifier gives, and not of what it measures."""
+DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
+"""Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
 TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
 
 _KINDS = {"rectangular": strain.RECTANGULAR, "delta": strain.DELTA}
@@ -81,8 +88,27 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "mean_stress": ("none", "goodman", "gerber", "swt", "walker", "fkm"),
     "residue": tuple(_RESIDUES),
     "zero": tuple(_ZEROS),
+    "between_samples": ("auto", "yes", "no"),
 }
 """What an option may be, where it is one of a few."""
+
+_ABOVE, _FROM = "above", "at least"
+RANGES: Mapping[str, tuple[str, float, float]] = {
+    "modulus_GPa": (_ABOVE, 0, 2000),
+    "ultimate_MPa": (_ABOVE, 0, 10_000),
+    "scatter": (_FROM, 0, 1),
+    "gauge_error": (_FROM, 0, 1),
+    "mean_sensitivity": (_FROM, 0, 1),
+    "allowed": (_ABOVE, 0, 100),
+    "low_pass_Hz": (_ABOVE, 0, 1e9),
+    "pulses": (_FROM, 1, 10_000),
+    "axle_ratio": (_ABOVE, 0, 100),
+    "tyre_radius_m": (_ABOVE, 0, 5),
+    "bearing": (_FROM, 1, 100),
+    "rate": (_ABOVE, 0, 1e9),
+    "target_hours": (_ABOVE, 0, 1e12),
+}
+"""Where an option's number lies: above or at least the first, at most the second."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,8 +131,12 @@ class Campaign:
         M of fkm, or the exponent of walker.
     allowed
         Damage at failure.
+    scale
+        `CHANNEL=FACTOR[,OFFSET]:UNIT` of what was written in volts or mV/V: the value by the
+        factor and the offset on top, in the unit.
     speed, engine, torque, tacho
-        `CHANNEL[:UNIT]`; with a speed or a tacho causes are told.
+        `CHANNEL[:UNIT]`; with a speed or a tacho causes are told. A speed of the vehicle (km/h)
+        turns the shaft by `axle_ratio` and `tyre_radius_m`.
     estimate_speed
         The gauge in which it is looked for where nobody measured it.
     axle_ratio
@@ -117,6 +147,12 @@ class Campaign:
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
     rate, time, group
         How the file is read.
+    mask, accept
+        What of that which looks wrong is made a hole of, and what is what the part felt:
+        `[CHANNEL=]KIND[@FROM..TO]`, or a time alone, `[CHANNEL=]FROM..TO`, in seconds. What is
+        accepted was not masked.
+    between_samples
+        Whether crests are looked for between samples: `auto` where they lose 1 % or more.
     limits
         A profile by name or file; its rows of a recording count.
     target_hours
@@ -124,6 +160,7 @@ class Campaign:
     """
 
     sn: str
+    scale: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
     rosettes: tuple[str, ...] = ()
     rosette_kind: str = "rectangular"
@@ -157,6 +194,9 @@ class Campaign:
     rate: float | None = None
     time: str | None = None
     group: str = ""
+    mask: tuple[str, ...] = ()
+    accept: tuple[str, ...] = ()
+    between_samples: str = "auto"
     limits: str | None = None
     target_hours: float | None = None
 
@@ -184,15 +224,22 @@ class Campaign:
             if getattr(self, name) not in choices:
                 msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 raise DesignError(msg)
-        positive(
-            "a campaign", modulus_GPa=self.modulus_GPa, ultimate_MPa=self.ultimate_MPa,
-            allowed=self.allowed, pulses=self.pulses, axle_ratio=self.axle_ratio,
-            tyre_radius_m=self.tyre_radius_m, rate=self.rate, target_hours=self.target_hours,
-        )  # fmt: skip
-        given = (self.modulus_GPa, self.ultimate_MPa, self.allowed, self.rate, self.target_hours)
-        if not all(n is None or math.isfinite(n) for n in given):
-            msg = "modulus, strength, allowed damage, rate and target of a campaign must be finite"
-            raise DesignError(msg)
+        for name, (sort, low, high) in RANGES.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if not (low < value if sort == _ABOVE else low <= value) or not value <= high:
+                msg = (
+                    f"{name} of a campaign must be {sort} {low:g} and at most {high:g}, "
+                    f"got {value:g}" + ("" if math.isfinite(value) else "; it must be finite")
+                )
+                raise DesignError(msg)
+        for name in ("joint_orders", "engine_orders"):
+            wrong = [n for n in numbers(getattr(self, name)) if not 0 < n <= 100]
+            if wrong:
+                msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
+                raise DesignError(msg)
+        _ = self.rules, self.scales  # refuse what is none
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -239,9 +286,67 @@ class Campaign:
             try:
                 found[name] = float(value) * MPa / 1e3
             except ValueError:
+                found[name] = math.nan
+            if not 0 <= found[name] < math.inf:
                 msg = f"a prediction is GAUGE=MPa_per_kNm, got {text!r}"
-                raise DesignError(msg) from None
+                raise DesignError(msg)
         return found
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """What is masked and accepted of what looks wrong."""
+        return (
+            *(_rule(text, mask=True) for text in self.mask),
+            *(_rule(text, mask=False) for text in self.accept),
+        )
+
+    @property
+    def scales(self) -> dict[str, tuple[float, float, str]]:
+        """Factor, offset and unit of the channels that are scaled."""
+        found: dict[str, tuple[float, float, str]] = {}
+        for text in self.scale:
+            channel, _, rest = text.rpartition("=")
+            value, _, unit = rest.rpartition(":")
+            try:
+                given = [float(v) for v in value.split(",")]
+            except ValueError:
+                given = []
+            known = (*STRESS, *STRAIN, *SPEED, *DRIVEN, *TORQUE)
+            whole = channel and len(given) in (1, 2) and all(map(math.isfinite, given))
+            if not whole or given[0] == 0 or unit not in known:
+                msg = (
+                    f"a scale is CHANNEL=FACTOR[,OFFSET]:UNIT with a unit of {', '.join(known)}, "
+                    f"got {text!r}"
+                )
+                raise DesignError(msg)
+            found[channel] = (given[0], given[1] if len(given) > 1 else 0.0, unit)
+        return found
+
+    def scaled(self, recording: Recording) -> Recording:
+        """Return the recording with its scaled channels in the units they are scaled to."""
+        scales = {recording.place(name): of for name, of in self.scales.items()}
+        if not scales:
+            return recording
+        channels = tuple(
+            replace(c, unit=scales[k][2]) if k in scales else c
+            for k, c in enumerate(recording.channels)
+        )
+
+        def read(wanted: tuple[int, ...]) -> Iterator[FloatArray]:
+            own = [scales.get(k, (1.0, 0.0, "")) for k in wanted]
+            factor, offset = (np.array([o[k] for o in own])[:, None] for k in (0, 1))
+            for piece in recording.read(wanted):
+                yield piece * factor + offset
+
+        return replace(recording, channels=channels, read=read)
+
+    def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
+        """Refuse what is said of a gauge or channel that there is not."""
+        names = list(known)
+        for name in given:
+            if name not in names:
+                msg = f"--{option}: no {kind} {name!r}; {nearest(name, names)}"
+                raise DesignError(msg)
 
     def plan(self, recording: Recording) -> Plan:
         """Return what is counted of a recording, and held against which strength.
@@ -261,12 +366,25 @@ class Campaign:
             if names.count(name) > 1:
                 msg = f"two gauges are called {name}"
                 raise DesignError(msg)
+        foretold = [text.rpartition("=")[0] for text in self.predicted]
+        self._held("predicted", foretold, names, "gauge")
+        felt = [text.rpartition("=")[0] for text in self.unit_stress]
+        self._held("unit-stress", felt, names, "gauge")
+        if (foretold or felt) and self.torque is None:
+            msg = (
+                "a predicted order 2 is held against the measured by torque: name it with --torque"
+            )
+            raise DesignError(msg)
+        channels = {c for g in gauges for c in g.channels}
+        ruled = [r.channel for r in self.rules if r.channel]
+        self._held("mask and --accept", ruled, channels, "gauge's channel")
         if self.low_pass_Hz is not None:
             conditioning.low_pass(self.low_pass_Hz, rate=recording.rate)  # refuses what it cannot
         return Plan(
             gauges=gauges, curve=self._curve(), correction=self._correction(),
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
-            allowed=self.allowed, gauge_error=self.gauge_error,
+            allowed=self.allowed, gauge_error=self.gauge_error, rules=self.rules,
+            between={"auto": None, "yes": True, "no": False}[self.between_samples],
         )  # fmt: skip
 
     def hold(self, recording: Recording, *, samples: int) -> None:
@@ -282,22 +400,48 @@ class Campaign:
             )
             raise DesignError(msg)
 
-    def shaft(self, recording: Recording) -> Rotation | None:
-        """Return the shaft's rotation: measured, counted, or found in a gauge."""
+    def shaft(self, recording: Recording) -> Angle | None:
+        """Return how far the shaft has turned: measured, counted, or found in a gauge.
+
+        Raises
+        ------
+        DesignError
+            If the tacho's pulses come faster than the recording can hold them apart.
+        """
         if self.tacho is not None:
-            return rotation_from_pulses(
+            fastest = recording.rate / 2.5 / self.pulses
+            if fastest < FASTEST:
+                msg = (
+                    f"{self.tacho}: {self.pulses} pulses a turn at {recording.rate:g} Hz are held "
+                    f"apart up to {fastest * 60:.0f} rpm, and no faster turn would show: a shaft's "
+                    f"tacho needs {FASTEST * 2.5 * self.pulses:g} Hz or a divided pulse"
+                )
+                raise DesignError(msg)
+            counted = rotation_from_pulses(
                 recording.pieces([self.tacho]), rate=recording.rate, per_turn=self.pulses
             )
+            return Angle(counted, lag=0.02)
         if self.speed is not None:
-            return _turning(recording, self.speed)
+            engine = None if self.engine is None else _speeds(recording, self.engine)
+            speed, rate = _speeds(recording, self.speed, wheel=self._wheel())
+            return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
-            signal = recording.whole([self.estimate_speed])[0]
-            return estimated_rotation(signal, rate=recording.rate)
+            signal = recording.pieces([self.estimate_speed])
+            return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
         return None
+
+    def _wheel(self) -> float | None:
+        """Shaft turns a metre of the vehicle's way, where the axle and its tyres are given."""
+        if self.axle_ratio is None or self.tyre_radius_m is None:
+            return None
+        return self.axle_ratio / (TURN * self.tyre_radius_m)
 
     def engine_of(self, recording: Recording) -> Rotation | None:
         """Return the engine's rotation, where it was measured."""
-        return None if self.engine is None else _turning(recording, self.engine)
+        if self.engine is None:
+            return None
+        speed, rate = _speeds(recording, self.engine)
+        return shaft_angle(speed, rate=rate).rotation
 
     def torque_of(self, recording: Recording) -> tuple[str, float] | None:
         """Return the channel of the shaft torque, and N m in its unit."""
@@ -334,7 +478,7 @@ class Campaign:
             ]  # fmt: skip
         return found
 
-    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], strain.FloatArray]]:
+    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], FloatArray]]:
         """Return what is counted of a rosette, by the ending of the gauge's name."""
         if self.rosette_measure == "planes":
             angles = range(0, 180, 10)
@@ -347,6 +491,9 @@ class Campaign:
         except ValueError:
             msg = f"an S-N curve is AMPLITUDE_MPa,CYCLES,SLOPE at its knee, got {self.sn!r}"
             raise DesignError(msg) from None
+        if not (math.isfinite(amplitude) and math.isfinite(cycles) and math.isfinite(slope)):
+            msg = f"an S-N curve is of finite numbers, got {self.sn!r}"
+            raise DesignError(msg)
         curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
         return _CURVES[self.miner](curve)
 
@@ -369,6 +516,38 @@ class Campaign:
         return correction.swt if name == "swt" else correction.uncorrected
 
 
+_TIMES = re.compile(r"([0-9.eE+-]*?)\.\.([0-9.eE+-]*)")
+
+
+def _rule(text: str, *, mask: bool) -> Rule:
+    """Return the rule of `[CHANNEL=]KIND[@FROM..TO]` or `[CHANNEL=]FROM..TO`."""
+    channel, _, rest = text.rpartition("=")
+    kind, at, times = rest.partition("@")
+    if not at and _TIMES.fullmatch(rest):
+        kind, times = "", rest
+    match = _TIMES.fullmatch(times) if times else None
+    try:
+        first = float(match[1] or 0) if match else 0.0
+        last = float(match[2] or math.inf) if match else math.inf
+    except ValueError:
+        match = None
+        first, last = 0.0, math.inf
+    if (times and match is None) or not 0 <= first < last:
+        msg = f"a time is FROM..TO in seconds, the first before the last, got {text!r}"
+        raise DesignError(msg)
+    if kind and kind not in KINDS:
+        msg = f"{text!r}: no kind of fault {kind!r}; there are: {', '.join(KINDS)}"
+        raise DesignError(msg)
+    if mask and kind and kind not in MASKABLE:
+        instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
+        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(MASKABLE)}"
+        raise DesignError(msg)
+    if not (kind or times):
+        msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"
+        raise DesignError(msg)
+    return Rule(mask=mask, kind=kind, channel=channel, first=first, last=last)
+
+
 def numbers(text: str) -> tuple[float, ...]:
     """Return numbers that were written with commas between."""
     try:
@@ -381,7 +560,7 @@ def numbers(text: str) -> tuple[float, ...]:
 def _named(text: str) -> tuple[str, str | None]:
     """Split CHANNEL:UNIT; channel names may hold colons, units do not."""
     name, _, unit = text.rpartition(":")
-    known = (*STRESS, *STRAIN, *SPEED, *TORQUE)
+    known = (*STRESS, *STRAIN, *SPEED, *DRIVEN, *TORQUE)
     return (name, unit) if name and unit in known else (text, None)
 
 
@@ -393,15 +572,39 @@ def _unit(
     if name not in table:
         said = repr(name) if name else "no unit"
         msg = f"{channel}: {said}; write {channel}:UNIT with one of {', '.join(table)}"
+        if name in VOLTS:
+            msg += f", or scale it: --scale {channel}=FACTOR[,OFFSET]:UNIT"
         raise DesignError(msg)
     return table[name]
 
 
-def _turning(recording: Recording, text: str) -> Rotation:
-    """Return what a channel of speed makes turn."""
+READ = 200.0
+"""Readings a second of a channel of speed that are looked at."""
+
+
+def _speeds(
+    recording: Recording, text: str, *, wheel: float | None = None
+) -> tuple[FloatArray, float]:
+    """Return a channel of speed in turns/s, as written, and at which rate it was looked at.
+
+    `wheel` is how many turns go to a metre, for a speed of the vehicle.
+    """
     channel, given = _named(text)
-    unit = _unit(recording, channel, given, SPEED)
-    return rotation_from_speed(recording.pieces([channel]), rate=recording.rate, unit=unit)
+    said = given or recording.channel(channel).unit
+    if said in DRIVEN:
+        if wheel is None:
+            msg = (
+                f"{channel}: {said} is the vehicle's speed; the shaft turns with it by "
+                "--axle-ratio and --tyre-radius-m"
+            )
+            raise DesignError(msg)
+        unit = DRIVEN[said] * wheel
+    else:
+        unit = _unit(recording, channel, given, SPEED)
+    every = max(int(recording.rate / READ), 1)
+    size = every * 4096
+    read = [piece[0][::every] for piece in recording.pieces([channel], size=size)]
+    return np.concatenate(read or [np.empty(0)]) * unit, recording.rate / every
 
 
 def _worded(value: Any, *, several: bool) -> Any:

@@ -5,20 +5,25 @@ there is one it only predicts. What is limited are rows of a profile, and a targ
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
+from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.recording import Recording, alongside, between
+from cardan.fatigue.response import Evidence, together
+from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
@@ -26,6 +31,16 @@ from cardan.study.finding import Finding, Tell, silent
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
+
+DECIDE: Mapping[str, str] = {
+    "sentinel": "a word on its sentinels, which decide the damage: --mask or --accept sentinel",
+    "spike": "a word on its spikes, which decide the damage: --mask or --accept spike",
+    "dropout": "a word on its dropouts, which decide the damage: --mask or --accept dropout",
+    "clip": "a recording that is not clipped, or --accept clip",
+    "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
+    "hole": "a recording in which it is alive for a quarter of the time",
+}
+"""What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,20 +84,22 @@ class RecordingStudy:
         """
         campaign = self.campaign
         profile, limits = campaign.asked()
+        recording = campaign.scaled(recording)
         predicted, plan = campaign.predictions(), campaign.plan(recording)
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
         campaign.hold(recording, samples=max(h.samples for h in healths.values()))
-        shaft = campaign.shaft(recording)
+        angle = campaign.shaft(recording)
+        shaft = None if angle is None else angle.rotation
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
             progress=progress,
         )  # fmt: skip
         heard = [g for g, one in zip(plan.gauges, lives, strict=True) if one.heard]
         causes = None
-        if shaft is not None and heard:
+        if angle is not None and heard:
             causes = _causes(
-                campaign, recording, replace(plan, gauges=tuple(heard)), shaft, healths=healths,
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 predicted=predicted, progress=progress,
             )  # fmt: skip
         when = Occasion("recording", recording.name)
@@ -115,11 +132,138 @@ def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard
         raise NotInstalled(msg) from error
 
 
-def verdict_on(found: Finding[Heard]) -> Verdict | None:
-    """Return what the gauges come to; None where nothing was asked of them."""
+@dataclass(frozen=True)
+class Mixed:
+    """One gauge in a mix of recordings.
+
+    Attributes
+    ----------
+    name
+        Of the gauge.
+    parts
+        What each recording did to it, and how often that is driven in the mix.
+    """
+
+    name: str
+    parts: tuple[tuple[GaugeLife, float], ...]
+
+    @property
+    def life(self) -> Life:
+        """Of the mix: damages, times and ways, each as often as it is driven."""
+
+        def total(of: Callable[[Life], float]) -> float:
+            return sum(times * of(one.life) for one, times in self.parts)
+
+        return Life(
+            damage=total(lambda one: one.damage), duration=total(lambda one: one.duration),
+            distance=total(lambda one: one.distance), allowed=self.parts[0][0].life.allowed,
+        )  # fmt: skip
+
+    @property
+    def heard(self) -> bool:
+        """Whether it said something in every recording."""
+        return all(one.heard for one, _ in self.parts)
+
+    @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil it in any of them."""
+        return tuple(dict.fromkeys(kind for one, _ in self.parts for kind in one.vetoes))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mix:
+    """The answer of a campaign: its recordings, and what they come to together.
+
+    Attributes
+    ----------
+    title
+        Of the campaign.
+    parts
+        Name, how often it is driven, and what was heard in each.
+    lives
+        One a gauge.
+    profile
+        The limits' name; "" where no profile was asked.
+    """
+
+    title: str
+    parts: tuple[tuple[str, float, Heard], ...]
+    lives: tuple[Mixed, ...]
+    profile: str
+
+    def evidence(self, gauge: str) -> Evidence | None:
+        """Return what the joints are answerable for at a gauge, of the mix's damage."""
+        told: list[tuple[Evidence, float]] = []
+        for (_, times, heard), (one, _) in zip(
+            self.parts, next(m for m in self.lives if m.name == gauge).parts, strict=True
+        ):
+            if heard.causes is not None and gauge in heard.causes.gauges:
+                where = heard.causes.gauges.index(gauge)
+                told.append((heard.causes.evidence[where], times * one.life.damage))
+        return together([e for e, _ in told], [w for _, w in told]) if told else None
+
+
+def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silent) -> Finding[Mix]:
+    """Ask every recording of a campaign's file, and hold the mix against its limits.
+
+    Raises
+    ------
+    CardanError
+        As `listen`, of the file and of each recording.
+    """
+    written = campaigned(path, allow_outside=allow_outside)
+    asked = Campaign(**written.options)
+    profile, limits = asked.asked()
+    parts: list[tuple[str, float, Heard]] = []
+    for drive in written.drives:
+        own = {
+            k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
+            for k, v in drive.options.items()
+        }
+        campaign = replace(asked, limits=None, target_hours=None, **own)
+        whole = _opened(drive.file, campaign)
+        for file, late in drive.beside:
+            whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
+        segments = drive.segments or (None,)
+        for segment in segments:
+            name, times, recording = drive.name, drive.times, whole
+            if segment is not None:
+                name, times = f"{drive.name}, {segment.name}", times * segment.times
+                recording = between(whole, segment.first, segment.last)
+            answer = RecordingStudy(campaign).run(replace(recording, name=name), tell).answer
+            assert answer is not None
+            parts.append((name, times, answer))
+    names = [one.name for one in parts[0][2].lives]
+    lives = tuple(
+        Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts))
+        for k, name in enumerate(names)
+    )
+    when = Occasion("recording", written.title)
+    return Finding(
+        study=NAME,
+        answer=Mix(title=written.title, parts=tuple(parts), lives=lives, profile=profile),
+        checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
+        unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
+    )
+
+
+def _opened(path: Path, campaign: Campaign) -> Recording:
+    try:
+        return open_recording(path, rate=campaign.rate, time=campaign.time, group=campaign.group)
+    except ImportError as error:
+        msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"
+        raise NotInstalled(msg) from error
+
+
+def verdict_on(found: Finding[Heard] | Finding[Mix]) -> Verdict | None:
+    """Return what the gauges come to; None where nothing was asked of them.
+
+    Where a life is vetoed the recording was asked and has no answer, limit or not.
+    """
     coverage = coverage_of(found)
     if not coverage.asked:
-        return None
+        spoiled = found.answer is not None and any(one.vetoes for one in found.answer.lives)
+        return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
 
 
@@ -145,11 +289,11 @@ def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
 
 
 def _causes(
-    campaign: Campaign, recording: Recording, plan: Plan, shaft: Rotation, *,
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle, *,
     healths: dict[str, Health], predicted: dict[str, float], progress: room.Progress,
 ) -> Causes:  # fmt: skip
     """Return who did the damage at a plan's gauges."""
-    ratio = campaign.axle_ratio
+    ratio, shaft = campaign.axle_ratio, angle.rotation
     named = suspects(
         shaft, joint_orders=numbers(campaign.joint_orders), engine=campaign.engine_of(recording),
         engine_orders=numbers(campaign.engine_orders),
@@ -157,11 +301,35 @@ def _causes(
     )  # fmt: skip
     return room.causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
-        torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
+        angle=angle, torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
     )  # fmt: skip
 
 
-_VALUES: dict[str, Callable[[GaugeLife], float]] = {
+class Lived(Protocol):
+    """What limits are asked of: a gauge in a recording, or in a mix of some."""
+
+    @property
+    def name(self) -> str:
+        """Of the gauge."""
+        ...
+
+    @property
+    def life(self) -> Life:
+        """Damage and what follows from it."""
+        ...
+
+    @property
+    def heard(self) -> bool:
+        """Whether it said anything."""
+        ...
+
+    @property
+    def vetoes(self) -> tuple[str, ...]:
+        """Kinds of fault that spoil what it said."""
+        ...
+
+
+_VALUES: dict[str, Callable[[Lived], float]] = {
     "fatigue_life": lambda one: one.life.hours * hour,
     "fatigue_damage": lambda one: one.life.damage,
 }
@@ -169,7 +337,7 @@ _VALUES: dict[str, Callable[[GaugeLife], float]] = {
 
 
 def _checks(
-    lives: Sequence[GaugeLife], limits: Sequence[Limit], *, when: Occasion, line: str
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
 ) -> Iterator[Check]:
     """Yield a check for each limit and gauge that said something."""
     for limit in limits:
@@ -182,18 +350,23 @@ def _checks(
 
 
 def _unanswered(
-    lives: Sequence[GaugeLife], limits: Sequence[Limit], *, when: Occasion, line: str
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
 ) -> Iterator[Unanswered]:
-    """Yield each limit and gauge that got no number: a broken wire lives for ever."""
+    """Yield each limit and gauge that got no number, or one that cannot be trusted.
+
+    A broken wire lives for ever.
+    """
     for limit in limits:
         for one in lives:
             if not _known(one, limit):
-                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=(NEEDS,))
+                needs = tuple(DECIDE[k] for k in one.vetoes) or (NEEDS,)
+                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=needs)
 
 
-def _known(one: GaugeLife, limit: Limit) -> bool:
-    return one.heard and not math.isnan(_VALUES[limit.quantity](one))
+def _known(one: Lived, limit: Limit) -> bool:
+    told = one.heard and not one.vetoes
+    return told and not math.isnan(_VALUES[limit.quantity](one))
 
 
-def _part(one: GaugeLife) -> Part:
+def _part(one: Lived) -> Part:
     return Part("gauge", 0, one.name)

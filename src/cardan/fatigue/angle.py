@@ -1,0 +1,202 @@
+"""The angle of a shaft from channels that were never meant to give one.
+
+A phase is only as good as the angle behind it, and a speed on a bus comes late, in steps,
+with holes, and off by the tyre that somebody typed in. What can be known of it is mended
+here: holes and sudden zeros are unknown and not standing still; of a staircase the values at
+its steps count; and where an engine's speed runs along, gear by gear a fixed ratio apart, it
+turns the shaft finer than the shaft's own channel. What is left, one ratio and one lag for
+the whole recording, the stress itself tells (`response`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.errors import DesignError
+from cardan.fatigue.orders import Rotation
+
+STAIR = 0.06
+"""Seconds between new values from which a channel is a staircase."""
+COARSE = 0.25
+"""Seconds between new values that leave the angle between them open."""
+ENGAGED = 0.9
+"""Share of the time under way in gear from which an engine gives the angle."""
+ABRUPT = 2.0
+"""Turns/s from which no shaft falls to nought within a sample."""
+
+
+@dataclass(frozen=True)
+class Angle:
+    """How far a shaft has turned, and how far that can be trusted.
+
+    Attributes
+    ----------
+    rotation
+        Turns over time.
+    lag : s
+        How late it may be, to either side.
+    trusted
+        Whether a phase of twice this angle means anything.
+    """
+
+    rotation: Rotation
+    lag: float = 0.15
+    trusted: bool = True
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What a channel of speed says at the times when it says something new."""
+
+    time: FloatArray
+    value: FloatArray
+    known: BoolArray
+    period: float
+
+    def at(self, time: FloatArray) -> FloatArray:
+        """Return the speed (n,) at times (n,) s, straight between readings."""
+        return np.interp(time, self.time, self.value)
+
+
+def readings(speed: FloatArray, *, rate: float) -> Readings:
+    """Read a channel of speed (n,) turns/s, nan where it says nothing.
+
+    Raises
+    ------
+    DesignError
+        If it never says a speed.
+    """
+    x = np.array(speed, float)
+    x[x < 0] = 0.0
+    still = np.flatnonzero(x == 0)
+    if still.size:
+        # A fall to nought from a speed is a lost value; one that runs out has stopped.
+        first = still[np.append(True, np.diff(still) > 1)]
+        last = np.append(still[np.flatnonzero(np.diff(still) > 1)], still[-1])
+        for a, b in zip(first, last, strict=True):
+            before = x[a - 1] if a else 0.0
+            after = x[b + 1] if b + 1 < x.size else 0.0
+            if np.nan_to_num(before) > ABRUPT or np.nan_to_num(after) > ABRUPT:
+                x[a : b + 1] = np.nan
+    known = ~np.isnan(x)
+    if np.count_nonzero(known) < 2:
+        msg = "a channel of speed needs two or more values above nought"
+        raise DesignError(msg)
+    place = np.flatnonzero(known)
+    value = x[place]
+    moving = value > 0.5
+    fresh = np.append(True, np.diff(value) != 0)
+    period = float(np.count_nonzero(moving)) / max(np.count_nonzero(fresh & moving), 1) / rate
+    if period < STAIR:
+        return Readings(place / rate, value, known, period)
+    # Constant stretches longer than a few steps are steady speed, held at both ends.
+    gap = np.diff(np.append(place, x.size))
+    keep = fresh | np.append(fresh[1:], True) & (gap > 1) | (value == 0)
+    return Readings(place[keep] / rate, value[keep], known, period)
+
+
+def shaft_angle(
+    speed: FloatArray, *, rate: float, engine: FloatArray | None = None, step: float = 0.01
+) -> Angle:
+    """Turn a shaft by its channel of speed (n,) turns/s, and by the engine's where there is one.
+
+    Parameters
+    ----------
+    speed, engine : (n,) turns/s
+        nan where nothing was written.
+    rate : Hz
+        Of both.
+    step : s
+        Between the times of the rotation.
+    """
+    own = readings(speed, rate=rate)
+    time = np.arange(0.0, speed.size / rate + step, step)
+    turning = own.at(time)
+    stair = own.period >= STAIR
+    holes = float(np.mean(~own.known))
+    trusted = own.period < COARSE and holes < 0.005
+    motor = None
+    if engine is not None and (stair or holes > 0):
+        try:
+            motor = readings(engine, rate=rate)
+        except DesignError:
+            motor = None
+    if motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005:
+        late = _lag(own, motor, time) if stair else 0.0
+        geared, engaged = _geared(own.at(time + late), motor.at(time))
+        turning = np.where(engaged, geared, own.at(time + late))
+        moving = turning > 1
+        share = float(np.mean(engaged[moving])) if moving.any() else 0.0
+        return Angle(_turned(time, turning), lag=0.15, trusted=share > ENGAGED)
+    return Angle(_turned(time, turning), lag=1.0 if stair else 0.15, trusted=trusted)
+
+
+def _turned(time: FloatArray, speed: FloatArray) -> Rotation:
+    turns = np.append(0.0, np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time)))
+    return Rotation(time, turns)
+
+
+def _ratio(speed: FloatArray, engine: FloatArray) -> FloatArray:
+    """Logarithm (n,) of shaft over engine; nan where either stands."""
+    moving = (speed > 0.5) & (engine > 3.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(moving, np.log(speed / engine), np.nan)
+
+
+def _median(x: FloatArray, half: int) -> FloatArray:
+    """Return the running median (n,) over 2 half + 1 values, nan left out of account."""
+    from scipy.ndimage import median_filter
+
+    filled = np.where(np.isnan(x), 9.0, x)
+    return median_filter(filled, size=2 * half + 1, mode="nearest")
+
+
+def _lag(own: Readings, motor: Readings, time: FloatArray) -> float:
+    """How late, s, a staircase comes: with the right lag it keeps to the gears' ratios."""
+    best, least = 0.0, np.inf
+    engine = motor.at(time)
+    for late in np.arange(-0.5, 1.51, 0.05):
+        r = _ratio(own.at(time + late), engine)
+        level = _median(r, 100)
+        centres = _gears(level[~np.isnan(r) & (np.abs(r - level) < 0.02)])
+        if not centres.size:
+            continue
+        off = np.abs(r[:, None] - centres).min(-1)
+        rough = float(np.nanmean(np.minimum(off, 0.1)))
+        if rough < least:
+            best, least = float(late), rough
+    return best
+
+
+def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Shaft speed by the engine's and the gear (n,), and where a gear is in."""
+    r = _ratio(speed, engine)
+    level = _median(r, 100)
+    calm = level[~np.isnan(r) & (np.abs(r - level) < 0.02)]
+    centres = _gears(calm)
+    if not centres.size:
+        return speed, np.zeros(speed.size, bool)
+    near = centres[np.argmin(np.abs(level[:, None] - centres), axis=-1)]
+    # Where the median itself sits between two gears, neither is in.
+    engaged = ~np.isnan(r) & (np.abs(level - near) < 0.08) & (np.abs(r - near) < 0.1)
+    return np.exp(near) * engine, engaged
+
+
+def _gears(calm: FloatArray) -> FloatArray:
+    """Return the ratios, as logarithms, that a line keeps to: where most of the time is."""
+    step, least = 0.01, 200
+    if calm.size < least:
+        return np.empty(0)
+    edges = np.arange(calm.min() - step, calm.max() + 2 * step, step)
+    count, _ = np.histogram(calm, edges)
+    count = np.convolve(count, np.ones(3), "same")
+    centres: list[float] = []
+    for k in np.argsort(-count):
+        middle = edges[k] + step / 2
+        if count[k] < least:
+            break
+        # Gears stand apart by a tenth and more.
+        if all(abs(middle - c) > 0.08 for c in centres):
+            centres.append(float(np.median(calm[np.abs(calm - middle) < 1.5 * step])))
+    return np.array(centres)

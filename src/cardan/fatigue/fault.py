@@ -1,0 +1,426 @@
+"""What in a channel looks wrong, by kind and place. Nothing is taken out here.
+
+A blow of a pothole and a bad contact look alike to a filter that mends both. So what is
+suspicious is only found and listed, and whoever measured says what it was: `masked` makes a
+hole of it, which is unknown and not zero, and what is kept is exactly what was recorded.
+
+| kind | what it is |
+|---|---|
+| hole | missing samples |
+| sentinel | a number that loggers write for "no value", far outside all others |
+| spike | up to three samples that jump off and back, quiet on both sides |
+| dropout | the same, longer and level |
+| clip | crests cut off at one level |
+| freeze | one value for longer than the channel ever keeps one |
+| drift | the level creeps by more than the channel swings |
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray, IntArray
+
+HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
+CLIP, FREEZE, DRIFT = "clip", "freeze", "drift"
+KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, DRIFT)
+MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE)
+"""What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
+
+SENTINELS = (
+    -32768.0, 32767.0, 65535.0, -999.25, 9.96921e36, 1e30, -1e30, 1e20, -1e20,
+    *(sign * value for sign in (-1.0, 1.0) for value in (999.0, 9999.0, 99999.0, 999999.0)),
+)  # fmt: skip
+"""Numbers that loggers write where they have none."""
+
+CLIPPED_RUN = 4
+"""Samples in a row at one level that make a crest look cut off."""
+SPIKE_WIDTH = 3
+"""Longest spike, samples; what is longer and level is a dropout."""
+DROPOUT_SECONDS = 0.25
+"""Longest dropout."""
+FREEZE_SECONDS = 0.1
+"""Shortest freeze, of 20 samples at least, and of 20 times as long as the channel's own steps."""
+QUIET = 32
+"""Samples before a jump, or behind, that say how the channel moves there."""
+OUTSTANDING = 5.0
+"""Times their 90 % quantile that a jump stands out by; noise alone reaches some three."""
+BLOCK = 1024
+"""Samples whose highest and lowest are kept."""
+RARE = 0.1
+"""Share of blocks that may reach beyond a level that crests are cut off at."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a channel shows one kind of fault.
+
+    Attributes
+    ----------
+    runs : (k, 2) samples
+        First, and one behind the last; in order, none overlapping.
+    sizes : (k,)
+        How far each stands off what is about it, in the channel's unit: a jump's height, for a
+        clip what a parabola through its flanks puts on top, signed.
+    """
+
+    runs: IntArray
+    sizes: FloatArray
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.runs)
+
+    @property
+    def samples(self) -> int:
+        """How many samples they are together."""
+        return int((self.runs[:, 1] - self.runs[:, 0]).sum())
+
+
+NOWHERE = Places(np.empty((0, 2), np.intp), np.empty(0))
+
+
+def places(runs: Iterable[tuple[int, int]], sizes: Iterable[float] = ()) -> Places:
+    """Return places of runs of samples, in order; sizes are unknown (nan) unless given."""
+    rows = np.array(list(runs), np.intp).reshape(-1, 2)
+    heights = np.array(list(sizes), float)
+    if heights.size != len(rows):
+        heights = np.full(len(rows), np.nan)
+    order = np.argsort(rows[:, 0], kind="stable")
+    return Places(rows[order], heights[order])
+
+
+def union(parts: Iterable[IntArray]) -> IntArray:
+    """Return runs (k, 2) that cover what any of some runs cover, in order and apart."""
+    rows = np.concatenate([np.empty((0, 2), np.intp), *parts])
+    if not len(rows):
+        return rows
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    reach = np.maximum.accumulate(rows[:, 1])
+    fresh = np.append(True, rows[1:, 0] > reach[:-1])
+    last = np.append(np.flatnonzero(fresh)[1:] - 1, len(rows) - 1)
+    return np.stack([rows[fresh, 0], reach[last]], -1)
+
+
+def within(runs: IntArray, start: int, n: int) -> BoolArray:
+    """Return which of the samples `start` to `start + n` lie in runs (k, 2) that are apart."""
+    low, high = np.searchsorted(runs[:, 1], start, "right"), np.searchsorted(runs[:, 0], start + n)
+    step = np.zeros(n + 1, np.int8)
+    for first, last in runs[low:high]:
+        step[max(first - start, 0)] += 1
+        step[min(last - start, n)] -= 1
+    return np.cumsum(step[:-1]) > 0
+
+
+def crowned(x: FloatArray, clips: Places, start: int) -> FloatArray:
+    """Return samples (n,) from `start` on with clipped crests put back, as parabolas."""
+    low = np.searchsorted(clips.runs[:, 1], start, "right")
+    high = np.searchsorted(clips.runs[:, 0], start + x.size)
+    out = x.copy()
+    for (first, last), size in zip(clips.runs[low:high], clips.sizes[low:high], strict=True):
+        place = np.arange(max(first, start), min(last, start + x.size))
+        u = (place - first + 1) / (last - first + 1)
+        out[place - start] += 4 * size * u * (1 - u)
+    return out
+
+
+def reach(rate: float) -> int:
+    """Return the samples to either side of a piece that `Finder` needs."""
+    return max(round(DROPOUT_SECONDS * rate), SPIKE_WIDTH) + QUIET + 4
+
+
+class Finder:
+    """One channel's faults, as its pieces pass: `add` each, then ask `found`."""
+
+    def __init__(self, rate: float) -> None:
+        self.rate, self.reach = rate, reach(rate)
+        self.start = 0
+        self.jumps: list[tuple[IntArray, FloatArray]] = []
+        self.sentinels: list[tuple[IntArray, FloatArray]] = []
+        self.top, self.bottom = _Plateaus(), _Plateaus()
+        self.hole, self.still = _Long(1), _Long(max(round(FREEZE_SECONDS * rate), 20))
+        self.beside: dict[int, int] = {}
+        self.last, self.changes, self.step = np.nan, 0, np.inf
+        self.low, self.high = np.inf, -np.inf
+        self.reached: list[FloatArray] = []
+
+    def add(self, padded: FloatArray, filled: FloatArray) -> None:
+        """Take a piece with `reach` neighbours on both sides, as it is and with holes bridged."""
+        margin = self.reach
+        x = padded[margin : padded.size - margin]
+        missing = np.isnan(x)
+        self.hole.add(missing, self.start, x)
+        self._still(x)
+        written = np.isin(x, SENTINELS)
+        if written.any():
+            at = np.flatnonzero(written)
+            self.sentinels.append((at + self.start, x[at]))
+        plain = x[~written & ~missing]
+        if plain.size:
+            self.low, self.high = min(self.low, plain.min()), max(self.high, plain.max())
+            edge = np.arange(0, plain.size, BLOCK)
+            highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
+            self.reached.append(np.stack([highest, -lowest]))
+        offset = self.start - margin
+        runs, sizes = _jumps(filled, longest=margin - QUIET - 4)
+        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+        self.jumps.append((runs[mine] + offset, sizes[mine]))
+        self._plateaus(filled, offset, x.size)
+        self.start += x.size
+
+    def _still(self, x: FloatArray) -> None:
+        move = np.diff(np.concatenate([[self.last], x]))
+        self.still.add(move == 0, self.start, x)
+        moved = np.abs(move[move != 0])
+        moved = moved[~np.isnan(moved)]
+        self.changes += moved.size
+        if moved.size:
+            self.step = min(self.step, float(moved.min()))
+        self.last = float(x[-1])
+
+    def _plateaus(self, x: FloatArray, offset: int, size: int) -> None:
+        edge = np.flatnonzero(np.diff(x) != 0) + 1
+        self._neighbours(edge, offset, size)
+        first, last = edge[:-1], edge[1:]
+        width = last - first
+        long = (width >= CLIPPED_RUN) & (width < self.reach - 4)
+        long &= (first >= self.reach) & (first < self.reach + size)
+        first, last = first[long], last[long]
+        inside = (first > 1) & (last < x.size - 1)
+        first, last = first[inside], last[inside]
+        rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
+        for book, sign in ((self.top, 1), (self.bottom, -1)):
+            k = (sign * rise > 0) & (sign * fall > 0)
+            entry = np.minimum(np.abs(rise), np.abs(fall))[k]
+            crown = _crowns(sign * x, first[k], last[k])
+            book.add(sign * x[first[k]], first[k] + offset, last[k] + offset, entry, crown)
+
+    def _neighbours(self, edge: IntArray, offset: int, size: int) -> None:
+        """Enter, by its edges, how long the values beside a value that stands long stood."""
+        length = np.diff(edge)
+        long = np.flatnonzero(length[1:-1] >= self.still.least) + 1
+        for k in long.tolist():
+            for at, beside in ((k, length[k - 1]), (k + 1, length[k + 1])):
+                if 0 <= edge[at] - self.reach < size:
+                    self.beside[int(edge[at] + offset)] = int(beside)
+
+    def found(self, *, typical: float) -> Mapping[str, Places]:
+        """Return the places of each kind that is there.
+
+        `typical` is how far the channel usually swings: what jumps less than twice as far is
+        nobody's fault.
+        """
+        out = {HOLE: places(run[:2] for run in self.hole.runs), SENTINEL: self._sentinels()}
+        spoiled = out[SENTINEL].runs
+        runs = np.concatenate([np.empty((0, 2), np.intp), *(r for r, _ in self.jumps)])
+        sizes = np.concatenate([np.empty(0), *(s for _, s in self.jumps)])
+        known = (np.abs(sizes) > 2 * typical) & ~_touching(runs, spoiled)
+        runs, sizes = runs[known], sizes[known]
+        short = runs[:, 1] - runs[:, 0] <= SPIKE_WIDTH
+        out[SPIKE], out[DROPOUT] = (Places(runs[k], sizes[k]) for k in (short, ~short))
+        long = self._long(union([spoiled, runs]))
+        out[CLIP] = self._clips(long, union([spoiled, runs]))
+        out[FREEZE] = places(run[:2] for run in long if not self._cut(run, out[CLIP]))
+        return {kind: where for kind, where in out.items() if where.count}
+
+    def _sentinels(self) -> Places:
+        """Numbers of `SENTINELS` that stand farther out of all others than those span."""
+        if not self.sentinels or not self.high > self.low:
+            return NOWHERE
+        at, value = (np.concatenate(part) for part in zip(*self.sentinels, strict=True))
+        span = self.high - self.low
+        far = (value < self.low - span) | (value > self.high + span)
+        at, value = at[far], value[far]
+        if not at.size:
+            return NOWHERE
+        first = np.append(True, np.diff(at) > 1)
+        last = np.append(first[1:], True)
+        middle = (self.low + self.high) / 2
+        return Places(np.stack([at[first], at[last] + 1], -1), value[first] - middle)
+
+    def _long(self, taken: IntArray) -> list[tuple[int, int, float]]:
+        """Return runs of one value for longer than the channel keeps one, and the value.
+
+        A crest of slow data in coarse steps stands long too, and the steps beside it nearly so.
+        """
+        # The value they keep is that of the sample before, too.
+        runs = [(a - 1, b, v) for a, b, v in self.still.runs]
+        kept = sum(b - a for a, b, _ in runs)
+        usual = (self.start - kept) / max(self.changes, 1)
+        rows = np.array([run[:2] for run in runs], np.intp).reshape(-1, 2)
+        free = ~_touching(rows, taken)
+        found: list[tuple[int, int, float]] = []
+        for (a, b, v), unspoiled in zip(runs, free, strict=True):
+            beside = max(self.beside.get(a, 0), self.beside.get(b, 0))
+            if unspoiled and b - a >= 20 * usual and b - a >= 5 * beside:
+                found.append((a, b, v))
+        return found
+
+    def _clips(self, long: list[tuple[int, int, float]], taken: IntArray) -> Places:
+        """Crests cut off at the top or the bottom, those that were cut for long among them."""
+        rows: list[tuple[int, int]] = []
+        sizes: list[float] = []
+        for book, sign, end in ((self.top, 1, self.high), (self.bottom, -1, self.low)):
+            reached = np.concatenate(
+                [np.empty(0), *(r[0 if sign > 0 else 1] for r in self.reached)]
+            )
+            level, found = book.clips(self.step, taken, end=sign * end, reached=reached)
+            held = [r for r in long if r[2] == sign * level]
+            # What stood cut off for long hides more than what was for a moment: a guess, large.
+            crown = (self.high - self.low) / 4
+            if not len(found):
+                held = [r for r in long if r[2] == end]
+                held = held if len(held) > 2 else []
+            rows += [(int(first), int(last)) for first, last, _ in found]
+            sizes += [sign * float(height) for _, _, height in found]
+            known = {int(first) for first, _, _ in found}
+            held = [r for r in held if r[0] not in known]
+            rows += [r[:2] for r in held]
+            sizes += [sign * crown] * len(held)
+        return places(rows, sizes)
+
+    @staticmethod
+    def _cut(run: tuple[int, int, float], clips: Places) -> bool:
+        return bool(_touching(np.array([run[:2]], np.intp), clips.runs)[0])
+
+
+def _touching(rows: IntArray, others: IntArray) -> BoolArray:
+    """Which runs (k, 2) share a sample with others (m, 2), apart and in order."""
+    if not len(others):
+        return np.zeros(len(rows), bool)
+    near = np.searchsorted(others[:, 1], rows[:, 0], "right")
+    return (near < len(others)) & (others[np.minimum(near, len(others) - 1), 0] < rows[:, 1])
+
+
+def _crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
+    """Return what stands on top (k,) of level crests of x: a parabola through their flanks.
+
+    Noise breaks a crest that was cut off into several; those close together are one, and its
+    flanks are met some samples before it.
+    """
+    if not first.size:
+        return np.empty(0)
+    near = first[1:] - last[:-1] <= np.maximum(last[:-1] - first[:-1], CLIPPED_RUN)
+    near &= x[first[1:]] == x[first[:-1]]
+    group = np.concatenate([[0], np.cumsum(~near)])
+    begin = first[np.searchsorted(group, np.arange(group[-1] + 1))]
+    end = last[np.searchsorted(group, np.arange(group[-1] + 1), "right") - 1]
+    width = end - begin
+    away = np.clip(width // 8, 2, 32)
+    level = x[begin]
+    left = (level - x[np.maximum(begin - away, 0)]) / away
+    right = (level - x[np.minimum(end - 1 + away, x.size - 1)]) / away
+    height = np.maximum((left + right) / 2, 0.0) * (width + 1) / 4
+    # Each part carries the crest's whole height: together they are one.
+    return height[group]
+
+
+def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
+    """Return runs (k, 2) of samples that jump off and back, level between and quiet on both sides.
+
+    A ring is not quiet behind, a blow is not level: neither is one.
+    """
+    none = np.empty((0, 2), np.intp), np.empty(0)
+    d = np.diff(x)
+    size = np.abs(d)
+    if size.size <= 2 * QUIET + 8:
+        return none
+    calm_before = size[2:] > 5 * np.maximum(size[1:-1], size[:-2])
+    calm_behind = size[:-2] > 5 * np.maximum(size[1:-1], size[2:])
+    off = _outstanding(size, np.flatnonzero(calm_before) + 2, -1)
+    back = _outstanding(size, np.flatnonzero(calm_behind), 1)
+    if not (off.size and back.size):
+        return none
+    near = np.searchsorted(back, off, "right")
+    there = near < back.size
+    off, back = off[there], back[near[there]]
+    width = back - off
+    low, high = np.minimum(size[off], size[back]), np.maximum(size[off], size[back])
+    fits = (width <= longest) & (d[off] * d[back] < 0) & (low >= 0.6 * high)
+    fits &= np.abs(x[off] - x[back + 1]) <= 0.5 * low
+    off, back, low = off[fits], back[fits], low[fits]
+    flat = np.array(
+        [np.ptp(x[a + 1 : b + 1]) <= 0.25 * s for a, b, s in zip(off, back, low, strict=True)], bool
+    )
+    if not flat.any():
+        return none
+    off, back, low = off[flat], back[flat], low[flat]
+    return np.stack([off + 1, back + 1], -1), low * np.sign(d[off])
+
+
+def _outstanding(size: FloatArray, at: IntArray, way: int) -> IntArray:
+    """Those jumps that stand out of the steps before them (way -1) or behind (1)."""
+    first = at + 2 if way > 0 else at - 1 - QUIET
+    inside = (first >= 0) & (first + QUIET <= size.size)
+    at, first = at[inside], first[inside]
+    if not at.size:
+        return at
+    near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
+    usual = np.partition(near, int(0.9 * QUIET), axis=-1)[:, int(0.9 * QUIET)]
+    return at[size[at] > OUTSTANDING * usual]
+
+
+class _Long:
+    """Runs of True, their places and what stands there, those over the cuts whole."""
+
+    def __init__(self, least: int) -> None:
+        self.least, self.kept = least, list[tuple[int, int, float]]()
+
+    def add(self, flags: BoolArray, start: int, values: FloatArray) -> None:
+        edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+        first, last = edge[::2], edge[1::2]
+        runs = list(
+            zip(
+                (first + start).tolist(), (last + start).tolist(), values[first].tolist(),
+                strict=True,
+            )
+        )  # fmt: skip
+        if runs and self.kept and self.kept[-1][1] == runs[0][0]:
+            runs[0] = (self.kept.pop()[0], *runs[0][1:])
+        else:
+            self.kept = self.runs
+        # Those before the last one are over.
+        self.kept += [r for r in runs[:-1] if r[1] - r[0] >= self.least] + runs[-1:]
+
+    @property
+    def runs(self) -> list[tuple[int, int, float]]:
+        """Runs of a length at least; the short are let go."""
+        last = self.kept[-1:]
+        return self.kept[:-1] + [r for r in last if r[1] - r[0] >= self.least]
+
+
+class _Plateaus:
+    """Level crests of the highest few levels; what is low is entered upside down."""
+
+    LEVELS = 3
+
+    def __init__(self) -> None:
+        self.rows: FloatArray = np.empty((0, 5))
+
+    def add(self, level: FloatArray, *columns: FloatArray | IntArray) -> None:
+        """Enter levels (k,), first and last samples, steps into the level, crowns."""
+        fresh = np.stack([np.asarray(c, float) for c in (level, *columns)], -1)
+        self.rows = np.concatenate([self.rows, fresh])
+        if len(self.rows):
+            known = np.unique(self.rows[:, 0])
+            self.rows = self.rows[self.rows[:, 0] >= known[-self.LEVELS :][0]]
+
+    def clips(
+        self, step: float, taken: IntArray, *, end: float, reached: FloatArray
+    ) -> tuple[float, FloatArray]:
+        """Return the level that crests are cut off at, and (k, 3) first, last and crown of each.
+
+        A crest of slow data in coarse steps is level too; it is reached by one step. A single
+        one below the channel's `end` stood still by chance, and what many blocks reach beyond
+        (m,) cuts nothing off.
+        """
+        rows = self.rows[~_touching(self.rows[:, 1:3].astype(np.intp), taken)]
+        for level in np.unique(rows[:, 0])[::-1]:
+            there = rows[rows[:, 0] == level]
+            cut = len(there) > 1 or level >= end
+            cut &= bool(np.mean(reached > level) < RARE)
+            if cut and np.median(there[:, 3]) > 1.5 * step:
+                return float(level), there[:, [1, 2, 4]]
+        return np.nan, np.empty((0, 3))

@@ -1,0 +1,670 @@
+"""What the joints did to a gauge, as evidence: identified by phase and torque, with its doubt.
+
+A bracket answers whoever shakes it, so a large amplitude at twice the shaft's speed accuses
+nobody. Two things tell the joints from a road that shakes the same mode: their force is
+locked to the shaft's angle θ, and it goes with its torque T. So the stress is explained by
+
+    j = Re Σ h * u,    u = T e^{2iθ}, Ω² e^{2iθ}, T e^{4iθ}, T e^{6iθ}
+
+in one linear fit over the whole recording, h the bracket's response: static, and up to two
+modes that remember. What decides is F, the energy of that fit over what the same fit takes
+from the rest at phantoms a few resolution cells away, where nothing is locked. The answer is
+the share of damage removed, 1 - D(without j)/D, with an interval.
+Source: METHOD section 17 of this project; Ljung, System Identification (1999), ch. 4 and 9.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.fatigue.angle import Angle
+from cardan.fatigue.conditioning import bridged
+from cardan.fatigue.orders import Rotation
+
+GUILTY, INNOCENT, CANNOT_TELL = "guilty", "innocent", "cannot tell"
+
+FOUND = 15.0
+"""F from which something is locked: without joints the search over ratios reached 14."""
+CLEAR = 60.0
+"""F from which the interval is that of the draws alone."""
+OFF = 0.05
+"""Largest error of a speed's scale that is looked for, relative."""
+BAND = 2.5
+"""Width in frequency over which a response is taken as one, Hz."""
+BLOCK = 6.0
+"""Seconds over which the response may wander: geometry rides with the springs."""
+POLE = 0.04
+"""Share of the fit's energy that a mode has to add."""
+PHANTOMS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
+"""Distances of the phantoms, resolution cells to either side."""
+FORETOLD = 9.0
+"""Seconds of a stretch that is foretold from its neighbours."""
+DRAWS = 24
+"""Of the interval."""
+SLOWEST = 2.0
+"""Frequency below which nothing is told from the load, Hz."""
+
+UNTRUSTED = "the speed gives no angle to trust: all that is near order 2 may be theirs"
+
+Damage = Callable[[FloatArray], float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What the joints are answerable for at one gauge.
+
+    Attributes
+    ----------
+    removed
+        Share of the damage that goes with the joints' stress, 1.
+    interval
+        Low and high of 90 %.
+    strength
+        F, energy of the fit over that at phantoms; how surely something is locked.
+    modes
+        Frequency Hz and damping of the bracket's modes that the joints shake.
+    ratio, lag : 1 and s
+        What the stress says of the speed's scale, and how late it comes.
+    doubts
+        What widened the interval, a sentence each.
+    """
+
+    removed: float
+    interval: tuple[float, float]
+    strength: float
+    modes: tuple[tuple[float, float], ...] = ()
+    ratio: float = 1.0
+    lag: float = 0.0
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def finding(self) -> str:
+        """Return "guilty", "innocent" or "cannot tell"."""
+        low, high = self.interval
+        if low >= 0.35 and self.removed >= 0.5:
+            return GUILTY
+        return INNOCENT if high <= 0.25 else CANNOT_TELL
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The joints' part of a stress, and the evidence for it.
+
+    Attributes
+    ----------
+    evidence
+        What they are answerable for.
+    stress : (n,) Pa
+        Theirs; nought where nothing locked was found.
+    order2 : (n,) Pa
+        0-to-peak amplitude of their order 2, as fitted, found or not.
+    """
+
+    evidence: Evidence
+    stress: FloatArray
+    order2: FloatArray
+
+
+def together(parts: Sequence[Evidence], weights: Sequence[float]) -> Evidence:
+    """Return the evidence of stretches as one, each by its share of the damage.
+
+    Ends of intervals are added as they are: what one stretch does not know, the next may not
+    either.
+    """
+    w = np.asarray(weights, float)
+    w = w / w.sum() if w.sum() > 0 else np.full(w.size, 1 / max(w.size, 1))
+    if len(parts) == 1:
+        return parts[0]
+    chief = parts[int(np.argmax(w))]
+    low, high = (float(w @ [p.interval[k] for p in parts]) for k in (0, 1))
+    return replace(
+        chief, removed=float(w @ [p.removed for p in parts]), interval=(low, high),
+        strength=max(p.strength for p in parts),
+        doubts=tuple(dict.fromkeys(d for p in parts for d in p.doubts)),
+    )  # fmt: skip
+
+
+# --------------------------------------------------------------------------- speed
+
+
+@dataclass(frozen=True)
+class _Aligned:
+    """One ratio and lag of a rotation, the energy it explains, and the response (bands,) so."""
+
+    ratio: float
+    lag: float
+    energy: float
+    frequency: FloatArray
+    response: ComplexArray
+    weight: FloatArray
+
+
+def _aligned(
+    y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float
+) -> list[_Aligned]:
+    """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
+
+    The response is one number in each band of twice the speed. For each lag all ratios are
+    met at once: as a function of the angle, a wrong ratio is a frequency.
+    """
+    time = start + np.arange(y.size) / rate
+    lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
+    found: list[_Aligned] = []
+    for lag in lags:
+        shifted = time - lag
+        turns, f2 = angle.rotation.at(shifted), 2 * angle.rotation.speed(shifted)
+        used = f2 > SLOWEST
+        if np.count_nonzero(used) < 100:
+            continue
+        band = (f2[used] / BAND).astype(np.int64)
+        bins = np.floor(2 * (turns[used] - turns[0])).astype(np.int64)
+        bands, count = int(band.max()) + 1, int(bins.max()) + 1
+        z = y[used] * torque[used] * np.exp(-4j * np.pi * turns[used])
+        place = band * count + bins
+        grid = np.bincount(place, z.real, bands * count) + 1j * np.bincount(
+            place, z.imag, bands * count
+        )
+        weight = np.asarray(np.bincount(band, torque[used] ** 2, bands), float)
+        busy = weight > 1e-3 * weight.sum()
+        grid, weight = grid.reshape(bands, count)[busy], weight[busy]
+        middle = np.bincount(band, f2[used], bands)[busy] / np.bincount(band, minlength=bands)[busy]
+        # Half a turn a bin, two cycles a turn off by the ratio: OFF is this far in the spectrum.
+        size = 1 << int(np.ceil(np.log2(3 * count)))
+        energy = ((np.abs(np.fft.fft(grid, size, axis=-1)) ** 2) / weight[:, None]).sum(0)
+        ratio = np.fft.fftfreq(size)
+        near = np.flatnonzero(np.abs(ratio) <= OFF)
+        place = np.arange(count) + 0.5
+        for k in near[_peaks(energy[near])[:4]]:
+            # Between the lines of the spectrum: a sixth of one is a radian at the ends.
+            fine = ratio[k] + np.linspace(-0.5, 0.5, 21) / size
+            lines = grid @ np.exp(-2j * np.pi * np.outer(place, fine))
+            sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
+            m = int(np.argmax(sharp))
+            found.append(
+                _Aligned(
+                    1 + float(fine[m]), float(lag), float(sharp[m]), middle,
+                    lines[:, m] / weight, weight,
+                )
+            )  # fmt: skip
+    found.sort(key=lambda one: -one.energy)
+    kept: list[_Aligned] = []
+    made = float(angle.rotation.at(time[-1]) - angle.rotation.at(time[0]))
+    cell = 3 / max(2 * made, 1.0)
+    for one in found:
+        if all(abs(one.ratio - k.ratio) > cell for k in kept):
+            kept.append(one)
+    return kept[:4]
+
+
+def _punctual(option: _Aligned, *, most: float) -> _Aligned:
+    """Return the option with a lag by which its response is most like one mode's.
+
+    Over a band of some hertz a lag is a phase, so bands alone hardly know it; over all of
+    them it is a phase that runs on with frequency, which no oscillator's does.
+    """
+    f, h, w = option.frequency, option.response, np.sqrt(option.weight)
+    if f.size < 5:
+        return option
+    lags = np.arange(-0.06, 0.0601, 0.003)
+    lags = lags[np.abs(option.lag + lags) <= most + 1e-9]
+    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 36)
+    best = (-np.inf, 0.0)
+    for late in lags[np.argsort(np.abs(lags))]:
+        turned = h * np.exp(2j * np.pi * f * late) * w
+        for damping in (0.015, 0.05, 0.15):
+            r = f / modes[:, None]
+            rows = (
+                np.stack(
+                    [np.ones_like(r), (f / 80) ** 2 + 0 * r, 1 / (1 - r**2 + 2j * damping * r)], -1
+                )
+                * w[:, None]
+            )
+            gram = np.conj(rows.swapaxes(-1, -2)) @ rows
+            gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(3)
+            right = np.conj(rows.swapaxes(-1, -2)) @ turned
+            c = np.linalg.solve(gram, right[..., None])[..., 0]
+            energy = float((np.conj(c) * right).real.sum(-1).max())
+            # The nearest lag, unless another explains more than chance would.
+            if energy > best[0] * 1.002 or best[0] < 0:
+                best = (energy, float(late))
+    return replace(option, lag=option.lag + best[1])
+
+
+def _peaks(x: FloatArray) -> IntArray:
+    """Places of the local maxima of x on a circle cut open, the highest first."""
+    left, right = np.append(-np.inf, x[:-1]), np.append(x[1:], -np.inf)
+    at = np.flatnonzero((x >= left) & (x > right))
+    return at[np.argsort(-x[at])]
+
+
+# --------------------------------------------------------------------------- response
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """What turns with a shaft (n,): its turns, turns/s and torque, at a rate Hz."""
+
+    turns: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+    rate: float
+
+    def inputs(self, order: int, shift: ComplexArray | float = 1.0) -> list[ComplexArray]:
+        """Return forces locked to an order: by torque, and the second by speed squared too."""
+        wave = np.asarray(np.exp(2j * np.pi * order * self.turns) * shift, np.complex128)
+        by_torque = [self.torque * wave]
+        return [*by_torque, (self.speed / 40) ** 2 * wave] if order == 2 else by_torque
+
+
+def _levelled(x: np.ndarray, rate: float) -> np.ndarray:
+    """Take the running mean of a second off, as linear in x as it is: (n,)."""
+    half = max(round(0.5 * rate), 1)
+    total = np.cumsum(np.concatenate([[0], np.pad(x, (half, half), mode="edge")]))
+    return x - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+
+
+def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
+    """Response of one mode (Hz, damping) to a turning force (n,), scaled to about one."""
+    from scipy.signal import lfilter
+
+    w = 2 * np.pi * pole[0]
+    p = np.exp(w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2)) / rate)
+    return lfilter([1 - abs(p)], [1, -p], u)
+
+
+def _columns(
+    scene: _Scene, order: int, poles: Sequence[tuple[float, float]],
+    shift: ComplexArray | float = 1.0,
+) -> ComplexArray:  # fmt: skip
+    """Each force of an order, plain and through each mode, (columns, n)."""
+    forces = scene.inputs(order, shift)
+    made = [*forces, *(_through(u, pole, scene.rate) for pole in poles for u in forces)]
+    return np.stack([_levelled(u, scene.rate) for u in made])
+
+
+def _real(columns: ComplexArray) -> FloatArray:
+    return np.concatenate([columns.real, -columns.imag])
+
+
+def _solve(
+    columns: ComplexArray, y: FloatArray, *, ridge: float = 1e-9
+) -> tuple[ComplexArray, float]:
+    """Coefficients of y ≈ Re Σ c X by least squares, and the energy explained."""
+    rows = _real(columns)
+    gram, right = rows @ rows.T, rows @ y
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
+    c = np.linalg.solve(gram, right / scale) / scale
+    m = len(columns)
+    return c[:m] + 1j * c[m:], float(c @ right)
+
+
+def _searched(
+    scene: _Scene, y: FloatArray, order: int, *, most: int, within: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Modes that an order shakes: each added where it explains most, while it explains enough."""
+    poles: tuple[tuple[float, float], ...] = ()
+    forces = scene.inputs(order)
+    # Every other sample tells inner products as well as all.
+    base, seen = _real(_columns(scene, order, ()))[:, ::2], y[::2]
+    for _ in range(most):
+        q, _ = np.linalg.qr(base.T)
+        left = seen - q @ (q.T @ seen)
+        whole = float(seen @ seen - left @ left)
+
+        def gain(pole: tuple[float, float], q: FloatArray = q, left: FloatArray = left) -> float:
+            """Energy that the order through one more mode explains of what is left."""
+            rows = _real(np.stack([_through(u, pole, scene.rate)[::2] for u in forces]))
+            rows = rows - (rows @ q) @ q.T
+            gram, right = rows @ rows.T, rows @ left
+            scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+            gram = gram / np.outer(scale, scale) + 1e-6 * np.eye(scale.size)
+            return float((right / scale) @ np.linalg.solve(gram, right / scale))
+
+        best, f, d = max((gain(pole), *pole) for pole in _likely(scene, left, order, within))
+        log_step, damp_step, steps = 0.03, 0.5, 0
+        while steps < 6:
+            options = [
+                (
+                    float(np.clip(f * np.exp(a * log_step), *within)),
+                    float(np.clip(d * np.exp(b * damp_step), 0.008, 0.3)),
+                )
+                for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+            ]
+            better = max((gain(o), *o) for o in options)
+            if better[0] > best:
+                best, f, d = better
+            else:
+                log_step, damp_step, steps = log_step / 2, damp_step / 2, steps + 1
+        if best < POLE * (whole + best):
+            break
+        poles = (*poles, (float(f), float(d)))
+        base = _real(_columns(scene, order, poles))[:, ::2]
+    return poles
+
+
+def _likely(
+    scene: _Scene, left: FloatArray, order: int, within: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Modes to begin a search with: those that fit the response band by band, and some others.
+
+    Bands know nothing of what a mode remembers, so they only say where to look.
+    """
+    f = order * scene.speed[::2]
+    band = (f / 1.5).astype(np.int64)
+    u = scene.inputs(order)[0][::2]
+    power = np.bincount(band, np.abs(u) ** 2) / 2
+    z = left * np.conj(u)
+    busy = np.flatnonzero(power > 1e-3 * power.sum())
+    h = (np.bincount(band, z.real) + 1j * np.bincount(band, z.imag))[busy] / power[busy]
+    middle = (np.bincount(band, f) / np.maximum(np.bincount(band), 1))[busy]
+    w = np.sqrt(power[busy])
+    modes = np.geomspace(*within, 44)
+    found: list[tuple[float, float, float]] = []
+    for damping in (0.012, 0.04, 0.12):
+        r = middle / modes[:, None]
+        rows = np.stack([np.ones_like(r), 1 / (1 - r**2 + 2j * damping * r)], -1) * w[:, None]
+        gram = np.conj(rows.swapaxes(-1, -2)) @ rows
+        gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(2)
+        right = np.conj(rows.swapaxes(-1, -2)) @ (h * w)
+        c = np.linalg.solve(gram, right[..., None])[..., 0]
+        energy = (np.conj(c) * right).real.sum(-1)
+        found += [(float(e), float(m), damping) for e, m in zip(energy, modes, strict=True)]
+    best = sorted(found, reverse=True)[:8]
+    return [(m, d) for _, m, d in best] + [(float(m), 0.03) for m in modes[2::5]]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One order as fitted: its wave (n,), F, and what it might have been."""
+
+    order: int
+    wave: ComplexArray
+    columns: ComplexArray
+    noise: ComplexArray
+    strength: float
+    poles: tuple[tuple[float, float], ...]
+
+
+def _line(scene: _Scene, y: FloatArray, order: int, *, most: int) -> _Line:
+    """Fit one order to y, and the same fit to the rest of y at phantoms."""
+    f = order * scene.speed
+    driven = f[f > SLOWEST]
+    top = min(float(np.quantile(driven, 0.995)) * 1.25, 0.45 * scene.rate) if driven.size else 20.0
+    low = max(float(np.quantile(driven, 0.02)) * 0.6, 3.0) if driven.size else 3.0
+    poles = _searched(scene, y, order, most=most, within=(low, max(top, 1.5 * low)))
+    columns = _columns(scene, order, poles)
+    c, _ = _solve(columns, y)
+    fit = (c @ columns).real
+    # Once more with the blows cut down, so that none of them is taken for a response.
+    y = fit + _limited(y - fit, scene.rate)
+    c, _ = _solve(columns, y)
+    rest = y - (c @ columns).real
+    seconds = y.size / scene.rate
+    time = np.arange(y.size) / scene.rate
+    taken: list[float] = []
+    noise: list[ComplexArray] = []
+    for k in (*PHANTOMS, *(-p for p in PHANTOMS)):
+        ghost = _columns(scene, order, poles, np.exp(2j * np.pi * k / seconds * time))
+        error, floor = _solve(ghost, rest)
+        taken.append(floor)
+        noise.append(error)
+    strength = max(_foretold(columns, y, scene.rate), 0.0) / max(float(np.mean(taken)), 1e-30)
+    return _Line(order, c @ columns, columns, np.stack(noise), strength, poles)
+
+
+def _limited(x: FloatArray, rate: float) -> FloatArray:
+    """Clip blows (n,): at five times the rms of the louder seconds, their 90 % quantile."""
+    second = max(min(round(rate), x.size), 1)
+    rows = x[: x.size // second * second].reshape(-1, second)
+    loud = 5 * float(np.quantile(np.sqrt((rows**2).mean(-1)), 0.9))
+    return np.clip(x, -loud, loud)
+
+
+def _foretold(columns: ComplexArray, y: FloatArray, rate: float) -> float:
+    """Energy that a fit to every other stretch of some seconds explains of the rest.
+
+    What is locked goes on; a ring that happened to be in phase does not come again.
+    """
+    half = np.arange(y.size) // max(round(FORETOLD * rate), 1) % 2 == 0
+    total = 0.0
+    for one in (half, ~half):
+        c, _ = _solve(columns[:, one], y[one], ridge=3e-3)
+        other = (c @ columns[:, ~one]).real
+        total += float((2 * y[~one] - other) @ other)
+    return total
+
+
+def _wandering(
+    line: _Line, y: FloatArray, rate: float
+) -> tuple[FloatArray, ComplexArray, FloatArray]:
+    """Gain of each block about one, (blocks,) with its middle, and its standard deviation."""
+    n = max(round(BLOCK * rate), 1)
+    count = max(y.size // n, 1)
+    z, rest = line.wave[: count * n], (y - line.wave.real)[: count * n]
+    time = np.arange(z.size) / rate
+
+    def blocks(x: np.ndarray) -> np.ndarray:
+        return x.reshape(count, -1).sum(-1) if x.size == count * n else np.array([x.sum()])
+
+    power = np.maximum(blocks(np.abs(z) ** 2) / 2, 1e-300)
+    off = blocks(rest * np.conj(z)) / power
+    ghosts = [
+        np.abs(blocks(rest * np.conj(z * np.exp(2j * np.pi * k / BLOCK * time))) / power) ** 2
+        for k in (-3.5, -2.5, -1.5, 1.5, 2.5, 3.5)
+    ]
+    noise: FloatArray = np.mean(ghosts, axis=0) + 1e-12
+    weight = power / power.sum()
+    spread = max(float((weight * (np.abs(off) ** 2 - noise)).sum()), 0.0)
+    shrink: FloatArray = spread / (spread + noise)
+    middle = (np.arange(count) + 0.5) * n / rate
+    gain = np.asarray(1 + off * shrink, np.complex128)
+    return np.asarray(middle, float), gain, np.asarray(np.sqrt(shrink * noise), float)
+
+
+# --------------------------------------------------------------------------- the question
+
+
+def identified(
+    stress: FloatArray,
+    *,
+    rate: float,
+    angle: Angle,
+    torque: FloatArray | None,
+    damage: Damage,
+    engine: Rotation | None = None,
+    engine_orders: Sequence[float] = (),
+    start: float = 0.0,
+    seed: int = 0,
+) -> Identified:
+    """Ask what the joints did to a stress (n,).
+
+    Parameters
+    ----------
+    stress : (n,) Pa
+        Of the gauge, nan where it is not known.
+    rate : Hz
+        Of its samples.
+    angle
+        Of the shaft.
+    torque : (n,) N m
+        At the shaft; None where nobody measured it.
+    damage
+        Of a stress (n,).
+    engine, engine_orders
+        Who else may turn twice a shaft turn.
+    start : s
+        Of the first sample, in the time of the rotations.
+    seed
+        Of the draws.
+    """
+    filled = bridged(stress)
+    every = max(int(rate // 400), 1)
+    x, load = _thinned(filled, every), None
+    fine = rate / every
+    since = np.arange(x.size) / fine
+    time = start + since
+    if torque is not None:
+        load = bridged(torque)[every // 2 :: every][: x.size]
+        load = np.pad(load, (0, x.size - load.size), mode="edge")
+    if load is None or not np.abs(load).max() > 0:
+        load = np.where(angle.rotation.speed(time) > 0.5, 1.0, 0.0)
+    load = load / max(float(np.sqrt(np.mean(load**2))), 1e-300)
+    y = _levelled(x, fine)
+    whole = damage(stress)
+    options = _aligned(_limited(y, fine), load, angle, fine, start) if whole > 0 else []
+    if not options:
+        nothing = Evidence(removed=0.0, interval=(0.0, 0.0), strength=0.0)
+        return Identified(nothing, np.zeros_like(filled), np.zeros_like(filled))
+
+    def scene(option: _Aligned) -> _Scene:
+        shifted = time - option.lag
+        return _Scene(
+            option.ratio * angle.rotation.at(shifted),
+            option.ratio * angle.rotation.speed(shifted), load, fine,
+        )  # fmt: skip
+
+    def removed(wave: FloatArray) -> float:
+        return 1 - damage(stress - _back(wave, every, filled.size)) / whole
+
+    def spread(wave: ComplexArray) -> FloatArray:
+        """Amplitude (n,) of a thinned wave at all samples."""
+        return np.interp(np.arange(filled.size), np.arange(x.size) * every, np.abs(wave))
+
+    first = _punctual(options[0], most=angle.lag)
+    best = scene(first)
+    line = _line(best, y, 2, most=2)
+    doubts: list[str] = []
+    if line.strength < FOUND:
+        reach = [removed(line.wave.real)]
+        for option in options[1:]:
+            other = scene(option)
+            c, _ = _solve(columns := _columns(other, 2, ()), y)
+            reach.append(removed((c @ columns).real))
+        high = 1.3 * max(*reach, 0.0) + 0.03
+        if not angle.trusted:
+            spans = [removed(_near(x, best, fine, span=span)) for span in (0.5, 0.2)]
+            high = max(high, *spans) + 0.05
+            doubts.append(UNTRUSTED)
+        high = float(min(high, 1.0))
+        middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
+        found = Evidence(
+            removed=middle, interval=(-0.01, high), strength=line.strength,
+            ratio=first.ratio, lag=first.lag, doubts=tuple(doubts),
+        )  # fmt: skip
+        return Identified(found, np.zeros_like(filled), spread(line.wave))
+    lines = [line]
+    left = y - line.wave.real
+    for order in (4, 6):
+        more = _line(best, left, order, most=1 if order == 4 else 0)
+        if more.strength >= FOUND:
+            lines.append(more)
+            left = left - more.wave.real
+    rng = np.random.default_rng(seed)
+    # With the other orders out of the way each is fitted once more, wandering.
+    waves: list[tuple[_Line, FloatArray, ComplexArray, FloatArray]] = []
+    for one in lines:
+        own = left + one.wave.real
+        waves.append((one, *_wandering(one, own, fine)))
+
+    def wave(*, draw: bool = False) -> FloatArray:
+        total = np.zeros(x.size)
+        for one, middle, gain, sigma in waves:
+            z = one.wave
+            if draw:
+                k = one.noise.shape[0]
+                mix = (rng.normal(size=k) + 1j * rng.normal(size=k)) / np.sqrt(2 * k)
+                z = z + (mix @ one.noise) @ one.columns
+                gain = gain + sigma * (
+                    rng.normal(size=gain.size) + 1j * rng.normal(size=gain.size)
+                ) / np.sqrt(2)
+            slow = np.interp(since, middle, gain.real) + 1j * np.interp(since, middle, gain.imag)
+            total += (slow * z).real
+        return total
+
+    mean = wave()
+    middle = removed(mean)
+    drawn = np.array([removed(wave(draw=True)) for _ in range(DRAWS)])
+    low, high = np.quantile(drawn, [0.05, 0.95])
+    # What the model leaves out of a bracket: most where half of the damage is at stake.
+    margin = 0.03 + 0.1 * max(middle * (1 - middle), 0.0)
+    low, high = min(low, middle) - margin, max(high, middle) + margin
+    if line.strength < CLEAR:
+        low, high = low - 0.1, high + 0.1
+        if middle > 0.3:  # an angle that slips loses some of what is theirs
+            high = max(high, removed(_near(x, best, fine)) + 0.05)
+        doubts.append("little is locked to the shaft: the interval is wider by a tenth")
+    if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
+        high = max(high, removed(_near(x, best, fine)), 0.05)
+        doubts.append("what is locked does not explain the large cycles: the angle may slip")
+    if any(one.order == 6 for one in lines):
+        high = 1.0 if high > 0.3 else high + 0.3
+        doubts.append("order 6 is locked too, as of rattling contact: they may have done more")
+    if not angle.trusted:
+        high = max(high, removed(_near(x, best, fine)))
+        low = min(low, 0.5 * middle)
+        doubts.append(UNTRUSTED)
+    if engine is not None:
+        apart = _apart(best, engine, engine_orders, time)
+        if apart is not None:
+            # Engine first: all that runs with it is the engine's; joints first: as found.
+            low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
+            doubts.append(
+                "an engine order runs with order 2: phase and torque are the same, either did it"
+            )
+    low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
+    found = Evidence(
+        removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,
+        ratio=first.ratio, lag=first.lag, doubts=tuple(doubts),
+    )  # fmt: skip
+    one, middles, gain, _ = waves[0]
+    slow = np.interp(since, middles, gain.real) + 1j * np.interp(since, middles, gain.imag)
+    return Identified(found, _back(mean, every, filled.size), spread(slow * one.wave))
+
+
+def _apart(
+    scene: _Scene, engine: Rotation, orders: Sequence[float], time: FloatArray
+) -> FloatArray | None:
+    """Return where no engine order runs with order 2 (n,), 0 to 1; None where none hardly does."""
+    turning = scene.speed > SLOWEST / 2
+    fe = engine.speed(time)
+    f2 = 2 * scene.speed
+    # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
+    near = np.maximum(0.5, 0.03 * f2)
+    close = turning & np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
+    if not turning.any() or np.mean(close[turning]) < 0.2:
+        return None
+    half = max(round(0.5 * scene.rate), 1)
+    total = np.cumsum(np.concatenate([[0], np.pad(~close, (half, half), mode="edge")]))
+    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+
+
+def _near(x: FloatArray, scene: _Scene, rate: float, *, span: float = 0.5) -> FloatArray:
+    """Return all (n,) that a span of some seconds holds near order 2: within 0.5/span Hz."""
+    wave = np.exp(4j * np.pi * scene.turns)
+    half = max(round(span / 2 * rate), 1)
+    z = np.pad(_levelled(x, rate) * np.conj(wave), (half, half), mode="edge")
+    total = np.cumsum(np.concatenate([[0], z]))
+    mean = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    return 2 * (mean * wave).real
+
+
+def _thinned(x: FloatArray, every: int) -> FloatArray:
+    """Every so manyth sample (n / every,) of what half of them can hold."""
+    if every == 1:
+        return x
+    from scipy.signal import resample_poly
+
+    return resample_poly(x, 1, every, padtype="line")
+
+
+def _back(wave: FloatArray, every: int, n: int) -> FloatArray:
+    """Return a thinned wave at all samples (n,)."""
+    if every == 1:
+        return wave
+    from scipy.signal import resample_poly
+
+    out = resample_poly(wave, every, 1)[:n]
+    return np.pad(out, (0, n - out.size))

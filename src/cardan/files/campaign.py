@@ -1,0 +1,280 @@
+"""A campaign's file: recordings of any rate and format, what is in them, and what is asked.
+
+It says once, for all its recordings, what the options of `cardan life` say for one: which
+channels are gauges, how they are calibrated, what turns, what is masked and accepted, how
+strong the part is. How often each recording or segment of one is driven makes the mix.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cardan.base.errors import BadFile
+from cardan.border.document import parse, text_of
+from cardan.border.table import (
+    PROSE,
+    Enough,
+    Here,
+    ListOf,
+    MapOf,
+    Number,
+    Reading,
+    Spoilt,
+    Table,
+    TableRule,
+    Text,
+    Whole,
+    key,
+)  # fmt: skip
+
+_TIME = Number(least=0, most=1e9)
+_WORDS = ListOf(Text())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A stretch of a recording, s, and how often it is driven in the mix."""
+
+    name: str
+    first: float
+    last: float
+    times: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """One recording of a campaign.
+
+    Attributes
+    ----------
+    file
+        Where it is.
+    name
+        What it is called; that of the file unless said.
+    times
+        How often it is driven in the mix.
+    beside
+        Other files of the same drive, and how much later each began, s.
+    segments
+        Stretches that count in place of the whole.
+    options
+        What is said of it alone: rate, time, group, mask, accept.
+    """
+
+    file: Path
+    name: str
+    times: float
+    beside: tuple[tuple[Path, float], ...]
+    segments: tuple[Segment, ...]
+    options: Mapping[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaigned:
+    """A campaign's file as read: its title, its drives, and the options for all of them."""
+
+    title: str
+    drives: tuple[Drive, ...]
+    options: Mapping[str, Any]
+
+
+class SegmentTable(Table):
+    """A stretch of a recording by time."""
+
+    name: str = key("what it is called: a route, a gear, a place")
+    from_s: Annotated[float, _TIME] = key("where it begins, s", default=0.0)
+    to_s: Annotated[float, _TIME] = key("where it ends, s")
+    times: Annotated[float, Number(above=0, most=1e9)] = key(
+        "how often it is driven in the mix", default=1.0
+    )
+
+    def build(self) -> Segment:
+        """Return the stretch."""
+        if self.from_s >= self.to_s:
+            self.at("to_s").refuse("must be later than from_s", got=f"{self.to_s:g}")
+        return Segment(name=self.name, first=self.from_s, last=self.to_s, times=self.times)
+
+
+class BesideTable(Table):
+    """Another file of the same drive, of any rate."""
+
+    file: str = key("a recording, beside this file")
+    late_s: Annotated[float, Number(least=-1e6, most=1e6)] = key(
+        "how much later than the first it began", default=0.0
+    )
+
+    def build(self) -> tuple[Path, float]:
+        """Return where it is, and how late."""
+        return self.at("file").beside(self.file), self.late_s
+
+
+class DriveTable(Table):
+    """A recording."""
+
+    file: str = key("a recording, beside this file")
+    name: str | None = key("what it is called; the file's name by default", default=None)
+    times: Annotated[float, Number(above=0, most=1e9)] = key(
+        "how often it is driven in the mix", default=1.0
+    )
+    beside: tuple[Annotated[tuple[Path, float], BesideTable], ...] = key(
+        "other files of the same drive", default=()
+    )
+    segments: tuple[Annotated[Segment, SegmentTable], ...] = key(
+        "stretches that count in place of the whole", default=()
+    )
+    rate_Hz: Annotated[float, Number(above=0, most=1e9)] | None = key(  # noqa: N815
+        "samples a second, above what the file says", default=None
+    )
+    time: str | None = key("name of the time column", default=None)
+    group: str = key("HDF5, TDMS or MDF4 group", default="")
+    mask: Annotated[tuple[str, ...], _WORDS] = key(
+        "what of it is a hole: [CHANNEL=]KIND[@FROM..TO] or FROM..TO", default=()
+    )
+    accept: Annotated[tuple[str, ...], _WORDS] = key("what of it the part felt", default=())
+
+    def build(self) -> Drive:
+        """Return the recording."""
+        self.differ("segments", (segment.name for segment in self.segments))
+        return Drive(
+            file=self.at("file").beside(self.file), name=self.name or Path(self.file).name,
+            times=self.times, beside=self.beside, segments=self.segments,
+            options={
+                "rate": self.rate_Hz, "time": self.time, "group": self.group,
+                "mask": self.mask, "accept": self.accept,
+            },
+        )  # fmt: skip
+
+
+class ChannelTable(Table):
+    """What a channel means: its value times `factor` plus `offset` is in `unit`."""
+
+    unit: str = key("unit it is turned into: MPa, um/m, rpm, kNm")
+    factor: Annotated[float, Number(least=-1e12, most=1e12)] = key("times its value", default=1.0)
+    offset: Annotated[float, Number(least=-1e12, most=1e12)] = key("on top", default=0.0)
+
+    def build(self) -> str:
+        """Return it as `--scale` says it, without the channel."""
+        return f"{self.factor!r},{self.offset!r}:{self.unit}"
+
+
+class StrengthTable(Table):
+    """The S-N curve at the gauges, half failed."""
+
+    amplitude_MPa: Annotated[float, Number(above=0, most=10_000)] = key("at the knee")  # noqa: N815
+    cycles: Annotated[float, Number(above=0, most=1e12)] = key("at the knee")
+    slope: Annotated[float, Number(above=0, most=100)] = key("above the knee")
+    scatter: Annotated[float, Number(least=0, most=1)] = key(
+        "standard deviation of log10 strength", default=0.0
+    )
+    miner: Literal["original", "elementary", "modified"] = key(
+        "what is below the knee", default="modified"
+    )
+
+    def build(self) -> dict[str, Any]:
+        """Return it as the options say it."""
+        curve = f"{self.amplitude_MPa!r},{self.cycles!r},{self.slope!r}"
+        return {"sn": curve, "scatter": self.scatter, "miner": self.miner}
+
+
+_Positive = Annotated[float, Number(above=0, most=1e12)]
+_Share = Annotated[float, Number(least=0, most=1)]
+
+
+class CampaignTable(Table):
+    """A campaign of recordings: what was measured, and what is asked of it."""
+
+    campaign: Annotated[str, Text(PROSE)] = key("its title")
+    recordings: tuple[Annotated[Drive, DriveTable], ...] = key("what was recorded")
+    strength: Annotated[dict[str, Any], StrengthTable] = key("the S-N curve at the gauges")
+    channels: Annotated[dict[str, str], MapOf(Text(), TableRule(ChannelTable))] | None = key(
+        "calibrations, by channel", default=None
+    )
+    gauges: Annotated[tuple[str, ...], _WORDS] = key("CHANNEL[:UNIT] of each", default=())
+    rosettes: Annotated[tuple[str, ...], _WORDS] = key("NAME=A,B,C[:UNIT] of each", default=())
+    rosette_kind: Literal["rectangular", "delta"] = key("its grids", default="rectangular")
+    rosette_measure: Literal["mises", "principal", "planes"] = key(
+        "the stress of a rosette that is counted", default="mises"
+    )
+    modulus_GPa: _Positive = key("Young's modulus", default=206.0)  # noqa: N815
+    gauge_error: _Share = key("relative standard deviation of the stress scale", default=0.0)
+    mean_stress: Literal["none", "goodman", "gerber", "swt", "walker", "fkm"] = key(
+        "correction for mean stress", default="none"
+    )
+    ultimate_MPa: _Positive | None = key("tensile strength", default=None)  # noqa: N815
+    mean_sensitivity: _Share | None = key("M of fkm, exponent of walker", default=None)
+    residue: Literal["half", "repeat", "discard"] = key(
+        "what the open residue counts for", default="half"
+    )
+    allowed: _Positive = key("damage at failure", default=1.0)
+    zero: Literal["none", "start", "median", "drift"] = key(
+        "what is taken off each channel as zero", default="none"
+    )
+    low_pass_Hz: _Positive | None = key("count nothing faster", default=None)  # noqa: N815
+    between_samples: Literal["auto", "yes", "no"] = key(
+        "whether crests are looked for between samples", default="auto"
+    )
+    speed: str | None = key("CHANNEL[:UNIT] of the shaft's speed", default=None)
+    tacho: str | None = key("CHANNEL of the shaft's tacho", default=None)
+    pulses: Annotated[int, Whole(10_000)] = key("of it, a turn", default=1)
+    engine: str | None = key("CHANNEL[:UNIT] of the engine's speed", default=None)
+    engine_orders: Annotated[tuple[float, ...], ListOf(Number(above=0, most=100))] = key(
+        "orders it excites: half its cylinders, and twice that", default=(3.0, 6.0)
+    )
+    torque: str | None = key("CHANNEL[:UNIT] of the shaft's torque", default=None)
+    axle_ratio: Annotated[float, Number(above=0, most=100)] | None = key(
+        "shaft turns a wheel turn", default=None
+    )
+    tyre_radius_m: Annotated[float, Number(above=0, most=5)] | None = key(
+        "static radius of the tyre", default=None
+    )
+    mask: Annotated[tuple[str, ...], _WORDS] = key(
+        "what is a hole in every recording: [CHANNEL=]KIND[@FROM..TO]", default=()
+    )
+    accept: Annotated[tuple[str, ...], _WORDS] = key("what the part felt", default=())
+    limits: str | None = key("a profile, by name or as a file", default=None)
+    target_hours: _Positive | None = key("what every gauge has to live of the mix", default=None)
+
+    def build(self) -> Campaigned:
+        """Return the campaign."""
+        if not self.recordings:
+            self.at("recordings").refuse("is empty", "give one file at least")
+        self.differ("recordings", (drive.name for drive in self.recordings))
+        plain = {"campaign", "recordings", "strength", "channels", "engine_orders"}
+        options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
+        options |= self.strength
+        options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
+        options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
+        return Campaigned(title=self.campaign, drives=self.recordings, options=options)
+
+
+def read(path: Path, *, allow_outside: bool = False) -> Campaigned:
+    """Read a campaign's file.
+
+    Raises
+    ------
+    BadFile
+        With everything wrong in it, by line and column; also where it names a recording
+        outside its own folder and that is not allowed.
+    """
+    root, problems = parse(text_of(path), str(path))
+    reading = Reading(folder=path.parent, allow_outside=allow_outside, problems=problems)
+    try:
+        found: Campaigned = TableRule(CampaignTable).read(Here(root, "", reading))
+    except (Spoilt, Enough):
+        raise BadFile(str(path), tuple(problems)) from None
+    if problems:
+        raise BadFile(str(path), tuple(problems))
+    return found
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) that editors complete and check campaigns by."""
+    defs: dict[str, Any] = {}
+    root = CampaignTable.schema(defs)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "cardan campaign",
+        **root,
+        "$defs": dict(sorted(defs.items())),
+    }

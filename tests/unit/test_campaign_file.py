@@ -1,0 +1,237 @@
+"""A campaign's file: many recordings, one question; the same answers as one by one."""
+
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import BadFile, DesignError
+from cardan.cli.main import cli
+from cardan.fatigue.recording import alongside, between, in_memory
+from cardan.files.campaign import read, schema
+
+RATE = 500.0
+T = np.arange(20_000) / RATE
+
+
+def table(path, **columns):
+    names = list(columns)
+    rows = np.stack(list(columns.values()), -1)
+    np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(names), comments="")
+    return path
+
+
+def signal(seed, size=30.0):
+    noise = np.random.default_rng(seed).normal(size=T.size)
+    return size * np.sin(2 * np.pi * 11 * T) * (1 + 0.3 * np.sin(T / 3)) + noise
+
+
+CAMPAIGN = """
+campaign: Bracket on two routes
+recordings:
+  - {file: town.csv, times: 3}
+  - file: hill.csv
+    name: hill
+    beside: [{file: can.csv, late_s: 2}]
+    segments:
+      - {name: up, to_s: 25}
+      - {name: down, from_s: 25, to_s: 40, times: 2}
+strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}
+channels: {B1: {factor: 400, offset: 5, unit: MPa}}
+gauges: [S1, B1]
+target_hours: 1e-6
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    pytest.importorskip("pyarrow")
+    a, b = signal(1), signal(2, 45.0)
+    head = {"time": T}
+    table(tmp_path / "town.csv", **head, **{"S1 [MPa]": a, "B1 [mV/V]": (a - 5) / 400})
+    table(tmp_path / "hill.csv", **head, **{"S1 [MPa]": b, "B1 [mV/V]": (b - 5) / 400})
+    table(tmp_path / "can.csv", time=T[::50], speed=1000 + 10 * T[::50])
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    return tmp_path
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli, [str(a) for a in arguments])
+
+
+def alone(path, *more):
+    done = run("life", path, "--gauge", "S1", "--sn", "30,2e6,5", "--json", *more)
+    assert done.exit_code == 0, done.output
+    return json.loads(done.output)["gauges"][0]
+
+
+def test_the_mix_is_the_sum_of_what_is_driven(folder):
+    """Three towns, a hill up once and down twice: by hand from each by itself."""
+    done = run("life", folder / "c.yaml", "--json")
+    assert done.exit_code == 0, done.output
+    document = json.loads(done.output)
+    town = alone(folder / "town.csv")["damage"]
+    rows = np.loadtxt(folder / "hill.csv", delimiter=",", skiprows=1)
+    split = round(25 * RATE)
+    damages = [3 * town]
+    for times, part in ((1, rows[:split]), (2, rows[split:])):
+        table(folder / "part.csv", time=part[:, 0], **{"S1 [MPa]": part[:, 1]})
+        damages.append(times * alone(folder / "part.csv")["damage"])
+    gauge, scaled = document["gauges"]
+    # Nine digits are written.
+    assert gauge["damage"] == pytest.approx(sum(damages), rel=1e-6)
+    assert scaled["damage"] == pytest.approx(gauge["damage"], rel=1e-5)
+    hours = (3 * 40 + 25 + 2 * 15) / 3600 / sum(damages)
+    assert gauge["hours"] == pytest.approx(hours, rel=1e-6)
+    shares = [r["share"] for r in gauge["recordings"]]
+    assert shares == pytest.approx(np.array(damages) / sum(damages), rel=1e-6)
+    assert [r["recording"] for r in gauge["recordings"]] == ["town.csv", "hill, up", "hill, down"]
+    assert [r["recording"] for r in document["recordings"]] == [
+        "town.csv",
+        "hill, up",
+        "hill, down",
+    ]
+    assert "can.csv (10 Hz), 2 s later" in document["recordings"][1]["notes"][-1]
+    assert document["verdict"] == "pass"
+    assert len(document["checks"]) == 2
+
+
+def test_the_target_is_of_the_mix(folder):
+    text = CAMPAIGN.replace("target_hours: 1e-6", "target_hours: 1e9")
+    (folder / "c.yaml").write_text(text)
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 1
+    assert "Bracket on two routes: FAIL (2 fail, 0 warn, 0 pass)" in done.output
+    assert "of the mix" in done.output
+
+
+def test_a_veto_in_one_is_a_veto_of_the_mix(folder):
+    rows = np.loadtxt(folder / "town.csv", delimiter=",", skiprows=1)
+    rows[5000, 1] = -9999
+    table(folder / "town.csv", time=rows[:, 0], **{"S1 [MPa]": rows[:, 1], "B1 [mV/V]": rows[:, 2]})
+    document = json.loads(run("life", folder / "c.yaml", "--json").output)
+    assert document["verdict"] == "incomplete"
+    assert document["gauges"][0]["vetoes"] == ["sentinel"]
+    assert document["gauges"][0]["hours"] is None
+    told = run("life", folder / "c.yaml")
+    assert told.exit_code == 1
+    assert "S1: VETOED" in told.output
+    # The rule is kept in the file: for one recording, or for all.
+    for mended in (
+        CAMPAIGN.replace("times: 3}", "times: 3, mask: [S1=sentinel]}"),
+        CAMPAIGN + "mask: [sentinel]\n",
+    ):
+        (folder / "c.yaml").write_text(mended)
+        assert run("life", folder / "c.yaml").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("slope: 5", "slop: 5", "c.yaml:11:44: strength.slop: unknown key"),
+        ("times: 3", "times: 0", "c.yaml:4:29: recordings[1].times: must be a number above 0"),
+        ("to_s: 25}", "to_s: 0}", "segments[1].to_s: must be later than from_s"),
+        ("file: town.csv", "file: ../town.csv", "lies outside the folder"),
+        ("gauges: [S1, B1]", "gauges: S1", "gauges: must be a list"),
+        ("name: down, from_s: 25", "name: up, from_s: 25", "this name is above already"),
+        ("name: hill", "name: town.csv", "this name is above already"),
+        ("campaign: B", "campaigns: B", "unknown key"),
+    ],
+)
+def test_a_wrong_file_is_told_where(folder, old, new, said):
+    (folder / "c.yaml").write_text(CAMPAIGN.replace(old, new))
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2, done.output
+    assert said in done.output
+
+
+def test_options_stand_in_the_file(folder):
+    done = run("life", folder / "c.yaml", "--gauge", "S1")
+    assert done.exit_code == 2
+    assert "--gauges is said in the campaign's file" in done.output
+    (folder / "c.yaml").write_text(CAMPAIGN.replace("town.csv", "city.csv"))
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert "no such file" in done.output
+
+
+def test_every_option_of_a_recording_is_a_key():
+    """But those that are of one application: what it predicts."""
+    from dataclasses import fields
+
+    from cardan.files.campaign import CampaignTable, DriveTable, StrengthTable
+    from cardan.study.campaign import Campaign
+
+    keys = {*CampaignTable.keys(), *DriveTable.keys(), *StrengthTable.keys()}
+    of_applications = {"predicted", "application", "unit_stress", "state", "bearing"}
+    elsewhere = {"scale": "channels", "sn": "strength", "rate": "rate_Hz"}
+    left = {"estimate_speed", "joint_orders"}
+    for f in fields(Campaign):
+        if f.name not in of_applications | left:
+            assert elsewhere.get(f.name, f.name) in keys, f.name
+
+
+def test_the_schema_knows_the_file(folder):
+    import yaml
+
+    found = schema()
+    jsonschema.validate(
+        yaml.safe_load(CAMPAIGN.replace("1e-6", "1.0e-6").replace("2e6", "2.0e+6")), found
+    )
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"campaign": "x"}, found)
+    printed = json.loads(run("schema", "--campaign").output)
+    assert printed["title"] == "cardan campaign"
+    assert read(folder / "c.yaml").title == "Bracket on two routes"
+    with pytest.raises(BadFile):
+        read(folder / "d.yaml")
+
+
+def test_a_script_asks_the_same(folder):
+    import cardan
+
+    found = cardan.life(folder / "c.yaml")
+    document = json.loads(run("life", folder / "c.yaml", "--json").output)
+    assert json.loads(json.dumps(found.to_dict())) == document
+    assert found.verdict == "pass"
+    assert "lives" in repr(found)
+    frame = found.to_frame()
+    assert list(frame["recording"][:3]) == ["town.csv", "hill, up", "hill, down"]
+    with pytest.raises(DesignError, match="sn is said in the campaign's file"):
+        cardan.life(folder / "c.yaml", sn="30,2e6,5")
+
+
+# --------------------------------------------------------------------------- recordings
+
+
+def recording(name, rate, **channels):
+    data = np.stack(list(channels.values()))
+    return in_memory(data, rate=rate, names=list(channels), name=name)
+
+
+def test_a_stretch_of_a_recording():
+    whole = recording("a", 10.0, x=np.arange(100.0), y=-np.arange(100.0))
+    part = between(whole, 2.0, 5.0, name="b")
+    assert (part.name, part.samples) == ("b", 30)
+    assert part.whole(["y"]).tolist() == [(-np.arange(20.0, 50.0)).tolist()]
+    assert between(whole, 8.0, np.inf).whole(["x"])[0].tolist() == np.arange(80.0, 100.0).tolist()
+    for first, last in ((5.0, 5.0), (10.0, 11.0)):
+        with pytest.raises(DesignError, match="nothing between"):
+            between(whole, first, last)
+
+
+def test_a_recording_beside_another():
+    fast = recording("a", 100.0, x=np.arange(500.0))
+    slow = recording("b", 10.0, v=np.arange(20.0))
+    both = alongside(fast, slow, late=1.0)
+    assert both.names == ("x", "v")
+    x, v = both.whole()
+    np.testing.assert_array_equal(x, np.arange(500.0))
+    assert np.isnan(v[:100]).all()
+    np.testing.assert_allclose(v[100:291], np.arange(191) / 10, atol=1e-9)
+    assert np.isnan(v[291:]).all()
+    np.testing.assert_array_equal(both.whole(["v"])[0][150:200], v[150:200])
+    with pytest.raises(DesignError, match="both have a channel 'x'"):
+        alongside(fast, recording("c", 10.0, x=np.arange(20.0)))

@@ -1,0 +1,317 @@
+"""What is spoiled is listed, counted both ways, and never told as if it were known."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import DesignError
+from cardan.base.units import MPa
+from cardan.cli.life import life as command
+from cardan.fatigue.damage import miner
+from cardan.fatigue.life import Plan, life
+from cardan.fatigue.quality import Rule
+from cardan.fatigue.rainflow import rainflow
+from cardan.fatigue.recording import in_memory
+from cardan.fatigue.strain import direct
+from cardan.fatigue.strength import SNCurve
+from cardan.study.campaign import Campaign
+
+RATE = 1000.0
+CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).modified()
+PLAN = Plan(gauges=(direct("S1", "S1", factor=MPa),), curve=CURVE)
+T = np.arange(60_000) / RATE
+
+
+def clean(seed=0):
+    return 30 * np.sin(2 * np.pi * 11 * T) + np.random.default_rng(seed).normal(size=T.size)
+
+
+def of(x, *rules, rate=RATE, **more):
+    recording = in_memory(np.atleast_2d(x), rate=rate, names=["S1"], units=["MPa"])
+    plan = Plan(gauges=PLAN.gauges, curve=CURVE, rules=rules, **more)
+    return life(recording, plan=plan)[0]
+
+
+def mask(kind):
+    return Rule(mask=True, kind=kind)
+
+
+def accept(kind):
+    return Rule(mask=False, kind=kind)
+
+
+TRUE = of(clean())
+
+
+def spoiled(kind):
+    x = clean()
+    if kind == "sentinel":
+        x[[9000, 30_000, 30_001]] = -9999.0
+    if kind == "spike":
+        x[0] = x[44_000] = 400.0
+    if kind == "dropout":
+        x[7000:7008] = 400.0
+    return x
+
+
+@pytest.mark.parametrize("kind", ["sentinel", "spike", "dropout"])
+def test_what_decides_the_damage_vetoes_the_life(kind):
+    """Kept as recorded, counted without, and no answer until somebody decides."""
+    x = spoiled(kind)
+    kept, masked, accepted = of(x), of(x, mask(kind)), of(x, accept(kind))
+    assert TRUE.quality.verdict == "good"
+    assert kept.quality.vetoes == (kind,)
+    raw = miner(rainflow(x * MPa), curve=CURVE)
+    assert kept.life.damage == accepted.life.damage == pytest.approx(raw, rel=1e-12)
+    (effect,) = kept.quality.effects
+    assert effect.recorded == kept.life.damage > 2 * TRUE.life.damage
+    # A dozen samples of 60,000 are not there.
+    assert effect.without == masked.life.damage == pytest.approx(TRUE.life.damage, rel=1e-3)
+    assert not masked.vetoed
+    assert not accepted.vetoed
+
+
+def test_rules_know_channel_and_time():
+    x = spoiled("spike")
+    half = of(x, Rule(mask=True, kind="spike", first=40.0))
+    (effect,) = half.quality.effects
+    assert (effect.count, effect.undecided) == (2, 1)
+    assert half.vetoed
+    assert effect.without < half.life.damage < effect.recorded
+    other = of(x, Rule(mask=True, kind="spike", channel="S2"))
+    assert other.life.damage == effect.recorded
+    late = of(x, mask("spike"), Rule(mask=False, kind="spike", first=40.0))
+    assert late.life.damage == of(x, Rule(mask=True, kind="spike", last=40.0)).life.damage
+    window = of(x, Rule(mask=True, first=44.0, last=44.0), Rule(mask=True, first=0.0, last=0.0))
+    assert window.life.damage == of(x, mask("spike")).life.damage
+
+
+@pytest.mark.parametrize("way", ["frozen", "missing", "masked"])
+def test_half_a_recording_is_no_longer_life(way):
+    """Half of it gone had been twice the life. Edges cost a cycle of 660."""
+    x, rules = clean(), ()
+    if way == "frozen":
+        x[30_000:] = x[30_000]
+    elif way == "missing":
+        x[30_000:] = np.nan
+    else:
+        rules = (Rule(mask=True, first=30.0),)
+    one = of(x, *rules)
+    assert one.life.duration == pytest.approx(30, abs=0.01)
+    assert one.life.hours == pytest.approx(TRUE.life.hours, rel=0.02)
+    assert one.life.damage == pytest.approx(TRUE.life.damage / 2, rel=0.02)
+    assert one.quality.verdict == "doubtful"
+    if way == "frozen":
+        assert of(x, accept("freeze")).life.hours == pytest.approx(2 * one.life.hours, rel=1e-3)
+        assert of(x, mask("freeze")).life.hours == pytest.approx(one.life.hours, rel=1e-3)
+
+
+def test_a_gauge_that_hardly_lived_has_no_answer():
+    x = clean()
+    x[12_000:] = np.nan
+    assert of(x).quality.vetoes == ("hole",)
+
+
+def test_clipped_crests_veto():
+    """Half of the samples cut off: the damage left is far too small, and says nothing."""
+    x = np.clip(clean(), -21, 21)
+    one = of(x)
+    assert 0.4 < one.health["S1"].clipped / x.size < 0.6
+    assert one.quality.vetoes == ("clip",)
+    (effect,) = one.quality.effects
+    assert effect.recorded < 0.05 * TRUE.life.damage
+    # An estimate, on the low side: noise cuts a crest in parts.
+    assert 5 * effect.recorded < effect.without < TRUE.life.damage
+    assert not of(x, accept("clip")).vetoed
+
+
+@pytest.mark.parametrize("hertz", [11.0, 1.0, 0.2])
+@pytest.mark.parametrize("cut", [0.25, 0.05])  # of the samples, at either end
+def test_clipping_is_no_answer_at_any_speed(hertz, cut):
+    """Wherever it costs more than a fifth of the damage, the life is vetoed."""
+    x = 35 * np.sin(2 * np.pi * hertz * T) + 0.5 * np.random.default_rng(3).normal(size=T.size)
+    x = np.round(x * 20) / 20
+    truth = of(x).life.damage
+    one = of(np.clip(x, *np.quantile(x, [cut, 1 - cut])))
+    assert one.life.damage < 0.95 * truth
+    assert one.vetoes == ("clip",)
+
+
+def test_a_signal_that_drops_to_nought_is_not_clipped():
+    x = clean()
+    for k in range(500, 60_000, 6000):
+        x[k : k + 100] = 0.0
+    assert "clip" not in of(x).health["S1"].faults
+
+
+def test_drift_is_counted_both_ways():
+    x = clean() + 300 * T / 60
+    one = of(x)
+    (effect,) = one.quality.effects
+    assert effect.kind == "drift"
+    assert one.quality.vetoes == ("drift",)
+    assert effect.recorded > 1.2 * effect.without
+    assert not of(x, accept("drift")).vetoed
+
+
+@pytest.mark.parametrize("hertz", [97.0, 41.0])
+def test_crests_between_samples_count(hertz):
+    """A 97 Hz tone met 3.1 times a turn had lost half its damage; of one met often, nothing moves.
+
+    Its true damage: 97 cycles a second at its amplitude.
+    """
+    rate = 300.0 if hertz == 97 else 1000.0
+    t = np.arange(round(60 * rate)) / rate
+    x = 40 * np.sin(2 * np.pi * hertz * t + 0.2)
+    one = of(x, rate=rate)
+    truth = 60 * hertz * float(CURVE.damage(40 * MPa))
+    raw = miner(rainflow(x * MPa), curve=CURVE)
+    if hertz == 97:
+        # Eight times finer, crests still lose (π 97/2400)²/6 of their height.
+        assert one.life.damage == pytest.approx(truth * (1 - 5 * 0.00269), rel=2e-3)
+        assert one.quality.samples_only == pytest.approx(raw, rel=1e-12)
+        assert raw < 0.7 * truth
+        assert of(x, rate=rate, between=False).life.damage == pytest.approx(raw, rel=1e-12)
+    else:
+        assert np.isnan(one.quality.samples_only)
+        assert one.life.damage == pytest.approx(raw, rel=1e-12)
+        assert of(x, rate=rate, between=True).life.damage == pytest.approx(truth, rel=0.002)
+
+
+def test_what_is_folded_in_is_said():
+    noise = 20 * np.random.default_rng(1).normal(size=60_000)
+    assert of(noise).quality.fast == pytest.approx(0.2, abs=0.02)
+    assert of(clean()).quality.fast < 1e-3
+
+
+# --------------------------------------------------------------------------- by the command
+
+ONE = ("--gauge", "S1:MPa", "--sn", "30,2e6,5")
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments])
+
+
+def written(tmp_path, columns, name="a.csv", clock="time"):
+    scale = 1e3 if "ms" in clock else 1.0
+    rows = np.stack([T[: len(next(iter(columns.values())))] * scale, *columns.values()], -1)
+    head = ",".join([clock, *columns])
+    np.savetxt(tmp_path / name, rows, "%.9g", delimiter=",", header=head, comments="")
+    return tmp_path / name
+
+
+def test_a_vetoed_life_passes_no_target(tmp_path):
+    path = written(tmp_path, {"S1": spoiled("sentinel")})
+    for more in ((), ("--target-hours", "1e-9")):
+        done = run(path, *ONE, *more, "--json")
+        assert done.exit_code == 1, done.output
+        document = json.loads(done.output)
+        assert document["verdict"] == "incomplete"
+        (gauge,) = document["gauges"]
+        assert gauge["quality"]["verdict"] == "vetoed"
+        assert gauge["quality"]["vetoes"] == ["sentinel"]
+        assert gauge["hours"] is None
+        (suspect,) = gauge["quality"]["suspects"]
+        assert suspect["damage_recorded"] == gauge["damage"] > 100 * suspect["damage_without"]
+        (listed,) = document["channels"][0]["suspects"]
+        assert [p["from_s"] for p in listed["places"]] == [9.0, 30.0]
+    told = run(path, *ONE, "--target-hours", "1e-9").output
+    assert "S1: VETOED: its damage hangs on sentinel" in told
+    assert "--mask or --accept sentinel" in told
+    ruled = run(path, *ONE, "--target-hours", "1e-9", "--mask", "S1=sentinel@0..60", "--json")
+    assert ruled.exit_code == 0, ruled.output
+    document = json.loads(ruled.output)
+    assert document["rules"]["masked"] == [
+        {"channel": "S1", "kind": "sentinel", "from_s": 0.0, "to_s": 60.0}
+    ]
+    assert document["gauges"][0]["hours"] == pytest.approx(TRUE.life.hours, rel=1e-3)
+    assert run(path, *ONE, "--mask", "8.9..9.1", "--mask", "29..31").exit_code == 0
+
+
+def test_shear_is_said(tmp_path):
+    """A shaft's rosette in torsion: grids at 0, 45 and 90 degrees feel 0, g/2 and 0."""
+    shear = 600 * np.sin(2 * np.pi * 7 * T[:6000])
+    grids = {"a": 0.004 * shear, "b": shear / 2, "c": -0.004 * shear}
+    path = written(tmp_path, grids)
+    done = run(path, "--rosette", "R=a,b,c:um/m", "--sn", "30,2e6,5", "--json")
+    quality = json.loads(done.output)["gauges"][0]["quality"]
+    assert quality["biaxiality"] == pytest.approx(-1, abs=0.02)
+    assert quality["verdict"] == "doubtful"
+    by = quality["damage_by_measure"]
+    # Across the plane at 45 degrees: the shear stress itself, G 79.2 GPa.
+    tau = 206e9 / 2.6 * 600e-6 * np.sin(2 * np.pi * 7 * T[:6000])
+    assert by["planes"] == pytest.approx(miner(rainflow(tau), curve=CURVE), rel=0.03)
+    assert by["mises"] > 5 * by["planes"]
+    said = run(path, "--rosette", "R=a,b,c:um/m", "--sn", "30,2e6,5").output
+    assert "R: mostly shear (biaxiality -1" in said
+    pull = {"a": shear, "b": 0.35 * shear, "c": -0.3 * shear}
+    path = written(tmp_path, pull)
+    done = run(path, "--rosette", "R=a,b,c:um/m", "--sn", "30,2e6,5", "--json")
+    quality = json.loads(done.output)["gauges"][0]["quality"]
+    assert quality["biaxiality"] == pytest.approx(0, abs=0.01)
+    assert quality["verdict"] == "good"
+
+
+@pytest.mark.parametrize("name", ["Time_ms", "time_ms", "Time (ms)", "t ms", "Zeit[ms]"])
+def test_a_clock_says_its_unit_in_its_name(tmp_path, name):
+    path = written(tmp_path, {"S1": clean()}, clock=name)
+    for more in ((), ("--time", name.partition("[")[0].partition(" (")[0])):
+        done = run(path, *ONE, "--json", *more)
+        assert done.exit_code == 0, done.output
+        assert json.loads(done.output)["rate_Hz"] == pytest.approx(RATE)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--ultimate-MPa", "0", "--mean-stress", "goodman"), "ultimate_MPa of a campaign"),
+        (("--ultimate-MPa", "nan", "--mean-stress", "goodman"), "ultimate_MPa of a campaign"),
+        (("--allowed", "-1"), "allowed of a campaign must be above 0"),
+        (("--scatter", "-0.1"), "scatter of a campaign must be at least 0"),
+        (("--scatter", "inf"), "scatter of a campaign must be at least 0 and at most 1"),
+        (("--gauge-error", "2"), "gauge_error of a campaign"),
+        (("--mean-sensitivity", "-1", "--mean-stress", "fkm"), "mean_sensitivity of a campaign"),
+        (("--mean-sensitivity", "nan", "--mean-stress", "walker"), "mean_sensitivity"),
+        (("--modulus-GPa", "inf"), "modulus_GPa of a campaign"),
+        (("--low-pass-Hz", "0"), "low_pass_Hz of a campaign must be above 0"),
+        (("--pulses", "0"), "pulses of a campaign must be at least 1"),
+        (("--bearing", "0"), "bearing of a campaign must be at least 1"),
+        (("--joint-orders", "2,-4"), "joint_orders of a campaign"),
+        (("--engine-orders", "nan"), "engine_orders of a campaign"),
+        (("--predicted", "S11=4", "--torque", "S1:Nm"), "no gauge 'S11'; did you mean S1?"),
+        (("--predicted", "S1=4"), "name it with --torque"),
+        (("--predicted", "S1=nan", "--torque", "S1:Nm"), "GAUGE=MPa_per_kNm"),
+        (("--mask", "spikes"), "no kind of fault 'spikes'"),
+        (("--mask", "clip"), "a clip cannot be masked"),
+        (("--mask", "S3=spike"), "no gauge's channel 'S3'"),
+        (("--mask", "9..3"), "a time is FROM..TO"),
+        (("--mask", "spike@x..y"), "a time is FROM..TO"),
+        (("--accept", ""), "a rule is"),
+    ],
+)
+def test_options_have_ranges(tmp_path, more, said):
+    path = written(tmp_path, {"S1": clean()[:3000]})
+    done = run(path, *ONE, *more)
+    assert done.exit_code == 2, done.output
+    assert said in done.output
+
+
+@pytest.mark.parametrize(
+    "sn", ["0,2e6,5", "30,0,5", "30,2e6,0", "nan,2e6,5", "30,inf,5", "30,2e6,nan"]
+)
+def test_an_sn_curve_has_a_range(tmp_path, sn):
+    path = written(tmp_path, {"S1": clean()[:3000]})
+    done = run(path, "--gauge", "S1:MPa", "--sn", sn)
+    assert done.exit_code == 2, done.output
+
+
+def test_what_is_accepted_was_not_masked():
+    campaign = Campaign(sn="30,2e6,5", mask=("spike",), accept=("S1=spike@2..",))
+    first, last = campaign.rules
+    assert (first.mask, last.mask) == (True, False)
+    assert (last.channel, last.first, last.last) == ("S1", 2.0, np.inf)
+    with pytest.raises(DesignError, match="no kind"):
+        Campaign(sn="30,2e6,5", accept=("everything",))

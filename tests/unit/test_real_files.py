@@ -1,0 +1,296 @@
+"""Files as loggers write them, and files that were made to hurt."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import BadFile
+from cardan.cli.life import life as command
+from cardan.files.recordings import open_recording
+
+pytest.importorskip("pyarrow")
+
+RATE = 500.0
+N = 1500
+T = np.arange(N) / RATE
+S1, S2 = np.round(40 * np.sin(T * 40), 4), np.round(np.cos(T * 25) * 3, 4)
+SLOW = np.arange(0, N, 50) / RATE
+"""Ten times a second."""
+
+
+def write(path, text):
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def refused(path, match, **how):
+    with pytest.raises(BadFile, match=match):
+        open_recording(path, **how).whole()
+
+
+def rows(*columns, sep=","):
+    return "".join(sep.join(row) + "\n" for row in zip(*columns, strict=True))
+
+
+def shown(x):
+    return [f"{v:.6f}" for v in x]
+
+
+# --------------------------------------------------------------------------- tables of text
+
+
+def stamps(date="2026-11-20 "):
+    return [
+        f"{date}23:59:{58 + s:06.3f}" if s < 2 else f"{date[:8]}21 00:00:{s - 2:06.3f}" for s in T
+    ]
+
+
+def test_words_are_left_out_and_said(tmp_path):
+    gears = [f"G{k // 500}" for k in range(N)]
+    text = "time,S1,gear,S2\n" + rows(shown(T), shown(S1), gears, shown(S2))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    assert (recording.names, recording.rate) == (("S1", "S2"), RATE)
+    assert recording.notes == ("not numbers, left out: gear",)
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-9)
+
+
+def test_a_date_and_time_are_a_clock(tmp_path):
+    """Over midnight, too; whatever the column is called."""
+    text = "when,S1,S2\n" + rows(stamps(), shown(S1), shown(S2))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    assert (recording.names, recording.rate) == (("S1", "S2"), pytest.approx(RATE))
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-9)
+    clock, signal = (
+        [text.replace(".", ",") for text in column[:900]] for column in (stamps(""), shown(S1))
+    )
+    german = "Zeit;S1\n" + rows(clock, signal, sep=";")
+    found = open_recording(write(tmp_path / "b.csv", german))
+    assert found.rate == pytest.approx(RATE)
+    np.testing.assert_allclose(found.whole(), [S1[:900]], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "time,S1,S2\ns,MPa,um/m\n",
+        "time,S1,S2\ns,MPa,um/m\nclock,left bracket,right bracket\n",
+        "time,S1,S2\nclock,left bracket,right bracket\ns,MPa,um/m\n",
+        "logger 7\n\ntime,S1,S2\n[s],[MPa],[um/m]\nCH0,CH1,CH2\n",
+    ],
+)
+def test_names_units_and_descriptions(tmp_path, head):
+    text = head + rows(shown(T), shown(S1), shown(S2))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    assert recording.names == ("S1", "S2")
+    assert tuple(c.unit for c in recording.channels) == ("MPa", "um/m")
+
+
+def test_a_channel_called_t_is_a_channel(tmp_path):
+    text = "time,T,S1\n" + rows(shown(T), shown(S2), shown(S1))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    assert recording.names == ("T", "S1")
+    text = "t,T\n" + rows(shown(T), shown(S2))
+    assert open_recording(write(tmp_path / "b.csv", text)).names == ("T",)
+
+
+@pytest.mark.parametrize("later", [2.0, 1.05])
+def test_a_clock_that_changes_its_rate_is_refused(tmp_path, later):
+    steps = np.concatenate([np.full(70_000, 1.0), np.full(70_000, later)]) / RATE
+    time = np.cumsum(steps)
+    text = "time,S1\n" + rows(shown(time), ["1.5"] * time.size)
+    refused(write(tmp_path / "a.csv", text), "clock (changes its rate|runs at another rate)")
+
+
+# --------------------------------------------------------------------------- several rates
+
+
+def speed_at(t):
+    return 1000 + 100 * t
+
+
+def check_two_rates(recording):
+    assert recording.rate == RATE
+    assert set(recording.names) == {"S1", "speed"}
+    x, speed = recording.whole(["S1", "speed"])
+    np.testing.assert_allclose(x, S1, atol=1e-9)
+    last = SLOW[-1]
+    known = SLOW[0] <= T
+    known &= last >= T
+    np.testing.assert_allclose(speed[known], speed_at(T[known]), rtol=1e-9)
+    assert np.isnan(speed[~known]).all()
+    assert any("one clock of 500 Hz" in n and "speed (10 Hz)" in n for n in recording.notes)
+    assert recording.whole(["speed"]).shape == (1, N)
+
+
+def test_hdf5_of_two_rates(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        gauges, bus = file.create_group("gauges"), file.create_group("can")
+        gauges["S1"], bus["speed"] = S1, speed_at(SLOW)
+        gauges.attrs["rate_Hz"], bus.attrs["rate_Hz"] = RATE, 10.0
+    check_two_rates(open_recording(tmp_path / "a.h5"))
+    assert open_recording(tmp_path / "a.h5", group="can").names == ("speed",)
+
+
+def test_hdf5_of_two_clocks(tmp_path):
+    """Each group has its own time, and they need not begin at nought."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        gauges, bus = file.create_group("gauges"), file.create_group("can")
+        gauges["S1"], bus["speed"] = S1, speed_at(SLOW)
+        gauges["time"], bus["time"] = 7 + T, 7 + SLOW
+    check_two_rates(open_recording(tmp_path / "a.h5"))
+
+
+def test_tdms_of_two_rates(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
+        writer.write_segment(
+            [
+                nptdms.ChannelObject("gauges", "S1", S1, properties={"wf_increment": 1 / RATE}),
+                nptdms.ChannelObject(
+                    "can", "speed", speed_at(SLOW), properties={"wf_increment": 0.1}
+                ),
+            ]
+        )
+    check_two_rates(open_recording(tmp_path / "a.tdms"))
+    assert open_recording(tmp_path / "a.tdms", group="can").names == ("speed",)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_mdf_of_two_rates(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    file = asammdf.MDF(version="4.10")
+    file.append([asammdf.Signal(S1, T, name="S1", unit="MPa")])
+    file.append([asammdf.Signal(speed_at(SLOW), SLOW, name="speed", unit="rpm")])
+    file.save(tmp_path / "a.mf4")
+    check_two_rates(open_recording(tmp_path / "a.mf4"))
+
+
+# --------------------------------------------------------------------------- cut short, and bombs
+
+
+@pytest.mark.parametrize("left", [1 / 3, 0.9])
+def test_a_tdms_cut_short_says_so(tmp_path, left):
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
+        for part in (slice(0, 700), slice(700, N)):
+            writer.write_segment(
+                [nptdms.ChannelObject("g", "S1", S1[part], properties={"wf_increment": 1 / RATE})]
+            )
+    whole = (tmp_path / "a.tdms").read_bytes()
+    assert open_recording(tmp_path / "a.tdms").notes == ()
+    (tmp_path / "b.tdms").write_bytes(whole[: int(left * len(whole))])
+    recording = open_recording(tmp_path / "b.tdms")
+    assert any("cut short" in n for n in recording.notes)
+    assert recording.whole().shape[1] < N
+
+
+def test_an_hdf5_that_claims_what_it_has_not(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("S1", (10**12,), "f8", chunks=(1 << 20,))
+        file.attrs["rate_Hz"] = RATE
+    assert (tmp_path / "a.h5").stat().st_size < 10_000
+    refused(tmp_path / "a.h5", "claims more samples than are stored")
+
+
+def test_an_hdf5_reads_no_other_file(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    secret = tmp_path / "secret.bin"
+    secret.write_bytes(np.arange(100.0).tobytes())
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file.create_group("g")["S1"] = S1
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.attrs["rate_Hz"] = RATE
+        file.create_dataset("S1", (100,), "f8", external=[(str(secret), 0, 800)])
+    refused(tmp_path / "a.h5", "in another file, which is not opened")
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file.attrs["rate_Hz"] = RATE
+        file["S2"] = S2
+        file["g"] = h5py.ExternalLink("other.h5", "/g")
+        file["S1"] = h5py.ExternalLink("other.h5", "/g/S1")
+    assert open_recording(tmp_path / "b.h5").names == ("S2",)
+    refused(tmp_path / "b.h5", "in another file, which is not opened", group="g")
+    layout = h5py.VirtualLayout((N,), "f8")
+    layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "g/S1", (N,))
+    with h5py.File(tmp_path / "c.h5", "w") as file:
+        file.attrs["rate_Hz"] = RATE
+        file.create_virtual_dataset("S1", layout)
+    refused(tmp_path / "c.h5", "in another file, which is not opened")
+
+
+def test_a_parquet_of_one_value_for_ever(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.table({"S1": pa.array(np.zeros(3_000_000))}).replace_schema_metadata(
+        {"rate_Hz": "500"}
+    )
+    pq.write_table(table, tmp_path / "a.parquet", compression="zstd")
+    assert (tmp_path / "a.parquet").stat().st_size < 60_000
+    refused(tmp_path / "a.parquet", "claims more samples than it can hold")
+
+
+def test_a_wav_of_65281_channels(tmp_path):
+    head = struct.pack(
+        "<4sI4s4sIHHIIHH", b"RIFF", 99, b"WAVE", b"fmt ", 16, 1, 65281, 500, 0, 0, 16
+    )
+    (tmp_path / "a.wav").write_bytes(head + struct.pack("<4sI", b"data", 1 << 20) + bytes(1 << 20))
+    refused(tmp_path / "a.wav", "more than 1024 channels")
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.txt"])
+def test_a_line_without_end(tmp_path, name):
+    """Four gigabytes of it had taken as much memory; here some megabytes do."""
+    (tmp_path / name).write_bytes(b"1 2 3 " * 2_000_000)
+    refused(tmp_path / name, "does not end within 64 kB")
+    good = rows(shown(T), shown(S1), sep=" ") * 4
+    (tmp_path / name).write_bytes(f"time S1\n{good}".encode() + b"1 2 " * 2_000_000)
+    refused(tmp_path / name, "a line does not end within 4 MB", rate=RATE)
+
+
+# --------------------------------------------------------------------------- units
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments])
+
+
+def test_volts_are_scaled(tmp_path):
+    text = "time [s],S1 [MPa],B1 [mV/V],spd [km/h]\n" + rows(
+        shown(T), shown(S1), shown((S1 - 5) / 400), ["36.0"] * N
+    )
+    path = write(tmp_path / "a.csv", text)
+    plain = json.loads(run(path, "--gauge", "S1", "--sn", "30,2e6,5", "--json").output)
+    more = ("--gauge", "B1", "--sn", "30,2e6,5")
+    refusal = run(path, *more)
+    assert refusal.exit_code == 2
+    assert "--scale B1=FACTOR" in refusal.output
+    scaled = json.loads(run(path, *more, "--scale", "B1=400,5:MPa", "--json").output)
+    # Written to six decimals of a four-hundredth: 2e-4 MPa of 40.
+    assert scaled["gauges"][0]["damage"] == pytest.approx(plain["gauges"][0]["damage"], rel=1e-4)
+    assert scaled["gauges"][0]["high_MPa"] == pytest.approx(
+        plain["gauges"][0]["high_MPa"], abs=1e-3
+    )
+    for wrong in ("B1=0:MPa", "B1=4", "B1=4:V", "B1=nan:MPa", "4:MPa", "B1=1,2,3:MPa"):
+        assert run(path, *more, "--scale", wrong).exit_code == 2
+    assert run(path, *more, "--scale", "B3=4:MPa").exit_code == 2
+
+
+def test_the_vehicle_s_speed_turns_the_shaft(tmp_path):
+    """36 km/h on tyres of 0.5 m and an axle of 4: 10/(2π 0.5) · 4 = 12.7 turns/s, for 3 s."""
+    text = "time [s],S1 [MPa],spd [km/h]\n" + rows(shown(T), shown(S1), ["36.0"] * N)
+    path = write(tmp_path / "a.csv", text)
+    one = ("--gauge", "S1", "--sn", "30,2e6,5", "--speed", "spd")
+    refusal = run(path, *one)
+    assert refusal.exit_code == 2
+    assert "--axle-ratio and --tyre-radius-m" in refusal.output
+    done = run(path, *one, "--axle-ratio", "4", "--tyre-radius-m", "0.5", "--json")
+    assert done.exit_code == 0, done.output
+    document = json.loads(done.output)
+    assert document["distance_km"] == pytest.approx(0.03, rel=0.01)
+    assert document["gauges"][0]["order2_by_speed"][0]["rpm"] == pytest.approx(764, abs=60)
