@@ -356,7 +356,7 @@ def test_a_profile_of_ones_own_is_read_too(truck, tmp_path):
         ("stability", "FILE", "--chart", "FILE"),
         ("bracket", "FILE", "--vtu", "FILE"),
         ("check", "FILE", "FILE", "--json", "FILE"),
-        ("life", "FILE", "--sn", "1,1,1", "--plot", "FILE"),
+        ("life", "FILE", "--json", "FILE"),
         ("life", "x.csv", "--sn", "1,1,1", "--application", "FILE", "--json", "FILE"),
     ],
 )
