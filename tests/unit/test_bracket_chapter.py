@@ -57,9 +57,10 @@ def approved(found: BracketAnswer) -> Approval:
 def test_damage_follows_from_the_amplitudes_shown(found):
     """One cycle in half a turn: two a turn, on the plane and of the amplitude reported."""
     v = found.variants[0]
-    kerb, static, second, combined = v.outcomes
+    kerb, static, second, combined, worst = v.outcomes
     assert kerb.life is None
     assert static.life is None
+    assert worst.case.point is not None
     # Order 2 has no mean; above the knee the slope is 5, below it 9.
     swing = second.amplitude / 2e6
     expected = swing ** np.where(swing >= 1, 5, 9) / 1e6
@@ -68,9 +69,10 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     assert second.life.per_hour == pytest.approx(2 * expected.max() * 2500 * 60)
     # Its mean stress counts where an ultimate strength is given: here the swing alone does.
     assert combined.life.spots == pytest.approx(second.life.spots, rel=1e-9)
-    # At the check's own torque and speed the duty cycle is the check's combined load.
+    # At the check's own torque and speed the duty cycle is the check's combined load, but for
+    # the shafts' inertia: a ten-thousandth of the force, nine times that of the life.
     (duty,) = v.duty
-    assert duty.hours == pytest.approx(combined.life.hours)
+    assert duty.hours == pytest.approx(combined.life.hours, rel=2e-3)
     assert duty_of(found.bracket, assess(files.loads(FILE)).responses[0])
     # A gauge on the leg reads half a range of strain: times E, its amplitude.
     read = np.ptp(second.strain[0]) / 2 * found.bracket.material.youngs_modulus / 2e6

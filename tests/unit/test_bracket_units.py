@@ -285,7 +285,7 @@ def test_the_command_judges_a_file(tmp_path):
     assert (first["name"], second["name"]) == ("original", "reinforced")
     assert second["mass_kg"] > first["mass_kg"]
     names = [c["name"] for c in first["cases"]]
-    states = [f"as given: {k}" for k in ("static", "order 2", "combined", "peak")]
+    states = [f"as given: {k}" for k in ("static", "order 2", "combined", "peak", "worst point")]
     assert names == ["up", "standing", *states]
     by = {c["name"]: c for c in first["cases"]}
     # What the check knows of the bearing's forces comes through: the mean of the strain over
