@@ -700,6 +700,8 @@ STUDY = (
     mutant("study/driveline.py", "found = found | (idle & ~idle.all(axis=-2, keepdims=True))",
            "found = found | idle", "a line that stands in every state is not asked",
            "unit/test_cli.py::test_the_exit_code_is_the_verdict"),
+    mutant("report/story.py", "if f.study in told and f.asked:", "if f.study in told:",
+           "a study that nobody asked gets a chapter", "unit/test_one_verdict.py::test_a_study_that_nobody_asked_has_no_chapter"),
     mutant("study/driveline.py", "worse = left < limit.margin(own, to=\"normal\") - EQUAL", "worse = left > limit.margin(own, to=\"normal\") - EQUAL",
            "the best operating point counts", "unit/test_at_points.py"),
     mutant("study/driveline.py", "if spread is None or limit.points == \"own\":", "if spread is None:",

@@ -220,6 +220,17 @@ def test_the_typesetter_is_told_what_the_story_says(quantity, tmp_path):
     assert _told(told)[0]["verdict"] == case.verdict.upper()
 
 
+def test_a_study_that_nobody_asked_has_no_chapter():
+    """The medium truck could be asked about vibration, and was not: its report is silent on it."""
+    found = approve(files.read(EXAMPLES / "medium-truck-4x2.yaml"))
+    assert [(f.study, f.asked) for f in found.findings] == [
+        ("driveline", True),
+        ("vibration", False),
+    ]
+    told = story.approval(found, helps=(), fixes=(), say=Language("en"), issue=story.Issue())
+    assert "Vibration" not in "".join(c.title for c in told.chapters)
+
+
 # --------------------------------------------------------------------------- a recording
 
 
