@@ -1,12 +1,13 @@
 """What may be moved of a line, and what the line does when it is: many variants at a time."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, stacked
 from cardan.demand.motion import Ride, moved
-from cardan.demand.states import Demand
+from cardan.demand.states import Demand, demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Moved
@@ -39,6 +40,13 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
         for m in MOVABLES.values()
         for k in range(1, m.count(response.line) + 1)
     )
+
+
+def in_states(response: Response, states: Sequence[int]) -> Response:
+    """Return the response of a line as installed, in some of its states alone."""
+    application = response.application
+    some = replace(application, states=tuple(application.states[s] for s in states))
+    return respond(some, demand(resolve(some, response.demand.installed)))
 
 
 def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Response:

@@ -1,7 +1,7 @@
 """What each thing that can be moved does to each check that does not pass."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
 from cardan.study.driveline import asked, check
-from cardan.study.moves import adjustables, tried
+from cardan.study.moves import adjustables, in_states, tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,44 +51,72 @@ def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
     return tuple(sorted(found, key=lambda s: (s.check.grade != "fail", s.check.margin)))
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Missed:
+    """A limit's part that does not pass: its check in the worst state, and all such states."""
+
+    question: int
+    part: int
+    check: Check
+    state: int
+    states: tuple[str, ...]
+
+
 def _of_line(response: Response, every: Iterable[Check]) -> Iterator[Sensitivity]:
     """Yield the sensitivities of one line, from one batch of things moved back and forth."""
-    states = response.demand.states
     name = response.line.name
     bad = {c.quantity for c in every if c.line == name and c.grade != "pass"}
-    if not bad:
+    missed = list(_missed(response, bad))
+    if not missed:
         return
     movable = adjustables(response)
     steps = np.array([MOVABLES[a.what].step for a in movable])
-    moved = tried(response, movable, np.concatenate([np.diag(-steps), np.diag(steps)]))
-    pairs = zip(asked(response, quantities=bad), asked(moved, quantities=bad), strict=True)
-    for now, then in pairs:
-        values = np.broadcast_to(then.values, (2 * len(movable), *now.values.shape))
-        back, forth = values[: len(movable)], values[len(movable) :]
-        for p in range(len(now.parts)):
-            checks = {s: c for s in range(len(states)) if (c := check(response, now, s, p))}
-            missed = {s: c for s, c in checks.items() if c.grade != "pass"}
-            if not missed:
-                continue
-            worst = min(
-                missed, key=lambda s, missed=missed: (missed[s].grade != "fail", missed[s].margin)
-            )
-            one = Sensitivity(
-                check=missed[worst],
-                states=tuple(states[s] for s in missed),
-                effects=tuple(
-                    Effect(
-                        adjustable=a,
-                        step=float(step),
-                        back=float(back[k, worst, p]),
-                        forth=float(forth[k, worst, p]),
-                    )
-                    for k, (a, step) in enumerate(zip(movable, steps, strict=True))
-                ),
-            )
-            helpful = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.gain(e) > 0)
-            yield Sensitivity(
-                check=one.check,
-                states=one.states,
-                effects=tuple(sorted(helpful, key=one.gain, reverse=True)),
-            )
+    within = _deciding(response, {m.state for m in missed})
+    amounts = np.concatenate([np.diag(-steps), np.diag(steps)])
+    moved = list(asked(tried(in_states(response, within), movable, amounts), quantities=bad))
+    for m in missed:
+        values = moved[m.question].values[..., within.index(m.state), m.part]
+        back, forth = np.broadcast_to(values, (2 * len(movable),)).reshape(2, -1).tolist()
+        one = Sensitivity(
+            check=m.check,
+            states=m.states,
+            effects=tuple(
+                Effect(adjustable=a, step=step, back=b, forth=f)
+                for a, step, b, f in zip(movable, steps.tolist(), back, forth, strict=True)
+            ),
+        )
+        helpful = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.gain(e) > 0)
+        yield replace(one, effects=tuple(sorted(helpful, key=one.gain, reverse=True)))
+
+
+def _missed(response: Response, quantities: set[str]) -> Iterator[_Missed]:
+    """Yield what of a line does not pass, limit by limit and part by part."""
+    names = response.demand.states
+    for k, question in enumerate(asked(response, quantities=quantities)):
+        for p in range(len(question.parts)):
+            checks = {s: check(response, question, s, p) for s in range(len(names))}
+            bad = {s: c for s, c in checks.items() if c and c.grade != "pass"}
+            if bad:
+                worst = min(bad, key=lambda s, bad=bad: (bad[s].grade != "fail", bad[s].margin))
+                yield _Missed(
+                    question=k,
+                    part=p,
+                    check=bad[worst],
+                    state=worst,
+                    states=tuple(names[s] for s in bad),
+                )
+
+
+def _deciding(response: Response, asked_in: set[int]) -> list[int]:
+    """Return the states to ask: these, and those that others are measured by.
+
+    Shafts are balanced for the top speed of all states, a duty cycle scales with the largest
+    torque and speed of the lasting ones.
+    """
+    found = set(asked_in)
+    speed, torque = np.nan_to_num(response.demand.speed), np.abs(response.demand.torque)
+    lasting = np.where(response.lasting, 1.0, 0.0)
+    for size in (speed, speed * lasting, np.nan_to_num(torque) * lasting):
+        if size[list(found)].max() < size.max():
+            found.add(int(size.argmax()))
+    return sorted(found)
