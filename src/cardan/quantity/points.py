@@ -333,11 +333,11 @@ def _rows(*found: Points) -> _Row:
 def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Points:
     """Return points tried, and those beside the worst of them where they may be worse.
 
-    The worst for each force and bearing, and the `CRESTS` of what shakes most. Where a mode
+    The worst peak of each bearing, and the `CRESTS` of what shakes it most. Where a mode
     alone shakes, 1/F² is a parabola over the square of the speed; what order 2 adds to the
     mean is largest half a mode's width beside that crest.
     """
-    sought = ("static", 0), ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
+    sought = ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
     seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
     curve, speed = _rows(*(p for _, p in seeds))
     fastest = np.take_along_axis(found.fastest, curve, axis=0)
