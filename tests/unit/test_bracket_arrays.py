@@ -43,7 +43,7 @@ def test_von_mises_from_principal_stresses(s):
     a, b, c = np.moveaxis(np.linalg.eigvalsh(stress.tensor(s)), -1, 0)
     expected = np.sqrt(((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2) / 2)
     assert stress.von_mises(s) == pytest.approx(
-        expected, rel=1e-7, abs=max(1e-6 * np.abs(s).max(), 1e-100)
+        expected, rel=1e-6, abs=max(1e-6 * np.abs(s).max(), 1e-100)
     )
 
 

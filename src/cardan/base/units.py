@@ -36,6 +36,7 @@ GPa = 1e9
 psi = lbf / inch**2
 
 deg = pi / 180
+percent = 1e-2
 minute = 60.0
 hour = 3600.0
 rpm = 2 * pi / 60

@@ -206,6 +206,7 @@ _RANGES = {
         Number(*measure.ANGLES, least=-360 * deg, most=360 * deg, usual=(0.1 * deg, 180 * deg)),
         "lowest", "highest",
     ),
+    "share": ListOf(Number("percent", least=-0.9, most=10, usual=(0.01, 2)), "lowest", "highest"),
 }  # fmt: skip
 Range: TypeAlias = tuple[float, float]
 Ranges: TypeAlias = Range | dict[int, Range]
@@ -239,6 +240,8 @@ class AdjustTable(Table):
             given: Ranges | None = getattr(self, movable.key)
             every = range(1, movable.count(line) + 1)
             ranges = given if isinstance(given, dict) else dict.fromkeys(every, given)
+            if given is not None and not every:
+                self.at(movable.key).note(f"line {line.name} has nothing of this kind to move")
             for part, moves in ranges.items():
                 if moves is not None:
                     yield from self._one(movable, part, moves, line)
@@ -263,7 +266,9 @@ class AdjustTable(Table):
 # What may move is declared once, in the model: each kind is an entry of the table.
 for _movable in MOVABLES.values():
     _range = _RANGES[_movable.measure]
-    _ranges = _range if _movable.of == "axle" else OneOf(_range, MapOf(Whole(SHAFTS), _range))
+    _ranges = (
+        _range if _movable.of in ("axle", "line") else OneOf(_range, MapOf(Whole(SHAFTS), _range))
+    )
     AdjustTable.__annotations__[_movable.key] = Annotated[Any, _ranges]
     setattr(AdjustTable, _movable.key, key(_movable.says, default=None))
 

@@ -15,6 +15,7 @@ from cardan.base.units import UNITS, deg, mm
 from cardan.files.manuscript import Manuscript
 from cardan.model.application import Installed
 from cardan.model.layout import Layout
+from cardan.model.parts import CentreBearing, Line
 
 FINEST = {"length": 0.01 * mm, "slope": 1e-3 * deg}
 """What a written number is rounded to: a tenth of what anybody can measure in a frame."""
@@ -90,6 +91,30 @@ def phased(of: Installed, phases: Iterable[float], text: Manuscript) -> Changes:
     return changes
 
 
+def mounted(of: Installed, line: Line, text: Manuscript) -> Changes:
+    """Return what changes in a text so that a line hangs on the centre bearings of another."""
+    changes: Changes = {}
+    for k, (shaft, other) in enumerate(zip(of.line.shafts, line.shafts, strict=True), 1):
+        was, now = shaft.centre_bearing, other.centre_bearing
+        if was is None or now is None or was == now:
+            continue
+        at = f"{line_address(of, text)}.shafts[{k}].centre_bearing"
+        each = {
+            "from_rear_joint": (was.from_rear_joint, now.from_rear_joint),
+            "stiffness": _pair(was, now, 0),
+            "vertical_stiffness": _pair(was, now, 0),
+            "lateral_stiffness": _pair(was, now, 1),
+            "axial_stiffness": (was.axial_stiffness, now.axial_stiffness),
+        }
+        for stem, (before, value) in each.items():
+            found = _list(f"{at}.{stem}", text)
+            if found and value is not None and value != before:
+                changes[found[0]] = float(f"{value / UNITS[found[1]]:.4g}")
+        if now.loss_factor is not None and now.loss_factor != was.loss_factor:
+            changes[f"{at}.loss_factor"] = float(f"{now.loss_factor:.3g}")
+    return changes
+
+
 def phase_address(of: Installed, shaft: int, text: Manuscript) -> str:
     """Return the key that a shaft's yoke phase stands under, or would."""
     at = f"{line_address(of, text)}.shafts[{shaft}].phase"
@@ -111,6 +136,12 @@ def rounded(value: float, unit: str, sort: str) -> float:
     worth = UNITS[unit]
     decimals = max(0, int(np.ceil(-np.log10(FINEST[sort] / worth) - 1e-9)))
     return round(value / worth, decimals) + 0.0
+
+
+def _pair(was: CentreBearing, now: CentreBearing, way: int) -> tuple[float | None, float | None]:
+    """Return the stiffness of two bearings up (0) or sideways (1); None where rigid."""
+    before, after = (b.stiffness[way] if b.stiffness else None for b in (was, now))
+    return before, after
 
 
 def _list(stem: str, text: Manuscript) -> tuple[str, str] | None:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.units import deg, mm
+from cardan.base.units import deg, mm, percent
 from cardan.model.parts import Line
 
 
@@ -27,11 +27,20 @@ class Moved:
         Turn of the axle on its springs, the pinion's nose rising.
     phases : (V, 1, n-1) rad
         Yoke phases added to those installed.
+    stiffer : (V, 1) 1
+        Share by which the rubber of all centre bearings is stiffer.
+    lossier : (V, 1) 1
+        Share by which its loss factor is higher.
+    ahead : (V, 1) m
+        How much farther ahead of their rear joints all centre bearings sit.
     """
 
     bearing_shift: FloatArray
     shim: FloatArray
     phases: FloatArray
+    stiffer: FloatArray
+    lossier: FloatArray
+    ahead: FloatArray
 
     @classmethod
     def still(cls, line: Line, *, variants: int) -> "Moved":
@@ -41,6 +50,9 @@ class Moved:
             bearing_shift=np.zeros((variants, 1, joints - 2, 3)),
             shim=np.zeros((variants, 1)),
             phases=np.zeros((variants, 1, joints - 1)),
+            stiffer=np.zeros((variants, 1)),
+            lossier=np.zeros((variants, 1)),
+            ahead=np.zeros((variants, 1)),
         )
 
 
@@ -50,14 +62,15 @@ class Movable:
 
     `move` enters the amounts (V,) of one part, from 1, into what is moved; `count` is how
     many parts a line has. `reach` is how far it may go where nobody says: house practice,
-    assumed. `choice` marks what is set at the ends of its range, not between.
+    assumed. `choice` marks what is set at the ends of its range, not between; `fitted` what
+    takes other parts, so that it moves only where the file says so.
     """
 
     key: str
     says: str
     """What the file's key is for."""
-    of: Literal["centre bearing", "axle", "shaft"]
-    measure: Literal["length", "angle"]
+    of: Literal["centre bearing", "axle", "shaft", "line"]
+    measure: Literal["length", "angle", "share"]
     count: Callable[[Line], int]
     move: Callable[[Moved, int, FloatArray], None]
     reach: tuple[float, float]
@@ -66,6 +79,7 @@ class Movable:
     resolution: float = 0.0
     """Steps a workshop can set; 0: any."""
     choice: bool = False
+    fitted: bool = False
     forth: str
     back: str
     """What moving it up or down its range is called, with {part} and {amount}."""
@@ -75,12 +89,12 @@ class Movable:
     @property
     def unit(self) -> str:
         """The unit amounts are shown in, as a key of the file ends."""
-        return "mm" if self.measure == "length" else "deg"
+        return {"length": "mm", "angle": "deg", "share": "percent"}[self.measure]
 
     @property
     def worth(self) -> float:
         """SI value of one of that unit."""
-        return mm if self.measure == "length" else deg
+        return {"length": mm, "angle": deg, "share": percent}[self.measure]
 
 
 def _shift(axis: int) -> Callable[[Moved, int, FloatArray], None]:
@@ -97,6 +111,31 @@ def _shim(moved: Moved, part: int, amount: FloatArray) -> None:
 
 def _turn(moved: Moved, part: int, amount: FloatArray) -> None:
     moved.phases[:, 0, part - 1] += amount
+
+
+def _stiffen(moved: Moved, part: int, amount: FloatArray) -> None:
+    del part  # the mounts of a line are bought alike
+    moved.stiffer[:, 0] = amount
+
+
+def _damp(moved: Moved, part: int, amount: FloatArray) -> None:
+    del part
+    moved.lossier[:, 0] = amount
+
+
+def _bring_ahead(moved: Moved, part: int, amount: FloatArray) -> None:
+    del part
+    moved.ahead[:, 0] = amount
+
+
+def _hung_on_rubber(line: Line) -> int:
+    return int(any(s.centre_bearing and s.centre_bearing.stiffness for s in line.shafts))
+
+
+def _set_ahead(line: Line) -> int:
+    """One where every centre bearing has room to come nearer its joint."""
+    places = [s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing]
+    return int(bool(places) and all(np.min(place) > 0 for place in places))
 
 
 _DECLARED = (
@@ -125,6 +164,27 @@ _DECLARED = (
         move=_turn, reach=(0.0, 90 * deg), step=90 * deg, choice=True, signed=True,
         forth="rear yoke of shaft {part} turned {amount} deg",
         back="rear yoke of shaft {part} turned {amount} deg",
+    ),
+    Movable(
+        key="bearing_stiffness", says="all rubber, stiffer positive",
+        of="line", measure="share", count=_hung_on_rubber,
+        move=_stiffen, reach=(-0.5, 1.0), step=0.3, resolution=0.05, fitted=True,
+        forth="rubber of all bearings stiffer by {amount} %",
+        back="rubber of all bearings softer by {amount} %",
+    ),
+    Movable(
+        key="bearing_loss", says="loss factor of all rubber, higher positive",
+        of="line", measure="share", count=_hung_on_rubber,
+        move=_damp, reach=(-0.5, 1.0), step=0.5, resolution=0.05, fitted=True,
+        forth="rubber of all bearings with {amount} % more loss factor",
+        back="rubber of all bearings with {amount} % less loss factor",
+    ),
+    Movable(
+        key="bearing_place", says="all centre bearings, away from their rear joints positive",
+        of="line", measure="length", count=_set_ahead,
+        move=_bring_ahead, reach=(-50 * mm, 50 * mm), step=25 * mm, resolution=5 * mm, fitted=True,
+        forth="all bearings {amount} mm farther from their rear joints",
+        back="all bearings {amount} mm nearer their rear joints",
     ),
 )  # fmt: skip
 

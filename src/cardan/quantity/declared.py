@@ -142,6 +142,8 @@ class Quantity:
     of: Of | None = None
     sought: Callable[[Response], Points | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
+    on_rubber: bool = False
+    """Whether other rubber, or another place of a bearing, changes it."""
     at_points: bool = False
     """Whether limits ask it at every operating point of a state, not at its own alone."""
     needs: tuple[Need, ...] = ()

@@ -165,7 +165,13 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
     if any(s.tube is None for s in r.line.shafts) or all(b.stiffness is None for b in bearings):
         return None
-    stiffness = [[*(b.stiffness or (np.inf, np.inf)), b.axial_stiffness or 0.0] for b in bearings]
+    stiffness = [
+        [
+            *(b.stiffness or (np.inf, np.inf)),
+            0.0 if b.axial_stiffness is None else b.axial_stiffness,
+        ]
+        for b in bearings
+    ]
     loss = [assumed if b.loss_factor is None else b.loss_factor for b in bearings]
     columns = np.broadcast_arrays(*(np.asarray(v, dtype=float) for row in stiffness for v in row))
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)

@@ -442,6 +442,26 @@ class Response:
         return np.where(self.lasting[:, None], hours, np.nan)
 
     @cached_property
+    def resonance_distance(self) -> FloatArray:
+        """How far a duty cycle's speeds stay off the modes on the rubber, (...) 1.
+
+        The least |k Ω / ω - 1| of its speeds Ω, of order 2 of the joints, and order 1 where
+        unbalance counts, and of the modes ω that its torques leave the line; nan where nobody
+        knows, and in states that do not last.
+        """
+        orders = (1, 2) if self.application.include_unbalance else (2,)
+        found = np.full(self.layout.directions.shape[:-2], np.nan)
+        if self.held is None:
+            return found
+        for p in self.duty:
+            modes = self.held.frequencies(torque=np.asarray(p.torque, dtype=float))
+            modes = modes[..., : 2 * (self.line.joint_count - 2)]  # the rest bends tubes
+            speed = np.asarray(p.speed, dtype=float)[..., None]
+            for k in orders:
+                found = np.fmin(found, np.abs(k * speed / modes - 1).min(axis=-1))
+        return np.where(self.lasting, found, np.nan)
+
+    @cached_property
     def spline_travel_margin(self) -> FloatArray:
         """Travel left in the spline, (...) m; nan where its stroke is not given."""
         spline = self.line.shafts[-1].spline

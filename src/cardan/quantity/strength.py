@@ -38,6 +38,15 @@ def _whirling(r: Response) -> tuple[Part, ...]:
     return (*shafts(r), LINE)
 
 
+def _hung(r: Response) -> tuple[Part, ...]:
+    """Return the line, if it has a centre bearing."""
+    return (LINE,) if r.line.joint_count > 2 else ()
+
+
+_RUBBER = Need(
+    gives="the stiffness of a centre bearing, and the tube of each shaft",
+    met=lambda r: np.array([[r.held is not None]]),
+)
 _WHIRLING = Need(
     gives=TUBES.gives,
     met=lambda r: np.concatenate([TUBES.met(r), ALL_TUBES.met(r)], axis=-1),
@@ -112,6 +121,28 @@ DECLARED = (
         parts=line,
         needs=(ALL_TUBES,),
         section="Speed and strength",
+    ),
+    Quantity(
+        key="resonance_distance",
+        name="Duty speed off a resonance on the rubber",
+        symbol="|k n/nb - 1|",
+        unit="1",
+        equation="least |k Ω / ω − 1| of the duty cycle's speeds, k = 2, and 1 with unbalance",
+        where={
+            "Ω": "a speed of the duty cycle",
+            "ω": "a mode of the line on its rubber, under the torque of that speed",
+        },
+        source=DERIVED,
+        use="Every start passes the modes, and the bearing forces count that; this is of speeds "
+        "driven in for long. 20 % off a mode it makes at most 2.8 times of a force.",
+        of=lambda r: r.resonance_distance[..., None][..., : len(_hung(r))],
+        on_rubber=True,
+        parts=_hung,
+        sense=">=",
+        needs=(DUTY, _RUBBER),
+        states=RIDING,
+        section="Speed and strength",
+        contract="resonance_distance",
     ),
     Quantity(
         key="critical_speed_ratio",

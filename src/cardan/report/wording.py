@@ -100,6 +100,10 @@ def sentence(c: Check, say: Language) -> str:
     ).rstrip()
 
 
+WORTHWHILE = 0.05
+"""Share of the gap to a limit that a move closes at least, to be told."""
+
+
 def move(m: Move, say: Language) -> str:
     """Return a move in a workshop's words."""
     movable, part, amount = MOVABLES[m.adjustable.what], m.adjustable.part, m.amount
@@ -148,8 +152,13 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
 
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
-    """Return the three moves that win most, each with the value it gives."""
-    return [_effect(one, e, say) for e in one.effects if one.gain(e) > 0][:3]
+    """Return the three moves that win most, each with the value it gives.
+
+    Those that close less than `WORTHWHILE` of the gap help nobody.
+    """
+    gap = max(-one.check.margin, 0.0)
+    found = [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
+    return [_effect(one, e, say) for e in found[:3]]
 
 
 def _effect(one: Sensitivity, e: Effect, say: Language) -> str:

@@ -41,6 +41,15 @@ PLENTY = 10.0
 STILL = 1e-9
 """A margin that changes by less than this in every trial is not for moving to answer."""
 
+HOPELESS = 0.05
+"""Nor is one below 0 in all of them that differs by less than this share of what it lacks."""
+
+ROUNDINGS = 64
+"""Ways to round a correction that are tried at most; of more things each goes to its nearest."""
+
+STEPS = np.linspace(0.0, 1.0, 17)[:, None]
+"""Places that are tried on the way back from a correction to the least one."""
+
 Smooth: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
 Bound: TypeAlias = Literal["normal", "maximum"]
 
@@ -137,9 +146,17 @@ class _Corrected(DrivelineStudy):
 
 
 def margins(response: Response, *, to: Bound) -> FloatArray:
-    """Return every margin of a line, (..., limits x states x parts), cut where it is plenty."""
+    """Return every margin of a line, (..., limits x states x parts), cut where it is plenty.
+
+    To the maximum, what can only warn has plenty.
+    """
     cases = response.layout.points.shape[:-3]
-    each = [q.limit.margin(q.values, to=to) for q in asked(response)]
+    each = [
+        np.full_like(q.values, PLENTY)
+        if to == "maximum" and q.limit.maximum is None and q.limit.band is None
+        else q.limit.margin(q.values, to=to)
+        for q in asked(response)
+    ]
     full = [np.broadcast_to(m, (*cases, *m.shape[-2:])).reshape(*cases, -1) for m in each]
     # A limit that does not ask is as good as one satisfied many times over.
     return np.nan_to_num(np.minimum(np.concatenate(full, axis=-1), PLENTY), nan=PLENTY)
@@ -170,11 +187,42 @@ class _Search:
 
     def margins(self, positions: FloatArray, *, to: Bound) -> FloatArray:
         """Return the margins (V, ...) that moving changes."""
-        response = tried(self.response, self.movable, self.amounts(positions))
+        return self._of_amounts(self.amounts(positions), to=to)
+
+    def _of_amounts(self, amounts: FloatArray, *, to: Bound) -> FloatArray:
+        response = tried(self.response, self.movable, amounts)
         return margins(response, to=to)[:, self.changed]
 
-    def best(self, *, to: Bound) -> tuple[FloatArray, float]:
-        """Return the position of the largest smallest margin, and that margin."""
+    def settable(self, position: FloatArray, *, to: Bound, cheap: bool = False) -> FloatArray:
+        """Return the amounts (movable) beside a position that a workshop can set.
+
+        A step of a workshop may be more than the room that is left: of those around the
+        position it is the one of most margin, or the `cheap`est that keeps every margin.
+        """
+        amounts = self.amounts(position[None])[0]
+        steps = np.array([MOVABLES[a.what].resolution for a in self.movable])
+        whole = np.where(steps > 0, steps, 1.0)
+        down = np.where(steps > 0, np.floor(amounts / whole + 1e-9) * whole, amounts)
+        up = np.where(steps > 0, np.ceil(amounts / whole - 1e-9) * whole, amounts)
+        beside = [sorted({a, b}) for a, b in zip(down.tolist(), up.tolist(), strict=True)]
+        if prod(map(len, beside)) > ROUNDINGS:
+            beside = [[float(np.round(a / w) * w)] for a, w in zip(amounts, whole, strict=True)]
+        every = np.array(list(product(*beside)))
+        low, high = (np.array([getattr(a, n) for a in self.movable]) for n in ("low", "high"))
+        free = list(self.free)
+        every[:, free] = np.clip(every, low, high)[:, free]
+        margin = self._of_amounts(every, to=to).min(-1)
+        if cheap and (margin >= 0).any():
+            every = every[margin >= 0]
+            share = every / np.where(every > 0, high, np.where(every < 0, low, 1.0))
+            return every[share[:, free].sum(-1).argmin()]
+        return every[margin.argmax()]
+
+    def best(self, *, to: Bound) -> tuple[FloatArray, float, FloatArray]:
+        """Return the position of the largest smallest margin, and that margin.
+
+        And the trial nearest to 0 that keeps every margin in reserve, or that position again.
+        """
         spread = _spread(len(self.free))
         found = self.margins(spread, to=to).min(-1)
         start = spread[np.argmax(found)]
@@ -188,10 +236,17 @@ class _Search:
 
         top = self._solve(np.append(start, found.max()), cost=room, needed=beyond)[:-1]
         reached = float(self.margins(top[None], to=to).min())
-        return (top, reached) if reached > found.max() else (start, float(found.max()))
+        if reached <= found.max():
+            top, reached = start, float(found.max())
+        kept = spread[found > RESERVE]
+        return top, reached, min(kept, key=lambda x: float(x @ x), default=top)
 
     def least(self, start: FloatArray, *, to: Bound) -> FloatArray:
-        """Return the position nearest to 0 that keeps every margin in reserve."""
+        """Return the position nearest to 0 that keeps every margin in reserve.
+
+        `start` keeps them. Where the search goes astray, as which point is worst changes from
+        place to place, it is the nearest on the straight ways there and to 0.
+        """
 
         def way(x: FloatArray) -> tuple[float, FloatArray]:
             return float(x @ x), 2 * x
@@ -200,7 +255,11 @@ class _Search:
             margin, slope = self._smooth(x, to=to)
             return margin - RESERVE, slope
 
-        return self._solve(start, cost=way, needed=kept)
+        end = self._solve(start, cost=way, needed=kept)
+        tried = np.concatenate([start + STEPS * (to_ - start) for to_ in (end, 0 * start)])
+        kept_ = self.margins(tried, to=to).min(-1) >= RESERVE - 1e-3
+        kept_[0] = True
+        return tried[kept_][np.argmin((tried[kept_] ** 2).sum(-1))]
 
     def _smooth(self, at: FloatArray, *, to: Bound) -> tuple[FloatArray, FloatArray]:
         """Return margins and their slopes at a position, from one batch of neighbours."""
@@ -353,8 +412,11 @@ def _trials(
     turnings = list(_turnings(response, movable))
     everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
     trials = np.concatenate([everything.amounts(_spread(len(ways))), np.stack(turnings)])
-    every = margins(tried(response, movable, trials), to="normal")
-    changed = np.ptp(every, axis=0) > STILL
+    found = tried(response, movable, trials)
+    every = np.stack([margins(found, to=bound) for bound in ("normal", "maximum")])
+    low, high = every.min(axis=1), every.max(axis=1)
+    hopeless = (high < 0) & (high - low < HOPELESS * -low)
+    changed = ((high - low > STILL) & ~hopeless).any(axis=0)
     if not changed.any():
         return
     for k, turns in enumerate(turnings):
@@ -364,18 +426,18 @@ def _trials(
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
             search = _Search(response, movable, turns, free, changed)
-            for position in _positions(search):
-                amounts = _rounded(movable, search.amounts(position[None])[0])
+            for amounts in _corrections(search):
                 yield _trial(response, movable, amounts, changed)
 
 
-def _positions(search: _Search) -> Iterator[FloatArray]:
+def _corrections(search: _Search) -> Iterator[FloatArray]:
     """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
     for bound in ("normal", "maximum"):
-        top, margin = search.best(to=bound)
-        yield top
+        top, margin, near = search.best(to=bound)
+        yield search.settable(top, to=bound)
         if margin > RESERVE:
-            yield search.least(top, to=bound)
+            for start in (top, near):
+                yield search.settable(search.least(start, to=bound), to=bound, cheap=True)
 
 
 def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[FloatArray]:
@@ -406,13 +468,6 @@ def _ends(response: Response, adjustable: Adjustable) -> list[float]:
     """Return how far yokes turn to the ends of their range, which count from the aligned."""
     installed = response.line.phases[adjustable.part - 1]
     return [bound - installed for bound in (adjustable.low, adjustable.high)]
-
-
-def _rounded(movable: tuple[Adjustable, ...], amounts: FloatArray) -> FloatArray:
-    """Return the amounts in steps a workshop can set."""
-    steps = np.array([MOVABLES[a.what].resolution for a in movable])
-    whole = np.where(steps > 0, steps, 1.0)
-    return np.where(steps > 0, np.round(amounts / whole) * whole, amounts)
 
 
 def _trial(

@@ -8,9 +8,11 @@ import numpy as np
 from cardan.base.arrays import FloatArray, stacked
 from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand, demand, resolve
+from cardan.loads.rubber import LOSS
 from cardan.model.application import Adjustable, Application
 from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Moved
+from cardan.model.parts import CentreBearing
 from cardan.quantity.response import Response, respond
 
 
@@ -38,6 +40,18 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
     return tuple(
         Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
         for m in MOVABLES.values()
+        if not m.fitted
+        for k in range(1, m.count(response.line) + 1)
+    )
+
+
+def fitted(response: Response) -> tuple[Adjustable, ...]:
+    """Return what other parts would move of a line, whoever allows it."""
+    name = response.line.name
+    return tuple(
+        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
+        for m in MOVABLES.values()
+        if m.fitted
         for k in range(1, m.count(response.line) + 1)
     )
 
@@ -58,6 +72,7 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
     shift, shim, phases = by.bearing_shift, by.shim, by.phases
     if amounts.ndim == 1:
         shift, shim, phases = shift[0], shim[0], phases[0]
+    response = _refitted(response, by)
 
     def lay(demand: Demand) -> Layout:
         return demand.corrected(bearing_shift=shift, shim=shim)
@@ -81,6 +96,7 @@ def corrected(
     """
     by = _by(response, movable, amounts[None])
     shift, shim = by.bearing_shift[0, 0], float(by.shim[0, 0])
+    response = _refitted(response, by)
     application, installed = response.application, response.demand.installed
     axle, line = installed.axle, installed.line
     x, z = axle.pinion_joint if axle else (0.0, 0.0)
@@ -112,6 +128,37 @@ def corrected(
             for s in application.states
         ),
     )
+
+
+def _refitted(response: Response, by: Moved) -> Response:
+    """Return the response of a line with the mounts it would have; itself if those stay."""
+    mounts = by.stiffer, by.lossier, by.ahead
+    if not any(v.any() for v in mounts):
+        return response
+    stiffer, lossier, ahead = (float(v[0, 0]) if len(v) == 1 else v for v in mounts)
+
+    def mounted(of: CentreBearing) -> CentreBearing:
+        k, along, loss = of.stiffness, of.axial_stiffness, of.loss_factor
+        return replace(
+            of,
+            stiffness=k and (k[0] * (1 + stiffer), k[1] * (1 + stiffer)),
+            axial_stiffness=None if along is None else along * (1 + stiffer),
+            loss_factor=loss
+            if not np.any(lossier)
+            else (LOSS if loss is None else loss) * (1 + lossier),
+            from_rear_joint=of.from_rear_joint + ahead,
+        )
+
+    application, installed = response.application, response.demand.installed
+    shafts = tuple(
+        replace(s, centre_bearing=s.centre_bearing and mounted(s.centre_bearing))
+        for s in installed.line.shafts
+    )
+    new = replace(installed, line=replace(installed.line, shafts=shafts))
+    application = replace(
+        application, lines=tuple(new if i is installed else i for i in application.lines)
+    )
+    return respond(application, demand(resolve(application, new)), phases=response.phases)
 
 
 def _by(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Moved:

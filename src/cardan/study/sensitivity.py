@@ -8,10 +8,14 @@ import numpy as np
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
+from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
 from cardan.study.driveline import asked, check
-from cardan.study.moves import adjustables, in_states, tried
+from cardan.study.moves import adjustables, fitted, in_states, tried
+
+ON_RUBBER = {key for key, quantity in ANSWERED.items() if quantity.on_rubber}
+"""What other mounts answer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,19 +67,32 @@ class _Missed:
 
 
 def _of_line(response: Response, every: Iterable[Check]) -> Iterator[Sensitivity]:
-    """Yield the sensitivities of one line, from one batch of things moved back and forth."""
+    """Yield the sensitivities of one line.
+
+    What is sought on rubber is dear, so it is asked by itself, in fewer states.
+    """
     name = response.line.name
     bad = {c.quantity for c in every if c.line == name and c.grade != "pass"}
-    missed = list(_missed(response, bad))
-    if not missed:
-        return
     movable = adjustables(response)
+    yield from _moved(response, bad - ON_RUBBER, movable)
+    yield from _moved(response, bad & ON_RUBBER, movable + fitted(response))
+
+
+def _moved(
+    response: Response, quantities: set[str], movable: tuple[Adjustable, ...]
+) -> Iterator[Sensitivity]:
+    """Yield those of some quantities, from one batch of things moved back and forth."""
+    missed = list(_missed(response, quantities))
+    if not (missed and movable):
+        yield from (Sensitivity(check=m.check, states=m.states, effects=()) for m in missed)
+        return
     steps = np.array([MOVABLES[a.what].step for a in movable])
     within = _deciding(response, {m.state for m in missed})
     amounts = np.concatenate([np.diag(-steps), np.diag(steps)])
-    moved = list(asked(tried(in_states(response, within), movable, amounts), quantities=bad))
+    line = tried(in_states(response, within), movable, amounts)
+    questions = list(asked(line, quantities=quantities))
     for m in missed:
-        values = moved[m.question].values[..., within.index(m.state), m.part]
+        values = questions[m.question].values[..., within.index(m.state), m.part]
         back, forth = np.broadcast_to(values, (2 * len(movable),)).reshape(2, -1).tolist()
         one = Sensitivity(
             check=m.check,

@@ -349,7 +349,7 @@ def _movable(application: Application) -> dict[str, Adjustable]:
     for line in (i.line for i in application.lines):
         for m in MOVABLES.values():
             for part in range(1, m.count(line) + 1):
-                name = f"{m.key}_{m.unit}" + ("" if m.of == "axle" else f"[{part}]")
+                name = f"{m.key}_{m.unit}" + ("" if m.of in ("axle", "line") else f"[{part}]")
                 found[f"{line.name}.{name}" if several else name] = Adjustable(
                     what=m.key, part=part, low=m.reach[0], high=m.reach[1], line=line.name
                 )

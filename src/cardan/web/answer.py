@@ -23,7 +23,7 @@ from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Check, Limit, worst
 from cardan.demand.states import demand, resolve
 from cardan.files.manuscript import Manuscript
-from cardan.files.placing import Changes, name_address, phase_address, phased, placed
+from cardan.files.placing import Changes, mounted, name_address, phase_address, phased, placed
 from cardan.kinematics.chain import turn
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Application, Installed
@@ -424,7 +424,8 @@ def _moved(read: Document, installed: Installed, moved: Move) -> Changes:
     after = corrected(r, (moved.adjustable,), np.array([moved.amount]))
     new = next(i for i in after.lines if i.line.name == installed.line.name)
     edits = placed(installed, new.layout, read.manuscript)
-    return edits | phased(installed, new.line.phases, read.manuscript)
+    edits |= phased(installed, new.line.phases, read.manuscript)
+    return edits | mounted(installed, new.line, read.manuscript)
 
 
 # --------------------------------------------------------------------------- sliders and dial
