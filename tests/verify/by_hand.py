@@ -1037,13 +1037,14 @@ def approximations(side, top, phases, speed, inertias):
 # --------------------------------------------------------------------------- 6  forces
 
 
-def equilibrium(line, points, d, at_ends, moments):
+def equilibrium(line, points, d, at_ends, moments, thrust=0.0):
     """Forces of the joints on what is behind them, and on the bearings: one linear system.
 
     Unknown: F_1 ... F_n, then B_1 ... B_(n-2), three components each. A shaft feels F_k at
     its front, -F_(k+1) at its rear, what acts at its ends, the crosses' moments M_k and
     -M_(k+1), and -B_k from its bearing, which slides along it. The last shaft's two halves
-    slide on each other: no thrust between them; or, where the gearbox flange floats, that does.
+    slide on each other: no more than `thrust` pulls between them; or, where the gearbox flange
+    floats, that does.
 
     `at_ends` (shafts, 2, ..., 3) N, `moments` (joints, ..., 3) N m.
     """
@@ -1086,15 +1087,16 @@ def equilibrium(line, points, d, at_ends, moments):
             row += 1
         elif not line.floating:
             A[row, joint(k)] = along
-            rhs[row] = -front @ along
+            rhs[row] = -front @ along - thrust
             A[row + 1, joint(k + 1)] = -along
-            rhs[row + 1] = -rear @ along
+            rhs[row + 1] = -rear @ along + thrust
             row += 2
         else:
             # The last shaft carries thrust; nothing holds the flange along its axis.
             A[row, joint(k)], A[row, joint(k + 1)] = along, -along
             rhs[row] = -(front + rear) @ along
             A[row + 1, joint(0)] = d[0]
+            rhs[row + 1] = -thrust
             row += 2
     found = np.linalg.solve(A, rhs.reshape(size, -1)).reshape(size // 3, 3, *extra)
     found = np.moveaxis(found, 1, -1)
@@ -1163,6 +1165,18 @@ def flange_bearings(force, moment, outward, spacing, overhang):
     about_near = moment + overhang * np.cross(outward, across)
     far = np.cross(outward, about_near) / spacing
     return far, across - far
+
+
+def end_bearings(line, d, forces, moments):
+    """Largest radial forces behind the flanges, by GWB's letters; nan where nobody says."""
+    ends = dict.fromkeys("ABEF", nan)
+    if line.gearbox_bearings:
+        far, near = flange_bearings(-forces[0], -moments[0], d[0], *line.gearbox_bearings)
+        ends |= {"A": crest(far), "B": crest(near)}
+    if line.pinion_bearings:
+        far, near = flange_bearings(forces[-1], moments[-1], -d[-1], *line.pinion_bearings)
+        ends |= {"F": crest(far), "E": crest(near)}
+    return ends
 
 
 # --------------------------------------------------------------------------- 7  whirl
@@ -1367,21 +1381,23 @@ def one_state(truck, line, state, whirl):
     at_ends = np.broadcast_to(weight[:, :, None, :], (shafts, 2, N, 3))
     joint_forces, bearing_forces = equilibrium(line, points, d, at_ends, T * moments)
     once = unbalance_forces(line, points, d, w) if truck.unbalance else np.zeros(shafts - 1)
-    ends = dict.fromkeys("ABEF", nan)
-    if line.gearbox_bearings:
-        far, near = flange_bearings(-joint_forces[0], -T * moments[0], d[0], *line.gearbox_bearings)
-        ends |= {"A": crest(far), "B": crest(near)}
-    if line.pinion_bearings:
-        far, near = flange_bearings(
-            joint_forces[-1], T * moments[-1], -d[-1], *line.pinion_bearings
-        )
-        ends |= {"F": crest(far), "E": crest(near)}
+    ends = end_bearings(line, d, joint_forces, T * moments)
 
     critical = [
         tube_critical_speed(s.tube, length) for s, length in zip(line.shafts, lengths, strict=True)
     ]
     spline = line.spline
     slip = abs(T) * spline.friction / spline.radius
+    # What speeds the shafts up, as power over the gearbox's speed, is not handed on.
+    sped = np.array(
+        [J * w**2 * derivative(r) * r for J, r in zip(inertias, ratios[1:-1], strict=True)]
+    )
+    handed = T - np.concatenate([np.zeros((1, N)), np.cumsum(sped, axis=0)])
+    pushed = [equilibrium(line, points, d, at_ends, handed[:, :, None] * moments, f)[0]
+              for f in (0.0, slip, -slip)]  # fmt: skip
+    strained = np.max([[crest(f) for f in forces] for forces in pushed], axis=0)
+    at_worst = [end_bearings(line, d, forces, handed[:, :, None] * moments) for forces in pushed]
+    worst_ends = {k: max(found[k] for found in at_worst) for k in "ABEF"}
     # Joints are sized for the engine; where brakes wind the axle up it drives nothing.
     largest = abs(T) if state.kind == "windup brake" else torque["engine"]
     sized = [truck.shock * largest * peak(carried[k]) for k in range(n)]
@@ -1413,7 +1429,7 @@ def one_state(truck, line, state, whirl):
         say("joint_position", part, place[k])
         say("side_angle", part, side[k])
         say("top_angle", part, top[k])
-        say("joint_force", part, crest(joint_forces[k]))
+        say("joint_force", part, strained[k])
     pairs, odd = paired_shafts(shafts)
     for k in pairs:
         front, rear = (beta[j] * np.exp(1j * place[j]) for j in (k - 1, k))
@@ -1431,7 +1447,7 @@ def one_state(truck, line, state, whirl):
         say("centre_bearing_static", part, np.linalg.norm(history.mean(axis=0)))
         say("centre_bearing_dynamic", part, ellipse(history))
         say("centre_bearing_peak", part, crest(history) + once[k])
-    for letter, force in ends.items():
+    for letter, force in worst_ends.items():
         say("gearbox_bearing_force" if letter in "AB" else "pinion_bearing_force",
             f"bearing {letter}", force)  # fmt: skip
     say("spline_force", f"shaft {shafts}", slip)
@@ -1521,13 +1537,14 @@ def one_state(truck, line, state, whirl):
         "approximations": approximations(side, top, phases, w, inertias),
         "centre_bearings": bearings,
         "joint_forces": [
-            {"joint": k + 1, "mean_N": f.mean(axis=0), "peak_N": crest(f)}
-            for k, f in enumerate(joint_forces)
+            {"joint": k + 1, "mean_N": f.mean(axis=0), "peak_N": crest(f), "worst_N": worst}
+            for k, (f, worst) in enumerate(zip(joint_forces, strained, strict=True))
         ],
         "critical_speeds_rpm": [c / rpm for c in critical],
         "line_critical_speed_rpm": whirl[0] / rpm,
         "spline_travel_mm": travel / mm,
         "end_bearings_N": ends,
+        "end_bearings_worst_N": worst_ends,
         "spline_force_N": slip,
         "clearances_mm": {
             o.name: min(gaps[k, o.name] for k in range(1, n)) / mm for o in line.obstacles

@@ -81,6 +81,8 @@ def expected(file):
     return found
 
 
+NOT_BY_PENCIL = {"resonance_distance"}
+"""Modes on rubber under a torque: held against other numbers where they are computed."""
 BEAM = {"critical_speed_ratio", "half_critical_band", "line_critical_speed", "bearing_resonance"}
 
 
@@ -216,6 +218,7 @@ def told(file):
         assert state.pop("line") == first
         for of in (state, *lines.values()):
             assert of.pop("points")
+            of.pop("resonance_distance", None)
             for bearing in of["centre_bearings"]:
                 bearing.pop("on_rubber")
         assert set(lines) == set(others)
@@ -322,6 +325,7 @@ def test_a_torque_of_the_application_gives_way_to_a_states_own():
 
 
 def test_the_files_ask_about_every_quantity_that_can_be_limited():
+    by_pencil_ = set(ANSWERED) - NOT_BY_PENCIL
     for file in TRUCKS:
-        assert {limit.quantity for limit in assessed(file).application.limits} == set(ANSWERED)
-    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == set(ANSWERED)
+        assert {limit.quantity for limit in assessed(file).application.limits} == by_pencil_
+    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == by_pencil_

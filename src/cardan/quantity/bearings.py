@@ -28,6 +28,10 @@ def _end_bearings(letters: str) -> Of:
     return lambda r: stacked(r.end_bearings[letter] for letter in letters)
 
 
+def _quasi_static(letters: str) -> dict[str, Of]:
+    return {"quasi_static": lambda r: stacked(r.static_end_bearings[k] for k in letters)}
+
+
 def _placed(letters: str, end: str) -> Need:
     return Need(
         gives=f"{end}_bearing_spacing_mm and {end}_bearing_overhang_mm",
@@ -117,12 +121,14 @@ DECLARED = (
         unit="N",
         equation="Fj = max over a turn of |force through the joint centre|",
         source=DERIVED,
-        use="Quasi-static; the needles carry the torque besides.",
-        of=lambda r: r.loads.joint_forces.peak,
+        use="At the worst thrust of the sliding fit, and with the torque that speeds the shafts "
+        "up; on rigid centre bearings. The needles carry the torque besides.",
+        of=lambda r: r.joint_forces,
+        methods={"quasi_static": lambda r: r.loads.joint_forces.peak},
         parts=joints,
         needs=(LOAD,),
         section="Speed and strength",
-        contract="joint_forces.peak_N",
+        contract="joint_forces.worst_N",
     ),
     Quantity(
         key="gearbox_bearing_force",
@@ -138,12 +144,14 @@ DECLARED = (
             "b": "overhang of the joint centre beyond the nearer one, B",
         },
         source=DERIVED,
-        use="Quasi-static. GWB's catalogue, p. 46, gives two positions of one planar shaft.",
+        use="At the worst thrust of the sliding fit. GWB's catalogue, p. 46, gives two positions "
+        "of one planar shaft, without thrust.",
         of=_end_bearings("AB"),
+        methods=_quasi_static("AB"),
         parts=_lettered("AB"),
         needs=(LOAD, _placed("AB", "gearbox")),
         section="Gearbox, axle and spline",
-        contract="end_bearings_N{}",
+        contract="end_bearings_worst_N{}",
     ),
     Quantity(
         key="pinion_bearing_force",
@@ -161,10 +169,11 @@ DECLARED = (
         source=DERIVED,
         use="From the line alone, without the gears' forces. GWB's catalogue: see p. 46.",
         of=_end_bearings("EF"),
+        methods=_quasi_static("EF"),
         parts=_lettered("EF"),
         needs=(LOAD, _placed("EF", "pinion")),
         section="Gearbox, axle and spline",
-        contract="end_bearings_N{}",
+        contract="end_bearings_worst_N{}",
     ),
     Quantity(
         key="spline_force",

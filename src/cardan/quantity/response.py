@@ -186,6 +186,35 @@ class Response:
             self.layout, self.turn, self.line, torque=self.demand.torque, gravity=self.gravity
         )
 
+    @cached_property
+    def forced(self) -> tuple[Loads, ...]:
+        """The same with what speeds the shafts up: with no thrust, and with either one.
+
+        At the state's speed, the gearbox turning uniformly; a sliding fit that sticks holds any
+        thrust between plus and minus its slip force.
+        """
+        slip = np.nan_to_num(self.spline_force)
+        speed = np.nan_to_num(self.demand.speed)[..., None, None]
+        turned = turn(self.layout.directions, phases=self.phases, samples=4 * SAMPLES)
+        return tuple(
+            loads(
+                self.layout,
+                turned,
+                self.line,
+                torque=self.demand.torque,
+                inertias=self.inertias,
+                accelerations=speed**2 * turned.acceleration,
+                gravity=self.gravity,
+                thrust=sign * slip,
+            )
+            for sign in (0, 1, -1)
+        )
+
+    @property
+    def joint_forces(self) -> FloatArray:
+        """Largest force through each joint at the worst thrust, (..., n) N."""
+        return np.maximum.reduce([f.joint_forces.peak for f in self.forced])
+
     @property
     def gravity(self) -> float:
         """Standard gravity where the application counts weight, else 0, m/s²."""
@@ -250,16 +279,27 @@ class Response:
         """Largest radial force on the bearings behind the flanges, (...) N by GWB's letters.
 
         A and B carry the gearbox output, E and F the pinion; B and E are nearer the joint.
-        nan where spacing and overhang are not given.
+        At the worst thrust, and with the shafts' inertia. nan where spacing and overhang are
+        not given.
         """
-        line, forces, d = self.line, self.loads, self.layout.directions
+        each = [self._behind(forces) for forces in self.forced]
+        return {letter: np.maximum.reduce([f[letter] for f in each]) for letter in "ABEF"}
+
+    @cached_property
+    def static_end_bearings(self) -> dict[str, FloatArray]:
+        """The same without thrust and inertia."""
+        return self._behind(self.loads)
+
+    def _behind(self, forces: Loads) -> dict[str, FloatArray]:
+        line, d = self.line, self.layout.directions
         ends = {
             "AB": (forces.gearbox_force, forces.gearbox_moment, d[..., 0, :],
                    line.gearbox_bearing_spacing, line.gearbox_bearing_overhang),
             "FE": (forces.pinion_force, forces.pinion_moment, -d[..., -1, :],
                    line.pinion_bearing_spacing, line.pinion_bearing_overhang),
         }  # fmt: skip
-        found = dict.fromkeys("ABEF", np.full(d.shape[:-2], np.nan))
+        cases = forces.joint_forces.waves.shape[:-3]
+        found = dict.fromkeys("ABEF", np.full(cases, np.nan))
         for letters, (force, moment, outward, spacing, overhang) in ends.items():
             if spacing is not None and overhang is not None:
                 pair = bearing_pair(

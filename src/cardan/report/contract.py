@@ -225,10 +225,12 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
             for k in range(r.line.joint_count - 2)
         ],
         "joint_forces": [
-            {"joint": k + 1, "mean_N": mean.tolist()} for k, mean in enumerate(forces.static[s])
+            {"joint": k + 1, "mean_N": mean.tolist(), "peak_N": peaks[k]}
+            for k, mean in enumerate(forces.static[s])
         ],
         "clearances_mm": {},
-        "end_bearings_N": {},
+        "end_bearings_N": {k: f[s] for k, f in r.static_end_bearings.items()},
+        "end_bearings_worst_N": {},
     }
 
 

@@ -70,6 +70,7 @@ class Section:
 
 
 METHODS = {
+    "quasi_static": "without thrust and inertia",
     "rigid": "rigid bearing, at its own torque", "ae7": "AE-7",
     "in_plane": "all joints in one plane", "spicer_sine": "ω² sin²",
     "spicer_rpm": "3.3403e-6 N²θ²", "small_angle": "small angle",
