@@ -12,7 +12,7 @@ from calculix import installed
 from scipy.linalg import eigh
 
 from cardan.base.errors import DesignError
-from cardan.base.units import GPa, MPa, deg, mm, rpm
+from cardan.base.units import GPa, MPa, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, GLASS_EPOXY, CompositeTube, Layer, metal
 from cardan.model.parts import STEEL, Line, Shaft, Tube
 from cardan.shaft.beams import line_beams
@@ -371,9 +371,9 @@ def test_impossible_demands_are_refused():
         lightest(torque=20e3, speed=500.0, length=2.5, outer=60 * mm)
     with pytest.raises(DesignError, match="no thin steel tube of radius 30 mm"):
         steel_wall(50e3, outer_radius=30 * mm, yield_strength=750 * MPa, at="middle")
-    with pytest.raises(DesignError, match="no steel bar or tube of radius 30 mm carries 50000"):
+    with pytest.raises(DesignError, match=r"no steel bar or tube of radius 30 mm carries 50000"):
         steel_wall(50e3, outer_radius=30 * mm, yield_strength=750 * MPa)
-    with pytest.raises(DesignError, match="at most an eighth of that, 2.5 mm: .* 8 plies make 4 mm"):
+    with pytest.raises(DesignError, match=r"an eighth of that, 2.5 mm: .* 8 plies make 4 mm"):
         wound([0] * 8, outer=20 * mm, ply=replace(CARBON_EPOXY, thickness=0.5 * mm))
     with pytest.raises(DesignError, match="gives energy away; got 5"):
         replace(CARBON_EPOXY, poisson=5.0)

@@ -95,9 +95,7 @@ def deck(tube, length, *, around, along, torque=1000.0):
 
 def buckling_torques(tube, length, folder, *, around=32, along=40, torque=1000.0, threads=1):
     """The lowest torques, forward and backward, N m: ends pinned (circles that may lean)."""
-    (folder / "tube.inp").write_text(
-        deck(tube, length, around=around, along=along, torque=torque)
-    )
+    (folder / "tube.inp").write_text(deck(tube, length, around=around, along=along, torque=torque))
     done = subprocess.run(
         ["ccx", "tube"], cwd=folder, capture_output=True, text=True, check=False,
         env={"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin"},

@@ -46,6 +46,9 @@ Distance: TypeAlias = Annotated[float, length(least=0, most=20, usual=(0.2 * mm,
 ShaftLength: TypeAlias = Annotated[float, length(least=5 * mm, most=50, usual=(0.1, 6))]
 Diameter: TypeAlias = Annotated[float, length(least=1 * mm, most=3, usual=(15 * mm, 0.4))]
 Wall: TypeAlias = Annotated[float, length(least=0.02 * mm, most=1.5, usual=(0.8 * mm, 25 * mm))]
+PlyThickness: TypeAlias = Annotated[
+    float, length(least=0.005 * mm, most=0.2, usual=(0.04 * mm, 10 * mm))
+]
 Wheelbase: TypeAlias = Annotated[float, length(least=50 * mm, most=100, usual=(1.5, 12))]
 TyreRadius: TypeAlias = Annotated[float, length(least=5 * mm, most=5, usual=(0.2, 0.75))]
 CentreHeight: TypeAlias = Annotated[float, length(least=5 * mm, most=20, usual=(0.3, 2.5))]

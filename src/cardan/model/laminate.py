@@ -22,7 +22,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.source import Source
-from cardan.base.units import GPa, Metre, MPa, Pascal, Radian, mm
+from cardan.base.units import GPa, Metre, MPa, Pascal, Radian, deg, mm
 from cardan.model.parts import ASSUMED, Material
 
 _GAUSS = np.array([-1.0, 0.0, 1.0]) * sqrt(0.6), np.array([5.0, 8.0, 5.0]) / 18
@@ -82,11 +82,13 @@ class Ply:
         free = 1 - self.poisson * other
         both = self.poisson * self.across / free
         zero = 0 * both
-        return stacked([
-            stacked([self.along / free, both, zero]),
-            stacked([both, self.across / free, zero]),
-            stacked([zero, zero, self.shear]),
-        ])  # fmt: skip  symmetric, so rows may stand as columns
+        return stacked(
+            [
+                stacked([self.along / free, both, zero]),
+                stacked([both, self.across / free, zero]),
+                stacked([zero, zero, self.shear]),
+            ]
+        )  # fmt: skip  symmetric, so rows may stand as columns
 
 
 CARBON_EPOXY = Ply(
@@ -326,6 +328,25 @@ class CompositeTube:
         return " + ".join(dict.fromkeys(ply.name for ply in self.plies))
 
     @property
+    def layup(self) -> str:
+        """Angles of the plies from the inside out, as drawings have them: 15/-15/(45/-45)5."""
+        names = [
+            f"{layer.ply.name} {np.ravel(layer.ply.thickness)[0] / mm:g} mm"
+            if layer.ply.along is layer.ply.across
+            else f"{np.ravel(layer.angle)[0] / deg:.4g}"
+            for layer in self.layers
+        ]
+        said: list[str] = []
+        at = 0
+        while at < len(names):
+            runs = [(size, _repeats(names, at, size)) for size in (1, 2, 3, 4)]
+            size, times = max(runs, key=lambda run: (run[1] - 1) * run[0])
+            one = "/".join(names[at : at + size])
+            said.append(one if times == 1 else f"({one}){times}")
+            at += size * times
+        return "/".join(said)
+
+    @property
     def material(self) -> Material:
         """What one material of the same section would have to be, in bending and in torsion.
 
@@ -338,3 +359,11 @@ class CompositeTube:
             name=self.name, youngs_modulus=E, poisson=E / (2 * G) - 1,
             density=self.mass_per_length / self.area, source=self.plies[-1].source,
         )  # fmt: skip
+
+
+def _repeats(names: list[str], at: int, size: int) -> int:
+    """Return how often the `size` names from a place on stand there one after the other."""
+    one, times = names[at : at + size], 1
+    while names[at + times * size : at + (times + 1) * size] == one:
+        times += 1
+    return times

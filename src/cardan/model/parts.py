@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
+
+if TYPE_CHECKING:
+    from cardan.model.laminate import CompositeTube
 
 ASSUMED = Source("Assumed: not given in the application")
 
@@ -78,6 +81,11 @@ class Tube:
     def bending_stiffness(self) -> float:
         """E I, N m²."""
         return self.material.youngs_modulus * self.second_moment
+
+    @property
+    def torsional_stiffness(self) -> float:
+        """G J, N m²: torque over twist per length."""
+        return self.material.shear_modulus * 2 * self.second_moment
 
     @property
     def shear_coefficient(self) -> float:
@@ -198,7 +206,7 @@ class Shaft:
     """
 
     length: Metre
-    tube: Tube | None = None
+    tube: "Tube | CompositeTube | None" = None
     phase: Radian = 0.0
     centre_bearing: CentreBearing | None = None
     spline: Spline | None = None

@@ -20,6 +20,8 @@ from cardan.base.source import Source
 from cardan.base.units import UNITS
 from cardan.base.verdict import Limit, Sense
 from cardan.model.application import RIDING
+from cardan.model.laminate import CompositeTube
+from cardan.model.parts import Tube
 from cardan.quantity.points import Points
 from cardan.quantity.response import Response
 
@@ -59,6 +61,13 @@ def _rated(gives: str, name: str) -> Need:
     return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
 
 
+def _strong(tube: Tube | CompositeTube | None) -> bool:
+    """Return whether somebody knows what a tube carries; of plies it is always known."""
+    if isinstance(tube, CompositeTube):
+        return True
+    return tube is not None and tube.material.yield_strength is not None
+
+
 SPEED = Need(
     gives="speed_rpm, or engine and gearbox",
     met=lambda r: np.isfinite(r.demand.speed)[..., None],
@@ -89,9 +98,7 @@ INERTIAS = Need(
 )
 YIELD = Need(
     gives="a tube material with its yield strength",
-    met=lambda r: np.array(
-        [[s.tube is not None and s.tube.material.yield_strength is not None for s in r.line.shafts]]
-    ),
+    met=lambda r: np.array([[_strong(s.tube) for s in r.line.shafts]]),
 )
 PEAK_RATING = _rated("a joint size with its peak torque", "peak_torque")
 FATIGUE_RATING = _rated("a joint size with its reversing torque", "reversing_torque")

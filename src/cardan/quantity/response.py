@@ -37,11 +37,12 @@ from cardan.model.application import (
     Obstacle,
     cycle_points,
 )
+from cardan.model.laminate import CompositeTube
 from cardan.model.layout import Layout
-from cardan.model.parts import JointSize, Line
+from cardan.model.parts import JointSize, Line, Tube
 from cardan.quantity import points
 from cardan.quantity.points import Points, Spread
-from cardan.shaft import beams, life, strength, whirl
+from cardan.shaft import beams, composite, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
@@ -295,19 +296,10 @@ class Response:
         """Critical speed of each shaft by itself, (..., n-1) rad/s; nan without a tube."""
         tubes = [s.tube for s in self.line.shafts]
         lengths = np.moveaxis(self.layout.lengths, -1, 0)
-        of = [
-            whirl.critical_speed(
-                length,
-                outer=tube.outer,
-                inner=tube.inner,
-                youngs_modulus=tube.material.youngs_modulus,
-                density=tube.material.density,
-            )
-            if tube
-            else np.full_like(length, np.nan)
+        return stacked(
+            np.full_like(length, np.nan) if tube is None else _alone(tube, length)
             for tube, length in zip(tubes, lengths, strict=True)
-        ]
-        return stacked(of)
+        )
 
     @property
     def line_modes(self) -> whirl.Modes | None:
@@ -393,22 +385,43 @@ class Response:
 
     @cached_property
     def tube_shear_utilisation(self) -> FloatArray:
-        """Shear stress of each tube over yield in shear, (..., n-1); nan where not known."""
+        """Shear stress of each tube over yield in shear, (..., n-1); nan where not known.
+
+        Of a composite tube the share of its strength, at the ply that fails first.
+        """
         torque = np.abs(self.demand.torque)
         shock = self.application.shock_factor
-        used = [
-            strength.tube_utilisation(
+
+        def used(tube: Tube | CompositeTube | None) -> FloatArray:
+            if isinstance(tube, CompositeTube):
+                return composite.strength_share(tube, torque * shock)
+            if tube is None or tube.material.yield_strength is None:
+                return np.full_like(torque, np.nan)
+            return strength.tube_utilisation(
                 torque,
                 outer=tube.outer,
                 inner=tube.inner,
                 yield_strength=tube.material.yield_strength,
                 shock_factor=shock,
             )
-            if tube and tube.material.yield_strength is not None
-            else np.full_like(torque, np.nan)
-            for tube in (s.tube for s in self.line.shafts)
-        ]
-        return stacked(used)
+
+        return stacked(used(s.tube) for s in self.line.shafts)
+
+    @cached_property
+    def tube_buckling_utilisation(self) -> FloatArray:
+        """Torque over what buckles each composite tube, (..., n-1); nan for others.
+
+        Between the joint centres, ends pinned, in the sense the plies hold less well.
+        """
+        lengths = np.moveaxis(self.demand.installed.layout.lengths, -1, 0)
+        holds = stacked(
+            composite.buckling_torque(s.tube, length)
+            if isinstance(s.tube, CompositeTube)
+            else np.nan
+            for s, length in zip(self.line.shafts, lengths, strict=True)
+        )
+        torque = np.abs(self.demand.torque) * self.application.shock_factor
+        return torque[..., None] / holds
 
     @property
     def life_ratings(self) -> FloatArray:
@@ -455,6 +468,19 @@ class Response:
 
 _MODES: WeakKeyDictionary[Demand, whirl.Modes | None] = WeakKeyDictionary()
 """Critical modes of each line asked about: once for all layouts that keep its shafts."""
+
+
+def _alone(tube: Tube | CompositeTube, length: FloatArray) -> FloatArray:
+    """Return the critical speed of a shaft by itself: with shear, if it is of plies."""
+    if isinstance(tube, CompositeTube):
+        return composite.critical_speed(tube, length)
+    return whirl.critical_speed(
+        length,
+        outer=tube.outer,
+        inner=tube.inner,
+        youngs_modulus=tube.material.youngs_modulus,
+        density=tube.material.density,
+    )
 
 
 def _line_modes(line: Line, lengths: FloatArray) -> whirl.Modes | None:

@@ -9,6 +9,7 @@ from cardan.base.part import Part
 from cardan.base.units import N, deg, kg, kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.model.application import Application, Installed, State
+from cardan.model.laminate import CompositeTube
 from cardan.model.parts import Shaft
 from cardan.model.vehicle import LoadState, Suspension
 from cardan.quantity.quantities import QUANTITIES
@@ -174,6 +175,8 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
     if s.tube:
         size = f"{say.short(s.tube.outer / mm)} × {say.short(s.tube.wall / mm)} mm"
         yield say("tube"), say.list(size, s.tube.material.name)
+        if isinstance(s.tube, CompositeTube):
+            yield say("plies, from the inside out"), s.tube.layup
     yield say("yoke phase"), _q(s.phase, deg, "deg", say)
     b = s.centre_bearing
     if b:

@@ -33,6 +33,7 @@ from cardan.kinematics.equivalent import (
 from cardan.loads import loads
 from cardan.loads.approximate import bearing_force, end_force, left_over
 from cardan.model.application import Application
+from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
@@ -739,8 +740,8 @@ class _Line:
         r = self.r
         self._section(self.say("Speed and strength"))
         for k, shaft in enumerate(r.line.shafts, 1):
-            if not shaft.tube:
-                continue
+            if shaft.tube is None or isinstance(shaft.tube, CompositeTube):
+                continue  # what plies do no formula of cells follows
             part, length = Part("shaft", k), self._of_state(self.lengths[k - 1])
             outer, wall, modulus, density, strength = (
                 self._of_part(f"tube_{w}", k)

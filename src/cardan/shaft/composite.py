@@ -15,7 +15,7 @@ compared; its other figures are not.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import product
 from math import pi
 from typing import Any, Literal, TypeAlias
@@ -163,9 +163,7 @@ def _basis(functions: int, ends: Ends) -> tuple[FloatArray, FloatArray]:
     return field.reshape(7, 3 * functions, x.size), weight
 
 
-def _wall(
-    z: FloatArray, weight: FloatArray, Q: FloatArray, r: float, waves: int
-) -> ComplexArray:
+def _wall(z: FloatArray, weight: FloatArray, Q: FloatArray, r: float, waves: int) -> ComplexArray:
     """Return the wall's energy as a form (7, 7) of u, u', v, v', w, w', w'' in n waves.
 
     Normals stay straight and square to the wall: u(z) = u - z w', v(z) = v R/r - z w,θ/r.
@@ -211,19 +209,24 @@ def _buckling(
         other = np.einsum("ab,bip->iap", form, scaled * (share * length / 2))
         return flat @ other.reshape(flat.shape).T
 
-    K = ritz(_wall(z, weight, Q, r, waves))
-    G = ritz(_turning(r, waves)) / (2 * pi * r**2)
-    size = 1 / np.sqrt(K.diagonal().real)
-    K, G = (size[:, None] * (part + part.conj().T) * size / 2 for part in (K, G))
+    stiff = ritz(_wall(z, weight, Q, r, waves))
+    turned = ritz(_turning(r, waves)) / (2 * pi * r**2)
+    size = 1 / np.sqrt(stiff.diagonal().real)
+    K, G = (size[:, None] * (part + part.conj().T) * size / 2 for part in (stiff, turned))
     inverse = eigh(-G, K, eigvals_only=True)
     return float(1 / inverse[-1]), float(-1 / inverse[0])
 
 
+@lru_cache(maxsize=1024)
 @single_threaded()
-def _case(
-    z: FloatArray, weight: FloatArray, Q: FloatArray, r: float, length: float, ends: Ends
-) -> tuple[float, float]:
-    """Return the least torques over all numbers of waves, forward and backward, N m."""
+def _case(through: bytes, plies: bytes, r: float, length: float, ends: Ends) -> tuple[float, float]:
+    """Return the least torques over all numbers of waves, forward and backward, N m.
+
+    Of places and weights, and of stiffnesses, as their bytes: the same tube is asked about
+    again at every state, point and page, and takes 50 ms.
+    """
+    z, weight = np.frombuffer(through).reshape(2, -1, 3)
+    Q = np.frombuffer(plies).reshape(-1, 3, 3)
 
     def settled(waves: int, least: FloatArray) -> FloatArray:
         last = np.array([np.inf, np.inf])
@@ -300,7 +303,10 @@ def buckling_torques(
         )
         for part, own in ((z, 2), (weight, 2), (Q, 3), (r, 0), (L, 0))
     ]
-    found = [_case(*(part[k] for part in flat), ends) for k in range(flat[0].shape[0])]
+    found = [
+        _case(np.stack([a, b]).tobytes(), c.tobytes(), float(d), float(e), ends)
+        for a, b, c, d, e in zip(*flat, strict=True)
+    ]
     return np.array(found).reshape(*cases, 2)
 
 
