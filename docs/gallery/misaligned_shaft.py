@@ -1,4 +1,4 @@
-"""A joint at an angle feeds the flutter of its shaft: the torque that starts it falls.
+"""A joint at an angle feeds the flutter of a slow shaft: the torque that starts it falls.
 
 A rigid shaft on a bearing a tenth stiffer across the plane of the shafts, driven by a torque
 that follows it. The forced motion is found first, with the curvature of the shaft's path and
@@ -22,7 +22,7 @@ def rate(speed, torque, angle, polar):
     return growth(system)
 
 
-angles = np.linspace(0, 30, 31)
+angles = np.linspace(0, 20, 21)
 cases = ((0.5, 0.2, 0.1), (0.5, 0.16, 0.1), (0.7, 0.05, 0.001))
 figure, (rates, onset) = plt.subplots(1, 2, figsize=(9, 4), layout="tight")
 for speed, torque, polar in cases:
@@ -36,7 +36,7 @@ coarse = np.arange(0, 26, 5)
 starts = {}
 for speed in (0.5, 1.8):
     starts[speed] = np.array([
-        edges(lambda T, a=a, s=speed: rate(s, T, a, 0.1), between=(0.02, 0.3), start=24)[0]
+        edges(lambda T, a=a, s=speed: rate(s, T, a, 0.1), between=(0.02, 0.2), start=18)[0]
         for a in coarse
     ])  # fmt: skip
     onset.plot(coarse, starts[speed], "o-", label=f"speed {speed:g}")

@@ -297,12 +297,13 @@ def misaligned_shaft(
     system : Periodic
         For (x, y), inclinations in rad.
     motion : (..., 33, 2) rad
-        The forced inclinations from the nominal axis, at equal instants of half a turn.
+        The forced inclinations from the nominal axis, at equal instants of half a turn; nan
+        in cases where none is found.
 
     Raises
     ------
     NotConverged
-        If no forced motion is found: torque or angle bend the shaft too far.
+        If no forced motion is found in any case: torque or angle bend the shaft too far.
 
     Notes
     -----
@@ -316,6 +317,7 @@ def misaligned_shaft(
     D = differentiation(samples)
     D1, D2 = D / period[..., None, None], D @ D / period[..., None, None] ** 2
     q, largest = np.zeros((*shaft.speed.shape, samples, 2)), np.array(np.inf)
+    lost = np.zeros((*shaft.speed.shape, 1, 1), dtype=bool)
     for _ in range(40):
         at = (q, D1 @ q, D2 @ q)
         full = operator(*shaft.tangent(phase, *at), period, samples)
@@ -323,9 +325,13 @@ def misaligned_shaft(
         step = np.linalg.solve(full, left).reshape(q.shape)
         largest = np.abs(step).max((-1, -2), keepdims=True)
         q = q - step * np.minimum(1.0, 0.2 / np.maximum(largest, 1e-300))
-        if np.all(largest < 1e-12) or not np.all(np.abs(q) < 0.7):
+        # A case that leaves for a right angle has no answer; the others go on without it.
+        lost |= np.abs(q).max((-1, -2), keepdims=True) >= 0.7
+        q = np.where(lost, 0.0, q)
+        if np.all((largest < 1e-12) | lost):
             break
-    if not np.all(np.abs(q) < 0.7) or not np.all(largest < 1e-12):
+    lost |= largest >= 1e-12
+    if lost.all():
         msg = "no forced motion of the misaligned shaft found; is its bearing stiff enough?"
         raise NotConverged(msg)
     spectrum = np.fft.rfft(q, axis=-2) / samples
@@ -336,9 +342,10 @@ def misaligned_shaft(
     def matrices(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         wave = weight * np.exp(2j * np.pi * phase[:, None] * order)
         motion = (np.real(wave @ (rate[..., None] ** k * spectrum)) for k in range(3))
-        return shaft.tangent(phase, *motion)
+        M, C, K = shaft.tangent(phase, *motion)
+        return M, C, np.where(lost[..., None], np.nan, K)
 
-    return Periodic(period=period, matrices=matrices), q
+    return Periodic(period=period, matrices=matrices), np.where(lost, np.nan, q)
 
 
 @dataclass(frozen=True, slots=True)
@@ -386,12 +393,8 @@ class _Misaligned:
         free = d0 * W[..., None] - cross(d, rate)
         along = dot(N, d)
         spin = dot(N, free) / along
-        sped = (
-            dot(dN, free) - dot(N, cross(d, bend)) - spin * (dot(dN, d) + dot(N, rate))
-        ) / along
-        load = -T[..., None] * (
-            sigma[..., None] * d + ((1 - sigma) / np.cos(b))[..., None] * d0
-        )
+        sped = (dot(dN, free) - dot(N, cross(d, bend)) - spin * (dot(dN, d) + dot(N, rate))) / along
+        load = -T[..., None] * (sigma[..., None] * d + ((1 - sigma) / np.cos(b))[..., None] * d0)
         moment = ((Ia * sped - dot(load, d)) / along)[..., None] * N + load
         moment = It[..., None] * cross(d, bend) + (Ia * spin)[..., None] * rate - moment
         held = vector(kx, ky) * q + c[..., None] * v
