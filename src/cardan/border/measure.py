@@ -10,7 +10,7 @@ day, vans to mining trucks. Both are our own judgement.
 
 from typing import Annotated, TypeAlias
 
-from cardan.base.units import N, deg, g, kg, kN, lb, lbf, mm, rpm, t
+from cardan.base.units import N, deg, g, hour, kg, kN, lb, lbf, mm, rpm, t
 from cardan.border.table import ListOf, Number
 
 LENGTHS = ("mm", "m", "in")
@@ -194,6 +194,9 @@ Strength: TypeAlias = Annotated[
 ]  # fmt: skip
 Density: TypeAlias = Annotated[float, Number("kg_m3", least=50, most=30e3, usual=(500, 25e3))]
 
+Hours: TypeAlias = Annotated[
+    float, Number("h", least=hour, most=1e6 * hour, usual=(10 * hour, 1e5 * hour))
+]
 Factor: TypeAlias = Annotated[float, Number(least=1e-9, most=1e9)]
 Cycles: TypeAlias = Annotated[float, Number(least=1, most=1e11, usual=(1e3, 1e9))]
 LineRatio: TypeAlias = Annotated[float, Number(least=1e-3, most=1e3, usual=(0.1, 10))]

@@ -242,7 +242,7 @@ def tongue(
 
     def crest(at: float, middle: float, half: float) -> tuple[float, float]:
         """Return where a row's margin is largest about a place, and how large."""
-        samples = 33
+        samples, best, value = 33, 0, np.array([-np.inf])
         for _ in range(6):
             grid = np.linspace(max(middle - half, x[0]), min(middle + half, x[1]), samples)
             value = np.asarray(margin(grid, np.full(samples, at)))
@@ -260,14 +260,15 @@ def tongue(
         first = np.where((value <= 0).any(-1), (value <= 0).argmax(-1), way.shape[-1] - 1)
         pick = np.arange(2), first
         far, out = way[pick], value[pick]
-        near = np.where(first > 0, way[np.arange(2), first - 1], inside)
-        ends = np.asarray(margin(near, np.full(2, at)))
+        near: FloatArray = np.where(first > 0, way[np.arange(2), first - 1], inside)
+        ends: FloatArray = np.asarray(margin(near, np.full(2, at)))
         closed = out <= 0  # else the zone reaches the rectangle's side
 
         def along(s: FloatArray, which: IntArray) -> FloatArray:
             return np.asarray(margin((near[which] + s * (far - near)[which]), np.full(s.size, at)))
 
-        s = np.where(closed, _zero(along, ends, np.where(closed, out, -ends), tolerance=1e-9), 1.0)
+        shut = np.where(closed, out, -ends).astype(float)
+        s = np.where(closed, _zero(along, np.asarray(ends, np.float64), shut, tolerance=1e-9), 1.0)
         low, high = (near + s * (far - near)).tolist()
         return low, high
 

@@ -80,7 +80,7 @@ def eigenvalues(matrix: FloatArray | ComplexArray) -> ComplexArray:
 
     Of a matrix that is not finite, of a case nobody solved, they are nan.
     """
-    known = np.isfinite(matrix).all((-1, -2))
+    known = np.asarray(np.isfinite(matrix).all((-1, -2)))
     found = np.linalg.eigvals(np.where(known[..., None, None], matrix, 0.0))
     return np.where(known[..., None], found, np.nan).astype(np.complex128)
 

@@ -141,7 +141,7 @@ def of_line(
     DesignError
         If a shaft has no tube, or only one of the two gearbox values is given.
     """
-    beta, twist = _placed(np.asarray(directions, dtype=float), line.phases)
+    beta, twist = _placed(np.asarray(directions, dtype=float), line.phases, line.crosses)
     springs, halves = [], []
     for k, shaft in enumerate(line.shafts, 1):
         if shaft.tube is None or shaft.polar_inertia is None:
@@ -185,16 +185,20 @@ def of_line(
     )  # fmt: skip
 
 
-def _placed(directions: FloatArray, phases: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _placed(
+    directions: FloatArray, phases: ArrayLike, crosses: tuple[float, ...]
+) -> tuple[FloatArray, FloatArray]:
     """Angles (..., n) rad of a chain's joints, and the twist from each one's pin to the next's.
 
-    A pin is counted from its joint's own plane. The last twist, to no joint, is 0.
+    A pin is counted from its joint's own plane. The last twist, to no joint, is 0. A joint of
+    constant velocity turns like one without an angle.
     """
     before, after = directions[..., :-1, :], directions[..., 1:, :]
-    pins = turn(directions, phases=phases, samples=4).driving_pins[..., 0, :]
+    turned = turn(directions, phases=phases, crosses=crosses, samples=4)
+    pins = turned.driving_pins[..., 0, :]
     normal = cross(before, after)
     theta = np.arctan2(dot(pins, normal), dot(pins, cross(normal, before)))
-    beta = joint_angles(directions)
+    beta = joint_angles(directions) * np.array(crosses)
     driven = transmitted(theta, beta=beta)[0]
     twist = np.concatenate([theta[..., 1:] - driven[..., :-1], 0 * theta[..., :1]], axis=-1)
     return beta, twist
@@ -480,7 +484,7 @@ def orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SAMPLES) -> Orb
     x = np.broadcast_to(q0 - steady, (*cases, *q0.shape[-2:])).copy()
     D = differentiation(samples)
     T = period[..., None, None]
-    n = x.shape[-1]
+    n, largest = x.shape[-1], np.array(np.inf)
     for _ in range(60):
         q = steady + x
         v = w[..., None] + D @ x / T
@@ -604,7 +608,7 @@ def zones(
     n = w.size
     every: list[tuple[Kind, int, int, int, float]] = []
     for order in range(1, orders + 2):
-        every += [("principal", i, i, order, w[i] / order) for i in range(n)]
+        every.extend(("principal", i, i, order, w[i] / order) for i in range(n))
         for i, j in combinations(range(n), 2):
             every.append(("sum", i, j, order, (w[i] + w[j]) / 2 / order))
             every.append(("difference", i, j, order, (w[j] - w[i]) / 2 / order))

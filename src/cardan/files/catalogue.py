@@ -14,6 +14,8 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
+import numpy as np
+
 from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
 from cardan.base.units import deg
@@ -24,12 +26,14 @@ from cardan.border.measure import (
     Density,
     Diameter,
     Factor,
+    Hours,
     Mass,
     PlyThickness,
     PositiveSpeed,
     Rating,
     Size,
     SpeedAngle,
+    SplineTravel,
     Stiff,
     Strength,
     Wall,
@@ -218,8 +222,24 @@ class TubeTable(Table):
         return Tube(outer=self.outer, wall=self.wall, material=self.material)
 
 
+_OF_KINDS = {
+    "rated_life": ("rzeppa", "tripod"),
+    "rated_speed": ("rzeppa", "tripod"),
+    "rated_angle": ("rzeppa", "tripod"),
+    "pitch_circle": ("rzeppa", "tripod"),
+    "plunge": ("rzeppa", "tripod"),
+    "centre_distance": ("double cardan",),
+    "ball_from_rear": ("double cardan",),
+    "bearing_Lc": ("cross", "double cardan"),
+    "cross_width": ("cross", "double cardan"),
+    "cup_diameter": ("cross", "double cardan"),
+    "needle_circle": ("cross", "double cardan"),
+}
+"""Which kinds of joint a key belongs to, of those that not all have."""
+
+
 class JointTable(Table):
-    """A universal joint as catalogues rate it; leave out what is not published."""
+    """A joint as catalogues rate it; leave out what is not published."""
 
     name: str = key("what files call it", default="in place")
     series: str | None = key("series", default=None)
@@ -228,11 +248,27 @@ class JointTable(Table):
     reversing: Rating | None = key("fatigue limit under alternating torque", default=None)
     pulsating: Rating | None = key("fatigue limit under pulsating torque", default=None)
     bearing_Td: Rating | None = key(  # noqa: N815  the symbols catalogues print
-        "torque the needles carry for 5000 h at 100 rpm and 3 deg", default=None
+        "torque the needles carry for 5000 h at 100 rpm and 3 deg; of a rzeppa or tripod for its "
+        "rated life",
+        default=None,
     )
     bearing_Lc: Factor | None = key(  # noqa: N815
         "GWB's bearing capacity factor, kN m based", default=None
     )
+    kind: Literal["cross", "double cardan", "rzeppa", "tripod"] = key(
+        "a cross, or what keeps the speed", default="cross"
+    )
+    rated_life: Hours | None = key(
+        "of a rzeppa or tripod under its bearing_Td, at rated_speed and rated_angle", default=None
+    )
+    rated_speed: PositiveSpeed | None = key("at which that life is rated", default=None)
+    rated_angle: Angle | None = key(
+        "at which that life is rated; straight if left out", default=None
+    )
+    pitch_circle: Size | None = key("diameter through the balls or rollers", default=None)
+    plunge: SplineTravel | None = key("how far it slides, either way", default=None)
+    centre_distance: Size | None = key("between the crosses of a double cardan", default=None)
+    ball_from_rear: Size | None = key("from its centring ball to the rear cross", default=None)
     angle_max: Angle | None = key("largest joint angle", default=None)
     n_beta_max: SpeedAngle | None = key("largest speed times joint angle, rpm deg", default=None)
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
@@ -245,8 +281,23 @@ class JointTable(Table):
 
     def build(self) -> JointSize:
         """Return the joint in SI."""
+        for name, kinds in _OF_KINDS.items():
+            if getattr(self, name) is not None and self.kind not in kinds:
+                of = " or ".join(f"a {kind}" for kind in kinds)
+                self.at(name).refuse(f"belongs to {of}, not to a {self.kind}")
+        length, ball = self.centre_distance, self.ball_from_rear
+        if length is not None and ball is not None and not np.all(ball < length):
+            self.at("ball_from_rear").refuse("must be less than the distance of the crosses")
         return JointSize(
             name=self.name,
+            kind=self.kind,
+            rated_life=self.rated_life,
+            rated_speed=self.rated_speed,
+            rated_angle=self.rated_angle,
+            pitch_radius=None if self.pitch_circle is None else self.pitch_circle / 2,
+            centre_distance=length,
+            ball_from_rear=ball,
+            plunge=self.plunge,
             series=" ".join(filter(None, (self.maker, self.series))),
             peak_torque=self.peak,
             reversing_torque=self.reversing,

@@ -21,7 +21,7 @@ from cardan.base.units import UNITS
 from cardan.base.verdict import Limit, Sense
 from cardan.model.application import RIDING
 from cardan.model.laminate import CompositeTube
-from cardan.model.parts import Tube
+from cardan.model.parts import JointKind, Tube
 from cardan.quantity.points import Points
 from cardan.quantity.response import Response
 
@@ -107,7 +107,8 @@ COAST = Need(
     met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
 )
 LIFE_RATING = Need(
-    gives="a joint size with its life rating Td", met=lambda r: np.isfinite(r.life_ratings)
+    gives="a joint size with its life rating Td",
+    met=lambda r: np.isfinite(r.life_ratings),
 )
 DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
 STROKE = Need(
@@ -230,6 +231,20 @@ def joints(r: Response) -> tuple[Part, ...]:
     return tuple(Part("joint", k) for k in range(1, r.line.joint_count + 1))
 
 
+def of_kind(r: Response, kind: JointKind) -> list[int]:
+    """Return which joints, from 0, are of a kind."""
+    return [k for k, one in enumerate(r.line.kinds) if one == kind]
+
+
+def _joints_of(kind: JointKind) -> Parts:
+    return lambda r: tuple(Part("joint", k + 1) for k in of_kind(r, kind))
+
+
+crosses, double_cardans, tripods = (
+    _joints_of("cross"), _joints_of("double cardan"), _joints_of("tripod")
+)  # fmt: skip
+
+
 def shafts(r: Response) -> tuple[Part, ...]:
     """Return the shafts, gearbox first."""
     return tuple(Part("shaft", k) for k in range(1, r.line.joint_count))
@@ -251,8 +266,37 @@ def of_line(value: Callable[[Response], FloatArray]) -> Of:
 
 
 __all__ = [
-    "ALL_TUBES", "BY_PART", "COAST", "DUTY", "FATIGUE_RATING", "INERTIAS", "LIFE_RATING", "LOAD",
-    "PEAK_RATING", "RIDING", "SLIDING", "SPEED", "SPRINGS", "STROKE", "TORQUE", "TUBES",
-    "WRITTEN", "YIELD", "Need", "Of", "Parts", "Quantity", "Section", "centre_bearings",
-    "joints", "last_shaft", "line", "of_line", "shafts",
+    "ALL_TUBES",
+    "BY_PART",
+    "COAST",
+    "DUTY",
+    "FATIGUE_RATING",
+    "INERTIAS",
+    "LIFE_RATING",
+    "LOAD",
+    "PEAK_RATING",
+    "RIDING",
+    "SLIDING",
+    "SPEED",
+    "SPRINGS",
+    "STROKE",
+    "TORQUE",
+    "TUBES",
+    "WRITTEN",
+    "YIELD",
+    "Need",
+    "Of",
+    "Parts",
+    "Quantity",
+    "Section",
+    "centre_bearings",
+    "crosses",
+    "double_cardans",
+    "joints",
+    "last_shaft",
+    "line",
+    "of_kind",
+    "of_line",
+    "shafts",
+    "tripods",
 ]  # fmt: skip

@@ -16,8 +16,8 @@ from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
-from cardan.kinematics import equivalent
-from cardan.kinematics.chain import Turn, joint_angles, turn
+from cardan.kinematics import constant_velocity, equivalent
+from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
 from cardan.kinematics.equivalent import Excitation
 from cardan.loads import (
     Loads,
@@ -39,7 +39,7 @@ from cardan.model.application import (
 )
 from cardan.model.laminate import CompositeTube
 from cardan.model.layout import Layout
-from cardan.model.parts import JointSize, Line, Tube
+from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.quantity import points
 from cardan.quantity.points import Points, Spread
 from cardan.shaft import beams, composite, life, strength, whirl
@@ -114,7 +114,9 @@ class Response:
     @cached_property
     def turn(self) -> Turn:
         """The exact turn of the chain."""
-        return turn(self.layout.directions, phases=self.phases, samples=SAMPLES)
+        return turn(
+            self.layout.directions, phases=self.phases, crosses=self.line.crosses, samples=SAMPLES
+        )
 
     @cached_property
     def angles(self) -> FloatArray:
@@ -126,8 +128,31 @@ class Response:
         """Shafts, from 0, whose two joints are there to cancel: every other, from the rear.
 
         With an odd number of joints the first stands alone, as service procedures have it.
+        Both are crosses: a joint of constant velocity has nothing to cancel.
         """
-        return tuple(range(self.line.joint_count - 2, -1, -2))[::-1]
+        crosses, found, k = self.line.crosses, list[int](), self.line.joint_count - 1
+        while k > 0:
+            paired = crosses[k] and crosses[k - 1]
+            if paired:
+                found.append(k - 1)
+            k -= 2 if paired else 1
+        return tuple(found[::-1])
+
+    @property
+    def lone(self) -> tuple[int, ...]:
+        """Joints, from 0, that are crosses without another on their shaft to cancel them."""
+        paired = {j for k in self.pairs for j in (k, k + 1)}
+        return tuple(k for k, cross in enumerate(self.line.crosses) if cross and k not in paired)
+
+    @property
+    def uneven(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Side and top view angles (..., n) and phases (..., n-1), rad, for AE-7's phasors.
+
+        Those of crosses: others count as straight, with the yokes behind them a quarter turn on.
+        """
+        kinds = np.array(self.line.crosses)
+        phases = pin_phases(self.phases, self.line.crosses)
+        return self.side_angles * kinds, self.top_angles * kinds, phases
 
     @cached_property
     def pair_differences(self) -> FloatArray:
@@ -172,10 +197,11 @@ class Response:
     @cached_property
     def approximations(self) -> dict[str, Excitation]:
         """The same by each approximation of the field, by name."""
+        side, top, phases = self.uneven
         return equivalent.approximations(
-            self.side_angles,
-            self.top_angles,
-            phases=self.phases,
+            side,
+            top,
+            phases=phases,
             speed=self.demand.speed,
             inertias=self.inertias,
         )
@@ -245,6 +271,40 @@ class Response:
         once = self.unbalance
         peak = self.loads.bearing_forces.peak
         return peak + once.bearing_forces if once else peak
+
+    @cached_property
+    def joint_swing(self) -> FloatArray:
+        """Speed swing of each double cardan by itself, (..., n) 1; nan of others."""
+        return self._of_kind(
+            "double cardan",
+            lambda size, beta: (
+                constant_velocity.double_cardan_swing(
+                    beta, length=size.centre_distance, ball=size.ball_from_rear
+                )
+                if size.centre_distance and size.ball_from_rear
+                else np.full_like(beta, np.nan)
+            ),
+        )
+
+    @cached_property
+    def joint_orbit(self) -> FloatArray:
+        """Radius in which the centre of each tripod goes round, (..., n) m; nan of others."""
+        return self._of_kind(
+            "tripod",
+            lambda size, beta: (
+                constant_velocity.tripod_orbit(beta, radius=size.pitch_radius)
+                if size.pitch_radius
+                else np.full_like(beta, np.nan)
+            ),
+        )
+
+    def _of_kind(
+        self, kind: JointKind, value: Callable[[JointSize, FloatArray], FloatArray]
+    ) -> FloatArray:
+        return stacked(
+            value(size, beta) if size and size.kind == kind else np.full_like(beta, np.nan)
+            for size, beta in zip(self.sizes, np.moveaxis(self.angles, -1, 0), strict=True)
+        )
 
     @cached_property
     def end_bearings(self) -> dict[str, FloatArray]:
@@ -426,7 +486,7 @@ class Response:
     @property
     def life_ratings(self) -> FloatArray:
         """Torque Td of each joint for its rated life, (n,) N m; nan where not published."""
-        found = (life.life_rating(size) if size else None for size in self.sizes)
+        found = (life.complete_rating(size) if size else None for size in self.sizes)
         return stacked(np.nan if rating is None else rating for rating in found)
 
     @cached_property
@@ -451,14 +511,31 @@ class Response:
             rated_torque=self.life_ratings[..., None],
             prime_mover_factor=self.application.prime_mover_factor,
         )
+        for k, size in enumerate(self.sizes):
+            if size and size.kind != "cross":
+                wear[..., k, :] = life.wear_of(
+                    size,
+                    torque[..., 0, :],
+                    speed=speed[..., 0, :],
+                    angle=np.where(
+                        np.isnan(fixed[..., 0, :]), self.angles[..., k, None], fixed[..., 0, :]
+                    ),
+                    prime_mover_factor=self.application.prime_mover_factor,
+                )
         hours = life.joint_life(wear, shares=shares)
         return np.where(self.lasting[:, None], hours, np.nan)
 
     @cached_property
     def spline_travel_margin(self) -> FloatArray:
-        """Travel left in the spline, (...) m; nan where its stroke is not given."""
+        """Travel left in the spline, (...) m; nan where its stroke is not given.
+
+        Without a spline, in the joints of the last shaft that plunge.
+        """
         spline = self.line.shafts[-1].spline
         plunge, draw = (spline.plunge, spline.draw) if spline else (None, None)
+        if spline is None:
+            slides = [s.plunge for s in self.sizes[-2:] if s and s.plunge is not None]
+            plunge = draw = sum(slides) if slides else None
         travel = self.spline_travel
         left = np.full_like(travel, np.inf)
         left = left if plunge is None else np.minimum(left, plunge + travel)
