@@ -255,7 +255,7 @@ def tongue(
     def sides(at: float, inside: float, step: float) -> tuple[float, float]:
         """Return both edges of the zone about a place inside."""
         away = step * 1.6 ** np.arange(24)
-        way = np.clip(inside + np.array([-1.0, 1.0])[:, None] * away, *x)
+        way = np.clip(inside + np.array([-1.0, 1.0])[:, None] * away, *x).astype(np.float64)
         value = np.asarray(margin(way.ravel(), np.full(way.size, at))).reshape(way.shape)
         first = np.where((value <= 0).any(-1), (value <= 0).argmax(-1), way.shape[-1] - 1)
         pick = np.arange(2), first
