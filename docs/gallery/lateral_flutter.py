@@ -25,14 +25,17 @@ def rate(speed, torque, follower, difference):
     )
 
 
+LEVELS = [0, 0.02, 0.05, 0.1, 0.2]
 speeds, torques = np.linspace(0.1, 3, 150), np.linspace(0, 0.5, 80)
 x, y = np.meshgrid(speeds, torques)
 figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), sharey=True)
 cases = (("follows the shaft", 1, 0), ("stays along the input", 0, 0), ("unequal bearings", 1, 0.2))
 for ax, (name, follower, difference) in zip(axes, cases, strict=True):
     found = over(lambda s, t, f=follower, d=difference: rate(s, t, f, d), x, y)
-    ax.contourf(x, y, found, levels=[0, 0.02, 0.05, 0.1, 0.2], cmap="Oranges")
+    filled = ax.contourf(x, y, found, levels=LEVELS, cmap="Oranges", extend="max")
+    assert found.max() > LEVELS[-1] or name != "follows the shaft"  # the worst has a colour too
     ax.set(title=name, xlabel="speed, 1")
+figure.colorbar(filled, ax=axes, label="growth", shrink=0.9)
 axes[0].set_ylabel("torque, 1")
 plt.show()
 

@@ -32,9 +32,20 @@ motion = orbit(line, speeds)
 figure, (campbell, torque) = plt.subplots(2, 1, figsize=(7, 7), sharex=True)
 for order in (2, 4):
     campbell.plot(speeds / rpm, order * speeds / (2 * np.pi), "k--", lw=0.8)
+    end = min(2500, 94 / order * 60)
+    campbell.text(end, order * end / 60, f"order {order}", ha="right", va="bottom", rotation=30)
     torque.semilogy(speeds / rpm, np.abs(motion.order(order)[:, 1]), label=f"order {order}")
-for frequency in w[:2]:
-    campbell.axhline(frequency / (2 * np.pi))
+for k, frequency in enumerate(w[:2], 1):
+    hertz = frequency / (2 * np.pi)
+    campbell.axhline(hertz)
+    campbell.text(2590, hertz + 1, f"mode {k}, {hertz:.1f} Hz", ha="right", color="tab:blue")
+    for order in (2, 4):
+        met = 60 * hertz / order
+        if speeds[0] / rpm < met < speeds[-1] / rpm:
+            campbell.plot(met, hertz, "o", color="tab:red", ms=4)
+            torque.axvline(met, color="0.85", zorder=0)
+            torque.text(met, 0.98, f" {order} x mode {k}", rotation=90, va="top", fontsize="small",
+                        transform=torque.get_xaxis_transform())  # fmt: skip
 campbell.set(ylabel="frequency, Hz", ylim=(0, 100))
 torque.set(xlabel="speed, rpm", ylabel="torque amplitude in shaft 1, N m")
 torque.legend()

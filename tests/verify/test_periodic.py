@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
-from cardan.dynamics.chart import boundary, curve, edges
+from cardan.dynamics.chart import boundary, curve, edges, tongue
 from cardan.dynamics.periodic import (
     Periodic,
     differentiation,
@@ -160,6 +160,46 @@ def test_a_chart_is_its_boundary():
     followed = curve(margin, start=tip, x=(-0.5, 2.0), y=(0.0, 0.8))
     # First-order theory: the tongue at a = 1 opens at q = c; second order is c²/8.
     assert followed[:, 1].min() == pytest.approx(0.1, rel=0.01)
+
+
+def test_a_narrow_tongue_is_followed_to_its_tip():
+    """Damped Mathieu, c 0.01: at a = 1 it opens at q = c, at a = 4 near q = √(4c) (DLMF 28.6).
+
+    a_2 - b_2 = q²/2 there, so q² / 4 = 2 c to first order. A grid's cells end it higher,
+    where one of its corners happens to fall inside.
+    """
+    c = 0.01
+
+    def margin(a, q):
+        return growth(mathieu(a, q, c))
+
+    first = tongue(margin, centre=1.0, x=(0.2, 5.0), y=(0.0, 0.5))
+    second = tongue(margin, centre=4.0, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.1)
+    assert first.tip[1] == pytest.approx(c, rel=1e-3)
+    assert first.tip[0] == pytest.approx(1.0, abs=1e-3)
+    assert second.tip[1] == pytest.approx(np.sqrt(8 * c), rel=0.02)
+    for found in (first, second):
+        assert np.abs(margin(*found.low[:-1].T)).max() < 1e-5
+        assert np.abs(margin(*found.high[:-1].T)).max() < 1e-5
+        # Just below its tip nothing grows, however near one looks.
+        near = found.tip[0] + np.linspace(-0.02, 0.02, 401)
+        assert margin(near, np.full(401, 0.99 * found.tip[1])).max() < 0
+    assert tongue(margin, centre=2.5, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.02) is None
+    # The edges of the wide end are Mathieu's own, but for the damping.
+    assert first.low[0, 0] == pytest.approx(float(mathieu_b(1, 0.5)), abs=2e-4)
+    assert first.high[0, 0] == pytest.approx(float(mathieu_a(1, 0.5)), abs=2e-4)
+
+
+def test_a_case_without_an_answer_ends_nothing():
+    system = mathieu(np.array([0.3, np.nan, 2.6]), damping=0.1)
+    found = growth(system)
+    alone = growth(mathieu(np.array([0.3, 2.6]), damping=0.1))
+    np.testing.assert_allclose(found[[0, 2]], alone, rtol=1e-12)
+    assert np.isnan(found[1])
+    # Nor is a zero looked for beside it.
+    np.testing.assert_allclose(
+        edges(lambda x: np.where(abs(x - 0.25) < 0.2, np.nan, x - 0.7), between=(0, 1)), [0.7]
+    )
 
 
 def test_a_closed_curve_closes():

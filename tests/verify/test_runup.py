@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cardan.dynamics.runup import Driven, limited_power, passage, swept
+from cardan.base.errors import NotConverged
+from cardan.dynamics.runup import Driven, fates, limited_power, passage, swept
 
 
 def test_printed_peaks():
@@ -61,4 +62,34 @@ def test_a_weak_motor_is_captured_at_half_the_torsional_frequency():
     assert weak.top_speed == pytest.approx(109.5, abs=0.1)
     assert stuck.mean_speed == pytest.approx(weak.frequency / 2, rel=0.02)
     assert limited_power(line(120, beta=2), duration=40).mean_speed > 1.2 * weak.frequency / 2
-    assert limited_power(line(400), duration=40).mean_speed > 1.5 * weak.frequency / 2
+
+
+def test_whether_a_motor_gets_through_depends_on_where_it_starts():
+    """120 W: caught at half, from everywhere; 400 W: at the frequency itself, from 7 of 8.
+
+    The eighth gets past. 1500 W gets through from everywhere.
+    """
+    weak, middling = fates(line(120), phases=4), fates(line(400))
+    assert str(weak) == "caught at half, 4 of 4"
+    np.testing.assert_allclose(weak.mean_speed, line(120).frequency / 2, rtol=0.02)
+    assert str(middling) == "caught, 7 of 8"
+    caught = [v for v, f in zip(middling.mean_speed, middling.each, strict=True) if f == "caught"]
+    np.testing.assert_allclose(caught, 109.0, atol=0.6)
+    assert str(fates(line(1500))) == "through, 8 of 8"
+
+
+def test_all_angles_together_are_each_by_itself():
+    """Steps of equal length against an adaptive integrator of eighth order, while it is caught.
+
+    After 18 s and some 130 turns both have come as far to a few parts in ten thousand.
+    """
+    many = fates(line(120), duration=18, phases=2)
+    for angle, speed in zip(many.angle, many.mean_speed, strict=True):
+        one = limited_power(line(120), duration=18, start_angle=float(angle), samples=12001)
+        assert speed == pytest.approx(one.mean_speed, rel=5e-4)
+    assert abs(many.mean_speed[0] / many.mean_speed[1] - 1) > 1e-3  # the start is not forgotten
+
+
+def test_a_run_up_cut_short_has_no_verdict():
+    with pytest.raises(NotConverged, match="give it a longer duration"):
+        fates(line(120), duration=3, phases=2)

@@ -4,13 +4,15 @@ The numbers were computed from the authors' equations by an independent program 
 engine settings, confirmed by a 3-D multibody engine; the printed digits set the tolerance.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import deg
 from cardan.dynamics.chart import edges
-from cardan.dynamics.periodic import growth, monodromy
+from cardan.dynamics.periodic import growth, hill_multipliers, monodromy
 from cardan.dynamics.torsion import (
     TorsionLine,
     about_forced_orbit,
@@ -85,6 +87,35 @@ def test_zones_of_two_coordinates():
         assert found[key].low == pytest.approx(low, abs=digits)
         assert found[key].high == pytest.approx(high, abs=digits)
     assert not found["difference", (1, 2)].open
+
+
+def test_a_zone_of_second_order_is_no_difference():
+    """Near (w2 - w1)/2 = 0.5 stands (w1 + w2)/4, 0.5582 to 0.5592 at 20 deg: of sums, order 2.
+
+    Hill's determinant has it too: its multipliers are off the unit circle and not real.
+    """
+    found = {(z.kind, z.modes, z.order): z for z in zones(two(), window=0.15, orders=2)}
+    assert not found["difference", (1, 2), 1].open
+    second = found["sum", (1, 2), 2]
+    assert (second.low, second.high) == (pytest.approx(0.5582, abs=5e-5),
+                                         pytest.approx(0.5592, abs=5e-5))  # fmt: skip
+    rho = hill_multipliers(about_rigid_rotation(two(), (second.low + second.high) / 2))
+    largest = rho.ravel()[np.abs(rho).argmax()]
+    assert np.log(abs(largest)) > 1e-3
+    assert abs(largest.imag) > 0.1
+
+
+def test_an_orbit_nobody_finds_ends_no_other():
+    """Slow and undamped, wound up by three units of torque at 45 deg, it wanders off."""
+    line = replace(GENERAL, beta=np.radians([45, 10, 0]), torque=np.array(3.0), damping=np.zeros(3))
+    speeds = np.array([2.0, 0.05, 2.5])
+    found = orbit(line, speeds)
+    assert np.isnan(found.rotation[1]).all()
+    np.testing.assert_allclose(found.rotation[0], orbit(line, 2.0).rotation, rtol=1e-12)
+    rates = growth(about_forced_orbit(line, speeds))
+    assert np.isnan(rates).tolist() == [False, True, False]
+    with pytest.raises(NotConverged, match="no periodic motion found"):
+        orbit(line, 0.05)
 
 
 def test_first_order_widths():

@@ -10,7 +10,7 @@ day, vans to mining trucks. Both are our own judgement.
 
 from typing import Annotated, TypeAlias
 
-from cardan.base.units import N, deg, g, kg, kN, lb, lbf, mm, rpm, t
+from cardan.base.units import N, deg, g, hour, kg, kN, lb, lbf, mm, rpm, t
 from cardan.border.table import ListOf, Number
 
 LENGTHS = ("mm", "m", "in")
@@ -46,6 +46,9 @@ Distance: TypeAlias = Annotated[float, length(least=0, most=20, usual=(0.2 * mm,
 ShaftLength: TypeAlias = Annotated[float, length(least=5 * mm, most=50, usual=(0.1, 6))]
 Diameter: TypeAlias = Annotated[float, length(least=1 * mm, most=3, usual=(15 * mm, 0.4))]
 Wall: TypeAlias = Annotated[float, length(least=0.02 * mm, most=1.5, usual=(0.8 * mm, 25 * mm))]
+PlyThickness: TypeAlias = Annotated[
+    float, length(least=0.005 * mm, most=0.2, usual=(0.04 * mm, 10 * mm))
+]
 Wheelbase: TypeAlias = Annotated[float, length(least=50 * mm, most=100, usual=(1.5, 12))]
 TyreRadius: TypeAlias = Annotated[float, length(least=5 * mm, most=5, usual=(0.2, 0.75))]
 CentreHeight: TypeAlias = Annotated[float, length(least=5 * mm, most=20, usual=(0.3, 2.5))]
@@ -191,6 +194,9 @@ Strength: TypeAlias = Annotated[
 ]  # fmt: skip
 Density: TypeAlias = Annotated[float, Number("kg_m3", least=50, most=30e3, usual=(500, 25e3))]
 
+Hours: TypeAlias = Annotated[
+    float, Number("h", least=hour, most=1e6 * hour, usual=(10 * hour, 1e5 * hour))
+]
 Factor: TypeAlias = Annotated[float, Number(least=1e-9, most=1e9)]
 Cycles: TypeAlias = Annotated[float, Number(least=1, most=1e11, usual=(1e3, 1e9))]
 LineRatio: TypeAlias = Annotated[float, Number(least=1e-3, most=1e3, usual=(0.1, 10))]

@@ -2,7 +2,8 @@
 
 A stability chart is its boundary; the area on either side needs no sampling. `boundary`
 starts from a coarse grid, divides only the cells the zero may cross and ends with
-bracketed steps along their edges; `curve` follows one line round its turns; `edges` finds every
+bracketed steps along their edges; `tongue` follows a zone from where it is wide down to its
+tip, however narrow it gets; `curve` follows one line round its turns; `edges` finds every
 zero along one parameter.
 Sources: adaptive marching squares, Lorensen & Cline (1987); pseudo-arclength continuation,
 Keller (1977).
@@ -105,8 +106,8 @@ def boundary(
         The rectangle.
     start
         Cells of the first grid. Growth rates are flat outside a zone, so a zone is found
-        where a corner falls into it or the slopes seen point to it: let a cell be no wider
-        than the narrowest zone that matters.
+        where a corner falls into it or the slopes seen point to it: a zone narrower than a
+        cell is missed, or ends where it is. Follow such ones with `tongue`.
     levels
         How often cells are halved.
     tolerance
@@ -180,6 +181,132 @@ def boundary(
     return Boundary(pieces=pieces, evaluations=asked, cell=size)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tongue:
+    """A zone that narrows to a tip.
+
+    Attributes
+    ----------
+    tip : (2,)
+        x and y of its lowest point; on the edge of the rectangle where it reaches that.
+    low, high : (rows, 2)
+        Its edges on the side of small and of large x, from the top to the tip.
+    """
+
+    tip: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+    @property
+    def outline(self) -> FloatArray:
+        """The line round it, (2 rows - 1, 2), down one side and up the other."""
+        return np.concatenate([self.low, self.high[-2::-1]])
+
+
+def tongue(
+    margin: Margin,
+    *,
+    centre: float,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    reach: float = 0.05,
+    rows: int = 24,
+    tolerance: float = 1e-7,
+) -> Tongue | None:
+    """Follow a zone of positive margin downwards, from the top of a rectangle to its tip.
+
+    A zone closes like a parabola: near its tip it is narrower than any grid, and a chart by
+    cells alone draws it too short. Here each row is searched where the one above it had the
+    crest, as closely as that one was wide.
+
+    Parameters
+    ----------
+    margin
+        As for `boundary`.
+    centre
+        x at which theory has the zone: where a combination of frequencies is met.
+    x, y
+        The rectangle; the zone is widest at its top.
+    reach
+        How far from the centre the crest is looked for at the top, as a share of the rectangle.
+    rows
+        To the tip, closer together towards it.
+    tolerance
+        Of the tip's height, as a share of the rectangle.
+
+    Returns
+    -------
+    Tongue
+        None if no point of the top row near the centre is in a zone.
+    """
+
+    def crest(at: float, middle: float, half: float) -> tuple[float, float]:
+        """Return where a row's margin is largest about a place, and how large."""
+        samples, best, value = 33, 0, np.array([-np.inf])
+        for _ in range(6):
+            grid = np.linspace(max(middle - half, x[0]), min(middle + half, x[1]), samples)
+            value = np.asarray(margin(grid, np.full(samples, at)))
+            best = int(np.nanargmax(value))
+            middle, half = float(grid[best]), 2 * half / (samples - 1) * 1.5
+            if value[best] > 0 and half < 1e-3 * (x[1] - x[0]):
+                break
+        return middle, float(value[best])
+
+    def sides(at: float, inside: float, step: float) -> tuple[float, float]:
+        """Return both edges of the zone about a place inside."""
+        away = step * 1.6 ** np.arange(24)
+        way = np.clip(inside + np.array([-1.0, 1.0])[:, None] * away, *x).astype(np.float64)
+        value = np.asarray(margin(way.ravel(), np.full(way.size, at))).reshape(way.shape)
+        first = np.where((value <= 0).any(-1), (value <= 0).argmax(-1), way.shape[-1] - 1)
+        pick = np.arange(2), first
+        far, out = way[pick], value[pick]
+        near: FloatArray = np.where(first > 0, way[np.arange(2), first - 1], inside)
+        ends: FloatArray = np.asarray(margin(near, np.full(2, at)))
+        closed = out <= 0  # else the zone reaches the rectangle's side
+
+        def along(s: FloatArray, which: IntArray) -> FloatArray:
+            return np.asarray(margin((near[which] + s * (far - near)[which]), np.full(s.size, at)))
+
+        shut = np.where(closed, out, -ends).astype(float)
+        s = np.where(closed, _zero(along, np.asarray(ends, np.float64), shut, tolerance=1e-9), 1.0)
+        low, high = (near + s * (far - near)).tolist()
+        return low, high
+
+    size = x[1] - x[0]
+    place, value = crest(y[1], centre, reach * size)
+    if not value > 0:
+        return None
+    low: list[tuple[float, float]] = []
+    high: list[tuple[float, float]] = []
+
+    def row(at: float, inside: float, step: float) -> float:
+        """Add a row's edges; return how wide the zone is there."""
+        left, right = sides(at, inside, step)
+        low.append((left, at))
+        high.append((right, at))
+        return right - left
+
+    wide = row(y[1], place, 1e-3 * size)
+    open_at, step = y[1], (y[1] - y[0]) / rows
+    while open_at - step > y[0] and step > tolerance * (y[1] - y[0]):
+        middle = (low[-1][0] + high[-1][0]) / 2
+        if len(low) > 1:  # the crest bends: on from where the last two rows point
+            before = (low[-2][0] + high[-2][0]) / 2
+            middle += (middle - before) * step / max(low[-2][1] - low[-1][1], 1e-300)
+        found, value = crest(open_at - step, middle, 0.75 * wide)
+        if value > 0:
+            open_at -= step
+            place, wide = found, row(open_at, found, 0.05 * wide)
+        else:
+            step /= 2
+    if open_at - step <= y[0] and step > tolerance * (y[1] - y[0]):
+        found, value = crest(y[0], place, 0.75 * wide)
+        if value > 0:
+            row(y[0], found, 0.05 * wide)
+    tip = np.array([place, low[-1][1]])
+    return Tongue(tip=tip, low=np.array(low), high=np.array(high))
+
+
 def edges(
     margin: Callable[[FloatArray], FloatArray],
     *,
@@ -187,10 +314,14 @@ def edges(
     start: int = 200,
     tolerance: float = 1e-10,
 ) -> FloatArray:
-    """All zeros (zeros,) of a margin along one parameter that `start` samples can tell apart."""
+    """All zeros (zeros,) of a margin along one parameter that `start` samples can tell apart.
+
+    Beside samples that are nan, which nobody could solve, none is looked for.
+    """
     grid = np.linspace(*between, start + 1)
     value = np.asarray(margin(grid))
-    at = np.flatnonzero((value[:-1] > 0) != (value[1:] > 0))
+    known = np.isfinite(value)
+    at = np.flatnonzero(((value[:-1] > 0) != (value[1:] > 0)) & known[:-1] & known[1:])
     low, width = grid[at], grid[at + 1] - grid[at]
     s = _zero(
         lambda s, which: np.asarray(margin(low[which] + s * width[which])),

@@ -14,13 +14,14 @@ program and of a multibody engine. The papers' figures were not at hand and are 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.periodic import Periodic, differentiation, eigenvalues, operator
-from cardan.dynamics.torsion import transmitted
+from cardan.kinematics.chain import cross, dot
 
 
 def _real(matrix: ComplexArray, *, mirrored: bool = False) -> FloatArray:
@@ -268,10 +269,17 @@ def misaligned_shaft(
     damping: ArrayLike = 0.0,
     follower: ArrayLike = 1.0,
 ) -> tuple[Periodic, FloatArray]:
-    """Return the rigid shaft at a nominal joint angle: small motions, and what they are about.
+    r"""Return the rigid shaft at a nominal joint angle: small motions, and what they are about.
 
     The joint bends the shaft aside and shakes it twice a turn. That forced motion is found
-    first, with the joint's full moment, and small motions are linear about it.
+    first, exactly, and small motions are linear about it. With the shaft's direction d, its
+    spin s about it, the cross's normal N = d - a (a·d) and the moment m of the load,
+
+    $$I_t\,\ddot d \cdot \partial_i d + I_a s\,\dot d \cdot (d \times \partial_i d)
+      = \left[(I_a \dot s - m \cdot d) \frac{N}{N \cdot d} + m\right] \cdot
+        (d \times \partial_i d) - c\,\dot q_i - k_i q_i$$
+
+    and the joint sets the spin, N·(s d + d × d') = N·d₀ Ω, so that it answers to every tilt.
 
     Parameters
     ----------
@@ -280,8 +288,7 @@ def misaligned_shaft(
     beta : (...) rad
         Nominal joint angle; x of the motion lies in the plane of the two shafts.
     transverse_inertia, polar_inertia, damping, follower
-        As for `rigid_shaft`. The polar inertia is sped and slowed by the joint; how that
-        answers to small motions is left out, of order I_a tan²β / I_t.
+        As for `rigid_shaft`. A load that stays along the driving shaft is T / cos β there.
     stiffness : two of (...) N m/rad
         Of the bearing about the joint, for motion in the plane of the shafts and square to it.
 
@@ -290,86 +297,125 @@ def misaligned_shaft(
     system : Periodic
         For (x, y), inclinations in rad.
     motion : (..., 33, 2) rad
-        The forced inclinations from the nominal axis, at equal instants of half a turn.
+        The forced inclinations from the nominal axis, at equal instants of half a turn; nan
+        in cases where none is found.
 
     Raises
     ------
     NotConverged
-        If no forced motion is found: torque or angle bend the shaft too far.
+        If no forced motion is found in any case: torque or angle bend the shaft too far.
+
+    Notes
+    -----
+    By Lagrange in the two coordinates x and y, with z = √(1 - x² - y²): no small angles.
+    Its derivatives are taken by complex steps (Squire & Trapp 1998), exact to rounding.
     """
-    speed, T, beta, It, Ia, kx, ky, c, sigma = np.broadcast_arrays(
-        *(np.asarray(v, dtype=float) for v in (
-            speed, torque, beta, transverse_inertia, polar_inertia, *stiffness, damping, follower
-        ))
-    )  # fmt: skip
-    w, load, b, polar, follows = (v[..., None] for v in (speed, T, beta, Ia, sigma))
-    d0 = np.stack([-np.sin(b), np.zeros_like(b), np.cos(b)], axis=-1)
-    # A moment (mx, my) turns the shaft's tip by -i: d x d'' = m gives (x, y)'' ~ (my, -mx).
-    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    one = np.eye(2)
-
-    def moment(phase: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return moments (..., s, 2) square to the nominal axis and their derivatives by q."""
-        turned = np.pi * phase
-        cos, sin = np.cos(turned), np.sin(turned)
-        a = np.stack(np.broadcast_arrays(np.cos(b) * cos, sin, np.sin(b) * cos), axis=-1)
-        upright = np.sqrt(1 - (q**2).sum(-1, keepdims=True))
-        d = np.concatenate([q, upright], axis=-1)
-        # The joint carries the load and what speeds the shaft up; its moment lies along
-        # N = P d with P = 1 - a a'.
-        carried = load + polar * transmitted(turned, beta=b)[2] * w**2
-        N = d - a * (a * d).sum(-1, keepdims=True)
-        along = (d * N).sum(-1, keepdims=True)
-        size = carried[..., None] / along
-        fixed = (1 - follows)[..., None] * d0 / np.cos(b)[..., None]
-        M = size * N - load[..., None] * (follows[..., None] * d + fixed)
-        P = np.eye(3) - a[..., :, None] * a[..., None, :]
-        J = (
-            size[..., None] * P
-            - 2 * (size / along)[..., None] * N[..., :, None] * N[..., None, :]
-            - (load * follows)[..., None, None] * np.eye(3)
-        )
-        tilt = np.concatenate(
-            [np.broadcast_to(one, (*q.shape, 2)), (-q / upright)[..., None, :]], axis=-2
-        )
-        return M[..., :2], (J @ tilt)[..., :2, :]
-
-    def held(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return M, C and K of all but the joint's moment and the load's."""
-        _, ratio, bend, _ = transmitted(np.pi * phase, beta=b)
-        k = np.stack([kx, ky], axis=-1)[..., None, :, None] * one
-        spun = (polar * ratio * w)[..., None, None] * turn
-        sped = (polar * bend * w**2)[..., None, None] * turn
-        M = np.broadcast_to(It[..., None, None, None] * one, spun.shape)
-        return M, c[..., None, None, None] * one + spun, k + sped
-
+    values = (speed, torque, beta, transverse_inertia, polar_inertia, *stiffness, damping, follower)
+    shaft = _Misaligned(*np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in values)))
     samples = 33
-    phase, period = np.arange(samples) / samples, np.pi / speed
+    phase, period = np.arange(samples) / samples, np.pi / shaft.speed
     D = differentiation(samples)
-    T1, T2 = period[..., None, None], period[..., None, None] ** 2
-    M, C, K = held(phase)
-    q, largest = np.zeros((*speed.shape, samples, 2)), np.array(np.inf)
+    D1, D2 = D / period[..., None, None], D @ D / period[..., None, None] ** 2
+    q, largest = np.zeros((*shaft.speed.shape, samples, 2)), np.array(np.inf)
+    lost = np.zeros((*shaft.speed.shape, 1, 1), dtype=bool)
     for _ in range(40):
-        push, slope = moment(phase, q)
-        left = M @ (D @ (D @ q) / T2)[..., None] + C @ (D @ q / T1)[..., None] + K @ q[..., None]
-        left = left[..., 0] - push @ turn.T
-        full = operator(M, C, K - turn @ slope, period, samples)
-        step = np.linalg.solve(full, left.reshape(*speed.shape, -1, 1)).reshape(q.shape)
+        at = (q, D1 @ q, D2 @ q)
+        full = operator(*shaft.tangent(phase, *at), period, samples)
+        left = shaft.unbalanced(phase, *at).reshape(*shaft.speed.shape, -1, 1)
+        step = np.linalg.solve(full, left).reshape(q.shape)
         largest = np.abs(step).max((-1, -2), keepdims=True)
         q = q - step * np.minimum(1.0, 0.2 / np.maximum(largest, 1e-300))
-        if np.all(largest < 1e-12) or not np.all(np.abs(q) < 0.7):
+        # A case that leaves for a right angle has no answer; the others go on without it.
+        lost |= np.abs(q).max((-1, -2), keepdims=True) >= 0.7
+        q = np.where(lost, 0.0, q)
+        if np.all((largest < 1e-12) | lost):
             break
-    if not np.all(np.abs(q) < 0.7) or not np.all(largest < 1e-12):
+    lost |= largest >= 1e-12
+    if lost.all():
         msg = "no forced motion of the misaligned shaft found; is its bearing stiff enough?"
         raise NotConverged(msg)
     spectrum = np.fft.rfft(q, axis=-2) / samples
     order = np.arange(samples // 2 + 1)
     weight = np.where(order == 0, 1.0, 2.0)
+    rate = 2j * np.pi * order / period[..., None]
 
     def matrices(phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         wave = weight * np.exp(2j * np.pi * phase[:, None] * order)
-        _, slope = moment(phase, np.real(wave @ spectrum))
-        M, C, K = held(phase)
-        return M, C, K - turn @ slope
+        motion = (np.real(wave @ (rate[..., None] ** k * spectrum)) for k in range(3))
+        M, C, K = shaft.tangent(phase, *motion)
+        return M, C, np.where(lost[..., None], np.nan, K)
 
-    return Periodic(period=period, matrices=matrices), q
+    return Periodic(period=period, matrices=matrices), np.where(lost, np.nan, q)
+
+
+@dataclass(frozen=True, slots=True)
+class _Misaligned:
+    """The rigid shaft at a nominal joint angle, each value (...); `misaligned_shaft` says what."""
+
+    speed: FloatArray
+    torque: FloatArray
+    beta: FloatArray
+    transverse: FloatArray
+    polar: FloatArray
+    stiff: FloatArray
+    stiff_across: FloatArray
+    damping: FloatArray
+    follower: FloatArray
+
+    def unbalanced(self, phase: FloatArray, q: Any, v: Any, w: Any) -> Any:
+        """Return what is left of the equation of motion at instants (..., s, 2), N m.
+
+        At phases (s,) of half a turn, of inclinations q, their rates v and w; complex ones
+        give complex ones, by the same analytic expressions.
+        """
+        W, T, b, It, Ia, kx, ky, c, sigma = (
+            np.asarray(getattr(self, name))[..., None] for name in self.__slots__
+        )
+        cos, sin = np.cos(np.pi * phase), np.sin(np.pi * phase)
+
+        def vector(*parts: Any) -> Any:
+            return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+        d0 = vector(-np.sin(b), 0.0, np.cos(b))
+        a = vector(np.cos(b) * cos, sin, np.sin(b) * cos)
+        turning = W[..., None] * vector(-np.cos(b) * sin, cos, -np.sin(b) * sin)
+        z = np.sqrt(1 - (q * q).sum(-1))
+        dz = -(q * v).sum(-1) / z
+        ddz = -((v * v).sum(-1) + (q * w).sum(-1) + dz * dz) / z
+        d, rate, bend = (
+            np.concatenate([part, last[..., None]], axis=-1)
+            for part, last in ((q, z), (v, dz), (w, ddz))
+        )
+        N = d - a * dot(a, d)[..., None]
+        dN = rate - turning * dot(a, d)[..., None]
+        dN = dN - a * (dot(turning, d) + dot(a, rate))[..., None]
+        # N·(s d + d x d') = N·d0 W, and the same once more after time.
+        free = d0 * W[..., None] - cross(d, rate)
+        along = dot(N, d)
+        spin = dot(N, free) / along
+        sped = (dot(dN, free) - dot(N, cross(d, bend)) - spin * (dot(dN, d) + dot(N, rate))) / along
+        load = -T[..., None] * (sigma[..., None] * d + ((1 - sigma) / np.cos(b))[..., None] * d0)
+        moment = ((Ia * sped - dot(load, d)) / along)[..., None] * N + load
+        moment = It[..., None] * cross(d, bend) + (Ia * spin)[..., None] * rate - moment
+        held = vector(kx, ky) * q + c[..., None] * v
+        # d x ∂d/∂x and d x ∂d/∂y, with ∂z/∂x = -x/z.
+        x, y = q[..., 0], q[..., 1]
+        tilts = (
+            vector(-x * y / z, z + x * x / z, -y),
+            vector(-z - y * y / z, x * y / z, x),
+        )
+        return np.stack([dot(moment, tilt) for tilt in tilts], axis=-1) + held
+
+    def tangent(
+        self, phase: FloatArray, q: FloatArray, v: FloatArray, w: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return M, C and K (..., s, 2, 2) of small motions beside a motion."""
+        step, motion = 1e-30, (w, v, q)
+        found: list[FloatArray] = []
+        for k in range(3):
+            columns: list[FloatArray] = []
+            for unit in 1j * step * np.eye(2):
+                w1, v1, q1 = (m + (unit if j == k else 0.0) for j, m in enumerate(motion))
+                columns.append(np.imag(self.unbalanced(phase, q1, v1, w1)) / step)
+            found.append(np.stack(columns, axis=-1))
+        return found[0], found[1], found[2]

@@ -76,8 +76,13 @@ _MOST_STEPS = 1 << 13
 
 
 def eigenvalues(matrix: FloatArray | ComplexArray) -> ComplexArray:
-    """Return the eigenvalues (..., n) of matrices (..., n, n), complex even where all are real."""
-    return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
+    """Return the eigenvalues (..., n) of matrices (..., n, n), complex even where all are real.
+
+    Of a matrix that is not finite, of a case nobody solved, they are nan.
+    """
+    known = np.asarray(np.isfinite(matrix).all((-1, -2)))
+    found = np.linalg.eigvals(np.where(known[..., None, None], matrix, 0.0))
+    return np.where(known[..., None], found, np.nan).astype(np.complex128)
 
 
 def _size(matrix: FloatArray) -> FloatArray:
@@ -144,9 +149,11 @@ def _settled(system: Periodic, tolerance: float) -> tuple[FloatArray, FloatArray
     """Return the monodromy in scaled states, the scale, and the steps it took."""
     C, K = system.scaled(np.arange(8) / 8)
     scale = np.maximum(np.sqrt(_size(K)), 1.0)
-    scale = np.broadcast_to(scale, np.broadcast_shapes(scale.shape, np.shape(system.period)))
-    fastest = max(float(np.max(scale, initial=1.0)), float(np.max(_size(C), initial=0.0)))
-    if not np.isfinite(fastest):
+    cases = np.broadcast_shapes(scale.shape, np.shape(system.period))
+    scale, rates = np.broadcast_to(scale, cases), np.broadcast_to(_size(C), cases)
+    known = np.isfinite(scale) & np.isfinite(rates)
+    fastest = float(np.maximum(scale, rates).max(where=known, initial=1.0))
+    if not known.any():
         msg = "the coefficients are not finite (a massless coordinate, or a speed of 0?)"
         raise ValueError(msg)
     count = 1 << max(0, int(np.ceil(np.log2(fastest / 4))))
@@ -154,7 +161,8 @@ def _settled(system: Periodic, tolerance: float) -> tuple[FloatArray, FloatArray
         trial, found = (_product(_steps(system, scale, count, stages)) for stages in _STAGES)
         off = np.abs(found - trial).max((-1, -2))
         # Three nodes more gain at least three digits; two are counted on.
-        if np.all(off <= 100 * tolerance * np.maximum(np.abs(found).max((-1, -2)), 1.0)):
+        settled = off <= 100 * tolerance * np.maximum(np.abs(found).max((-1, -2)), 1.0)
+        if np.all(settled | ~known):
             return found, scale, count
         count *= 2
     msg = f"the monodromy matrix has not settled to {tolerance:g} in {_MOST_STEPS} steps a period"
@@ -176,7 +184,8 @@ def monodromy(system: Periodic, *, tolerance: float = 1e-10) -> FloatArray:
     Returns
     -------
     (..., 2m, 2m)
-        State after a period over state before. Its determinant is `liouville`.
+        State after a period over state before. Its determinant is `liouville`. nan in cases
+        whose coefficients are, beside others: one that has no answer ends nothing.
 
     Raises
     ------

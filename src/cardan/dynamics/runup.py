@@ -1,17 +1,20 @@
 r"""Running up and coasting down through a resonance: how high it gets, or whether it sticks.
 
 `swept` is the exact response of an oscillator to an excitation whose frequency rises or
-falls steadily; `limited_power` lets the motor decide the speed. Sources: Lewis, Trans. ASME
+falls steadily; `limited_power` lets the motor decide the speed, and `fates` says from every
+starting angle whether it gets through. Sources: Lewis, Trans. ASME
 54 (1932) 253-261; Mazzei, passage through resonance in a universal joint driveline (2011);
 capture is Sommerfeld's effect (1902). Numbers of the models are compared, the papers'
 figures were not at hand.
 """
 
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.errors import NotConverged
 
 
 def swept(
@@ -189,12 +192,19 @@ class RunUp:
 
 
 def limited_power(
-    line: Driven, *, duration: float, start_speed: float = 1.0, samples: int = 4000
+    line: Driven,
+    *,
+    duration: float,
+    start_speed: float = 1.0,
+    start_angle: float = 0.0,
+    samples: int = 4000,
 ) -> RunUp:
     """Integrate a run-up on limited power for `duration` s from `start_speed` rad/s.
 
     At half the torsional frequency the joint pumps the motor's power into vibration:
-    with too little of it the speed sticks there (Sommerfeld's effect).
+    with too little of it the speed sticks there (Sommerfeld's effect). With more it may
+    stick at the frequency itself, where the joint shakes it up parametrically; whether it
+    does depends on the `start_angle` rad of the driving yoke, so ask `fates`.
     """
     from scipy.integrate import solve_ivp
 
@@ -211,7 +221,8 @@ def limited_power(
 
     times = np.linspace(0, duration, samples)
     done = solve_ivp(
-        rate, (0, duration), [0.0, 0.0, start_speed, start_speed], method="DOP853",
+        rate, (0, duration), [start_angle, _untwisted(line, start_angle), start_speed, start_speed],
+        method="DOP853",
         t_eval=times, rtol=1e-8, atol=1e-9,
     )  # fmt: skip
     theta, psi, w1, w2 = done.y
@@ -220,3 +231,121 @@ def limited_power(
         time=times, motor_speed=w1, wheel_speed=w2,
         torque=line.stiffness * (phi - psi) + line.damping * (gain * w1 - w2),
     )  # fmt: skip
+
+
+def _untwisted(line: Driven, angle: float) -> float:
+    """Return where the wheel stands when the shaft carries nothing."""
+    from cardan.dynamics.torsion import transmitted
+
+    return float(transmitted(angle, beta=line.beta)[0])
+
+
+Fate: TypeAlias = Literal["caught at half", "caught", "through"]
+"""What becomes of a run-up: stuck at half the torsional frequency, at it, or at its top speed."""
+
+NEAR = 0.04
+"""A mean speed is at a frequency within this share: what is caught swings about it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fates:
+    """What becomes of run-ups from equally spaced positions of the driving yoke.
+
+    Attributes
+    ----------
+    angle : (phases,) rad
+        Where the driving yoke started, over the half turn after which the joint repeats.
+    mean_speed : (phases,) rad/s
+        Of the motor, over the last tenth of the time; where all are well through before,
+        when they are.
+    each : (phases,)
+    """
+
+    angle: FloatArray
+    mean_speed: FloatArray
+    each: tuple[Fate, ...]
+
+    @property
+    def worst(self) -> Fate:
+        """The worst of them: caught at half, then caught."""
+        order: tuple[Fate, ...] = ("caught at half", "caught", "through")
+        return min(self.each, key=order.index)
+
+    def count(self, fate: Fate) -> int:
+        """How many of the starting angles end so."""
+        return self.each.count(fate)
+
+    def __str__(self) -> str:
+        """Return the verdict as people say it: caught, 7 of 8."""
+        return f"{self.worst}, {self.count(self.worst)} of {len(self.each)}"
+
+
+def fates(
+    line: Driven, *, duration: float = 40.0, phases: int = 8, start_speed: float = 1.0
+) -> Fates:
+    """Run a line up from every starting angle, and say whether it gets through.
+
+    Parameters
+    ----------
+    line
+        One line, single values.
+    duration : s
+        Long enough to come to its top speed: a few times J ω²/2 over the power.
+    phases
+        Starting angles over half a turn.
+    start_speed : rad/s
+
+    Notes
+    -----
+    Steps of the classical Runge-Kutta method, forty to a period of the joint at top speed
+    or of the torsional mode, whichever is shorter; all angles together.
+    """
+    angle = np.pi * np.arange(phases) / phases
+    fastest = max(2 * line.top_speed, line.frequency)
+    steps = int(np.ceil(40 * fastest / (2 * np.pi) * duration))
+    h, last = duration / steps, steps - steps // 10
+    cosine = np.cos(line.beta)
+    less = 1 - cosine
+
+    def rate(state: FloatArray) -> FloatArray:
+        theta, psi, w1, w2 = state
+        sin, cos = np.sin(theta), np.cos(theta)
+        below = 1 - (1 - cosine**2) * cos * cos
+        phi = theta + np.arctan(sin * cos * less / (cosine * cos * cos + sin * sin))
+        gain = cosine / below
+        torque = line.stiffness * (phi - psi) + line.damping * (gain * w1 - w2)
+        motor = np.minimum(line.stall_torque, line.power / np.maximum(w1, 1e-9))
+        return np.stack([
+            w1, w2, (motor - gain * torque) / line.motor, (torque - line.drag * w2) / line.wheel
+        ])  # fmt: skip
+
+    begun = np.array([_untwisted(line, float(a)) for a in angle])
+    state = np.stack([angle, begun, np.full(phases, start_speed), np.full(phases, start_speed)])
+    then = state
+    for k in range(steps):
+        k1 = rate(state)
+        k2 = rate(state + h / 2 * k1)
+        k3 = rate(state + h / 2 * k2)
+        k4 = rate(state + h * k3)
+        state = state + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+        if k + 1 == last:
+            then = state
+        if k % 256 == 0 and state[2].min() > (1 + 4 * NEAR) * line.frequency:
+            return Fates(angle=angle, mean_speed=state[2], each=("through",) * phases)
+    mean = (state[0] - then[0]) / (h * (steps - last))
+    return Fates(angle=angle, mean_speed=mean, each=tuple(_fate(line, float(v)) for v in mean))
+
+
+def _fate(line: Driven, mean: float) -> Fate:
+    """Return what a mean speed at the end says."""
+    if mean > min((1 - NEAR) * line.top_speed, (1 + NEAR) * line.frequency):
+        return "through"
+    if abs(mean / (line.frequency / 2) - 1) < NEAR:
+        return "caught at half"
+    if abs(mean / line.frequency - 1) < NEAR:
+        return "caught"
+    msg = (
+        f"the line runs at {mean:.4g} rad/s at the end, still below its torsional frequency of "
+        f"{line.frequency:.4g} rad/s but not at half of it: give it a longer duration"
+    )
+    raise NotConverged(msg)

@@ -26,7 +26,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, single_threaded
 from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.chart import edges
-from cardan.dynamics.periodic import Periodic, differentiation, growth, operator
+from cardan.dynamics.periodic import Periodic, differentiation, growth, multipliers, operator
 from cardan.kinematics.chain import cross, dot, joint_angles, turn
 from cardan.model.parts import Line
 
@@ -141,7 +141,7 @@ def of_line(
     DesignError
         If a shaft has no tube, or only one of the two gearbox values is given.
     """
-    beta, twist = _placed(np.asarray(directions, dtype=float), line.phases)
+    beta, twist = _placed(np.asarray(directions, dtype=float), line.phases, line.crosses)
     springs, halves = [], []
     for k, shaft in enumerate(line.shafts, 1):
         if shaft.tube is None or shaft.polar_inertia is None:
@@ -185,16 +185,20 @@ def of_line(
     )  # fmt: skip
 
 
-def _placed(directions: FloatArray, phases: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _placed(
+    directions: FloatArray, phases: ArrayLike, crosses: tuple[float, ...]
+) -> tuple[FloatArray, FloatArray]:
     """Angles (..., n) rad of a chain's joints, and the twist from each one's pin to the next's.
 
-    A pin is counted from its joint's own plane. The last twist, to no joint, is 0.
+    A pin is counted from its joint's own plane. The last twist, to no joint, is 0. A joint of
+    constant velocity turns like one without an angle.
     """
     before, after = directions[..., :-1, :], directions[..., 1:, :]
-    pins = turn(directions, phases=phases, samples=4).driving_pins[..., 0, :]
+    turned = turn(directions, phases=phases, crosses=crosses, samples=4)
+    pins = turned.driving_pins[..., 0, :]
     normal = cross(before, after)
     theta = np.arctan2(dot(pins, normal), dot(pins, cross(normal, before)))
-    beta = joint_angles(directions)
+    beta = joint_angles(directions) * np.array(crosses)
     driven = transmitted(theta, beta=beta)[0]
     twist = np.concatenate([theta[..., 1:] - driven[..., :-1], 0 * theta[..., :1]], axis=-1)
     return beta, twist
@@ -465,8 +469,9 @@ def orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SAMPLES) -> Orb
     Raises
     ------
     NotConverged
-        If Newton's method does not settle in 60 steps: an undamped line in resonance, or
-        one whose motion is far from the rigid one.
+        If Newton's method settles in no case in 60 steps: an undamped line in resonance, or
+        one whose motion is far from the rigid one. Where others settle, the motion of one
+        that does not is nan.
     """
     period = _half_turn(speed)
     each = _at_instants(line)
@@ -479,7 +484,7 @@ def orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SAMPLES) -> Orb
     x = np.broadcast_to(q0 - steady, (*cases, *q0.shape[-2:])).copy()
     D = differentiation(samples)
     T = period[..., None, None]
-    n = x.shape[-1]
+    n, largest = x.shape[-1], np.array(np.inf)
     for _ in range(60):
         q = steady + x
         v = w[..., None] + D @ x / T
@@ -492,7 +497,8 @@ def orbit(line: TorsionLine, speed: ArrayLike, *, samples: int = SAMPLES) -> Orb
         x -= step * np.minimum(1.0, 0.5 / np.maximum(largest, 1e-300))
         if np.all(largest < 1e-11):
             break
-    else:
+    x = np.where(largest < 1e-11, x, np.nan)
+    if np.isnan(x).all():
         msg = "no periodic motion found in 60 steps; add damping or move away from resonance"
         raise NotConverged(msg)
     q, v, a = steady + x, w[..., None] + D @ x / T, D @ (D @ x) / T**2
@@ -541,9 +547,9 @@ About: TypeAlias = Callable[[TorsionLine, FloatArray], Periodic]
 class Zone:
     """A range of speeds in which a line shakes itself up, without forcing.
 
-    `modes` count from 1: a principal zone names one mode twice. `low` and `high` are
-    shaft speeds, rad/s; both nan where damping has closed the zone. `rate` is the largest
-    growth in it, 1/s.
+    `modes` count from 1: a principal zone names one mode twice. `order` N says that 2 N
+    times the speed meets them. `low` and `high` are shaft speeds, rad/s; both nan where
+    damping has closed the zone. `rate` is the largest growth in it, 1/s.
     """
 
     kind: Kind
@@ -552,6 +558,7 @@ class Zone:
     low: float
     high: float
     rate: float
+    order: int = 1
 
     @property
     def open(self) -> bool:
@@ -565,8 +572,9 @@ def zones(
     about: About = about_rigid_rotation,
     window: float | None = None,
     samples: int = 160,
+    orders: int = 1,
 ) -> tuple[Zone, ...]:
-    """Zones of first order: twice the speed meets 2 w_i, w_i + w_j or w_i - w_j.
+    """Zones where twice the speed, or N times that, meets 2 w_i, w_i + w_j or w_i - w_j.
 
     Parameters
     ----------
@@ -580,24 +588,37 @@ def zones(
         three times the first-order width of the widest: farther out lie other zones.
     samples
         Speeds tried in the window; a zone narrower than a step between them is missed.
+    orders
+        Largest N.
 
     Returns
     -------
     tuple of Zone
-        Principal zones first, then the combinations of each pair; closed ones included.
+        Of each order principal zones first, then the combinations of each pair; closed ones
+        included.
+
+    Notes
+    -----
+    What stands in a window belongs to it only if none of the zones of its own sort, up to one
+    order more, lies nearer: the multipliers of a principal zone are real, those of a
+    combination are not. So no zone of second order is taken for a difference, which is
+    stable to first order.
     """
     w = natural_frequencies(line)
     n = w.size
-    wanted: list[tuple[Kind, int, int, float]] = [("principal", i, i, w[i]) for i in range(n)]
-    for i, j in combinations(range(n), 2):
-        wanted.append(("sum", i, j, (w[i] + w[j]) / 2))
-        wanted.append(("difference", i, j, (w[j] - w[i]) / 2))
+    every: list[tuple[Kind, int, int, int, float]] = []
+    for order in range(1, orders + 2):
+        every.extend(("principal", i, i, order, w[i] / order) for i in range(n))
+        for i, j in combinations(range(n), 2):
+            every.append(("sum", i, j, order, (w[i] + w[j]) / 2 / order))
+            every.append(("difference", i, j, order, (w[j] - w[i]) / 2 / order))
     uneven = np.tan(np.append(np.ravel(line.beta), line.front) / 2) ** 2
     window = min(0.3, 1e-3 + 3 * float(uneven.sum())) if window is None else window
     found: list[Zone] = []
-    for kind, i, j, centre in wanted:
-        if not centre > 1e-6 * w[-1]:
+    for kind, i, j, order, centre in every:
+        if not centre > 1e-6 * w[-1] or order > orders:
             continue
+        rivals = np.array([c for k, *_, c in every if (k == "principal") == (kind == "principal")])
         # Undamped rates outside a zone are rounding: hold them against a small share of w.
         floor = 1e-6 * centre
 
@@ -609,15 +630,24 @@ def zones(
         rate = margin(grid)
         ends = edges(margin, between=span, start=samples)
         pairs = [(a, b) for a, b in pairwise(ends)
-                 if margin(np.array([(a + b) / 2]))[0] > 0]  # fmt: skip
+                 if margin(np.array([(a + b) / 2]))[0] > 0
+                 and _real(about(line, np.array([(a + b) / 2]))) == (kind == "principal")
+                 and np.abs(rivals - (a + b) / 2).min() == abs(centre - (a + b) / 2)]  # fmt: skip
         low, high = min(pairs, key=lambda p: abs(sum(p) / 2 - centre), default=(np.nan, np.nan))
         inside = (grid >= low) & (grid <= high)
         top = float(rate[inside].max()) if inside.any() else 0.0
         found.append(
             Zone(kind=kind, modes=(i + 1, j + 1), centre=float(centre), low=float(low),
-                 high=float(high), rate=top)
+                 high=float(high), rate=top, order=order)
         )  # fmt: skip
     return tuple(found)
+
+
+def _real(system: Periodic) -> bool:
+    """Return whether the largest multiplier of one case is real."""
+    rho = multipliers(system, tolerance=1e-12).ravel()
+    largest = rho[np.abs(rho).argmax()]
+    return abs(largest.imag) < 1e-6 * abs(largest)
 
 
 # ----- in time ----------------------------------------------------------------------------

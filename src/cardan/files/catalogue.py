@@ -14,19 +14,26 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
+import numpy as np
+
 from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.source import Source
+from cardan.base.units import deg
 from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
+    ANGLES,
     Angle,
     Density,
     Diameter,
     Factor,
+    Hours,
     Mass,
+    PlyThickness,
     PositiveSpeed,
     Rating,
     Size,
     SpeedAngle,
+    SplineTravel,
     Stiff,
     Strength,
     Wall,
@@ -34,6 +41,7 @@ from cardan.border.measure import (
 from cardan.border.table import (
     PROSE,
     Here,
+    ListOf,
     Number,
     OneOf,
     Reading,
@@ -41,12 +49,17 @@ from cardan.border.table import (
     Table,
     TableRule,
     Text,
+    Whole,
     key,
     nearest,
 )
+from cardan.model.laminate import CompositeTube, Layer, Ply, metal
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
 
-Kind: TypeAlias = Literal["joint", "tube", "material"]
+PLIES = 400
+"""Of one tube: 50 mm of wall, and a limit far above what is wound keeps a mistake short."""
+
+Kind: TypeAlias = Literal["joint", "tube", "material", "ply"]
 
 
 class Named(Text):
@@ -55,7 +68,8 @@ class Named(Text):
     def __init__(self, kind: Kind) -> None:
         super().__init__()
         self.kind: Kind = kind
-        self.one, self.many = f"a {kind} of a catalogue", f"{kind}s of a catalogue"
+        many = "plies" if kind == "ply" else f"{kind}s"
+        self.one, self.many = f"a {kind} of a catalogue", f"{many} of a catalogue"
 
     def read(self, here: Here) -> Any:
         """Return the part itself."""
@@ -101,25 +115,131 @@ class MaterialTable(Table):
         )
 
 
-class TubeTable(Table):
-    """A round tube's section."""
+class PlyTable(Table):
+    """A ply of parallel fibres, or of a weave: along its first fibres and across them."""
 
-    name: str | None = key("what files call it", default=None)
-    outer: Diameter = key("outside diameter")
-    wall: Wall = key("wall thickness")
-    material: Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))] = key(
-        "a material of a catalogue, or its properties", default=STEEL
+    name: str = key("what files call it", default="in place")
+    along: Stiff = key("Young's modulus along the fibres")
+    across: Stiff = key("Young's modulus across them")
+    shear: Stiff = key("shear modulus in its plane")
+    poisson: Annotated[float, Number(least=0, below=2)] = key(
+        "Poisson's ratio: across, for a pull along", default=0.3
     )
+    tension_along: Strength = key("strength along the fibres in tension")
+    compression_along: Strength = key("the same in compression")
+    tension_across: Strength = key("strength across them in tension")
+    compression_across: Strength = key("the same in compression")
+    shear_strength: Strength = key("strength in shear in its plane")
+    thickness: PlyThickness = key("of one ply")
+    density: Density = key("density")
     source: Prose | None = key("where the numbers come from", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
-    def build(self) -> Tube:
+    def build(self) -> Ply:
+        """Return the ply in SI."""
+        return Ply(
+            name=self.name,
+            along=self.along,
+            across=self.across,
+            shear=self.shear,
+            poisson=self.poisson,
+            tension_along=self.tension_along,
+            compression_along=self.compression_along,
+            tension_across=self.tension_across,
+            compression_across=self.compression_across,
+            shear_strength=self.shear_strength,
+            thickness=self.thickness,
+            density=self.density,
+            source=_source(self.source),
+        )
+
+
+_ANGLE = Number(*ANGLES, least=-90 * deg, most=90 * deg)
+
+
+class LayerTable(Table):
+    """Plies of one kind as they are wound, or one layer of a metal."""
+
+    one_of = (("ply", "material"),)
+    at_most_one_of = (("material", "angle"), ("material", "times"))
+
+    ply: Annotated[Ply, OneOf(Named("ply"), TableRule(PlyTable))] | None = key(
+        "a ply of a catalogue, or its properties", default=None
+    )
+    material: Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))] | None = key(
+        "a metal of a catalogue, or its properties: a hybrid's tube inside", default=None
+    )
+    angle: (
+        Annotated[float, _ANGLE] | Annotated[tuple[float, ...], ListOf(_ANGLE, least=1, most=PLIES)]
+    ) = key("of the fibres to the axis, or of each ply in turn: [45, -45]", default=0.0)
+    times: Annotated[int, Whole(PLIES)] = key("how often they follow each other", default=1)
+    thickness: PlyThickness | None = key(
+        "of one ply, in place of its own; of a metal", default=None
+    )
+
+    def build(self) -> tuple[Layer, ...]:
+        """Return the layers in SI, inside first."""
+        if self.material is not None:
+            if self.thickness is None:
+                self.at().refuse("thickness_mm of a layer of metal is missing")
+            thick, material = self.thickness, self.material
+            return (Layer(ply=self.attempt(lambda: metal(material, thickness=thick))),)
+        assert self.ply is not None  # one of the two is there
+        ply = self.ply if self.thickness is None else replace(self.ply, thickness=self.thickness)
+        angles = self.angle if isinstance(self.angle, tuple) else (self.angle,)
+        return tuple(Layer(ply=ply, angle=a) for a in angles) * self.times
+
+
+class TubeTable(Table):
+    """A round tube: its section, or the plies it is wound of."""
+
+    one_of = (("wall", "layup"),)
+    at_most_one_of = (("material", "layup"),)
+
+    name: str | None = key("what files call it", default=None)
+    outer: Diameter = key("outside diameter")
+    wall: Wall | None = key("wall thickness", default=None)
+    material: Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))] = key(
+        "a material of a catalogue, or its properties", default=STEEL
+    )
+    layup: (
+        Annotated[tuple[tuple[Layer, ...], ...], ListOf(TableRule(LayerTable), least=1, most=PLIES)]
+        | None
+    ) = key("plies from the inside out, in place of a wall of one material", default=None)
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
+
+    def build(self) -> Tube | CompositeTube:
         """Return the tube in SI."""
+        if self.layup is not None:
+            layers = tuple(layer for group in self.layup for layer in group)
+            if len(layers) > PLIES:
+                self.at("layup").refuse(
+                    f"a tube may have up to {PLIES} plies", got=f"{len(layers)}"
+                )
+            return CompositeTube(outer=self.outer, layers=layers)
+        assert self.wall is not None  # one of the two is there
         return Tube(outer=self.outer, wall=self.wall, material=self.material)
 
 
+_OF_KINDS = {
+    "rated_life": ("rzeppa", "tripod"),
+    "rated_speed": ("rzeppa", "tripod"),
+    "rated_angle": ("rzeppa", "tripod"),
+    "pitch_circle": ("rzeppa", "tripod"),
+    "plunge": ("rzeppa", "tripod"),
+    "centre_distance": ("double cardan",),
+    "ball_from_rear": ("double cardan",),
+    "bearing_Lc": ("cross", "double cardan"),
+    "cross_width": ("cross", "double cardan"),
+    "cup_diameter": ("cross", "double cardan"),
+    "needle_circle": ("cross", "double cardan"),
+}
+"""Which kinds of joint a key belongs to, of those that not all have."""
+
+
 class JointTable(Table):
-    """A universal joint as catalogues rate it; leave out what is not published."""
+    """A joint as catalogues rate it; leave out what is not published."""
 
     name: str = key("what files call it", default="in place")
     series: str | None = key("series", default=None)
@@ -128,11 +248,27 @@ class JointTable(Table):
     reversing: Rating | None = key("fatigue limit under alternating torque", default=None)
     pulsating: Rating | None = key("fatigue limit under pulsating torque", default=None)
     bearing_Td: Rating | None = key(  # noqa: N815  the symbols catalogues print
-        "torque the needles carry for 5000 h at 100 rpm and 3 deg", default=None
+        "torque the needles carry for 5000 h at 100 rpm and 3 deg; of a rzeppa or tripod for its "
+        "rated life",
+        default=None,
     )
     bearing_Lc: Factor | None = key(  # noqa: N815
         "GWB's bearing capacity factor, kN m based", default=None
     )
+    kind: Literal["cross", "double cardan", "rzeppa", "tripod"] = key(
+        "a cross, or what keeps the speed", default="cross"
+    )
+    rated_life: Hours | None = key(
+        "of a rzeppa or tripod under its bearing_Td, at rated_speed and rated_angle", default=None
+    )
+    rated_speed: PositiveSpeed | None = key("at which that life is rated", default=None)
+    rated_angle: Angle | None = key(
+        "at which that life is rated; straight if left out", default=None
+    )
+    pitch_circle: Size | None = key("diameter through the balls or rollers", default=None)
+    plunge: SplineTravel | None = key("how far it slides, either way", default=None)
+    centre_distance: Size | None = key("between the crosses of a double cardan", default=None)
+    ball_from_rear: Size | None = key("from its centring ball to the rear cross", default=None)
     angle_max: Angle | None = key("largest joint angle", default=None)
     n_beta_max: SpeedAngle | None = key("largest speed times joint angle, rpm deg", default=None)
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
@@ -145,8 +281,23 @@ class JointTable(Table):
 
     def build(self) -> JointSize:
         """Return the joint in SI."""
+        for name, kinds in _OF_KINDS.items():
+            if getattr(self, name) is not None and self.kind not in kinds:
+                of = " or ".join(f"a {kind}" for kind in kinds)
+                self.at(name).refuse(f"belongs to {of}, not to a {self.kind}")
+        length, ball = self.centre_distance, self.ball_from_rear
+        if length is not None and ball is not None and not np.all(ball < length):
+            self.at("ball_from_rear").refuse("must be less than the distance of the crosses")
         return JointSize(
             name=self.name,
+            kind=self.kind,
+            rated_life=self.rated_life,
+            rated_speed=self.rated_speed,
+            rated_angle=self.rated_angle,
+            pitch_radius=None if self.pitch_circle is None else self.pitch_circle / 2,
+            centre_distance=length,
+            ball_from_rear=ball,
+            plunge=self.plunge,
             series=" ".join(filter(None, (self.maker, self.series))),
             peak_torque=self.peak,
             reversing_torque=self.reversing,
@@ -166,11 +317,11 @@ class JointTable(Table):
 
 
 AMaterial: TypeAlias = Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))]
-ATube: TypeAlias = Annotated[Tube, OneOf(Named("tube"), TableRule(TubeTable))]
+ATube: TypeAlias = Annotated[Tube | CompositeTube, OneOf(Named("tube"), TableRule(TubeTable))]
 A_JOINT = OneOf(Named("joint"), TableRule(JointTable))
 
 TABLES: dict[Kind, type[Table]] = {
-    "joint": JointTable, "tube": TubeTable, "material": MaterialTable,
+    "joint": JointTable, "tube": TubeTable, "material": MaterialTable, "ply": PlyTable,
 }  # fmt: skip
 
 
@@ -320,14 +471,15 @@ class Catalogue:
 
 def _loose(name: str) -> str:
     """Return a name without what people vary in it."""
-    bare = re.sub(r"^(tube|joint|material)\b|[\s_]", "", name.casefold())
+    bare = re.sub(r"^(tube|joint|material|ply)\b|[\s_]", "", name.casefold())
     return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):g}", bare)
 
 
 @cache
 def shipped(kind: Kind) -> Sheet:
     """Return the sheet of a kind of part that comes with this package."""
-    path = Path(__file__).with_name("catalogues") / f"{kind}s.csv"
+    name = "plies" if kind == "ply" else f"{kind}s"
+    path = Path(__file__).with_name("catalogues") / f"{name}.csv"
     return Sheet(path.read_text(encoding="utf-8"), path.name)
 
 

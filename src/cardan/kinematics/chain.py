@@ -18,7 +18,9 @@ hyperbolic plane,
     E' = (E + s D²)/(1 + Ē s D²)
 
 with s from the yoke phases. At small angles both denominators are 1, and what is left is
-AE-7's sum of squares of the changes in slope. With x = E e^{2iθ} a member has over a turn
+AE-7's sum of squares of the changes in slope. A joint of constant velocity adds nothing, and
+carries the driving member's axes across by the shortest turn: the next joint meets its yoke
+a quarter turn earlier than behind a cross. With x = E e^{2iθ} a member has over a turn
 
     lead -arg(1 - x),    speed Re (1 + x)/(1 - x),    acceleration -4 Im x/(1 - x)²
 
@@ -26,6 +28,7 @@ so there is nothing to unwrap, to integrate or to differentiate.
 Source: derived from first principles; confirmed with an independent multibody engine.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -82,12 +85,15 @@ class Turn:
         Where the driving pin axis of each joint stands at θ = 0, but for the lead.
     samples
         The number N of angles.
+    crosses : (n,)
+        1 where a joint is a cross, 0 where it keeps the speed.
     """
 
     directions: FloatArray
     phasors: ComplexArray
     settings: ComplexArray
     samples: int
+    crosses: tuple[float, ...]
 
     @cached_property
     def theta(self) -> FloatArray:
@@ -158,7 +164,13 @@ class Turn:
         return namespace(self.phasors).real(self.pins[..., None] * self.frames[..., None, :])
 
 
-def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) -> Turn:
+def turn(
+    directions: ArrayLike,
+    *,
+    phases: ArrayLike,
+    crosses: Sequence[float] = (),
+    samples: int = SAMPLES,
+) -> Turn:
     """Turn a chain once, exactly.
 
     Parameters
@@ -168,7 +180,11 @@ def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) ->
         straight up or down.
     phases : (..., n-1) rad
         Yoke phase of each shaft: from the driven pin axis at its front to the driving pin
-        axis at its rear, right-handed about the shaft.
+        axis at its rear, right-handed about the shaft. Beside a joint of constant velocity
+        only the sum of the phases on its two sides counts.
+    crosses : (n,)
+        1 for a cross, 0 for a joint of constant velocity (Rzeppa, tripod, double cardan with
+        a true ball); crosses all, if left out.
     samples
         Number N of equally spaced input angles. What is computed from the samples may fold
         orders above N/2 down: 32 is exact to rounding at truck angles, the default up to
@@ -187,13 +203,14 @@ def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) ->
     if not bool(xp.all(xp.abs(bends) < 1)):
         raise DesignError(_locked(d))
     # On to the next driving pin: the carried frames twist, then a quarter turn, the phase.
-    ahead = (1j * xp.conj(apart) / apart)[..., :-1] * xp.exp(1j * phases)
+    kinds = tuple(crosses) or (1.0,) * bends.shape[-1]
+    ahead = (1j * xp.conj(apart) / apart)[..., :-1] * xp.exp(1j * pin_phases(phases, kinds))
     level = xp.conj(1 + slopes[..., 0] ** 2)
     setting = level / xp.abs(level) * xp.ones(phases.shape[:-1], dtype=level.dtype)
     phasor = 0 * setting
     phasors, settings = [], []
     for k in range(bends.shape[-1]):
-        step = (bends[..., k] * setting) ** 2
+        step = kinds[k] * (bends[..., k] * setting) ** 2
         turned = 1 + phasor * xp.conj(step)
         phasor = (phasor + step) / xp.conj(turned)
         settings.append(setting)
@@ -205,7 +222,20 @@ def turn(directions: ArrayLike, *, phases: ArrayLike, samples: int = SAMPLES) ->
         phasors=xp.stack(phasors, axis=-1),
         settings=xp.stack(settings, axis=-1),
         samples=samples,
+        crosses=kinds,
     )
+
+
+def pin_phases(phases: Any, crosses: Sequence[float]) -> Any:
+    """Return the yoke phases (..., n-1) rad that shafts would have behind crosses.
+
+    Behind a joint of constant velocity the yokes stand a quarter turn on: so formulas for
+    crosses alone, with its own angle left out, serve a line with such joints.
+    """
+    if all(crosses):
+        return phases
+    xp, phases = floats(phases)
+    return phases - xp.asarray([(1 - c) * np.pi / 2 for c in crosses[:-1]])
 
 
 def orders(values: ArrayLike, *, highest: int = 4, axis: int = -1) -> ComplexArray:

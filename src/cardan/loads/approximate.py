@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, stacked
+from cardan.kinematics.chain import pin_phases
 from cardan.loads.cycle import Cycle
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
@@ -67,8 +68,9 @@ def small_angle(layout: Layout, line: Line, *, torque: ArrayLike) -> Cycle:
     changes is of second order. Source: derived from first principles.
     """
     bend = np.diff(layout.top - 1j * layout.side, axis=-1)
-    steps = -np.exp(2j * stacked(line.phases))
+    steps = -np.exp(2j * pin_phases(stacked(line.phases), line.crosses))
     s = np.cumprod(np.concatenate([np.ones_like(steps[..., :1]), steps], axis=-1), axis=-1)
+    s = s * np.array(line.crosses)  # only crosses swing
     left = left_over(bend[..., :-1], bend[..., 1:], signs=(s[..., :-1], s[..., 1:]))
     lengths = layout.lengths[..., None]
     # The two columns are factors of 1 and of e^{2iθ}.

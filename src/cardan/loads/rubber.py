@@ -209,9 +209,10 @@ class Suspended:
         """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
 
         The driving pin axis a = Re S F e^{iθ} of a joint takes a (a · Δe) from its moment, Δe
-        the change of its angle: half of that is at order 2. Symmetric.
+        the change of its angle: half of that is at order 2. Symmetric. A joint of constant
+        velocity has no such part.
         """
-        pin = turned.settings[..., None] * turned.frames
+        pin = (turned.settings * np.array(turned.crosses))[..., None] * turned.frames
         none = np.zeros_like(self.front_tilt[..., :1, :, :])
         ahead = np.concatenate([none, self.rear_tilt], axis=-3)
         behind = np.concatenate([self.front_tilt, none], axis=-3)

@@ -108,7 +108,7 @@ def running(
         Speed for which the shafts are balanced; None leaves unbalance out.
     """
     torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
-    turned = turn(layout.directions, phases=phases, samples=16)
+    turned = turn(layout.directions, phases=phases, crosses=line.crosses, samples=16)
     # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
     carried = loads(
         layout,

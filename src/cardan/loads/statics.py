@@ -12,6 +12,9 @@ e^{-i arg(1 - E e^{2iθ})}. In the product T w² every order but 0 and 2 cancels
 constant gearbox torque each moment, and so each force, is a mean and one ellipse at twice
 the shaft's speed, and nothing else.
 
+A joint of constant velocity puts its moment along the bisector of its members,
+T_{k-1} (d_{k-1} + d_k)/(1 + d_{k-1} · d_k): steady, T tan(β/2) across each of them.
+
 A shaft does not tilt as it turns. What its two joints' moments leave over across it becomes
 a couple of forces at its joints and its bearing, which statics alone finds, from the last
 shaft forward. Source: derived from first principles; confirmed with independent multibody
@@ -201,6 +204,11 @@ def _transmission(layout: Layout, turn: Turn) -> tuple[Any, Any]:
     moments = (
         xp.stack([mean + 0 * swing, swing], axis=-2) / (dot(u, v)[..., None] * (1 - e2))[..., None]
     )
+    if not all(turn.crosses):
+        halfway = (u + v) / (1 + dot(u, v))[..., None]
+        even = torques[..., :-1, :, None] * halfway[..., None, :]
+        kinds = xp.asarray(turn.crosses)[:, None, None]
+        moments = kinds * moments + (1 - kinds) * even
     return torques[..., None], moments
 
 

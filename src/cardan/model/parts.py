@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
+
+if TYPE_CHECKING:
+    from cardan.model.laminate import CompositeTube
 
 ASSUMED = Source("Assumed: not given in the application")
 
@@ -80,6 +83,11 @@ class Tube:
         return self.material.youngs_modulus * self.second_moment
 
     @property
+    def torsional_stiffness(self) -> float:
+        """G J, N m²: torque over twist per length."""
+        return self.material.shear_modulus * 2 * self.second_moment
+
+    @property
     def shear_coefficient(self) -> float:
         """Share κ of the section that carries shear, by Cowper.
 
@@ -107,16 +115,33 @@ class Tube:
         return self.material.density * 2 * self.second_moment
 
 
+JointKind: TypeAlias = Literal["cross", "double cardan", "rzeppa", "tripod"]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointSize:
-    """A universal joint as catalogues rate it; None is "not published".
+    """A joint as catalogues rate it; None is "not published".
 
     `peak_torque` is the functional (elastic) limit, `reversing_torque` the fatigue limit
     under alternating and `pulsating_torque` under pulsating torque. `bearing_torque` Td is
     carried for 5000 h at 100 rpm and 3 deg; `bearing_factor` is GWB's Lc (kN m based).
+
+    Of a Rzeppa or tripod joint the `bearing_torque` is carried for `rated_life` at
+    `rated_speed` and `rated_angle`; `pitch_radius` is from the axis to its balls or rollers,
+    `plunge` how far it slides either way. Of a double cardan `centre_distance` is between its
+    crosses, `ball_from_rear` from its centring ball to the rear one; Td is that of a cross.
     """
 
     name: str
+    kind: JointKind = "cross"
+    rated_life: float | None = None
+    """s; `rated_speed` in rad/s."""
+    rated_speed: float | None = None
+    rated_angle: Radian | None = None
+    pitch_radius: Metre | None = None
+    centre_distance: Metre | None = None
+    ball_from_rear: Metre | None = None
+    plunge: Metre | None = None
     series: str = ""
     peak_torque: NewtonMetre | None = None
     reversing_torque: NewtonMetre | None = None
@@ -198,7 +223,7 @@ class Shaft:
     """
 
     length: Metre
-    tube: Tube | None = None
+    tube: "Tube | CompositeTube | None" = None
     phase: Radian = 0.0
     centre_bearing: CentreBearing | None = None
     spline: Spline | None = None
@@ -274,6 +299,17 @@ class Line:
     def joint_count(self) -> int:
         """Number of joints: one more than shafts."""
         return len(self.shafts) + 1
+
+    @property
+    def kinds(self) -> tuple[JointKind, ...]:
+        """Kind of every joint; a cross where no size says another."""
+        sizes = self.joints or (None,) * self.joint_count
+        return tuple(size.kind if size else "cross" for size in sizes)
+
+    @property
+    def crosses(self) -> tuple[float, ...]:
+        """1 for every joint that is a cross, 0 for one of constant velocity."""
+        return tuple(1.0 if kind == "cross" else 0.0 for kind in self.kinds)
 
     @property
     def phases(self) -> tuple[Radian, ...]:

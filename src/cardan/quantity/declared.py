@@ -20,6 +20,8 @@ from cardan.base.source import Source
 from cardan.base.units import UNITS
 from cardan.base.verdict import Limit, Sense
 from cardan.model.application import RIDING
+from cardan.model.laminate import CompositeTube
+from cardan.model.parts import JointKind, Tube
 from cardan.quantity.points import Points
 from cardan.quantity.response import Response
 
@@ -59,6 +61,13 @@ def _rated(gives: str, name: str) -> Need:
     return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
 
 
+def _strong(tube: Tube | CompositeTube | None) -> bool:
+    """Return whether somebody knows what a tube carries; of plies it is always known."""
+    if isinstance(tube, CompositeTube):
+        return True
+    return tube is not None and tube.material.yield_strength is not None
+
+
 SPEED = Need(
     gives="speed_rpm, or engine and gearbox",
     met=lambda r: np.isfinite(r.demand.speed)[..., None],
@@ -89,9 +98,7 @@ INERTIAS = Need(
 )
 YIELD = Need(
     gives="a tube material with its yield strength",
-    met=lambda r: np.array(
-        [[s.tube is not None and s.tube.material.yield_strength is not None for s in r.line.shafts]]
-    ),
+    met=lambda r: np.array([[_strong(s.tube) for s in r.line.shafts]]),
 )
 PEAK_RATING = _rated("a joint size with its peak torque", "peak_torque")
 FATIGUE_RATING = _rated("a joint size with its reversing torque", "reversing_torque")
@@ -100,7 +107,8 @@ COAST = Need(
     met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
 )
 LIFE_RATING = Need(
-    gives="a joint size with its life rating Td", met=lambda r: np.isfinite(r.life_ratings)
+    gives="a joint size with its life rating Td",
+    met=lambda r: np.isfinite(r.life_ratings),
 )
 DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
 STROKE = Need(
@@ -225,6 +233,20 @@ def joints(r: Response) -> tuple[Part, ...]:
     return tuple(Part("joint", k) for k in range(1, r.line.joint_count + 1))
 
 
+def of_kind(r: Response, kind: JointKind) -> list[int]:
+    """Return which joints, from 0, are of a kind."""
+    return [k for k, one in enumerate(r.line.kinds) if one == kind]
+
+
+def _joints_of(kind: JointKind) -> Parts:
+    return lambda r: tuple(Part("joint", k + 1) for k in of_kind(r, kind))
+
+
+crosses, double_cardans, tripods = (
+    _joints_of("cross"), _joints_of("double cardan"), _joints_of("tripod")
+)  # fmt: skip
+
+
 def shafts(r: Response) -> tuple[Part, ...]:
     """Return the shafts, gearbox first."""
     return tuple(Part("shaft", k) for k in range(1, r.line.joint_count))
@@ -246,8 +268,37 @@ def of_line(value: Callable[[Response], FloatArray]) -> Of:
 
 
 __all__ = [
-    "ALL_TUBES", "BY_PART", "COAST", "DUTY", "FATIGUE_RATING", "INERTIAS", "LIFE_RATING", "LOAD",
-    "PEAK_RATING", "RIDING", "SLIDING", "SPEED", "SPRINGS", "STROKE", "TORQUE", "TUBES",
-    "WRITTEN", "YIELD", "Need", "Of", "Parts", "Quantity", "Section", "centre_bearings",
-    "joints", "last_shaft", "line", "of_line", "shafts",
+    "ALL_TUBES",
+    "BY_PART",
+    "COAST",
+    "DUTY",
+    "FATIGUE_RATING",
+    "INERTIAS",
+    "LIFE_RATING",
+    "LOAD",
+    "PEAK_RATING",
+    "RIDING",
+    "SLIDING",
+    "SPEED",
+    "SPRINGS",
+    "STROKE",
+    "TORQUE",
+    "TUBES",
+    "WRITTEN",
+    "YIELD",
+    "Need",
+    "Of",
+    "Parts",
+    "Quantity",
+    "Section",
+    "centre_bearings",
+    "crosses",
+    "double_cardans",
+    "joints",
+    "last_shaft",
+    "line",
+    "of_kind",
+    "of_line",
+    "shafts",
+    "tripods",
 ]  # fmt: skip

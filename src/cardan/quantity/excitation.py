@@ -9,7 +9,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.formula import written
 from cardan.base.source import AE7, DERIVED, ELBE, J3311
 from cardan.kinematics.equivalent import Excitation
-from cardan.quantity.declared import INERTIAS, SPEED, Of, Quantity, joints, line
+from cardan.quantity.declared import INERTIAS, SPEED, Of, Quantity, crosses, line, of_kind
 from cardan.quantity.response import Response
 
 
@@ -168,8 +168,8 @@ DECLARED = (
         where={"ω": "shaft speed", "β": "true joint angle, rad"},
         source=J3311,
         use="The largest angle for a speed: 1000 rad/s² is 5.8 deg at 3000 rpm.",
-        of=lambda r: _by_itself(r.demand.speed[..., None], r.angles),
-        parts=joints,
+        of=lambda r: _by_itself(r.demand.speed[..., None], r.angles[..., of_kind(r, "cross")]),
+        parts=crosses,
         needs=(SPEED,),
     ),
 )

@@ -2,9 +2,16 @@
 
 from cardan.base.formula import written
 from cardan.base.part import Part
-from cardan.base.source import DERIVED, J3311, SOUZA, Source
+from cardan.base.source import DERIVED, J3311, SEHERR, SOUZA, Source
 from cardan.kinematics.equivalent import pythagorean_angle
-from cardan.quantity.declared import Quantity, joints
+from cardan.quantity.declared import (
+    Quantity,
+    crosses,
+    double_cardans,
+    joints,
+    of_kind,
+    tripods,
+)
 from cardan.quantity.response import Response
 
 
@@ -13,9 +20,9 @@ def _pairing_shafts(r: Response) -> tuple[Part, ...]:
     return tuple(Part("shaft", k + 1) for k in r.pairs)
 
 
-def _odd_joint(r: Response) -> tuple[Part, ...]:
-    """Return the joint that no other is paired with, if there is one."""
-    return (Part("joint", 1),) if r.line.joint_count % 2 else ()
+def _odd_joints(r: Response) -> tuple[Part, ...]:
+    """Return the crosses that no other is paired with: one at most, where all are crosses."""
+    return tuple(Part("joint", k + 1) for k in r.lone)
 
 
 DECLARED = (
@@ -43,10 +50,42 @@ DECLARED = (
         equation="β = atan2(|d₁ × d₂|, d₁ · d₂), held against a lower limit",
         where={"d₁, d₂": "unit vectors along the members before and behind the joint"},
         source=J3311,
-        use="Needles that never roll wear grooves (false brinelling): a joint needs some angle.",
-        of=lambda r: r.angles,
-        parts=joints,
+        use="Needles that never roll wear grooves (false brinelling): a cross needs some angle.",
+        of=lambda r: r.angles[..., of_kind(r, "cross")],
+        parts=crosses,
         sense=">=",
+    ),
+    Quantity(
+        key="joint_swing",
+        at_points=True,
+        name="Speed swing of a double cardan",
+        symbol="U₂",
+        unit="percent",
+        equation="U₂ = sin β' tan β', cos β' = cos β₁ / cos β₂, tan β₁ = r sin β / (f + r cos β)",
+        where={
+            "β₁, β₂": "angles of its two crosses",
+            "f": "−r cos β + √(L² − r² sin² β), from the front cross to the centring point",
+            "L, r": "centre piece, and centring ball to rear cross",
+        },
+        source=DERIVED,
+        use="Of the joint by itself; the line counts it as keeping the speed.",
+        of=lambda r: r.joint_swing[..., of_kind(r, "double cardan")],
+        parts=double_cardans,
+        section="Joints",
+    ),
+    Quantity(
+        key="joint_orbit",
+        at_points=True,
+        name="Orbit of a tripod's centre",
+        symbol="e",
+        unit="mm",
+        equation="e = r (1/cos β − 1)/2, three times a turn",
+        where={"r": "from the axis to the middle of the rollers"},
+        source=SEHERR,
+        use="What the driven shaft must be free to follow; its ratio then stays 1.",
+        of=lambda r: r.joint_orbit[..., of_kind(r, "tripod")],
+        parts=tripods,
+        section="Joints",
     ),
     Quantity(
         key="joint_position",
@@ -126,7 +165,7 @@ DECLARED = (
         where={"β₁": "true angle of the first joint: the others pair from the rear"},
         source=J3311,
         use="Nothing cancels what it does, so it should be small.",
-        of=lambda r: r.angles[..., : r.line.joint_count % 2],
-        parts=_odd_joint,
+        of=lambda r: r.angles[..., list(r.lone)],
+        parts=_odd_joints,
     ),
 )

@@ -16,8 +16,8 @@ from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand
-from cardan.kinematics import equivalent
-from cardan.kinematics.chain import Turn, joint_angles, turn
+from cardan.kinematics import constant_velocity, equivalent
+from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
 from cardan.kinematics.equivalent import Excitation
 from cardan.loads import (
     Loads,
@@ -37,11 +37,12 @@ from cardan.model.application import (
     Obstacle,
     cycle_points,
 )
+from cardan.model.laminate import CompositeTube
 from cardan.model.layout import Layout
-from cardan.model.parts import JointSize, Line
+from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.quantity import points
 from cardan.quantity.points import Points, Spread
-from cardan.shaft import beams, life, strength, whirl
+from cardan.shaft import beams, composite, life, strength, whirl
 
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
@@ -113,7 +114,9 @@ class Response:
     @cached_property
     def turn(self) -> Turn:
         """The exact turn of the chain."""
-        return turn(self.layout.directions, phases=self.phases, samples=SAMPLES)
+        return turn(
+            self.layout.directions, phases=self.phases, crosses=self.line.crosses, samples=SAMPLES
+        )
 
     @cached_property
     def angles(self) -> FloatArray:
@@ -125,8 +128,31 @@ class Response:
         """Shafts, from 0, whose two joints are there to cancel: every other, from the rear.
 
         With an odd number of joints the first stands alone, as service procedures have it.
+        Both are crosses: a joint of constant velocity has nothing to cancel.
         """
-        return tuple(range(self.line.joint_count - 2, -1, -2))[::-1]
+        crosses, found, k = self.line.crosses, list[int](), self.line.joint_count - 1
+        while k > 0:
+            paired = crosses[k] and crosses[k - 1]
+            if paired:
+                found.append(k - 1)
+            k -= 2 if paired else 1
+        return tuple(found[::-1])
+
+    @property
+    def lone(self) -> tuple[int, ...]:
+        """Joints, from 0, that are crosses without another on their shaft to cancel them."""
+        paired = {j for k in self.pairs for j in (k, k + 1)}
+        return tuple(k for k, cross in enumerate(self.line.crosses) if cross and k not in paired)
+
+    @property
+    def uneven(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Side and top view angles (..., n) and phases (..., n-1), rad, for AE-7's phasors.
+
+        Those of crosses: others count as straight, with the yokes behind them a quarter turn on.
+        """
+        kinds = np.array(self.line.crosses)
+        phases = pin_phases(self.phases, self.line.crosses)
+        return self.side_angles * kinds, self.top_angles * kinds, phases
 
     @cached_property
     def pair_differences(self) -> FloatArray:
@@ -171,10 +197,11 @@ class Response:
     @cached_property
     def approximations(self) -> dict[str, Excitation]:
         """The same by each approximation of the field, by name."""
+        side, top, phases = self.uneven
         return equivalent.approximations(
-            self.side_angles,
-            self.top_angles,
-            phases=self.phases,
+            side,
+            top,
+            phases=phases,
             speed=self.demand.speed,
             inertias=self.inertias,
         )
@@ -195,7 +222,12 @@ class Response:
         """
         slip = np.nan_to_num(self.spline_force)
         speed = np.nan_to_num(self.demand.speed)[..., None, None]
-        turned = turn(self.layout.directions, phases=self.phases, samples=4 * SAMPLES)
+        turned = turn(
+            self.layout.directions,
+            phases=self.phases,
+            crosses=self.line.crosses,
+            samples=4 * SAMPLES,
+        )
         return tuple(
             loads(
                 self.layout,
@@ -275,6 +307,40 @@ class Response:
         return peak + once.bearing_forces if once else peak
 
     @cached_property
+    def joint_swing(self) -> FloatArray:
+        """Speed swing of each double cardan by itself, (..., n) 1; nan of others."""
+        return self._of_kind(
+            "double cardan",
+            lambda size, beta: (
+                constant_velocity.double_cardan_swing(
+                    beta, length=size.centre_distance, ball=size.ball_from_rear
+                )
+                if size.centre_distance and size.ball_from_rear
+                else np.full_like(beta, np.nan)
+            ),
+        )
+
+    @cached_property
+    def joint_orbit(self) -> FloatArray:
+        """Radius in which the centre of each tripod goes round, (..., n) m; nan of others."""
+        return self._of_kind(
+            "tripod",
+            lambda size, beta: (
+                constant_velocity.tripod_orbit(beta, radius=size.pitch_radius)
+                if size.pitch_radius
+                else np.full_like(beta, np.nan)
+            ),
+        )
+
+    def _of_kind(
+        self, kind: JointKind, value: Callable[[JointSize, FloatArray], FloatArray]
+    ) -> FloatArray:
+        return stacked(
+            value(size, beta) if size and size.kind == kind else np.full_like(beta, np.nan)
+            for size, beta in zip(self.sizes, np.moveaxis(self.angles, -1, 0), strict=True)
+        )
+
+    @cached_property
     def end_bearings(self) -> dict[str, FloatArray]:
         """Largest radial force on the bearings behind the flanges, (...) N by GWB's letters.
 
@@ -335,19 +401,10 @@ class Response:
         """Critical speed of each shaft by itself, (..., n-1) rad/s; nan without a tube."""
         tubes = [s.tube for s in self.line.shafts]
         lengths = np.moveaxis(self.layout.lengths, -1, 0)
-        of = [
-            whirl.critical_speed(
-                length,
-                outer=tube.outer,
-                inner=tube.inner,
-                youngs_modulus=tube.material.youngs_modulus,
-                density=tube.material.density,
-            )
-            if tube
-            else np.full_like(length, np.nan)
+        return stacked(
+            np.full_like(length, np.nan) if tube is None else _alone(tube, length)
             for tube, length in zip(tubes, lengths, strict=True)
-        ]
-        return stacked(of)
+        )
 
     @property
     def line_modes(self) -> whirl.Modes | None:
@@ -433,27 +490,48 @@ class Response:
 
     @cached_property
     def tube_shear_utilisation(self) -> FloatArray:
-        """Shear stress of each tube over yield in shear, (..., n-1); nan where not known."""
+        """Shear stress of each tube over yield in shear, (..., n-1); nan where not known.
+
+        Of a composite tube the share of its strength, at the ply that fails first.
+        """
         torque = np.abs(self.demand.torque)
         shock = self.application.shock_factor
-        used = [
-            strength.tube_utilisation(
+
+        def used(tube: Tube | CompositeTube | None) -> FloatArray:
+            if isinstance(tube, CompositeTube):
+                return composite.strength_share(tube, torque * shock)
+            if tube is None or tube.material.yield_strength is None:
+                return np.full_like(torque, np.nan)
+            return strength.tube_utilisation(
                 torque,
                 outer=tube.outer,
                 inner=tube.inner,
                 yield_strength=tube.material.yield_strength,
                 shock_factor=shock,
             )
-            if tube and tube.material.yield_strength is not None
-            else np.full_like(torque, np.nan)
-            for tube in (s.tube for s in self.line.shafts)
-        ]
-        return stacked(used)
+
+        return stacked(used(s.tube) for s in self.line.shafts)
+
+    @cached_property
+    def tube_buckling_utilisation(self) -> FloatArray:
+        """Torque over what buckles each composite tube, (..., n-1); nan for others.
+
+        Between the joint centres, ends pinned, in the sense the plies hold less well.
+        """
+        lengths = np.moveaxis(self.demand.installed.layout.lengths, -1, 0)
+        holds = stacked(
+            composite.buckling_torque(s.tube, length)
+            if isinstance(s.tube, CompositeTube)
+            else np.nan
+            for s, length in zip(self.line.shafts, lengths, strict=True)
+        )
+        torque = np.abs(self.demand.torque) * self.application.shock_factor
+        return torque[..., None] / holds
 
     @property
     def life_ratings(self) -> FloatArray:
         """Torque Td of each joint for its rated life, (n,) N m; nan where not published."""
-        found = (life.life_rating(size) if size else None for size in self.sizes)
+        found = (life.complete_rating(size) if size else None for size in self.sizes)
         return stacked(np.nan if rating is None else rating for rating in found)
 
     @cached_property
@@ -478,6 +556,17 @@ class Response:
             rated_torque=self.life_ratings[..., None],
             prime_mover_factor=self.application.prime_mover_factor,
         )
+        for k, size in enumerate(self.sizes):
+            if size and size.kind != "cross":
+                wear[..., k, :] = life.wear_of(
+                    size,
+                    torque[..., 0, :],
+                    speed=speed[..., 0, :],
+                    angle=np.where(
+                        np.isnan(fixed[..., 0, :]), self.angles[..., k, None], fixed[..., 0, :]
+                    ),
+                    prime_mover_factor=self.application.prime_mover_factor,
+                )
         hours = life.joint_life(wear, shares=shares)
         return np.where(self.lasting[:, None], hours, np.nan)
 
@@ -503,9 +592,15 @@ class Response:
 
     @cached_property
     def spline_travel_margin(self) -> FloatArray:
-        """Travel left in the spline, (...) m; nan where its stroke is not given."""
+        """Travel left in the spline, (...) m; nan where its stroke is not given.
+
+        Without a spline, in the joints of the last shaft that plunge.
+        """
         spline = self.line.shafts[-1].spline
         plunge, draw = (spline.plunge, spline.draw) if spline else (None, None)
+        if spline is None:
+            slides = [s.plunge for s in self.sizes[-2:] if s and s.plunge is not None]
+            plunge = draw = sum(slides) if slides else None
         travel = self.spline_travel
         left = np.full_like(travel, np.inf)
         left = left if plunge is None else np.minimum(left, plunge + travel)
@@ -515,6 +610,19 @@ class Response:
 
 _MODES: WeakKeyDictionary[Demand, whirl.Modes | None] = WeakKeyDictionary()
 """Critical modes of each line asked about: once for all layouts that keep its shafts."""
+
+
+def _alone(tube: Tube | CompositeTube, length: FloatArray) -> FloatArray:
+    """Return the critical speed of a shaft by itself: with shear, if it is of plies."""
+    if isinstance(tube, CompositeTube):
+        return composite.critical_speed(tube, length)
+    return whirl.critical_speed(
+        length,
+        outer=tube.outer,
+        inner=tube.inner,
+        youngs_modulus=tube.material.youngs_modulus,
+        density=tube.material.density,
+    )
 
 
 def _line_modes(line: Line, lengths: FloatArray) -> whirl.Modes | None:

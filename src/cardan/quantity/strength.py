@@ -9,6 +9,7 @@ from cardan.base.formula import Constant, written
 from cardan.base.part import LINE, Part
 from cardan.base.source import AE7, DERIVED, GWB, SEHERR, Source
 from cardan.base.units import rpm
+from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import (
     ALL_TUBES,
     DUTY,
@@ -64,6 +65,15 @@ def _speed_ratios(r: Response) -> FloatArray:
     return _share(r.demand.speed[..., None], stacked(critical))
 
 
+def _wound(r: Response) -> tuple[Part, ...]:
+    """Return the shafts whose tubes are wound of plies."""
+    return tuple(Part("shaft", k + 1) for k in _of_plies(r))
+
+
+def _of_plies(r: Response) -> list[int]:
+    return [k for k, s in enumerate(r.line.shafts) if isinstance(s.tube, CompositeTube)]
+
+
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
     """Return what does not depend on the state, (..., states, 1)."""
     cases = np.zeros(r.layout.directions.shape[:-2])
@@ -80,7 +90,8 @@ DECLARED = (
         * written(critical_speed, "L", outer="D", inner="d", youngs_modulus="E", density="ρ"),
         where={"L": "joint centre distance", "D, d": "tube diameters", "E, ρ": "steel"},
         source=AE7.at("p. 267"),
-        use="Uniform tube pinned at its ends; the line as beams on its bearings stands beside it.",
+        use="Uniform tube pinned at its ends; the line as beams on its bearings stands beside it. "
+        "A tube of plies counts with its shear, which slows it more.",
         of=lambda r: r.critical_speeds,
         parts=shafts,
         needs=(TUBES,),
@@ -178,9 +189,31 @@ DECLARED = (
         ),
         where={"K": "shock factor", "D, d": "tube diameters", "Re": "yield strength"},
         source=SEHERR,
+        use="Of a tube of plies: the torque's share of what fails the first of them, by Tsai-Wu "
+        "or by its largest stress, whichever is stricter; without stresses from curing.",
         of=lambda r: r.tube_shear_utilisation,
         parts=shafts,
         needs=(TORQUE, TUBES, YIELD),
+        section="Speed and strength",
+    ),
+    Quantity(
+        key="tube_buckling_utilisation",
+        at_points=True,
+        name="Torque over the tube's buckling torque",
+        symbol="T/Tb",
+        unit="1",
+        equation="K |T| / Tb, the lowest Tb with det(K(n) − Tb G(n)) = 0 in n waves round",
+        where={
+            "K": "shock factor",
+            "K(n)": "stiffness of the wall, each ply in its place",
+            "G(n)": "work of the shear flow of 1 N·m on the wall's turning",
+        },
+        source=Source("Flügge, Stresses in Shells, 1973", "ch. 8"),
+        use="Of tubes wound of plies. Perfectly round, ends pinned at the joint centres, in the "
+        "sense of torque that the plies hold less well.",
+        of=lambda r: r.tube_buckling_utilisation[..., _of_plies(r)],
+        parts=_wound,
+        needs=(TORQUE,),
         section="Speed and strength",
     ),
     Quantity(

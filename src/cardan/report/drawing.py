@@ -434,7 +434,8 @@ def _joint_said(response: Response, s: int, k: int, say: Language) -> str:
 def phasors(response: Response, say: Language) -> Figure:
     """Return how the joints add up or cancel: AE-7's phasors of squared angles, head to tail."""
     s = worst_state(response)
-    terms = ae7_terms(response.side_angles[s], response.top_angles[s], phases=response.phases)
+    side, top, phases = response.uneven
+    terms = ae7_terms(side[s], top[s], phases=phases)
     terms = terms / deg**2
     ends: ComplexArray = np.cumsum(np.concatenate([np.zeros_like(terms[:1]), terms]))
     total = ends[-1]

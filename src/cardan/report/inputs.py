@@ -9,7 +9,8 @@ from cardan.base.part import Part
 from cardan.base.units import N, deg, kg, kN, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.model.application import Application, Installed, State
-from cardan.model.parts import Shaft
+from cardan.model.laminate import CompositeTube
+from cardan.model.parts import JointSize, Shaft
 from cardan.model.vehicle import LoadState, Suspension
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
@@ -161,7 +162,7 @@ def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
         yield say("share of the torque"), say.short(share)
     yield say("side slopes of the members"), _each(layout.side, deg, "deg", say)
     yield say("top slopes of the members"), _each(layout.top, deg, "deg", say)
-    joints = [j.name if j else "-" for j in line.joints]
+    joints = [_size(j, say) for j in line.joints]
     yield say("joints"), joints[0] if len(set(joints)) == 1 else say.list(*joints)
     for k, shaft in enumerate(line.shafts):
         part = say.part(Part("shaft", k + 1))
@@ -169,11 +170,25 @@ def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
             yield f"{part}, {name}", value
 
 
+def _size(joint: JointSize | None, say: Language) -> str:
+    """Return a joint by its name, and by its kind if it is no cross."""
+    if joint is None:
+        return "-"
+    words = {
+        "cross": "", "double cardan": say("double cardan"), "rzeppa": say("Rzeppa joint"),
+        "tripod": say("tripod joint"),
+    }  # fmt: skip
+    kind = words[joint.kind]
+    return f"{joint.name} ({kind})" if kind else joint.name
+
+
 def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
     yield say("length"), _q(length, mm, "mm", say)
     if s.tube:
         size = f"{say.short(s.tube.outer / mm)} × {say.short(s.tube.wall / mm)} mm"
         yield say("tube"), say.list(size, s.tube.material.name)
+        if isinstance(s.tube, CompositeTube):
+            yield say("plies, from the inside out"), s.tube.layup
     yield say("yoke phase"), _q(s.phase, deg, "deg", say)
     b = s.centre_bearing
     if b:

@@ -66,7 +66,7 @@ def _plots(r: Response, say: Language) -> Iterator[Figure]:
 def round_the_turn(r: Response, say: Language) -> Iterator[Figure]:
     """Yield speed and acceleration of every member round the turn, in the worst state."""
     s = worst_state(r)
-    one = turn(r.layout.directions[s], phases=r.phases, samples=ROUND - 1)
+    one = turn(r.layout.directions[s], phases=r.phases, crosses=r.line.crosses, samples=ROUND - 1)
     theta = np.linspace(0, 360, ROUND)
     state, w = say.state(r.demand.states[s]), float(r.demand.speed[s])
     names = _members(r, say)

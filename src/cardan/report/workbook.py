@@ -33,6 +33,7 @@ from cardan.kinematics.equivalent import (
 from cardan.loads import loads
 from cardan.loads.approximate import bearing_force, end_force, left_over
 from cardan.model.application import Application
+from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
@@ -591,8 +592,9 @@ class _Line:
             re_, im_ = (f"({front}^2*{f}({at})-{rear}^2*{f}({behind}))" for f in ("COS", "SIN"))
             rest = f"IF({front}+{rear}=0,0,SQRT({re_}^2+{im_}^2)/({front}+{rear}))"
             self._result("end_angle_difference", rest, left, part=part)
-        if self.n % 2:
-            self._result("odd_joint_angle", self.beta[0], r.angles[:, 0], part=Part("joint", 1))
+        for k in r.lone:
+            part = Part("joint", k + 1)
+            self._result("odd_joint_angle", self.beta[k], r.angles[:, k], part=part)
         self.largest = self._row(
             self.say("largest joint angle"), "deg", f"MAX({','.join(self.beta)})"
         )
@@ -601,17 +603,20 @@ class _Line:
         turned = r.demand.speed[:, None] * r.angles
         for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
             part = Part("joint", k + 1)
-            self._result("joint_angle_min", beta, r.angles[:, k], part=part)
             self._followed("compound_angle", compound[:, k], part=part, βv=v, βh=h)
+            self._followed("n_beta", turned[:, k], part=part, n=self.speed, β=beta)
+            if not r.line.crosses[k]:
+                continue
+            self._result("joint_angle_min", beta, r.angles[:, k], part=part)
             self._followed(
                 "angle_for_speed", turned[:, k] ** 2, part=part, ω=self.omega, β=f"RADIANS({beta})"
             )
-            self._followed("n_beta", turned[:, k], part=part, n=self.speed, β=beta)
 
     def _excitation(self) -> None:
         """AE-7's phasors: sₖ Dₖ², their sums, and what follows from them."""
         say, r = self.say, self.r
         ae7, plane = r.approximations["ae7"], r.approximations["in_plane"]
+        crosses = r.line.crosses
         self._section(say("Excitation") + " (AE-7)")
         (h, v, phase), (sign, before) = symbols("βh", "βv", "ε"), phasors("s", "P")
         on, step = ae7_sign(sign, phase=phase), before + ae7_step(sign, side=v, top=h)
@@ -622,10 +627,14 @@ class _Line:
         for k in range(self.n):
             if k:
                 part = say.part(Part("joint", k + 1))
-                turned = f"RADIANS({self._of_part('yoke_phases', k)})"
+                # Behind a joint of constant velocity yokes stand a quarter turn on.
+                back = "" if crosses[k - 1] else "-90"
+                turned = f"RADIANS({self._of_part('yoke_phases', k)}{back})"
                 pair = on.pair(s=self.signs[-1], ε=turned)
                 self.signs.append(self._complex(f"s, {part}", "", pair, note=on))
             bend = {"βh": f"RADIANS({self.bh[k]})", "βv": f"RADIANS({self.bv[k]})"}
+            if not crosses[k]:
+                bend = {"βh": "0", "βv": "0"}
             for made, name, of, note in (
                 (found, "P", step, step),
                 (flat, "Q", level, say("as if all joints lay in one plane")),
@@ -722,7 +731,9 @@ class _Line:
         torque, length = symbols("T", "L")
         where: dict[str, Cells] = {
             "T": self.torque, "L": f"{self._of_state(self.lengths[k - 1])}/1000",
-            "s1": self.signs[k - 1], "s2": self.signs[k],
+            # Only crosses swing.
+            **{f"s{j}": self.signs[i] if self.r.line.crosses[i] else ("0", "0")
+               for j, i in ((1, k - 1), (2, k))},
         }  # fmt: skip
         for name, j in (("Δ1", k - 1), ("Δ2", k)):
             where[name] = f"RADIANS({self.bh[j]})", f"-RADIANS({self.bv[j]})"
@@ -739,8 +750,8 @@ class _Line:
         r = self.r
         self._section(self.say("Speed and strength"))
         for k, shaft in enumerate(r.line.shafts, 1):
-            if not shaft.tube:
-                continue
+            if shaft.tube is None or isinstance(shaft.tube, CompositeTube):
+                continue  # what plies do no formula of cells follows
             part, length = Part("shaft", k), self._of_state(self.lengths[k - 1])
             outer, wall, modulus, density, strength = (
                 self._of_part(f"tube_{w}", k)
@@ -772,7 +783,7 @@ class _Line:
         of = written(wear, "T", speed="n", angle="β", rated_torque="Td", prime_mover_factor="K1")
         given = "ISNUMBER(duty_angles)"
         for k in range(self.n):
-            if np.isnan(r.life[:, k]).all():
+            if np.isnan(r.life[:, k]).all() or not r.line.crosses[k]:
                 continue
             each = of.cells(
                 T=f"{torque}*duty_torques{part_of}", n=f"{speed}*duty_speeds{part_of}",

@@ -40,6 +40,14 @@ def life_rating(size: JointSize) -> NewtonMetre | None:
     return size.bearing_torque
 
 
+def complete_rating(size: JointSize) -> NewtonMetre | None:
+    """Return the torque a joint is rated for, if all is known that its life follows from."""
+    rolls = size.kind in ("rzeppa", "tripod")
+    if rolls and (size.rated_life is None or size.rated_speed is None):
+        return None
+    return life_rating(size)
+
+
 def wear(
     torque: ArrayLike,
     *,
@@ -79,6 +87,63 @@ def wear(
     xp, T, n, beta, Td, K1 = floats(torque, speed, angle, rated_torque, prime_mover_factor)
     travel = xp.abs(n) * xp.maximum(beta, xp.asarray(ANGLE_FLOOR))
     return K1 * travel / _RATED * (xp.abs(T) / Td) ** (10 / 3)
+
+
+def wear_of(
+    size: JointSize,
+    torque: ArrayLike,
+    *,
+    speed: ArrayLike,
+    angle: ArrayLike,
+    prime_mover_factor: ArrayLike = 1.0,
+) -> FloatArray:
+    r"""Share of its life (...) 1/s that a joint of any kind uses up in a second.
+
+    A cross by `wear`; the two of a double cardan at half its angle each. A Rzeppa's balls and
+    a tripod's rollers from the maker's rating, M_r for L_r at n_r and β_r:
+
+    $$L = L_r\,\frac{n_r}{n}\left(\frac{A(\beta) M_r}{A(\beta_r) |M|}\right)^p$$
+
+    with p = 3 and A = (1 - sin β) cos² β of balls; of rollers p = 10/3, and as needles do they
+    roll with the angle, by β_r/β at 3 deg or more, in place of A.
+
+    Parameters
+    ----------
+    size
+        Its kind and ratings; nan where they are not all given.
+    torque, speed, angle : (...) N m, rad/s, rad
+    prime_mover_factor : (...) 1
+
+    Notes
+    -----
+    Sources: the exponents ISO 281; A of Rzeppa joints Seherr-Thoss et al. (2006), ch. 4,
+    quoted from memory; the tripod's angle derived from its rollers' travel.
+    """
+    _, M, n, beta, K1 = floats(torque, speed, angle, prime_mover_factor)
+    rated = complete_rating(size)
+    shape = np.broadcast_shapes(M.shape, n.shape, beta.shape, K1.shape)
+    if rated is None:
+        return np.full(shape, np.nan)
+    if size.kind in ("cross", "double cardan"):
+        share = 1.0 if size.kind == "cross" else 0.5
+        return wear(M, speed=n, angle=share * beta, rated_torque=rated, prime_mover_factor=K1)
+    assert size.rated_life is not None  # or the rating were not complete
+    assert size.rated_speed is not None
+    at = size.rated_angle or 0.0
+    if size.kind == "rzeppa":
+        stronger, p = _ball_share(beta) / _ball_share(at), 3.0
+        rolling = 1.0 + 0 * beta
+    else:
+        stronger, p = 1.0, 10 / 3
+        rolling = np.maximum(beta, ANGLE_FLOOR) / np.maximum(at, ANGLE_FLOOR)
+    turned = np.abs(n) / size.rated_speed
+    return K1 * turned * rolling / size.rated_life * (np.abs(M) / (stronger * rated)) ** p
+
+
+def _ball_share(beta: ArrayLike) -> FloatArray:
+    """Share A (...) of its torque that a Rzeppa joint carries at an angle (...) rad."""
+    beta = np.asarray(beta, dtype=float)
+    return (1 - np.sin(beta)) * np.cos(beta) ** 2
 
 
 def joint_life(wear: ArrayLike, *, shares: ArrayLike | None = None) -> FloatArray:

@@ -11,7 +11,7 @@ from cardan.base.errors import DesignError
 from cardan.base.formula import Constant
 from cardan.base.units import NewtonMetre
 from cardan.model.parts import JointSize
-from cardan.shaft.life import joint_life, life_rating, n_beta, wear
+from cardan.shaft.life import complete_rating, joint_life, life_rating, n_beta, wear_of
 
 _ROOT3 = Constant(sqrt(3), "√3", "SQRT(3)")
 
@@ -208,13 +208,13 @@ def size_utilisations(size: JointSize, demand: JointDemand) -> dict[str, float]:
         "joint_speed": (np.max(np.abs(demand.speed)), size.speed_max),
     }
     used = {key: float(asked / rating) for key, (asked, rating) in ratings.items() if rating}
-    rated = life_rating(size)
+    rated = complete_rating(size)
     if rated:
-        wearing = wear(
+        wearing = wear_of(
+            size,
             demand.torque,
             speed=demand.speed,
             angle=demand.angle,
-            rated_torque=rated,
             prime_mover_factor=demand.prime_mover_factor,
         )
         used["joint_life"] = float(demand.life / joint_life(wearing, shares=demand.shares))
@@ -232,7 +232,7 @@ def smallest_size(sizes: Iterable[JointSize], demand: JointDemand) -> JointSize:
     DesignError
         If none does; the message names the one that comes nearest, and what it lacks.
     """
-    known = [s for s in sizes if s.peak_torque and life_rating(s)]
+    known = [s for s in sizes if s.kind == "cross" and s.peak_torque and life_rating(s)]
     used = {s.name: size_utilisations(s, demand) for s in known}
     enough = [s for s in known if max(used[s.name].values()) <= 1]
     if enough:

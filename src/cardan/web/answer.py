@@ -24,7 +24,7 @@ from cardan.base.verdict import GRADES, Check, Limit, worst
 from cardan.demand.states import demand, resolve
 from cardan.files.manuscript import Manuscript
 from cardan.files.placing import Changes, mounted, name_address, phase_address, phased, placed
-from cardan.kinematics.chain import turn
+from cardan.kinematics.chain import pin_phases, turn
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Application, Installed
 from cardan.model.layout import Layout
@@ -249,8 +249,7 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "speed": _fs(r.demand.speed / rpm, 0),
         "clearance": [_fs(c / mm, 2) for c in r.clearances],
         "obstacles": [r.application.obstacles.index(o) for o in r.obstacles],
-        "phasors": [_phasors(r.side_angles[s], r.top_angles[s], r.phases) for s in
-                    range(len(r.demand.states))],
+        "phasors": [_phasors(r, s) for s in range(len(r.demand.states))],
         "equivalent": _fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
     }  # fmt: skip
@@ -293,9 +292,10 @@ def _laid(layout: Layout, installed: Installed) -> Json:
     }
 
 
-def _phasors(side: FloatArray, top: FloatArray, phases: FloatArray) -> list[Any]:
+def _phasors(r: Response, s: int) -> list[Any]:
     """Return where the joints' sum gets to one by one, as AE-7 has it, deg² along 0 and 45 deg."""
-    ends = np.cumsum(ae7_terms(side, top, phases=phases)) / deg**2
+    side, top, phases = r.uneven
+    ends = np.cumsum(ae7_terms(side[s], top[s], phases=phases)) / deg**2
     return [[0.0, 0.0], *([_f(float(t.real), 3), _f(float(t.imag), 3)] for t in ends)]
 
 
@@ -488,7 +488,7 @@ def _place(r: Response, s: int, base: Response) -> Json:
         "lengths": _fs(r.layout.lengths[s] / mm, 1),
         "plunge": _f(float(r.spline_travel[s]) / mm, 2),
         "clearance": _fs(r.clearances[s] / mm, 2),
-        "phasors": _phasors(r.side_angles[s], r.top_angles[s], r.phases),
+        "phasors": _phasors(r, s),
         "equivalent": _f(float(r.excitation.torsional.angle[s]) / deg, 3),
         "pitch": _f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),
     }
@@ -519,13 +519,14 @@ def _curves(read: Document, r: Response, of: Reach, height: float, torque: float
 def _turn(r: Response, s: int) -> Json:
     """Return speed of every member round the turn, and the sum over the phase of each shaft."""
     layout, phases = r.layout, np.asarray(r.phases, dtype=float)
-    one = turn(layout.directions[s], phases=phases, samples=ROUND)
+    one = turn(layout.directions[s], phases=phases, crosses=r.line.crosses, samples=ROUND)
     swept = np.linspace(0.0, np.pi, PHASES)
+    side, top, _ = r.uneven
     over: list[Any] = []
     for k in range(phases.shape[-1]):
         tried = np.tile(phases, (PHASES, 1))
         tried[:, k] = swept
-        terms = ae7_terms(r.side_angles[s], r.top_angles[s], phases=tried)
+        terms = ae7_terms(side[s], top[s], phases=pin_phases(tried, r.line.crosses))
         over.append(_fs(np.sqrt(np.abs(terms.sum(-1))) / deg, 3))
     speed = float(np.nan_to_num(r.demand.speed[s])) / rpm
     return {

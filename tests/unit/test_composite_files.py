@@ -1,0 +1,161 @@
+"""A tube of plies in the application file: its layup, and what a check makes of it."""
+
+import numpy as np
+import pytest
+
+import cardan
+from cardan.base.errors import BadFile
+from cardan.base.units import MPa, deg, mm, rpm
+from cardan.model.laminate import CARBON_EPOXY, CompositeTube
+from cardan.report.language import Language
+from cardan.report.workbook import workbook
+from cardan.shaft.composite import buckling_torques, critical_speed
+
+TEXT = """\
+title: Carbon shaft
+speed_rpm: 4000
+torque_Nm: 2500
+limits: van
+driveline:
+  slopes: {side_deg: [0.0, 3.0, 0.2]}
+  joints: 1350
+  shafts:
+    - length_mm: 1200
+      tube:
+        outer_mm: 90
+        layup:
+          - {ply: T300/5208, angle_deg: [15, -15]}
+          - {ply: T300/5208, angle_deg: [45, -45], times: 5}
+          - {ply: T300/5208, angle_deg: [90, -90], times: 3}
+"""
+
+
+@pytest.fixture
+def read(tmp_path):
+    def of(text):
+        file = tmp_path / "shaft.yaml"
+        file.write_text(text, encoding="utf-8")
+        return cardan.read(file)
+
+    return of
+
+
+def tube(application):
+    return application.lines[0].line.shafts[0].tube
+
+
+def test_the_file_gives_the_plies_from_the_inside_out(read):
+    found = tube(read(TEXT))
+    assert isinstance(found, CompositeTube)
+    wanted = np.array([15, -15, *[45, -45] * 5, *[90, -90] * 3]) * deg
+    np.testing.assert_allclose(found.angles, wanted, rtol=1e-15)
+    assert found.layup == "15/-15/(45/-45)5/(90/-90)3"
+    for name in ("along", "across", "shear", "poisson", "tension_across", "shear_strength"):
+        assert getattr(found.plies[0], name) == pytest.approx(getattr(CARBON_EPOXY, name))
+    assert found.wall == pytest.approx(2.25 * mm)
+
+
+def test_a_check_knows_that_the_wall_buckles(read):
+    """5 kN m would be 1.5 times what the wall holds; half of it 0.758, above NASA's 0.67."""
+    application = read(TEXT)
+    found = cardan.check(application)
+    checks = {(c.quantity, c.limit.maximum): c for c in found.checks}
+    buckling = checks["tube_buckling_utilisation", 0.67]
+    least = min(buckling_torques(tube(application), 1.2))
+    assert (
+        buckling.value == pytest.approx(2500 / least, rel=1e-12) == pytest.approx(0.758, abs=1e-3)
+    )
+    assert buckling.grade == "fail"
+    of = {c.quantity: c.value for c in found.checks}
+    speed = critical_speed(tube(application), 1.2)
+    assert of["critical_speed_ratio"] == pytest.approx(4000 * rpm / speed, rel=1e-3)
+    assert found.verdict == "fail"
+    # The plies carry it: ±45 with a fifth of 90 and a ninth of 15, at two fifths of failure.
+    assert of["tube_shear_utilisation"] == pytest.approx(0.41, abs=0.01)
+
+
+def test_plies_the_other_way_round_pass(read):
+    lines = TEXT.splitlines()
+    turned = "\n".join(lines[:-3] + lines[:-4:-1]) + "\n"
+    buckling = [c for c in cardan.check(read(turned)).checks
+                if c.quantity == "tube_buckling_utilisation"]  # fmt: skip
+    assert [c.grade for c in buckling] == ["pass"]
+    assert buckling[0].value == pytest.approx(2500 / 7154, rel=0.02)
+
+
+def test_a_hybrid_of_metal_and_plies(read):
+    """Aluminium inside carries with its shear modulus, carbon along it stiffens the bending."""
+    layup = """\
+          - {material: 6061-T6, thickness_mm: 3}
+          - {ply: AS4/3501-6, angle_deg: 0, times: 4, thickness_mm: 0.2}
+"""
+    hybrid = tube(read(TEXT[: TEXT.index("          - {ply")] + layup))
+    assert hybrid.layup == "6061-T6 3 mm/(0)4"
+    assert hybrid.wall == pytest.approx(3.8 * mm)
+    metal = hybrid.plies[0]
+    assert metal.shear_strength == pytest.approx(276 * MPa / np.sqrt(3))
+    inside = np.pi / 2 * (44.2**4 - 41.2**4) * mm**4
+    outside = np.pi / 2 * (45**4 - 44.2**4) * mm**4
+    assert hybrid.torsional_stiffness == pytest.approx(
+        68.9e9 / 2.66 * inside + 6.6e9 * outside, rel=1e-9
+    )
+    # Poisson's ratios differ, 0.33 and 0.28: bending a little above the sum of both.
+    both = (68.9e9 * inside + 126e9 * outside) / 2
+    assert 1 <= hybrid.bending_stiffness / both < 1.001
+
+
+def test_layups_have_variants(read):
+    at = "driveline.shafts[1].tube.layup[2].angle_deg[1]"
+    application = read(TEXT)
+    assert cardan.addresses(application)[at] == 45
+    angles = np.array([30.0, 45.0, 60.0])
+    many = cardan.study(application, vary={at: [30, 60]}, n=3, seed=1)
+    values = many.to_frame()
+    for angle, value in zip(values[at], values["tube_buckling_utilisation"], strict=True):
+        one = cardan.check(cardan.change(application, {at: angle}))
+        alone = [c.value for c in one.checks if c.quantity == "tube_buckling_utilisation"]
+        assert value == pytest.approx(alone[0], rel=1e-9)
+    changed = cardan.change(application, {at: angles})
+    assert tube(changed).bending_stiffness.shape == (3, 1)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("T300/5208, angle_deg: [15", "T300-5208, angle_deg: [15",
+         "13:19: driveline.shafts[1].tube.layup[1].ply: no catalogue has a ply T300-5208; "
+         "did you mean T300/5208?"),
+        ("angle_deg: [15, -15]", "angle_deg: [15, -115]",
+         "layup[1].angle_deg[2]: must be a number of at least -90"),
+        ("times: 5", "times: 0", "layup[2].times: must be a whole number from 1 to 400"),
+        ("outer_mm: 90\n", "outer_mm: 90\n        wall_mm: 3\n",
+         "wall_mm and layup exclude each other"),
+        ("times: 3", "times: 40", "must be at most an eighth of that"),
+        ("{ply: T300/5208, angle_deg: [15, -15]}", "{material: 6061-T6}",
+         "thickness_mm of a layer of metal is missing"),
+        ("{ply: T300/5208, angle_deg: [15, -15]}", "{material: steel, thickness_mm: 1}",
+         "a layer of steel needs a material with its yield strength"),
+    ],
+)  # fmt: skip
+def test_a_layup_that_cannot_be(read, old, new, says):
+    assert old in TEXT
+    with pytest.raises(BadFile) as found:
+        read(TEXT.replace(old, new))
+    assert says in str(found.value)
+
+
+def test_a_workbook_holds_what_no_formula_follows(read, tmp_path):
+    """The buckling check stands in it as computed; nothing pretends to be live."""
+    import openpyxl
+
+    found = cardan.check(read(TEXT))
+    file = tmp_path / "shaft.xlsx"
+    file.write_bytes(workbook(found, say=Language("en")))
+    cells = [
+        cell
+        for sheet in openpyxl.load_workbook(file)
+        for row in sheet.iter_rows(values_only=True)
+        for cell in row
+    ]
+    assert "Torque over the tube's buckling torque, shaft 1" in cells
+    assert any(isinstance(c, float) and abs(c - 0.7578) < 1e-4 for c in cells)
