@@ -250,7 +250,21 @@ def _languages() -> dict[str, str]:
     return {code: head.partition(", in ")[2].partition(".")[0] for code, head in heads.items()}
 
 
+def over_speed() -> str:
+    """Return what shakes the medium truck's bearing over its speed, as a report draws it."""
+    from cardan import check, read
+    from cardan.report.language import EN
+    from cardan.report.plots import bearing_over_speed
+
+    (response,) = check(
+        read(Path(__file__).parents[1] / "examples" / "medium-truck-4x2.yaml")
+    ).responses
+    (figure,) = bearing_over_speed(response, EN, bearing=0)
+    return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
+
+
 WRITERS = {
+    "[[bearing over speed]]": over_speed,
     "[[floors]]": floors,
     "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,

@@ -289,6 +289,10 @@ def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Iterator[
         ),
         series=series,
         bands=limit_bands(limits, factor=1.0, top=10 * high),
+        levels=[Level(
+            value=float(r.loads.bearing_forces.dynamic[s, bearing]),
+            name=say("rigid bearing, at its own torque"),
+        )],
         x=(0.0, 1.03 * top / rpm),
         y=(0.0, high),
         x_label=say("shaft speed [rpm]"),

@@ -18,7 +18,7 @@ INK, FAINT, GRID = "#1d2733", "#6b7785", "#dde2e8"
 PALETTE = ("#0072b2", "#d55e00", "#008060", "#a4407e", "#8a6d00", "#3f7fbf", "#5b5b5b")
 """Colours of series, apart for the colour-blind too (after Okabe and Ito), dark on white."""
 
-DASHES = ("", "7 3", "2 3", "8 3 2 3", "4 2", "10 4", "1 2")
+DASHES = ("", "7 3", "2 3", "8 3 2 3", "4 2", "10 4", "1 2", "12 3 2 3 2 3")
 """Dashes of series, apart without any colour."""
 
 GRADED = {"pass": "#1a7f37", "warn": "#9a6700", "fail": "#b42318"}
