@@ -252,6 +252,17 @@ def test_a_free_impact_leaves_as_its_law_says_whatever_the_column(stiffness):
     assert -done.y[1, -1] / arrived == pytest.approx(returned(flores, 0.7), rel=1e-9)
 
 
+def test_both_sides_of_the_column_lose_alike():
+    """The law of contact on either side: as deep, as fast, the same torque the other way."""
+    steering = Steering(play=0.5 * deg)
+    for closing in (0.2, -0.2):
+        one = steering.column_torque(0.02, closing, side=1, arrived=0.3)
+        other = steering.column_torque(-0.02, -closing, side=-1, arrived=0.3)
+        assert other == pytest.approx(-one, rel=1e-12)
+        still = steering.column_torque(0.02, 0.0, side=1, arrived=0.3)
+        assert one / still == pytest.approx(1 + flores(0.7) * closing / 0.3, rel=1e-12)
+
+
 def test_hard_lossless_contacts_are_a_dead_band():
     """K 1e14, e 1: k_c (s - h) beyond the play alone, as a plain integration has it."""
     steering = Steering(play=0.5 * deg, restitution=1.0, contact_stiffness=1e14)
