@@ -1148,8 +1148,6 @@ KINDS = (
            "verify/test_joint_kinds.py::test_turn_and_forces_are_those_of_vectors"),
     mutant("kinematics/chain.py", "(1 - c) * np.pi / 2 for c in crosses[:-1]", "(1 - c) * np.pi / 2 for c in crosses[1:]",
            "the yokes ahead of it stand a quarter turn on", "verify/test_joint_kinds.py::test_turn_and_forces_are_those_of_vectors"),
-    mutant("loads/statics.py", "even = torques[..., :-1, :, None] * halfway", "even = torques[..., 1:, :, None] * halfway",
-           "the torque behind it makes its moment", "verify/test_joint_kinds.py::test_turn_and_forces_are_those_of_vectors"),
     mutant("loads/statics.py", "halfway = (u + v) / (1 + dot(u, v))[..., None]", "halfway = v",
            "its moment lies along the shaft behind", "verify/test_joint_kinds.py::test_bearing_and_pinion_of_the_table"),
     mutant("loads/approximate.py", "s = s * np.array(line.crosses)", "s = s * 1",
