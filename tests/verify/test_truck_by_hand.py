@@ -321,7 +321,12 @@ def test_a_torque_of_the_application_gives_way_to_a_states_own():
                 assert response.demand.torque[s] == wanted, state.name
 
 
+OF_OTHER_KINDS = {"tube_buckling_utilisation", "joint_swing", "joint_orbit"}
+"""Of plies, double cardans and tripods, which these trucks have not: their own tests hold them."""
+
+
 def test_the_files_ask_about_every_quantity_that_can_be_limited():
+    wanted = set(ANSWERED) - OF_OTHER_KINDS
     for file in TRUCKS:
-        assert {limit.quantity for limit in assessed(file).application.limits} == set(ANSWERED)
-    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == set(ANSWERED)
+        assert {limit.quantity for limit in assessed(file).application.limits} == wanted
+    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == wanted
