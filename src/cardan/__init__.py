@@ -16,8 +16,10 @@ from types import ModuleType
 __version__ = "0.1.0"
 
 __all__ = [
-    "Application", "Approval", "Life", "Proposals", "Sweep", "Values", "__version__", "addresses",
-    "bracket", "change", "check", "fix", "life", "loads", "read", "stability", "study",
+    "Application", "Approval", "CompositeTube", "Driven", "Life", "LooseJoint", "Proposals",
+    "Steering", "Sweep", "Values", "__version__", "addresses", "bracket", "buckling_torques",
+    "change", "check", "fates", "fix", "hysteretic_threshold", "life", "lightest", "loads",
+    "passage", "rattle", "read", "shimmy", "stability", "study", "viscous_threshold",
 ]  # fmt: skip
 
 TYPE_CHECKING = False  # as type checkers know it; `typing` itself takes longer than all the rest
@@ -25,20 +27,32 @@ if TYPE_CHECKING:
     from cardan.face import (
         Application,
         Approval,
+        CompositeTube,
+        Driven,
         Life,
+        LooseJoint,
         Proposals,
+        Steering,
         Sweep,
         Values,
         addresses,
         bracket,
+        buckling_torques,
         change,
         check,
+        fates,
         fix,
+        hysteretic_threshold,
         life,
+        lightest,
         loads,
+        passage,
+        rattle,
         read,
+        shimmy,
         stability,
         study,
+        viscous_threshold,
     )
 
 _ROOMS = ("bracket", "loads", "study")

@@ -1,7 +1,9 @@
 """The public face, `import cardan`: read, ask, show, from a script or a notebook.
 
 It translates and never calculates: every answer is that of a study, every word and every
-document that of a report. Nothing below knows it.
+document that of a report. Nothing below knows it. Beside those stand the sciences that ask a
+part by itself, which no application file describes: a run-up, a joint with play, a steering
+column, damping that turns, a tube of plies.
 """
 
 from collections.abc import Generator, Iterable, Mapping
@@ -17,12 +19,18 @@ from cardan.base.errors import CardanError, DesignError, NotInstalled
 from cardan.base.part import Occasion, Part
 from cardan.base.verdict import VERDICTS, Verdict
 from cardan.border.table import nearest
+from cardan.dynamics.clearance import LooseJoint, rattle
+from cardan.dynamics.damping import hysteretic_threshold, viscous_threshold
+from cardan.dynamics.runup import Driven, fates, passage
+from cardan.dynamics.shimmy import Steering, shimmy
 from cardan.files import addresses, change, loads, read
 from cardan.model.application import Application, Surroundings
+from cardan.model.laminate import CompositeTube
 from cardan.quantity.quantities import ANSWERED, LIMITABLE, QUANTITIES
 from cardan.report import contract, terminal
 from cardan.report.blocks import Issue
 from cardan.report.language import EN, Language
+from cardan.shaft.composite import buckling_torques, lightest
 from cardan.study import approval as approvals
 from cardan.study import fix as fixes
 from cardan.study import sweep as sweeps
@@ -30,8 +38,10 @@ from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
 from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
 
 __all__ = [
-    "Application", "Approval", "Life", "Proposals", "Sweep", "Values", "addresses", "bracket",
-    "change", "check", "fix", "life", "loads", "read", "stability", "study",
+    "Application", "Approval", "CompositeTube", "Driven", "Life", "LooseJoint", "Proposals",
+    "Steering", "Sweep", "Values", "addresses", "bracket", "buckling_torques", "change", "check",
+    "fates", "fix", "hysteretic_threshold", "life", "lightest", "loads", "passage", "rattle",
+    "read", "shimmy", "stability", "study", "viscous_threshold",
 ]  # fmt: skip
 
 Shown = TypeVar("Shown")

@@ -83,6 +83,16 @@ def test_plies_the_other_way_round_pass(read):
     assert buckling[0].value == pytest.approx(2500 / 7154, rel=0.02)
 
 
+def test_shocks_count_for_plies_too(read):
+    """A shock factor of 2 is twice the torque, for the plies and for the wall."""
+    plain, shaken = (
+        {c.quantity: c.value for c in cardan.check(read(text)).checks}
+        for text in (TEXT, TEXT.replace("limits: van", "limits: van\nshock_factor: 2"))
+    )
+    for quantity in ("tube_shear_utilisation", "tube_buckling_utilisation"):
+        assert shaken[quantity] == pytest.approx(2 * plain[quantity], rel=1e-9)
+
+
 def test_a_hybrid_of_metal_and_plies(read):
     """Aluminium inside carries with its shear modulus, carbon along it stiffens the bending."""
     layup = """\

@@ -568,7 +568,7 @@ RANGE = f"{SHAFT}must be a number of at least 5 and at most 50000 mm"
          "4.000x0.125in-al?"]),
         ("tube: {outer_mm: 101.6, wall_mm: 3.2}", "tube: [1]", ["f.yaml:9:31: driveline.shafts[1]."
          "tube: must be a tube of a catalogue or a table with name, outer_mm, wall_mm, material, "
-         "source, note (got a list of 1)"]),
+         "layup, source, ... (got a list of 1)"]),
         (", centre_bearing: {from_rear_joint_mm: 140}", "", ["f.yaml:9:7: driveline.shafts[1]: "
          "shaft 1 of 2 needs a centre bearing; give centre_bearing: {from_rear_joint_mm: ...}"]),
         ("length_mm: 1200", "length_mm: 130", ["f.yaml:9:7: driveline.shafts[1]: "

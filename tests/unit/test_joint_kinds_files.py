@@ -7,8 +7,6 @@ import cardan
 from cardan.base.errors import BadFile
 from cardan.base.units import deg, hour, mm, rpm
 from cardan.kinematics.constant_velocity import double_cardan_swing, tripod_orbit
-from cardan.report.language import Language
-from cardan.report.workbook import workbook
 
 TEXT = """\
 title: Front line
@@ -82,13 +80,6 @@ def test_all_crosses_pair_as_ever(read):
         "centre_distance_mm: 80,\n       ball_from_rear_mm: 40, ", ""))).responses[0]  # fmt: skip
     assert of.pairs == (0,)
     assert of.lone == ()
-
-
-def test_the_workbook_says_what_the_check_says(read):
-    """Its live formulas leave the joints out that keep the speed; LibreOffice is not needed:
-    each row stores what cardan computed, and formulas of other rows would not fit it."""
-    found = cardan.check(read(TEXT))
-    assert workbook(found, say=Language("en"))
 
 
 @pytest.mark.parametrize(

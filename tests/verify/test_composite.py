@@ -131,6 +131,46 @@ def test_a_composite_of_steel_is_a_steel_tube():
     assert strength_share(made, 5000.0) == pytest.approx(share, rel=1e-12)
 
 
+def test_shear_of_a_thin_tube():
+    """κ 1/2 of a thin round wall: half its area, as Cowper has 0.53 with Poisson's ratio."""
+    tube = wound([45, -45] * 4, outer=200 * mm)
+    half = tube.moduli[2] * 2 * np.pi * tube.radius * tube.wall / 2
+    assert tube.shear_stiffness == pytest.approx(half, rel=1e-12)
+    steel = CompositeTube(outer=0.1, layers=(Layer(ply=metal(E355, thickness=1 * mm)),))
+    cowper = Tube(outer=0.1, wall=1 * mm).shear_stiffness
+    assert 1 < cowper / steel.shear_stiffness < 1.07
+
+
+def test_the_stricter_criterion_counts():
+    """Sheared along and across its fibres a ply fails where both say, at τ = S.
+
+    In torsion Tsai-Wu is never the milder; squeezed both ways, as torsion never does, it is.
+    """
+    share = strength_share(wound([0, 90]), 1000.0)
+    own = np.abs(ply_stresses(wound([0, 90]), 1000.0)[..., 2]).max()
+    assert share == pytest.approx(own / CARBON_EPOXY.shear_strength, rel=1e-9)
+    for angles in ([45, -45], [20, -20, 70, -70], [0, 90, 45, -45]):
+        each = ply_stresses(wound(angles), 1000.0)
+        both = [sign * each for sign in (1, -1)]
+        by_wu = max(float((1 / strength_ratio(s, CARBON_EPOXY)).max()) for s in both)
+        by_one = max(float(maximum_stress(s, CARBON_EPOXY).max()) for s in both)
+        assert strength_share(wound(angles), 1000.0) == pytest.approx(max(by_wu, by_one), rel=1e-12)
+    squeezed = -np.array([CARBON_EPOXY.compression_along, CARBON_EPOXY.compression_across, 0.0])
+    assert maximum_stress(squeezed, CARBON_EPOXY) == pytest.approx(1)
+    assert tsai_wu(squeezed, CARBON_EPOXY) < 0
+
+
+def test_the_weaker_sense_breaks_the_plies():
+    """All fibres at +45: one sense pulls them, the other opens them across."""
+    tube = wound([45] * 8)
+    forward, back = (
+        max(float((1 / strength_ratio(s, CARBON_EPOXY)).max()) for s in ply_stresses(tube, T))
+        for T in (1000.0, -1000.0)
+    )
+    assert back > 2 * forward
+    assert strength_share(tube, 1000.0) >= back
+
+
 def test_torsion_and_bending_of_one_fibre_direction():
     """Fibres along the axis: G₁₂ and E₁; round it: G₁₂ and E₂. J and I of the ring, exactly."""
     for angle, along in ((0, CARBON_EPOXY.along), (90, CARBON_EPOXY.across)):

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.damping import (
     hysteretic_growth,
     hysteretic_threshold,
@@ -269,6 +269,21 @@ def test_growth_of_the_misaligned_shaft(speed, torque, beta, Ia, rate, aligned):
             polar_inertia=Ia, stiffness=(1.0, 1.1), damping=0.05,
         )  # fmt: skip
         assert growth(system, tolerance=1e-12) == pytest.approx(printed, abs=6e-9)
+
+
+def test_a_motion_nobody_finds_ends_no_other():
+    """A torque that bends the shaft past its bearing's hold has no answer; its neighbours do."""
+    shaft = {"transverse_inertia": 1.0, "polar_inertia": 0.1, "stiffness": (1.0, 1.1),
+             "damping": 0.05, "speed": 0.5}  # fmt: skip
+    torque, beta = np.array([0.1, 0.2, 0.15]), np.radians([20.0, 30.0, 10.0])
+    system, swing = misaligned_shaft(torque=torque, beta=beta, **shaft)
+    rates = growth(system)
+    assert np.isnan(rates).tolist() == [False, True, False]
+    assert np.isnan(swing[1]).all()
+    alone, _ = misaligned_shaft(torque=0.1, beta=np.radians(20.0), **shaft)
+    assert rates[0] == pytest.approx(float(growth(alone)), rel=1e-9)
+    with pytest.raises(NotConverged, match="no forced motion"):
+        misaligned_shaft(torque=0.2, beta=np.radians(30.0), **shaft)
 
 
 def test_misalignment_shakes_twice_a_turn():

@@ -324,8 +324,12 @@ def test_a_torque_of_the_application_gives_way_to_a_states_own():
                 assert response.demand.torque[s] == wanted, state.name
 
 
+OF_OTHER_KINDS = {"tube_buckling_utilisation", "joint_swing", "joint_orbit"}
+"""Of plies, double cardans and tripods, which these trucks have not: their own tests hold them."""
+
+
 def test_the_files_ask_about_every_quantity_that_can_be_limited():
-    by_pencil_ = set(ANSWERED) - NOT_BY_PENCIL
+    wanted = set(ANSWERED) - OF_OTHER_KINDS - NOT_BY_PENCIL
     for file in TRUCKS:
-        assert {limit.quantity for limit in assessed(file).application.limits} == by_pencil_
-    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == by_pencil_
+        assert {limit.quantity for limit in assessed(file).application.limits} == wanted
+    assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == wanted

@@ -301,8 +301,8 @@ def shimmy(
         if side and steering.play > 0:
             side = 0
             continue
-        # Where there is no room to fly the other flank takes over.
-        side = -side if side else (1 if done.t_events[0].size else -1)
+        # Out of contact without room to fly, the other flank takes over.
+        side = -side if side else 1 if done.t_events[0].size else -1
         arrived = abs(steering.gap(z)[1])
         touches.append((t, arrived))
     msg = f"more than {most} changes of state before {duration:g} s: the contacts chatter"

@@ -1,0 +1,22 @@
+"""The page of parts by themselves prints what it promises, from the public face alone."""
+
+import contextlib
+import io
+import re
+from pathlib import Path
+
+PAGE = (Path(__file__).parents[2] / "docs" / "parts.md").read_text(encoding="utf-8")
+
+
+def test_the_page_runs_and_says_its_numbers():
+    """Each number is another program's, or a closed form's, in the tests of its room."""
+    said, names = io.StringIO(), {}
+    with contextlib.redirect_stdout(said):
+        for block in re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL):
+            exec(block, names)
+    printed = said.getvalue()
+    assert "caught at half, 2 of 2" in printed
+    assert "[[62.5], [49.4]] km/h" in printed  # 17.354 and 13.728 m/s
+    assert "[0, 15]" in printed
+    assert "250.0" in printed  # 100 (1 + 0.3/0.2)
+    assert "[3299. 3387.] [7155. 7280.]" in printed
