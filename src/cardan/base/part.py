@@ -9,7 +9,9 @@ from typing import Literal, TypeAlias
 
 PartKind: TypeAlias = Literal[
     "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",
-    "hot spot", "gauge",
+    "hot spot", "gauge", "engine", "flywheel", "clutch", "clutch disc", "gearbox",
+    "gearbox input", "pinion", "axle housing", "half shafts", "wheels", "tyres", "wind-up",
+    "vehicle", "launch",
 ]  # fmt: skip
 
 OccasionKind: TypeAlias = Literal["state", "gear", "speed", "case", "duty", "recording"]
@@ -43,6 +45,8 @@ class Part:
                 return f"zone of modes {self.number} + {self.other}"
             case "gauge":
                 return str(self.other)
+            case kind if not self.number:
+                return kind
             case _:
                 return f"{self.kind} {self.number}"
 

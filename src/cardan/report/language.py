@@ -110,6 +110,8 @@ class Language:
                 return self("zone of modes {mode} + {other}", mode=part.number, other=part.other)
             case "gauge":
                 return str(part.other)
+            case kind if not part.number:
+                return self(kind)
             case kind:
                 return f"{self(kind)} {part.number}"
 
