@@ -190,14 +190,32 @@ def _placed(directions: FloatArray, phases: ArrayLike) -> tuple[FloatArray, Floa
 
     A pin is counted from its joint's own plane. The last twist, to no joint, is 0.
     """
-    before, after = directions[..., :-1, :], directions[..., 1:, :]
-    pins = turn(directions, phases=phases, samples=4).driving_pins[..., 0, :]
-    normal = cross(before, after)
-    theta = np.arctan2(dot(pins, normal), dot(pins, cross(normal, before)))
+    theta = _pin_angles(directions, phases)
     beta = joint_angles(directions)
     driven = transmitted(theta, beta=beta)[0]
     twist = np.concatenate([theta[..., 1:] - driven[..., :-1], 0 * theta[..., :1]], axis=-1)
     return beta, twist
+
+
+def _pin_angles(directions: FloatArray, phases: ArrayLike) -> FloatArray:
+    """Angle (..., n) rad of each driving pin from its joint's plane at the start of a turn."""
+    before, after = directions[..., :-1, :], directions[..., 1:, :]
+    driving = turn(directions, phases=phases, samples=4).driving_pins[..., 0, :]
+    normal = cross(before, after)
+    return np.arctan2(dot(driving, normal), dot(driving, cross(normal, before)))
+
+
+def pins(directions: ArrayLike, phases: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Angles of a chain's joints and places of their driving pins, (..., n) rad each.
+
+    A place is the pin's angle from its joint's own plane where every shaft has turned with the
+    first one from 0, without the leads of the joints ahead.
+    """
+    directions = np.asarray(directions, dtype=float)
+    beta, twist = _placed(directions, phases)
+    first = _pin_angles(directions, phases)[..., :1]
+    ahead = np.concatenate([np.zeros_like(first), twist[..., :-1]], axis=-1)
+    return beta, first + np.cumsum(ahead, axis=-1)
 
 
 # ----- without the joints' unevenness -----------------------------------------------------

@@ -189,7 +189,7 @@ class Launch:
     capacity : 1
         What the clutch holds at most, over `clutch_torque`: a dropped clutch slips above it.
     engine_speed : rad/s
-        Before the clutch grips; None: idling speed.
+        Before the clutch grips; None: where the full-load curve starts.
     grade : rad
         Slope of the road, up positive.
     load

@@ -122,6 +122,8 @@ class Language:
                 return self("gear {gear}", gear=when.name)
             case "speed":
                 return self(when.name)
+            case "launch":
+                return self("launch in gear {gear}, {time} s", gear=when.name, time=when.what)
             case "duty":
                 return self("duty cycle, {state}", state=self.state(when.name))
             case "state":

@@ -187,6 +187,7 @@ class Drivetrain:
         Of the engine.
     """
 
+    application: Application
     gears: tuple[str, ...]
     ratios: FloatArray
     states: tuple[str, ...]
@@ -246,6 +247,7 @@ def drivetrain(
     share = 0.0 if firing is not None or not engine else known.of(None, "engine.firing_torque")
     cylinders = engine.cylinders if engine else None
     return Drivetrain(
+        application=application,
         gears=made.gears,
         ratios=made.ratios,
         states=tuple(s.name for s in lines[0].states),
