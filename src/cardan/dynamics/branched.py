@@ -289,7 +289,8 @@ def forced(
     moved[..., 0, :] = twist
     first_joint = line.joints[:1]
     settled = np.zeros(cases, dtype=bool)
-    first: FloatArray | None = None
+    first = np.full(cases, np.nan)
+    spectrum = np.zeros((*cases, count, line.springs.shape[1]), dtype=complex)
     for _ in range(rounds):
         x = _in_time(moved, N)
         held = x - np.real(
@@ -311,7 +312,7 @@ def forced(
         step[..., 1:, :] = -np.einsum("...kij,...kj->...ki", inverse, rest[..., 1:, :])
         moved += step
         largest = np.abs(step).max((-1, -2))
-        first = np.maximum(largest, 1e-12) if first is None else first
+        first = np.where(np.isnan(first), np.maximum(largest, 1e-12), first)
         settled = largest <= tolerance * first
         # What runs away is out of the count, and must not spoil the others' arithmetic.
         moved[~(largest < 1e6 * first)] = np.nan

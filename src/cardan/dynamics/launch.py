@@ -16,13 +16,16 @@ each: stiff springs cost nothing. Derived; held against an adaptive integration 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray, single_threaded
+from cardan.base.arrays import ComplexArray, FloatArray, single_threaded
 from cardan.base.errors import NotConverged
 from cardan.dynamics.branched import Branched, Modes, damped
+
+TRIES = 80
+"""Rounds of Newton's method in a step, at most."""
 
 GAMMA = 0.505
 """Of Newmark's method: above a half, so that what steps cannot follow dies away."""
@@ -83,7 +86,7 @@ def launch(
     line: Branched,
     damping: FloatArray,
     *,
-    leads: Callable[[FloatArray], np.ndarray],
+    leads: Callable[[FloatArray], ComplexArray],
     follows: int,
     holding: Holding,
     rolls: tuple[int, float],
@@ -124,88 +127,99 @@ def launch(
         If a step does not settle.
     """
     n, E = line.size, line.straight
-    B = rate.shape[0]
+    B, S = rate.shape[0], line.springs.shape[0]
     h, gamma = step, GAMMA
     beta = (gamma + 0.5) ** 2 / 4
     count = round(duration / h)
     held = list(holding.springs)
-    free = [
-        k for k in range(line.springs.shape[0]) if k not in held and (play is None or k != play[0])
-    ]
-    k_all = np.broadcast_to(line.stiffness, (B, line.stiffness.shape[-1]))
-    Y, Mz = line.springs, np.broadcast_to(line.mass, (B, *line.mass.shape[-2:]))
-    K = np.einsum("bs,si,sj->bij", k_all[:, free], Y[free], Y[free], optimize=True)
-    Yh, kh = Y[held], k_all[:, held]
-    Mq, Kq = E.T @ Mz @ E, E.T @ K @ E
-    inner = Mq / (beta * h * h) + gamma / (beta * h) * damping + Kq
-    Yq = Yh @ E
+    loose = play[0] if play else -1
+    stiffness = np.broadcast_to(line.stiffness, (B, S))
+    mass = np.broadcast_to(line.mass, (B, *line.mass.shape[-2:]))
+    Y = line.springs
+    linear = [k for k in range(S) if k not in held and k != loose]
+    K = np.einsum("bs,si,sj->bij", stiffness[:, linear], Y[linear], Y[linear], optimize=True)
+    inner = E.T @ (mass / (beta * h * h) + K) @ E + gamma / (beta * h) * damping
+    Yh, kh, Yq = Y[held], stiffness[:, held], Y[held] @ E
     joints = line.joints
-    q, v, a = np.zeros((B, n)), rate.astype(float).copy(), np.zeros((B, n))
-    e = np.zeros((B, len(held)))
-    d_old = np.zeros((B, len(held)))
-    out_q, out_v = np.empty((B, count + 1, n)), np.empty((B, count + 1, n))
-    out_T = np.zeros((B, count + 1, Y.shape[0]))
-    out_q[:, 0], out_v[:, 0] = q, v
-    y_play = Y[play[0]] if play else None
-    start = _leads(leads(q[:, follows]), q[:, joints])[0]
+    nothing = np.zeros((B, len(held)))
+    begun = _leads(leads(np.zeros(B)), np.zeros((B, len(joints))))[0]
+
+    def tried(q: FloatArray, v: FloatArray, a: FloatArray, at: "_Step", *, stuck: bool) -> "_Step":
+        """Return what a guess leaves over of the equations, and the tangent there."""
+        delta, slope, bend = _leads(leads(q[:, follows]), q[:, joints])
+        z = np.concatenate([q, q[:, joints] + delta - begun], axis=-1)
+        turning = np.concatenate([a, slope * a[:, joints] + bend * v[:, joints] ** 2], axis=-1)
+        pulled = np.einsum("bij,bj->bi", mass, turning) + np.einsum("bij,bj->bi", K, z)
+        torque = stiffness * (z @ Y.T)
+        twist = z @ Yh.T
+        way = np.abs(v[:, rolls[0]])[:, None] * rolls[1] * h
+        forgets = 1 / (1 + way / holding.relaxation)
+        elastic = (at.elastic + twist - at.twist) * forgets
+        bound = at.most / kh
+        now = np.clip(elastic, -bound, bound)
+        torque[:, held] = kh * now
+        pulled += torque[:, held] @ Yh
+        gives = (np.abs(elastic) <= bound) | stuck
+        tangent = inner + np.einsum("bs,si,sj->bij", np.where(gives, kh * forgets, 0.0), Yq, Yq)
+        if play:
+            gap = z @ Y[loose]
+            over = gap - np.clip(gap, -play[1] / 2, play[1] / 2)
+            torque[:, loose] = stiffness[:, loose] * over
+            pulled += torque[:, loose, None] * Y[loose]
+            row, gives = Y[loose] @ E, (over != 0) | stuck
+            tangent += (stiffness[:, loose] * gives)[:, None, None] * np.outer(row, row)
+        left = pulled[:, :n] + v @ damping.T
+        for c, j in enumerate(joints.tolist()):
+            left[:, j] += slope[:, c] * pulled[:, n + c]
+        return _Step(left, tangent, torque, elastic=now, twist=twist, most=at.most)
+
+    q, v, a = np.zeros((B, n)), rate.astype(float), np.zeros((B, n))
+    now = _Step(q, inner, np.zeros((B, S)), elastic=nothing, twist=nothing, most=nothing)
+    rotation, rates, torque = (np.zeros((B, count + 1, w)) for w in (n, n, S))
+    rates[:, 0] = v
     for i in range(1, count + 1):
         t = i * h
-        most = holding.most(t)
-        force = driving(t, v)
+        force, begins = driving(t, v), replace(now, most=holding.most(t))
         x = q + h * v + h * h * (0.5 - beta) * a
         u = v + h * (1 - gamma) * a
         q = q + h * v + 0.5 * h * h * a  # a first guess
-        for attempt in range(80):
+        for attempt in range(TRIES):
             a = (q - x) / (beta * h * h)
             v = u + gamma * h * a
-            delta, slope, bend = _leads(leads(q[:, follows]), q[:, joints])
-            z = np.concatenate([q, q[:, joints] + delta - start], axis=-1)
-            zdd = np.concatenate([a, slope * a[:, joints] + bend * v[:, joints] ** 2], axis=-1)
-            pulled = np.einsum("bij,bj->bi", Mz, zdd) + np.einsum("bij,bj->bi", K, z)
-            d = z @ Yh.T
-            way = np.abs(v[:, rolls[0]])[:, None] * rolls[1] * h
-            forgets = 1 / (1 + way / holding.relaxation)
-            tried = (e + d - d_old) * forgets
-            bound = most / kh
-            now = np.clip(tried, -bound, bound)
-            T_held = kh * now
-            pulled += T_held @ Yh
             # Newton's own tangent first. Where a spring goes on sticking and slipping in turn,
             # as if all stuck: slower, and it comes to rest.
-            gives = (np.abs(tried) <= bound) | (attempt > 6)
-            tangent = inner + np.einsum("bs,si,sj->bij", np.where(gives, kh * forgets, 0.0), Yq, Yq)
-            if y_play is not None:
-                gap = z @ y_play
-                over = gap - np.clip(gap, -play[1] / 2, play[1] / 2)  # type: ignore[index]
-                kp = k_all[:, play[0]]  # type: ignore[index]
-                pulled += (kp * over)[:, None] * y_play
-                yq = y_play @ E
-                tangent = tangent + (kp * ((over != 0) | (attempt > 6)))[:, None, None] * np.outer(
-                    yq, yq
-                )
-            left = pulled[:, :n] + v @ damping.T - force
-            for c, j in enumerate(joints.tolist()):
-                left[:, j] += slope[:, c] * pulled[:, n + c]
-            change = np.linalg.solve(tangent, left[..., None])[..., 0]
+            now = tried(q, v, a, begins, stuck=attempt > 6)
+            change = np.linalg.solve(now.tangent, (now.left - force)[..., None])[..., 0]
             q = q - change
-            if np.abs(change).max() < 1e-10:
+            if np.abs(change).max() < (1e-10 if attempt < TRIES // 2 else 1e-7):
                 break
         else:
-            if not np.abs(change).max() < 1e-7:
-                msg = f"the launch does not settle at {t:.3f} s: try a shorter step"
-                raise NotConverged(msg)
+            msg = f"the launch does not settle at {t:.3f} s: try a shorter step"
+            raise NotConverged(msg)
         a = (q - x) / (beta * h * h)
         v = u + gamma * h * a
-        e, d_old = now, d
-        out_q[:, i], out_v[:, i] = q, v
-        out_T[:, i] = k_all * (z @ Y.T)
-        out_T[:, i, held] = T_held
-        if play is not None:
-            out_T[:, i, play[0]] = kp * over
-    return Travel(time=h * np.arange(count + 1), torque=out_T, rotation=out_q, rate=out_v)
+        rotation[:, i], rates[:, i], torque[:, i] = q, v, now.torque
+    return Travel(
+        time=np.arange(count + 1, dtype=np.float64) * h,
+        torque=torque,
+        rotation=rotation,
+        rate=rates,
+    )
 
 
-def _leads(P: np.ndarray, turned: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A step as far as it has come: what is left over, its tangent, torques, what is held."""
+
+    left: FloatArray
+    tangent: FloatArray
+    torque: FloatArray
+    elastic: FloatArray
+    twist: FloatArray
+    most: FloatArray
+
+
+def _leads(P: ComplexArray, turned: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return φ - u, φ' and φ'' of joints with P = tan²(β/2) e^{2i·place}, driven through `turned`.
 
     φ - u = -arg(1 - X), φ' = (1 - |X|²) / |1 - X|², X = P e^{2iu}.
@@ -213,7 +227,7 @@ def _leads(P: np.ndarray, turned: FloatArray) -> tuple[FloatArray, FloatArray, F
     X = P * np.exp(2j * turned)
     below = np.abs(1 - X) ** 2
     slope = (1 - np.abs(X) ** 2) / below
-    return -np.angle(1 - X), slope, -slope * 4 * X.imag / below
+    return -np.angle(1 - X), slope, -slope * 4 * np.imag(X) / below
 
 
 def order_amplitude(signal: FloatArray, turned: FloatArray, order: int) -> FloatArray:

@@ -21,7 +21,7 @@ DECLARED = (
         name="Growth of torsional vibration",
         symbol="λT",
         unit="per_s",
-        equation="λT = −(di + dj)/2 + Re √((di − dj)²/4 + i s (di − dj)/2 − s²/4 + Hij Hji*/(4 ωi ωj))",
+        equation="λT = −(di + dj)/2 + Re √(((di − dj + i s)/2)² + Hij Hji*/(4 ωi ωj))",
         where={
             "di": "decay ζi ωi of a mode of the zone",
             "s": "2 Ω − ωi − ωj",

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from itertools import combinations_with_replacement
+from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.part import LINE, Occasion, Part
 from cardan.base.units import rpm
@@ -39,6 +40,9 @@ from cardan.model.parts import JointSize, Line, Shaft
 from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
 from cardan.study.launching import Started, default_launches, start
 from cardan.study.powertrain import Assumption, Drivetrain, Powertrain, drivetrain
+
+Index: TypeAlias = tuple[IntArray, IntArray]
+"""Places of a gear and a state, (P,) each."""
 
 ORDERS = (2, 4)
 """Orders of the turning that joints excite."""
@@ -394,9 +398,7 @@ class _Running:
             place.append(p)
         return np.concatenate(beta, axis=-1), np.concatenate(place, axis=-1)
 
-    def at(
-        self, powertrain: Powertrain, found: Modes, speed: FloatArray, index: tuple[FloatArray, ...]
-    ) -> "_At":
+    def at(self, powertrain: Powertrain, found: Modes, speed: FloatArray, index: Index) -> "_At":
         """Return what counts at speeds (P,) rad/s of gears and states `index`, (P,) each."""
         g, s = index
         line = replace(powertrain, line=powertrain.line.case(g, s),
@@ -443,7 +445,7 @@ class _Running:
         now = self.at(powertrain, found, speeds, index)
         moved = forced(now.line, now.running, found=now.modes, tolerance=1e-7, strict=False)
         size = np.stack([np.abs(moved.order(o)) for o in ORDERS], axis=-2)
-        lost = np.isnan(size).any((-1, -2))
+        lost = np.asarray(np.isnan(size).any((-1, -2)))
         self.lost.extend(
             f"gear {self.parts.gears[g]}, {self.parts.states[s]}, {speeds[c] / rpm:.0f} rpm"
             for c, (g, s) in enumerate(zip(*index, strict=True))
@@ -453,10 +455,9 @@ class _Running:
         pinions = [
             powertrain.freedoms.index((d.installed.line.name, Part("pinion"))) for d in self.asked
         ]
-        shaken = sum(
-            np.abs(moved.rotation[..., o // 2, pinions]) * (o * speeds[:, None]) ** 2
-            for o in ORDERS
-        )
+        faster = [(o * speeds[:, None]) ** 2 for o in ORDERS]
+        turned = [np.abs(moved.rotation[..., o // 2, pinions]) for o in ORDERS]
+        shaken = faster[0] * turned[0] + faster[1] * turned[1]
         for c, (g, s) in enumerate(zip(*index, strict=True)):
             bigger = ~(size[c] <= torque[g, s])
             speed_at[g, s] = np.where(bigger, speeds[c], speed_at[g, s])
@@ -479,7 +480,7 @@ class _Running:
         powertrain: Powertrain,
         found: Modes,
         brackets: FloatArray,
-        index: tuple[FloatArray, ...],
+        index: Index,
     ) -> FloatArray:
         """Return the speed of the largest order 2 or 4 within brackets (P, 3): golden section.
 
@@ -631,7 +632,7 @@ def _through(powertrain: Powertrain, torque: FloatArray) -> FloatArray:
 
 def _candidates(
     found: Modes, damping: FloatArray, ranges: FloatArray, shown: int
-) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+) -> tuple[Index, FloatArray]:
     """Brackets (P, 3) low, high, order in which a torque may be largest, of gears and states.
 
     Both ends of every range, and the neighbourhood of each resonance in it.
@@ -840,9 +841,16 @@ def launch_occasion(started: Started) -> Occasion:
     return Occasion("launch", started.launch.gear, f"{started.launch.ramp:g}")
 
 
+def _judged(of: Stability) -> Iterator[Started]:
+    """Yield the launches that are held against limits: a dropped clutch only if the file asks."""
+    for started in of.launches:
+        if of.application.launches or started.launch.capacity <= 1:
+            yield started
+
+
 def _launch_peaks(of: Stability) -> Iterator[Row]:
     """Yield the peak torque of each joint in each launch over its rating."""
-    for started in of.launches:
+    for started in _judged(of):
         for line in (v.line for v in of.lines):
             sizes: tuple[JointSize | None, ...] = line.joints or (None,) * line.joint_count
             for k, size in enumerate(sizes, 1):
@@ -855,7 +863,7 @@ def _launch_peaks(of: Stability) -> Iterator[Row]:
 
 def _launch_reversals(of: Stability) -> Iterator[Row]:
     """Yield how far each line's torque swings back in each launch, over its peak."""
-    for started in of.launches:
+    for started in _judged(of):
         for line in (v.line for v in of.lines):
             at = started.springs.index((line.name, Part("shaft", 1)))
             back = -float(started.lowest[at]) / float(started.peak[at])
