@@ -10,6 +10,7 @@ from cardan.border.measure import (
     CurveTorques,
     Diameter,
     EngineSpeed,
+    Grade,
     Part,
     Play,
     PositiveInertia,
@@ -195,6 +196,7 @@ class LaunchTable(Table):
     grade_percent: Annotated[float, Number(above=-100, below=100, usual=(0.5, 100))] | None = key(
         "slope of the road, rise over run, up positive", default=None
     )
+    grade: Grade | None = key("slope of the road, up positive", default=None)
     load: Annotated[str, Text()] | None = key("state of load, by its name", default=None)
     play: Play = key("backlash at the pinion; none if left out", default=0.0)
 
@@ -207,7 +209,7 @@ class LaunchTable(Table):
             clutch_torque=self.clutch_torque,
             capacity=self.capacity,
             engine_speed=self.engine,
-            grade=float(np.arctan(percent / 100)),
+            grade=np.arctan(percent / 100) if self.grade is None else self.grade,
             load=self.load,
             play=self.play,
         )

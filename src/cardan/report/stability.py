@@ -580,8 +580,10 @@ def shapes(of: Stability, g: int, say: Language, count: int = 5) -> Figure:
             )
         )
     title = say("Mode shapes, {gear}", gear=say.occasion(of.gears[g]))
+    each = driven.frequencies[g, s, :count] / (2 * pi)
+    alt = f"{title}: {say.list(*(f'{say.number(f)} Hz' for f in each.tolist()))}"
     return Figure(
-        title=title, svg=svg.drawing(width, height, *out, alt=title), alt=title,
+        title=title, svg=svg.drawing(width, height, *out, alt=alt), alt=alt,
         note=say("Each rotation as the main line turns, the largest of a mode drawn as 1."),
     )  # fmt: skip
 

@@ -313,8 +313,9 @@ class _Vehicle:
         radius = tyre and (tyre.dynamic_radius or tyre.static_radius)
         self.radius: float = known.of(radius, "tyre.radius")
         self.friction: float = known.of(tyre and tyre.friction, "tyre.friction")
-        loss = None if around.damping_ratio is None else 2 * around.damping_ratio
-        self.loss: float = known.of(loss, "steel.loss")
+        # What stands in for damping nobody gave: a loss factor is twice a damping ratio.
+        self.given_loss = None if around.damping_ratio is None else 2 * around.damping_ratio
+        self.loss: float = known.of(self.given_loss, "steel.loss")
         pace = main.installed.speed_ratio
         self.left_out = [
             r.line.name for r in lines if abs(r.installed.speed_ratio / pace - 1) > 1e-9
@@ -364,7 +365,7 @@ class _Vehicle:
                 half = parts.freedom("", Part("flywheel"))
                 parts.rotor(flywheel.secondary_inertia * i2, {half: 1.0})
                 damping = flywheel.damping
-                loss = of(None, "clutch.loss") if damping is None else 0.0
+                loss = of(self.given_loss, "clutch.loss") if damping is None else 0.0
                 parts.spring(("", Part("flywheel")), flywheel.stiffness * i2,
                              {behind: 1.0, half: -1.0}, loss=loss,
                              damping=(damping or 0.0) * i2)  # fmt: skip
@@ -377,7 +378,7 @@ class _Vehicle:
             turned = of(converter and converter.turbine_inertia, "converter.turbine_inertia")
             if behind is not None:
                 parts.spring(("", Part("clutch")), lockup * i2, {behind: 1.0, shaft: -1.0},
-                             loss=of(None, "clutch.loss"))  # fmt: skip
+                             loss=of(self.given_loss, "clutch.loss"))  # fmt: skip
         else:
             k = of(clutch and clutch.stiffness_at(torque), "clutch.stiffness")
             damping = clutch and clutch.damping
@@ -412,7 +413,7 @@ class _Vehicle:
         of what they have, smaller ones more.
         """
         if hysteresis is None or torque <= 0:
-            return self.known.of(None, "clutch.loss")
+            return self.known.of(self.given_loss, "clutch.loss")
         return 2 * hysteresis / (np.pi * torque)
 
     def _engine_inertia(self) -> float:
@@ -527,7 +528,8 @@ class _Vehicle:
         suspension = line.suspension
         stiff = of(suspension and suspension.windup_stiffness, "suspension.windup_stiffness",
                    line=name)  # fmt: skip
-        loss = of(suspension and suspension.windup_loss_factor, "suspension.windup_loss", line=name)
+        loss = suspension and suspension.windup_loss_factor
+        loss = of(self.given_loss if loss is None else loss, "suspension.windup_loss", line=name)
         # A housing that pitches twists the line backwards.
         parts.spring((name, Part("wind-up")), count * stiff, {housing: -1.0}, loss=loss)
         half = rotors.half_shaft_stiffness
