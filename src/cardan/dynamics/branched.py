@@ -168,7 +168,10 @@ def damped(line: Branched, found: Modes) -> tuple[FloatArray, FloatArray]:
     lam = 1j * w
     x = np.swapaxes(found.shape, -1, -2).astype(complex)
     turns = line.springs @ E
-    for share in (0.25, 0.5, 0.75, 1.0, 1.0, 1.0):
+    # Of the stiffness there is, so that a mode found to the last digit can still be divided by.
+    stiff = np.einsum("...s,si,si->...", line.stiffness, turns, turns)
+    least = 1e-13 * stiff[..., None, None, None]
+    for share in (0.25, 0.5, 0.75, *(1.0,) * 6):
         tau = np.where(np.isfinite(line.relaxation), line.relaxation, 0.0)[..., None, :]
         relaxes = np.isfinite(line.relaxation)[..., None, :]
         for _ in range(2):
@@ -183,8 +186,7 @@ def damped(line: Branched, found: Modes) -> tuple[FloatArray, FloatArray]:
             lam = np.sqrt(-numerator / mass)
             lam = np.where(lam.imag < 0, -lam, lam)
             Z = K + lam[..., None, None] ** 2 * M
-            scale = np.abs(np.einsum("...ii->...", K)) * 1e-13
-            pushed = Z + scale[..., None, None] * np.eye(line.size)
+            pushed = Z + least * np.eye(line.size)
             x = np.linalg.solve(pushed, (M @ x[..., None]))[..., 0]
             x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     size = np.abs(lam)

@@ -173,7 +173,8 @@ def launch(
             left[:, j] += slope[:, c] * pulled[:, n + c]
         return _Step(left, tangent, torque, elastic=now, twist=twist, most=at.most)
 
-    q, v, a = np.zeros((B, n)), rate.astype(float), np.zeros((B, n))
+    q, v = np.zeros((B, n)), rate.astype(float)
+    a = np.linalg.solve(E.T @ mass @ E, (driving(0.0, v) - v @ damping.T)[..., None])[..., 0]
     now = _Step(q, inner, np.zeros((B, S)), elastic=nothing, twist=nothing, most=nothing)
     rotation, rates, torque = (np.zeros((B, count + 1, w)) for w in (n, n, S))
     rates[:, 0] = v
