@@ -113,7 +113,7 @@ def chain(damping=1.0, angles=1.0):
     return line, same
 
 
-def running(line, same, speed):
+def running(line, speed):
     """The branched line at a speed, its first pin where the exact motion has it on average."""
     exact = orbit(line, np.array(speed))
     n = exact.rotation.shape[-2]
@@ -137,7 +137,7 @@ def test_forced_motion_is_the_exact_one(speed):
     1e-6: the flywheel is heavy, not infinite, and the pin's place is a mean of 33 instants.
     """
     line, same = chain()
-    exact, turning = running(line, same, speed)
+    exact, turning = running(line, speed)
     found = forced(same, turning)
     for order in (2, 4):
         assert np.abs(found.order(order)) == pytest.approx(np.abs(exact.order(order))[:3], rel=1e-6)
@@ -148,7 +148,7 @@ def test_the_leads_of_the_joints_alone_are_first_order():
     left = []
     for angles in (0.5, 1.0):
         line, same = chain(angles=angles)
-        _, turning = running(line, same, 60.0)
+        _, turning = running(line, 60.0)
         twist, _ = carried(same, modes(same), turning.force)
         turned = twist[same.joints]
         pins = turning.place + turned - turned[0]
@@ -161,7 +161,7 @@ def test_the_leads_of_the_joints_alone_are_first_order():
 def test_twist_under_load_moves_the_pins():
     """Left out, a soft shaft's order 2 is 10 % and more off."""
     line, same = chain()
-    exact, turning = running(line, same, 60.0)
+    exact, turning = running(line, 60.0)
     stays = first_order(same, turning, pins=turning.place, torque=np.array([LOAD, LOAD]))
     soft = replace(same, stiffness=K / np.array([1, 60, 1]))
     found = modes(soft)
@@ -189,7 +189,7 @@ def test_a_zone_grows_by_its_own_multiplier(i, j):
     w = found.frequency
     zeta = damped(same, found)[1]
     speed = (w[i] + w[j]) / 2
-    _, turning = running(line, same, speed)
+    _, turning = running(line, speed)
     twist, _ = carried(same, found, turning.force)
     pins = turning.place + twist[same.joints] - twist[same.joints][0]
     H = coupling(same, found, turning, pins=pins, torque=np.array([LOAD, LOAD]))
@@ -207,7 +207,7 @@ def test_a_zone_opens_at_the_angle_and_the_damping_it_says():
     line, same = chain(damping=1e-3, angles=0.3)
     found = modes(same)
     w, zeta = found.frequency[2], damped(same, found)[1][2]
-    _, turning = running(line, same, w)
+    _, turning = running(line, w)
     twist, _ = carried(same, found, turning.force)
     pins = turning.place + twist[same.joints] - twist[same.joints][0]
     H = coupling(same, found, turning, pins=pins, torque=np.array([LOAD, LOAD]))

@@ -291,3 +291,12 @@ class Application:
     )
     """Where everything stands in the file, by the key its errors print:
     `driveline.shafts[2].tube.wall_mm`."""
+
+    @property
+    def says_what_turns(self) -> bool:
+        """Whether it says what turns and springs beside its lines, or how it starts from rest."""
+        parts = (
+            self.torsion, self.clutch, self.dual_mass_flywheel, self.converter, self.inter_axle,
+            self.wheels,
+        )  # fmt: skip
+        return bool(self.launches) or any(part is not None for part in parts)

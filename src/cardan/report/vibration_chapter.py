@@ -32,9 +32,8 @@ def chapter(found: Finding[Stability], say: Language) -> Iterator[Block]:
                   verdict=say(verdict_of(found.checks, missed=False)).upper(),
                   counts=tally(found.checks, say))  # fmt: skip
     hint = say("0 % runs through it; − stays below its speed, + above.")
-    yield Text(paragraphs=(verdict, *basis(of, say), hint))
-    for doubt in of.doubts:
-        yield Text(paragraphs=(say("Not asked: {what}.", what=doubt),))
+    doubts = (say("Not asked: {what}.", what=doubt) for doubt in of.doubts)
+    yield Text(paragraphs=(verdict, *basis(of, say), *doubts, hint))
     rows = tuple(distances(of, found.checks))
     yield Table(
         caption=say("How far each range of speed stays from resonances"),

@@ -318,7 +318,7 @@ class _Running:
             yield f"line {name} turns at another speed: its joints are not counted in torsion"
         if self.lost:
             where = "; ".join(dict.fromkeys(self.lost))
-            yield f"no steady forced motion, so no amplitude: {where}"
+            yield f"no steady forced motion settles, amplitudes by the joints' leads alone: {where}"
         yield from self.lost_launches
 
     @cached_property
@@ -446,6 +446,7 @@ class _Running:
         moved = forced(now.line, now.running, found=now.modes, tolerance=1e-7, strict=False)
         size = np.stack([np.abs(moved.order(o)) for o in ORDERS], axis=-2)
         lost = np.asarray(np.isnan(size).any((-1, -2)))
+        size = np.where(lost[:, None, None], self._leads_alone(now), size)
         self.lost.extend(
             f"gear {self.parts.gears[g]}, {self.parts.states[s]}, {speeds[c] / rpm:.0f} rpm"
             for c, (g, s) in enumerate(zip(*index, strict=True))
@@ -474,6 +475,16 @@ class _Running:
             speed=speed_at, mean=mean, worst=total, peak=peak, ratio=ratio,
             acceleration=acceleration,
         )  # fmt: skip
+
+    @staticmethod
+    def _leads_alone(now: "_At") -> FloatArray:
+        """Orders of every spring's torque by the joints' leads alone, (P, orders, springs) N m."""
+        each = (
+            first_order(now.line, now.running, pins=now.pins, torque=now.through,
+                        order=np.full(now.running.speed.shape, order))
+            for order in ORDERS
+        )  # fmt: skip
+        return np.abs(np.stack(list(each), axis=-2))
 
     def _at_peaks(
         self,
