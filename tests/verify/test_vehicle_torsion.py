@@ -422,3 +422,30 @@ def test_the_line_s_pins_are_the_chain_s():
     assert each["main", Part("half shafts")] == pytest.approx(4500, rel=1e-9)
     assert each["main", Part("wind-up")] == pytest.approx(4500, rel=1e-9)
     assert demand(parts.lines[0]).states == ("gvw",)
+
+
+def test_a_joint_alone_carries_a_rotor_by_its_own_unevenness():
+    """A rotor rigidly behind a joint that turns freely keeps its energy: J (φ')² q'² is constant.
+
+    The rotor ahead is next to nothing, so q' swings as 1/φ' does.
+    """
+    X = np.array([0.08 * np.exp(0.3j)])
+    line = Branched(
+        joints=np.array([0]), inertia=np.array([[1e-3, 1.0, 1.0]]),
+        rotors=np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], float), stiffness=np.array([[1e-6]]),
+        springs=np.array([[0, 1, -1]], float), damping=np.zeros((1, 1)), loss=np.zeros((1, 1)),
+        relaxation=np.full((1, 1), np.inf),
+    )  # fmt: skip
+    found = launch(
+        line, np.zeros((2, 2)), leads=lambda turned: np.repeat(X[None], len(turned), axis=0),
+        follows=1,
+        holding=Holding(springs=(), most=lambda t: np.zeros((1, 0)) + t, relaxation=np.zeros(0)),
+        rolls=(1, 0.5), driving=lambda t, v: 0 * v + 0 * t, rate=np.array([[10.0, 0.0]]),
+        duration=1.0, step=2e-4,
+    )  # fmt: skip
+    q, v = found.rotation[0, :, 0], found.rate[0, :, 0]
+    turned = X[0] * np.exp(2j * q)
+    slope = (1 - abs(X[0]) ** 2) / np.abs(1 - turned) ** 2
+    energy = (slope**2 + 1e-3) * v**2
+    assert energy == pytest.approx(energy[0], rel=2e-3)
+    assert v.max() / v.min() > 1.2

@@ -7,7 +7,7 @@ closed, from standstill while it slips, up to what governs it or the state's own
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -511,7 +511,7 @@ class _Running:
         a, b = low.copy(), high.copy()
         c, d = b - shrink * (b - a), a + shrink * (b - a)
         fc, fd = size(c), size(d)
-        while np.any((b - a) > 1e-7 * b):
+        while np.any((b - a) > 1e-6 * b):
             left = fc > fd
             b, a = np.where(left, d, b), np.where(left, a, c)
             c2, d2 = b - shrink * (b - a), a + shrink * (b - a)
@@ -646,7 +646,7 @@ def _candidates(
 ) -> tuple[Index, FloatArray]:
     """Brackets (P, 3) low, high, order in which a torque may be largest, of gears and states.
 
-    Both ends of every range, and the neighbourhood of each resonance in it.
+    Both ends of every range, its thirds, and the neighbourhood of each resonance in it.
     """
     index: list[tuple[int, int]] = []
     brackets: list[tuple[float, float, float]] = []
@@ -655,6 +655,12 @@ def _candidates(
         for end in {low, high}:
             index.append((g, s))
             brackets.append((end, end, ORDERS[0]))
+        # Between resonances a hump may be broad: a few parts of the range are looked at too.
+        parts = np.linspace(low, high, 4).tolist()
+        for a, b in pairwise(parts):
+            if a < b:
+                index.append((g, s))
+                brackets.append((a, b, ORDERS[0]))
         for k in range(1, shown):
             for order in ORDERS:
                 met = found.frequency[g, s, k] / order
