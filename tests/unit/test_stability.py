@@ -21,6 +21,8 @@ from cardan.dynamics.branched import forced, modes
 from cardan.files.typical import CLASSES, rows, typical
 from cardan.model.application import Surroundings
 from cardan.model.turning import Clutch, Launch
+from cardan.report import contract
+from cardan.report.contract_schema import schema
 from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
 from cardan.study.approval import approve
@@ -655,3 +657,15 @@ def test_a_document_of_an_approval_says_each_launch(truck):
     app = files.loads(text)
     told = document(approve(app, (VibrationStudy(),)))
     assert [x["gear"] for x in told["vehicle"]["launches"]] == ["1", "2"]
+
+
+def test_a_check_s_document_holds_the_vehicle_by_its_schema(truck):
+    """Where vibration was asked; the numbers are those of the command's own document."""
+    jsonschema = pytest.importorskip("jsonschema")
+    app = files.loads(truck.read_text("utf-8") + "launch: {gear: 1}\n")
+    answer = approve(app)
+    told = json.loads(json.dumps(contract.document(answer)))
+    jsonschema.validate(told, schema())
+    assert told["vehicle"] == json.loads(json.dumps(document(answer)))["vehicle"]
+    assert "vehicle" in schema()["properties"]
+    assert told["vehicle"]["gears"][0]["closed"]["modes"]
