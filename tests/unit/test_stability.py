@@ -220,15 +220,22 @@ def test_amplitudes_are_at_their_true_peak(example):
     assert tried == len(app.gearbox.ratios)
 
 
-def test_torque_shakes_in_low_gears_and_inertia_in_high_ones(found):
-    """Without torque first gear loses what its mean torque times the slope of the leads gave."""
-    app = found.application
+def test_torque_shakes_in_low_gears_and_inertia_in_high_ones():
+    """Without torque first gear loses what its mean torque times the slope of the leads gave.
+
+    An axle that hardly winds up, so that the angles are the same in both.
+    """
+    app = files.read(EXAMPLES / "van.yaml")
+    stiff = replace(app, suspension=replace(app.suspension, windup_stiffness=1e9))
     little = tuple(1e-3 * t for t in app.engine.torque)
-    empty = stability(replace(app, engine=replace(app.engine, torque=little, displacement=6e-3)))
-    s = heaviest(found)
-    shaft = next(k for k, (_, p) in enumerate(found.closed.powertrain.springs) if p.kind == "shaft")
-    full, none = (v.closed.torque[:, s, 0, shaft] for v in (found, empty))
-    assert none[0] < 0.5 * full[0]
+    size: list[float] = []
+    for torque in (app.engine.torque, little):
+        found = stability(
+            replace(stiff, engine=replace(app.engine, torque=torque, displacement=2e-3))
+        )
+        shaft = found.closed.powertrain.springs.index(("main", Part("shaft", 1)))
+        size.append(found.closed.torque[0, heaviest(found), 0, shaft])
+    assert size[1] < 0.6 * size[0]
 
 
 def test_half_the_damping_makes_resonance_higher():
@@ -664,7 +671,7 @@ def test_a_check_s_document_holds_the_vehicle_by_its_schema(truck):
     jsonschema = pytest.importorskip("jsonschema")
     app = files.loads(truck.read_text("utf-8") + "launch: {gear: 1}\n")
     answer = approve(app)
-    told = json.loads(json.dumps(contract.document(answer)))
+    told = json.loads(json.dumps(contract.approval(answer)))
     jsonschema.validate(told, schema())
     assert told["vehicle"] == json.loads(json.dumps(document(answer)))["vehicle"]
     assert "vehicle" in schema()["properties"]

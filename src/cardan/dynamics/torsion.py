@@ -26,7 +26,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, single_threaded
 from cardan.base.errors import DesignError, NotConverged
 from cardan.dynamics.chart import edges
-from cardan.dynamics.periodic import Periodic, differentiation, growth, operator
+from cardan.dynamics.periodic import Periodic, differentiation, exponents, growth, operator
 from cardan.kinematics.chain import cross, dot, joint_angles, turn
 from cardan.model.parts import Line
 
@@ -628,6 +628,9 @@ def zones(
         ends = edges(margin, between=span, start=samples)
         pairs = [(a, b) for a, b in pairwise(ends)
                  if margin(np.array([(a + b) / 2]))[0] > 0]  # fmt: skip
+        if kind == "difference":
+            # Zones of second order lie here too, where only one mode or a sum of two is shaken.
+            pairs = [p for p in pairs if _shakes(about(line, np.array([sum(p) / 2])), w[i], p)]
         low, high = min(pairs, key=lambda p: abs(sum(p) / 2 - centre), default=(np.nan, np.nan))
         inside = (grid >= low) & (grid <= high)
         top = float(rate[inside].max()) if inside.any() else 0.0
@@ -636,6 +639,23 @@ def zones(
                  high=float(high), rate=top)
         )  # fmt: skip
     return tuple(found)
+
+
+def _shakes(system: Periodic, frequency: float, zone: tuple[float, float]) -> bool:
+    """Whether what grows in a zone turns as fast as a mode, whole turns of the pull apart.
+
+    In a zone of the difference of two modes each keeps its own frequency; in one of second order
+    of a single mode the growing motion is locked to the pull, at none or half of its own.
+    """
+    exponent = exponents(system)[0]
+    fastest = float(np.imag(exponent[np.argmax(exponent.real)]))
+    pull = 2 * np.pi / float(np.ravel(system.period)[0])
+    away = [(sign * fastest - frequency + pull / 2) % pull - pull / 2 for sign in (1, -1)]
+    locked = (
+        abs(fastest % (pull / 2)) < 1e-6 * pull
+        or abs(fastest % (pull / 2) - pull / 2) < 1e-6 * pull
+    )
+    return not locked and min(map(abs, away)) < 2 * (zone[1] - zone[0]) + 1e-3 * frequency
 
 
 # ----- in time ----------------------------------------------------------------------------
