@@ -336,6 +336,16 @@ def test_a_sharp_resonance_is_met_at_its_very_peak():
     size = np.abs(forced(now.line, now.running, found=now.modes, tolerance=1e-7).order(2))[:, shaft]
     assert peak > 0.999 * size.max()
     assert size[[0, -1]].max() < 0.5 * peak
+    # Order 4 has peaks of its own, at half those speeds.
+    low, high = closed.ranges[g, s]
+    crossed = [w / 4 for w in closed.modes.frequency[g, s, 1:] if low < w / 4 < high]
+    assert crossed
+    for met in crossed:
+        speeds = met * (1 + np.linspace(-2e-3, 2e-3, 41))
+        same = (np.full(len(speeds), g), np.full(len(speeds), s))
+        now = running.at(closed.powertrain, closed.modes, speeds, same)
+        of = forced(now.line, now.running, found=now.modes, tolerance=1e-7).order(4)
+        assert np.abs(of)[:, shaft].max() <= 1.01 * closed.torque[g, s, 1, shaft]
 
 
 # ----- launches --------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import pi
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[s
             f"{say.number(c.value / q.factor):>9}  {sense} {say.number(c.bound / q.factor)} "
             f"{q.unit_name}"
         )
-    for caption, head, lines in tables(found, say):
+    for caption, head, lines, _ in tables(found, say):
         yield ""
         yield f"{BOLD}{caption}{PLAIN}"
         widths = [max(len(r[k]) for r in (head, *lines)) for k in range(len(head))]
@@ -81,8 +81,8 @@ def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[s
             )
 
 
-TableOf = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
-"""Caption, head and rows."""
+TableOf: TypeAlias = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...], int]
+"""Caption, head, rows, and how many of its first columns are words."""
 
 
 def tables(of: Stability, say: Language) -> Iterator[TableOf]:
@@ -116,7 +116,7 @@ def _modes(of: Stability, say: Language) -> TableOf:
     head = (say("gear"), say("clutch"), say("speeds [rpm]"),
             *(say("mode {mode}", mode=k) for k in range(1, count + 1)))  # fmt: skip
     caption = say("Torsional modes of the whole vehicle in Hz, and where order 2 meets them in rpm")
-    return caption, head, tuple(rows)
+    return caption, head, tuple(rows), 2
 
 
 def _amplitudes(of: Stability, say: Language) -> TableOf:
@@ -151,6 +151,7 @@ def _amplitudes(of: Stability, say: Language) -> TableOf:
         say("Largest vibratory torque of the lines at full load, the clutch closed"),
         head,
         tuple(rows),
+        1,
     )
 
 
@@ -172,7 +173,7 @@ def _zones(of: Stability, say: Language) -> TableOf:
         )  # fmt: skip
     head = (say("zone"), say("gear"), say("middle [rpm]"), say("nearest speed [rpm]"),
             say("growth [1/s]"), say("opens at angles ×"), say("opens at damping ×"))  # fmt: skip
-    return say("Parametric zones, each by its own multiplier"), head, tuple(rows)
+    return say("Parametric zones, each by its own multiplier"), head, tuple(rows), 2
 
 
 def _launches(of: Stability, say: Language) -> TableOf:
@@ -194,7 +195,7 @@ def _launches(of: Stability, say: Language) -> TableOf:
             say("ramp's peak over T i"), say("joints add"), say("firing adds"),
             say("over T i if tyres stick"), say("tyres slide"), say("order 2 [N·m]"),
             say("bearing force [N]"))  # fmt: skip
-    return say("Starts from rest: the first shaft of the main line"), head, tuple(rows)
+    return say("Starts from rest: the first shaft of the main line"), head, tuple(rows), 1
 
 
 def _any(values: Any) -> bool:
@@ -229,7 +230,7 @@ def _assumed(of: Stability, say: Language) -> TableOf:
             say("how read"))  # fmt: skip
     caption = say("Assumed, for nobody gave it: typical of a {vehicle}",
                   vehicle=say(of.drivetrain.vehicle_class))  # fmt: skip
-    return caption, head, tuple(rows)
+    return caption, head, tuple(rows), 5
 
 
 def _moved(shift: Shift | None, of: Stability, say: Language) -> str:

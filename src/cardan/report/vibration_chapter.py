@@ -61,8 +61,8 @@ def chapter(found: Finding[Stability], say: Language) -> Iterator[Block]:
         words=3,
         grades=tuple((c.grade, *[""] * 5) for c in others),
     )  # fmt: skip
-    for caption, head, lines in tables(of, say):
-        yield Table(caption=caption, head=head, rows=lines)
+    for caption, head, lines, words in tables(of, say):
+        yield Table(caption=caption, head=head, rows=lines, words=words)
     yield Figures(
         figures=tuple(
             f for g in shown_gears(of) for f in (campbell(of, g, say), shapes(of, g, say))
