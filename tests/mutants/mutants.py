@@ -699,7 +699,7 @@ STUDY = (
            "only the driveline's checks count as answers", "unit/test_cli.py::test_another_study_counts_in_the_same_verdict"),
     mutant("study/approval.py", "return tuple(c for f in self.findings for c in f.checks)",
            "return tuple(c for f in self.findings[:1] for c in f.checks)",
-           "vibration does not count", "unit/test_report.py::test_what_grows_is_red_where_it_grows"),
+           "vibration does not count", "unit/test_report.py::test_what_grows_fails_in_the_chapter_and_the_headline"),
     mutant("study/approval.py", "*(_unasked(application, names) if DRIVELINE in names else ()),",
            "*(_unasked(application, set()) if DRIVELINE in names else ()),",
            "what was asked stands among what was not", "unit/test_cli.py::test_another_study_counts_in_the_same_verdict"),
