@@ -120,7 +120,17 @@ def test_another_study_counts_in_the_same_verdict(tmp_path):
     assert plain["studies"] == ["driveline"]
     assert more["studies"] == ["driveline", "vibration"]
     asked = {c["quantity"] for c in more["checks"]} - {c["quantity"] for c in plain["checks"]}
-    assert asked == {"torsional_resonance", "torsional_growth", "lateral_growth"}
+    assert asked == {
+        "torsional_resonance",
+        "torsional_growth",
+        "lateral_growth",
+        "torsional_amplitude_utilisation",
+        "torsional_peak_utilisation",
+        "torsional_reversal",
+        "torsional_pinion_acceleration",
+        "launch_peak_utilisation",
+        "launch_reversal",
+    }
     for document in (plain, more):
         coverage = document["coverage"]
         assert coverage["answered"] == len(document["checks"])

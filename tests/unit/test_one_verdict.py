@@ -298,8 +298,13 @@ def test_a_target_missed_by_a_millionth_fails_in_every_medium(recording):
 # --------------------------------------------------------------------------- a resonance
 
 
-UNDAMPED = files.starter("truck") + "\ntorsion: {damping_ratio: 1.0e-5, axle_inertia_kgm2: 8}\n"
-"""The truck starter with next to no damping, and an axle that puts a zone among its speeds."""
+UNDAMPED = (
+    files.starter("truck").replace(
+        "  friction: 0.8 ", "  slip_stiffness_kN: 900000\n  friction: 0.8 ", 1
+    )
+    + "\ntorsion: {damping_ratio: 1.0e-4, axle_inertia_kgm2: 8}\n"
+)
+"""The truck starter with next to no damping, not even its tyres', and zones among its speeds."""
 
 
 @pytest.fixture(scope="module")
@@ -311,7 +316,7 @@ def undamped() -> Approval:
 def test_a_line_that_shakes_itself_up_fails_in_headline_and_chapter(undamped, tmp_path):
     """The chapter once had limits of its own: it said WARN under a headline that said FAIL."""
     (vibration,) = [f for f in undamped.findings if f.study == VIBRATION]
-    assert {c.quantity for c in vibration.checks if c.grade == "fail"} == {"torsional_growth"}
+    assert "torsional_growth" in {c.quantity for c in vibration.checks if c.grade == "fail"}
     assert undamped.verdict == "fail"
     for code in CODES:
         say = Language(code)

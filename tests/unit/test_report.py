@@ -37,6 +37,7 @@ from cardan.report.language import CODES, EN, Language, catalogue
 from cardan.report.pdf import document
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
+from cardan.report.svg import GRADED
 from cardan.report.wording import counts, sense
 from cardan.report.workbook import workbook
 from cardan.study.approval import approve, assess
@@ -581,38 +582,41 @@ def test_vibration_is_told_as_the_command_answers_it(truck):
     approval = with_vibration(truck.application, Surroundings(axle_inertia=3.0))
     found = approval.of("vibration")
     whole = story.approval(approval, helps=(), fixes=(), say=EN, issue=story.Issue())
-    said, distances, growths, drawn = chapter(whole, "Vibration and stability").blocks
+    said, distances, limits, *tables, modes, drawn = chapter(
+        whole, "Vibration and stability"
+    ).blocks
     assert said.paragraphs[0].startswith("Vibration: WARN")
-    assert said.paragraphs[1] == "Given: axle 3.000 kg m²."
-    assert said.paragraphs[2].startswith("Assumed: gearbox turning uniformly")
-    (line,) = found.lines
-    order2 = line.frequencies[0] / 2
-    row = dict(zip(distances.head, distances.rows[0], strict=True))
-    grade = dict(zip(distances.head, distances.grades[0], strict=True))
-    assert row["at [rpm]"] == EN.number(order2 / rpm)
-    for gear, (low, high) in zip(line.gears, line.ranges, strict=True):
-        through = low <= order2 <= high
+    assert said.paragraphs[1] == "Given in place of parts: axle 3.000 kg m²."
+    assert said.paragraphs[2].startswith("Assumed: ")
+    names = [r[0] for r in distances.rows]
+    at = names.index("mode 2, order 2")
+    row = dict(zip(distances.head, distances.rows[at], strict=True))
+    grade = dict(zip(distances.head, distances.grades[at], strict=True))
+    met = found.closed.frequencies[..., 1] / 2
+    low, high = np.moveaxis(found.closed.ranges, -1, 0)
+    for g, gear in enumerate(found.gears):
+        through = ((low[g] <= met[g]) & (met[g] <= high[g])).any()
         assert (row[str(gear)] == "0 %") == through
         if through:
             assert grade[str(gear)] == "warn"
-    assert {r[2].partition(",")[0] for r in growths.rows} == {
-        "shaft 1", "zone of mode 1", "zone of mode 2", "zone of modes 1 + 2"
-    }  # fmt: skip
-    assert f"mode 1, {line.frequencies[0] / 2 / np.pi:.1f} Hz" in drawn.figures[0].svg
+    assert len(tables) == 5  # modes, amplitudes, zones, launches, assumptions
+    assert {r[1] for r in limits.rows} >= {"Growth of torsional vibration", "Reversal in a launch"}
+    assert "mode 1, " in modes.figures[0].svg
+    assert any("start from rest" in f.title for f in drawn.figures)
 
 
-def test_what_grows_is_red_where_it_grows(truck):
-    """Undamped, with its top speed in the first zone."""
-    w = float(stability(truck.application).lines[0].frequencies[0])
-    slow = replace(truck.application, engine=None, gearbox=None, speed=w)
-    found = with_vibration(slow, Surroundings(damping_ratio=1e-5))
+def test_what_grows_fails_in_the_chapter_and_the_headline(truck):
+    """Next to undamped, its tyres too: zones open, and their triangles are red."""
+    app = truck.application
+    loose = replace(app, tyre=replace(app.tyre, slip_stiffness=9e8))
+    found = with_vibration(loose, Surroundings(damping_ratio=1e-4))
     whole = story.approval(found, helps=(), fixes=(), say=EN, issue=story.Issue())
     assert whole.grade == "fail"  # the headline is never better than a chapter
-    said, distances, growths, _ = chapter(whole, "Vibration and stability").blocks
+    said, _, limits, *_, modes, _ = chapter(whole, "Vibration and stability").blocks
     assert said.paragraphs[0].startswith("Vibration: FAIL")
-    at = [r[0] for r in distances.rows].index("zone of mode 1")
-    assert distances.grades[at] == ("", "", "fail")
-    assert growths.grades[0][0] == "fail"
+    assert limits.grades[0][0] == "fail"
+    assert limits.rows[0][1] in {"Growth of torsional vibration", "Vibratory torque over endurance"}
+    assert any(GRADED["fail"] in f.svg for f in modes.figures)
 
 
 def test_a_line_that_cannot_be_asked_says_so(tmp_path):

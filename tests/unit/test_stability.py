@@ -1,26 +1,38 @@
-"""`cardan stability`: gears against resonances and zones, in the words of `check`."""
+"""`cardan stability`: the whole vehicle in torsion, gear by gear, in the words of `check`."""
 
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.linalg import eigh
 
 from cardan import files
 from cardan.base.errors import BadFile
 from cardan.base.part import Occasion, Part
 from cardan.base.units import rpm
 from cardan.cli import cli
-from cardan.dynamics.torsion import mode_shapes, natural_frequencies, of_line
+from cardan.demand.states import demand, demand_under
+from cardan.dynamics.branched import carried, damped, forced, modes
+from cardan.dynamics.torsion import pins
+from cardan.files.typical import CLASSES, rows, typical
 from cardan.model.application import Surroundings
+from cardan.model.turning import Clutch, Launch
+from cardan.report import contract
+from cardan.report.contract_schema import schema
 from cardan.report.language import EN
-from cardan.report.stability import campbell, worst_of_parts
+from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
 from cardan.study.approval import approve
-from cardan.study.stability import stability
+from cardan.study.launching import _bent, start
+from cardan.study.powertrain import drivetrain
+from cardan.study.stability import ORDERS, _Running, stability
 from cardan.study.studies import VibrationStudy
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="module")
@@ -30,76 +42,426 @@ def truck(tmp_path_factory):
     return file
 
 
-def test_frequencies_follow_from_the_parts(truck):
-    """Two shafts and the axle between a uniform gearbox and free: springs by hand."""
+@pytest.fixture(scope="module")
+def found(truck):
+    """The starter's vibration."""
+    return stability(files.read(truck))
+
+
+@pytest.fixture(scope="module", params=["medium-truck-4x2", "van", "refuse-collector-6x2"])
+def example(request):
+    app = files.read(EXAMPLES / f"{request.param}.yaml")
+    return request.param, app, stability(app)
+
+
+# ----- modes by hand ---------------------------------------------------------------------------
+
+
+def by_hand(app, ratio, mass, of_class):
+    """Frequencies (Hz) of a vehicle with one line, from its parts: matrices written down."""
+
+    def T(q):  # noqa: N802
+        return typical(q, of_class).value
+
+    (installed,) = app.lines
+    axle, line = installed.axle, installed.line
+    tyre, J, k = app.tyre, [], []
+    r = tyre.dynamic_radius or tyre.static_radius
+    litres = max(app.engine.torque) / T("engine.torque_per_litre")
+    engine = T("engine.inertia_base") + T("engine.inertia_per_litre") * litres
+    i2 = ratio**2
+    if app.gearbox.converter_ratio > 1:
+        J += [(engine + T("converter.pump_inertia")) * i2]
+        k += [T("clutch.stiffness") * i2]
+        J += [(T("gearbox.input_inertia") + T("converter.turbine_inertia")) * i2]
+    else:
+        J += [engine * i2, T("clutch.disc_inertia") * i2, T("gearbox.input_inertia") * i2]
+        k += [50 * T("clutch.stiffness") * i2, T("clutch.stiffness") * i2]
+    k += [T("gearbox.stiffness")]
+    J += [T("gearbox.output_inertia")]
+    for shaft in line.shafts:
+        t = shaft.tube
+        polar = np.pi / 32 * (t.outer**4 - (t.outer - 2 * t.wall) ** 4)
+        G = t.material.youngs_modulus / (2 * (1 + t.material.poisson))
+        half = t.material.density * polar * shaft.length / 2
+        J[-1] += half + T("shaft.yoke_inertia")
+        k += [G * polar / shaft.length]
+        J += [half + T("shaft.yoke_inertia")]
+    J[-1] += T("axle.flange_inertia")
+    k += [T("axle.pinion_stiffness")]
+    J += [T("axle.pinion_inertia")]
+    n = len(J)
+    M, K = np.diag([*J, T("axle.housing_inertia"), 0.0, 0.0]), np.zeros((n + 3, n + 3))
+    for a, stiff in enumerate(k):
+        K[a : a + 2, a : a + 2] += stiff * np.array([[1, -1], [-1, 1]])
+    pinion, housing, wheels, vehicle = n - 1, n, n + 1, n + 2
+    ring = np.zeros(n + 3)
+    ring[[pinion, housing]] = 1 / axle.ratio, 1
+    M += T("axle.ring_inertia") * np.outer(ring, ring)
+    half = ring.copy()
+    half[wheels] = -1
+    K += 2 * T("axle.half_shafts") * np.outer(half, half)  # 4 / (1/k + 1/k)
+    K[housing, housing] += app.suspension.windup_stiffness
+    per = round(T("wheels.per_axle"))
+    M[wheels, wheels] = per * T("wheels.inertia") + 2 * T("wheels.hub_inertia")
+    tread = per * T("tyre.longitudinal_stiffness") * r**2
+    K[np.ix_([wheels, vehicle], [wheels, vehicle])] += tread * np.array([[1, -1], [-1, 1]])
+    others = 2 + per * (app.vehicle.axle_count - 2)
+    M[vehicle, vehicle] = mass * r**2 + others * T("wheels.inertia")
+    return np.sqrt(np.abs(eigh(K, M, eigvals_only=True)[1:])) / (2 * np.pi)
+
+
+def test_modes_of_the_examples_are_those_of_matrices_written_by_hand(example):
+    """Every gear, in gvw: 1e-7, where the stiff clutch's rounding is."""
+    name, app, vehicle = example
+    s = vehicle.states.index("gvw")
+    load = next(x for x in app.vehicle.loads if x.name == "gvw")
+    mass = (load.front_load + load.rear_load) / 9.80665
+    of_class = next(c for c, most in CLASSES.items() if vehicle.drivetrain.mass.max() <= most)
+    assert of_class == vehicle.drivetrain.vehicle_class
+    for g, ratio in enumerate(app.gearbox.ratios):
+        expected = by_hand(app, ratio, mass, of_class)
+        mine = vehicle.closed.frequencies[g, s] / (2 * np.pi)
+        assert mine == pytest.approx(expected, rel=1e-7), (name, g)
+
+
+def test_the_axles_of_a_tandem_oppose_each_other():
+    """Its lines are one system: no gearbox between them, and a mode of axles against axles."""
+    vehicle = stability(files.read(EXAMPLES / "tandem-6x4.yaml"))
+    names = [str(p) for _, p in vehicle.closed.powertrain.freedoms]
+    assert names.count("gearbox input") == 1
+    wheels = [k for k, n in enumerate(names) if n == "wheels"]
+    shape = vehicle.closed.modes.shape[0, heaviest(vehicle)]
+    opposed = [
+        k for k in range(1, 8)
+        if shape[wheels[0], k] * shape[wheels[1], k] < 0
+        and min(abs(shape[wheels, k])) > 0.3 * max(abs(shape[wheels, k]))
+    ]  # fmt: skip
+    assert opposed
+    split = carried_by(vehicle, 1000.0)
+    assert split["inter-axle", Part("shaft", 1)] == pytest.approx(500, rel=1e-9)
+
+
+def carried_by(vehicle, torque):
+    train = vehicle.closed.powertrain
+    line = train.line.case([0], [0])
+    of = modes(line)
+    force = train.balanced(np.array([torque]), of.shape[..., 0])
+    return dict(zip(train.springs, carried(line, of, force)[1][0], strict=True))
+
+
+def test_a_gear_refers_the_engine_by_its_ratio_squared(found):
+    """The closed line in first and direct gear: the first rotor is the engine's."""
+    inertia = found.closed.powertrain.line.inertia[:, 0, 0]
+    assert inertia / inertia[-1] == pytest.approx(
+        (found.drivetrain.ratios / found.drivetrain.ratios[-1]) ** 2, rel=1e-12
+    )
+
+
+# ----- speeds that exist -----------------------------------------------------------------------
+
+
+def test_speeds_are_those_a_gear_and_a_state_have():
+    """Idling to what governs it; a state's own speed where it is lower, and no gear that cannot."""
+    vehicle = stability(files.read(EXAMPLES / "medium-truck-4x2.yaml"))
+    low, high = np.moveaxis(vehicle.closed.ranges / rpm, -1, 0)
+    ratios, idle = vehicle.drivetrain.ratios, 650
+    gvw, rebound, windup = (vehicle.states.index(s) for s in ("gvw", "full rebound", "windup"))
+    assert low[:, gvw] == pytest.approx(idle / ratios)
+    assert high[:, gvw] == pytest.approx(np.minimum(2500 / ratios, 2250))
+    assert high[0, rebound] == pytest.approx(2500 / 6.70)
+    assert high[1, rebound] == pytest.approx(600)  # the file's, below what the engine could
+    assert np.isnan(high[4:, rebound]).all()  # idling in direct is faster than that
+    assert high[0, windup] == pytest.approx(2500 / 6.70)
+    assert np.isnan(vehicle.closed.ranges[:, vehicle.states.index("windup brake")]).all()
+    assert np.isfinite(vehicle.slipping.ranges[0, gvw]).all()
+    assert np.isnan(vehicle.slipping.ranges[1:]).all()
+
+
+def test_a_gear_that_runs_through_a_resonance_warns(found, truck):
+    answer = approve(files.read(truck), (VibrationStudy(),))
+    w, ranges = found.closed.frequencies, found.closed.ranges
+    asked = [c for c in answer.checks if c.quantity == "torsional_resonance"]
+    assert asked
+    for c in asked:
+        g = found.gears.index(c.when)
+        met = w[g, :, c.part.number - 1] / c.part.other
+        near = (ranges[g, :, 0] / 1.1 < met) & (met < ranges[g, :, 1] / 0.9)
+        assert (c.grade == "warn") == near.any()
+
+
+# ----- forced amplitude ------------------------------------------------------------------------
+
+
+def test_amplitudes_are_at_their_true_peak(example):
+    """No speed of a dense sweep about it has more, and 0.1 % beside it there is less."""
+    _, app, vehicle = example
+    running = _Running(
+        parts=vehicle.drivetrain, asked=tuple(demand(x) for x in vehicle.drivetrain.lines)
+    )
+    closed = vehicle.closed
+    shafts = [k for k, (_, p) in enumerate(closed.powertrain.springs) if p.kind == "shaft"]
+    s = vehicle.states.index("gvw")
+    tried = 0
+    for g in range(len(vehicle.gears)):
+        k = max(shafts, key=lambda k, g=g: closed.torque[g, s, 0, k])
+        peak, at = closed.torque[g, s, 0, k], closed.speed[g, s, 0, k]
+        low, high = closed.ranges[g, s]
+        speeds = np.unique(
+            np.concatenate([np.linspace(low, high, 60), at * np.array([0.999, 1.001])])
+        )
+        speeds = speeds[(speeds >= low) & (speeds <= high)]
+        same = (np.full(len(speeds), g), np.full(len(speeds), s))
+        now = running.at(closed.powertrain, closed.modes, speeds, same)
+        size = np.abs(forced(now.line, now.running, found=now.modes, tolerance=1e-7).order(2))[:, k]
+        assert size.max() <= peak * (1 + 2e-3)
+        tried += 1
+    assert tried == len(app.gearbox.ratios)
+
+
+def test_torque_shakes_in_low_gears_and_inertia_in_high_ones():
+    """Without torque first gear loses what its mean torque times the slope of the leads gave.
+
+    An axle that hardly winds up, so that the angles are the same in both.
+    """
+    app = files.read(EXAMPLES / "van.yaml")
+    stiff = replace(app, suspension=replace(app.suspension, windup_stiffness=1e9))
+    little = tuple(1e-3 * t for t in app.engine.torque)
+    size: list[float] = []
+    for torque in (app.engine.torque, little):
+        found = stability(
+            replace(stiff, engine=replace(app.engine, torque=torque, displacement=2e-3))
+        )
+        shaft = found.closed.powertrain.springs.index(("main", Part("shaft", 1)))
+        size.append(found.closed.torque[0, heaviest(found), 0, shaft])
+    assert size[1] < 0.6 * size[0]
+
+
+def test_half_the_damping_makes_resonance_higher():
+    app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    damped, loose = (
+        stability(app, surroundings=Surroundings(damping_ratio=z)) for z in (0.05, 0.01)
+    )
+    assert np.nanmax(loose.closed.torque[3]) > 1.3 * np.nanmax(damped.closed.torque[3])
+
+
+def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
+    """On ice the wheels slip in first gear, whatever the engine gives."""
     application = files.read(truck)
-    (line,) = stability(application, surroundings=Surroundings(axle_inertia=2.0)).lines
-    first, second = line.line.shafts
-    k1, k2 = (
-        s.tube.material.shear_modulus * 2 * s.tube.second_moment / s.length for s in (first, second)
-    )
-    J1 = (first.polar_inertia + second.polar_inertia) / 2
-    J2 = second.polar_inertia / 2 + 2.0
-    # Two by two: w^2 of J1 q1'' + (k1 + k2) q1 - k2 q2, J2 q2'' + k2 (q2 - q1).
-    trace, product = (k1 + k2) / J1 + k2 / J2, k1 * k2 / (J1 * J2)
-    low = (trace - np.sqrt(trace**2 - 4 * product)) / 2
-    assert line.frequencies[0] == pytest.approx(np.sqrt(low), rel=1e-9)
-    assert np.prod(line.frequencies**2) == pytest.approx(product, rel=1e-9)
+    ice = replace(application, tyre=replace(application.tyre, friction=0.05))
+    litres = replace(ice.engine, displacement=8e-3)
+    ice = replace(ice, engine=litres)
+    engine = replace(litres, torque=tuple(3 * t for t in litres.torque))
+    weak, strong = (stability(a) for a in (ice, replace(ice, engine=engine)))
+    assert weak.gears[0] == Occasion("gear", "1")
+    assert strong.closed.torque[0] == pytest.approx(weak.closed.torque[0], rel=1e-6, nan_ok=True)
 
 
-@pytest.mark.parametrize("ratio", [0.02, 0.11])
-def test_the_first_mode_is_damped_as_asked(truck, ratio):
-    """Its motion alone is q'' + 2 ζ w q' + w² q = 0: the mass-normalised shape says C to ζ."""
-    (installed,) = files.read(truck).lines
-    made = of_line(
-        installed.line, installed.layout.directions, axle_inertia=2.0, damping_ratio=ratio
-    )
-    _, C, _ = made.mean_matrices
-    shape, w = mode_shapes(made)[:, 0], natural_frequencies(made)[0]
-    assert shape @ C @ shape == pytest.approx(2 * ratio * w, rel=1e-9)
+PINNED = {
+    # first gear: modes 1 and 2, Hz; direct: mode 1; largest order 2 of a shaft in first, N m
+    "van": (1.7, 25.2),
+    "medium-truck-4x2": (0.91, 22.5),
+    "refuse-collector-6x2": (1.29, 17.8),
+}
 
 
-def test_a_gear_that_runs_through_a_resonance_warns(truck):
-    found = approve(files.read(truck), (VibrationStudy(),))
-    (line,) = found.of("vibration").lines
-    order2 = line.frequencies[0] / 2
-    for check in found.checks:
-        if check.quantity != "torsional_resonance" or check.part != Part("mode", 1, 2):
-            continue
-        low, high = line.ranges[line.gears.index(check.when)]
-        near = low / 1.1 < order2 < high / 0.9
-        assert (check.grade == "warn") == near
-    assert found.verdict == "warn"
+def test_examples_lie_where_method_16_says_vehicles_do(example):
+    """Mode 1, vehicle against engine: 0.9 Hz in a truck's first gear, 3.5 to 6 in direct."""
+    name, _, vehicle = example
+    s = heaviest(vehicle)
+    first = vehicle.closed.frequencies[0, s, :2] / (2 * np.pi)
+    assert first == pytest.approx(PINNED[name], rel=0.06)
+    direct = int(np.abs(np.log(vehicle.drivetrain.ratios)).argmin())
+    assert 3.4 < vehicle.closed.frequencies[direct, s, 0] / (2 * np.pi) < 6.5
+    # With the clutch closed order 2 never meets it: below idling.
+    met = vehicle.closed.frequencies[..., 0] / 2
+    assert not (met > vehicle.closed.ranges[..., 0]).any()
 
 
-def test_the_forced_torque_peaks_at_the_resonance(truck):
-    (line,) = stability(files.read(truck)).lines
-    for state in range(len(line.states)):
-        peak = line.speeds[line.amplitudes[state, 0].argmax()]
-        assert peak == pytest.approx(line.frequencies[0] / 2, rel=0.03)
+def test_zones_stay_shut_with_the_damping_of_their_parts(example):
+    _, _, vehicle = example
+    assert max(np.nanmax(z.growth) for z in vehicle.zones) < 0
+    assert max(np.nanmax(z.openness) for z in vehicle.zones) < 0.1
+    for z in vehicle.zones:
+        w = vehicle.closed.modes.frequency
+        assert z.speed == pytest.approx((w[..., z.modes[0]] + w[..., z.modes[1]]) / 2)
 
 
-def test_order_4_is_far_below_order_2(truck):
-    """By about tan²(β/2), the ratio of a joint's own orders, times a resonance."""
-    (line,) = stability(files.read(truck)).lines
-    low, high = line.amplitudes[:, 1].max(-1), line.amplitudes[:, 0].max(-1)
-    assert np.all(low < 0.05 * high)
+def test_ratings_are_held_against_the_worst_state():
+    """The largest of all states, over the joint's own rating."""
+    app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    answer = approve(app, (VibrationStudy(),))
+    vehicle = answer.of("vibration")
+    first = vehicle.closed.powertrain.springs.index(("main", Part("shaft", 1)))
+    rating = app.lines[0].line.joints[0].peak_torque
+    (held,) = (
+        c for c in answer.checks
+        if c.quantity == "torsional_peak_utilisation"
+        and (c.when, c.part) == (vehicle.gears[0], Part("joint", 1))
+    )  # fmt: skip
+    assert held.value == pytest.approx(np.nanmax(vehicle.closed.peak[0, :, first]) / rating)
+    assert held.value * rating > 850 * 6.70 * 0.95  # more than first gear's mean torque
 
 
-def test_damping_is_what_keeps_zones_closed(truck):
-    """Without it a line that runs in its zone grows, and the verdict fails."""
-    application = files.read(truck)
-    damped = stability(application)
-    loose = stability(application, surroundings=Surroundings(damping_ratio=1e-5))
-    rates = [max(z.growth.max() for z in s.lines[0].zones) for s in (damped, loose)]
-    assert rates[0] < 0
-    assert rates[0] < rates[1]
-    slow = replace(
-        application, engine=None, gearbox=None, speed=float(damped.lines[0].frequencies[0])
-    )
-    loose_study = VibrationStudy(Surroundings(damping_ratio=1e-5))
-    assert approve(slow, (loose_study,)).verdict == "fail"
-    assert approve(slow, (VibrationStudy(),)).verdict != "fail"
+def test_tyres_damp_more_at_speed():
+    """METHOD 16: the wheels' mode near 22 Hz, some 0.03 in first gear, far more in top.
+
+    As much as their slip at that speed does, beside the losses of springs.
+    """
+    vehicle = stability(files.read(EXAMPLES / "medium-truck-4x2.yaml"))
+    s = heaviest(vehicle)
+    zeta = vehicle.closed.damping[:, s, 2]
+    assert zeta[0] < 0.04
+    assert zeta[-1] > 1.8 * zeta[0]
+    stuck = damped(vehicle.closed.powertrain.line, vehicle.closed.modes)[1][:, s, 2]
+    assert zeta[0] > 2 * stuck[0]
+
+
+def test_a_sharp_resonance_is_met_at_its_very_peak():
+    """With hardly any damping the peak is 0.3 % wide: beside it, three quarters are left."""
+    app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    app = replace(app, tyre=replace(app.tyre, slip_stiffness=9e8))
+    vehicle = stability(app, surroundings=Surroundings(damping_ratio=1e-3))
+    running = _Running(parts=vehicle.drivetrain, asked=(demand(vehicle.drivetrain.lines[0]),))
+    closed, s = vehicle.closed, vehicle.states.index("gvw")
+    shaft = closed.powertrain.springs.index(("main", Part("shaft", 1)))
+    g = 3
+    peak, at = closed.torque[g, s, 0, shaft], closed.speed[g, s, 0, shaft]
+    met = closed.modes.frequency[g, s, 1:] / 2
+    near = met[np.abs(met / at - 1).argmin()]
+    assert near == pytest.approx(at, rel=2e-3)
+    speeds = near * (1 + np.linspace(-4e-3, 4e-3, 161))
+    same = (np.full(len(speeds), g), np.full(len(speeds), s))
+    now = running.at(closed.powertrain, closed.modes, speeds, same)
+    size = np.abs(forced(now.line, now.running, found=now.modes, tolerance=1e-7).order(2))[:, shaft]
+    assert peak > 0.999 * size.max()
+    assert size[[0, -1]].max() < 0.5 * peak
+    # Order 4 has peaks of its own, at half those speeds.
+    low, high = closed.ranges[g, s]
+    crossed = [w / 4 for w in closed.modes.frequency[g, s, 1:] if low < w / 4 < high]
+    assert crossed
+    for met in crossed:
+        speeds = met * (1 + np.linspace(-2e-3, 2e-3, 41))
+        same = (np.full(len(speeds), g), np.full(len(speeds), s))
+        now = running.at(closed.powertrain, closed.modes, speeds, same)
+        of = forced(now.line, now.running, found=now.modes, tolerance=1e-7).order(4)
+        assert np.abs(of)[:, shaft].max() <= 1.01 * closed.torque[g, s, 1, shaft]
+
+
+# ----- launches --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def starts():
+    """A 4x2 truck started smoothly, by a dropped clutch, and slowly."""
+    app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    parts = drivetrain(app)
+    asked = tuple(demand(x) for x in parts.lines)
+    wanted = (Launch(), Launch(ramp=0.05, capacity=1.8), Launch(ramp=3.0))
+    return parts, asked, [start(parts, asked, w) for w in wanted]
+
+
+def test_the_ramp_makes_the_peak_and_the_joints_next_to_nothing(starts):
+    """METHOD 16: 0.97 of T i by half a second, more by a dropped clutch; joints under 0.4 %."""
+    _, _, (smooth, dropped, slow) = starts
+    assert 0.9 < smooth.shares["ramp"] < 1.1
+    assert dropped.shares["ramp"] > 1.15 * smooth.shares["ramp"]
+    assert slow.shares["ramp"] < smooth.shares["ramp"]
+    for s in (smooth, dropped, slow):
+        assert abs(s.shares["joints"]) < 4e-3
+        assert s.torque == pytest.approx(850 * 6.70)
+    assert dropped.slid
+    assert dropped.shares["if tyres could not slide"] > dropped.shares["all"]
+    assert not smooth.slid
+    assert dropped.lowest[dropped.first] < 0 < smooth.lowest[smooth.first]
+
+
+def test_a_clutch_slips_until_it_locks_and_the_vehicle_moves(starts):
+    _, _, (smooth, *_) = starts
+    assert 0.1 < smooth.locked < 1.0
+    engine, disc = smooth.travel.rate[0, :, 0], smooth.travel.rate[0, :, 1]
+    before = smooth.travel.time < 0.9 * smooth.locked
+    assert (engine[before] > disc[before]).all()
+    assert smooth.travel.rate[0, -1, -1] > 0
+
+
+def test_the_peak_is_the_same_with_half_the_steps(starts):
+    parts, asked, (smooth, dropped, _) = starts
+    fine = start(parts, asked, dropped.launch, step=5e-4)
+    assert fine.peak[fine.first] == pytest.approx(dropped.peak[dropped.first], rel=5e-3)
+    assert smooth.torque == fine.torque
+
+
+def test_the_geometry_follows_the_axle_as_it_winds_up(starts):
+    """Not twisted the joints are as the state has them; wound up, as under the full torque."""
+    parts, asked, (smooth, *_) = starts
+    s = parts.states.index("gvw")
+    train, target = parts.closed, smooth.torque
+    line = train.line.case([0], [s])
+    of = modes(line)
+    force = train.balanced(np.array([target]), of.shape[..., 0])
+    housing = train.freedoms.index(("main", Part("axle housing")))
+    turned = carried(line, of, force)[0][0, housing]
+    bent = _bent(parts, asked, train, (0, s), target)
+    for share in (0.0, 0.5, 1.0):
+        T = np.full((1, len(parts.states)), share * target)
+        under = demand_under(asked[0], torque=T, speed=0.0)
+        beta, place = pins(
+            under.layout.directions[0, s],
+            asked[0].installed.line.phases,
+            asked[0].installed.line.crosses,
+        )
+        expected = np.tan(beta / 2) ** 2 * np.exp(2j * place)
+        assert bent(np.array([share * turned]))[0] == pytest.approx(expected, abs=1e-12)
+    assert np.abs(bent(np.array([turned])) / bent(np.array([0.0])) - 1).max() > 0.05
+
+
+def test_a_launch_needs_an_engine_and_its_gear(starts):
+    parts, asked, _ = starts
+    with pytest.raises(Exception, match="a gear that the gearbox has"):
+        start(parts, asked, Launch(gear="9"))
+
+
+# ----- what is assumed -------------------------------------------------------------------------
+
+
+def test_everything_assumed_has_a_range_and_a_source():
+    for row in rows("typical.csv"):
+        low, value, high = (float(row[k]) for k in ("low", "value", "high"))
+        assert low <= value <= high, row
+        assert row["source"]
+        assert row["how_read"]
+
+
+def test_what_is_given_is_not_assumed_and_what_is_assumed_moves_the_modes(found):
+    assumed = {a.quantity for a in found.drivetrain.assumed}
+    assert "clutch.stiffness" in assumed
+    given = replace(found.application, clutch=Clutch(stiffness=9e3, disc_inertia=0.05))
+    parts = drivetrain(given)
+    assert not {"clutch.stiffness", "clutch.disc_inertia"} & {a.quantity for a in parts.assumed}
+    moved = {s.assumption.quantity: s for s in found.shifts}
+    half = moved["axle.half_shafts"]
+    assert half.frequencies[0, 0] < half.frequencies[1, 0]
+
+
+def test_a_clutch_s_curve_is_as_stiff_as_where_it_works():
+    curve = Clutch(angle=(-0.1, 0.0, 0.1, 0.2), torque=(-1000.0, 0.0, 50.0, 3550.0))
+    assert curve.stiffness_at(25) == pytest.approx(500)
+    assert curve.stiffness_at(1000) == pytest.approx(35000)
+    assert curve.stiffness_at(9000) == pytest.approx(35000)
+    assert curve.stiffness_at(-500) == pytest.approx(10000)
+
+
+def test_an_open_differential_and_a_locked_one():
+    """Equal torque on both sides: 4/(1/kl + 1/kr); alike turning: kl + kr."""
+    from cardan.model.turning import Rotors
+
+    sides = (10e3, 30e3)
+    assert Rotors(half_shafts=sides).half_shaft_stiffness == pytest.approx(30e3)
+    assert Rotors(half_shafts=sides, locked=True).half_shaft_stiffness == pytest.approx(40e3)
+
+
+# ----- hung shafts -----------------------------------------------------------------------------
 
 
 HUNG = """
@@ -181,87 +543,65 @@ def test_a_short_wide_shaft_swings_slower_by_what_it_takes_to_turn_it():
     assert line.lateral[0, 0] == pytest.approx(-decay, rel=1e-3)
 
 
-TWO_GEARS = """
-title: Two gears
-engine: {speed_rpm: [1000, 3100], torque_Nm: [1000, 1000]}
-gearbox: {ratios: [8, 1]}
-driveline:
-  slopes: {side_deg: [0, 9, 1, 6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x6, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x6}
-"""
-
-
-def test_a_zone_that_one_gear_reaches_grows_under_the_torque_of_that_gear():
-    """First gear's eightfold torque is none of the top gear's business."""
-    rates = []
-    for text in (
-        TWO_GEARS,
-        TWO_GEARS.replace("[8, 1]", "[1]"),
-        TWO_GEARS.replace("1000]}", "8000]}"),
-    ):
-        around = Surroundings(damping_ratio=0.005)
-        (line,) = stability(files.loads(text), surroundings=around).lines
-        zone = line.zones[0]
-        assert line.ranges[-1, 0] < zone.speed < line.ranges[-1, 1]
-        rates.append(zone.growth[0])
-    assert rates[0] == pytest.approx(rates[1], rel=1e-9)
-    assert abs(rates[2] / rates[1] - 1) > 1e-3  # torque does count there
-
-
 def test_a_line_without_gears_is_asked_at_its_top_speed():
     """The fastest of its states, not the slowest."""
     states = "states: [{name: slow, speed_rpm: 500}, {name: fast, speed_rpm: 1500}]\n"
-    (line,) = stability(files.loads(HUNG.replace("speed_rpm: 1000\n", "") + states)).lines
-    assert line.ranges / rpm == pytest.approx(np.array([[1500, 1500]]))
+    found = stability(files.loads(HUNG.replace("speed_rpm: 1000\n", "") + states))
+    assert np.nanmax(found.closed.ranges) / rpm == pytest.approx(1500)
 
 
-def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
-    """On ice the wheels slip in first gear, whatever the engine gives."""
-    application = files.read(truck)
-    ice = replace(application, tyre=replace(application.tyre, friction=0.05))
-    engine = replace(ice.engine, torque=tuple(3 * t for t in ice.engine.torque))
-    (weak,), (strong,) = (stability(a).lines for a in (ice, replace(ice, engine=engine)))
-    first = weak.gears.index(Occasion("gear", "1"))
-    assert first == 0
-    assert strong.amplitudes == pytest.approx(weak.amplitudes, rel=1e-9)
+# ----- faces -----------------------------------------------------------------------------------
 
 
-def test_command_writes_contract_and_chart(truck, tmp_path):
+def test_command_writes_contract_and_chart(truck, tmp_path, found):
     chart = tmp_path / "chart.svg"
     run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])
     assert run.exit_code == 0
     document = json.loads(run.stdout)
     assert document["verdict"] == "warn"
-    assert document["assumed"]["axle_inertia_kgm2"] == 2.0
-    line = document["lines"][0]
+    line, vehicle = document["lines"][0], document["vehicle"]
     assert [g["name"] for g in line["gears"]][:2] == ["gear 1", "gear 2"]
-    assert line["gears"][-1]["speed_rpm"][1] == pytest.approx(2500)
-    assert {c["quantity"] for c in document["checks"]} == {
-        "torsional_resonance", "torsional_growth", "lateral_growth"
+    assert len(vehicle["gears"]) == len(found.gears)
+    first = vehicle["gears"][0]
+    assert first["closed"]["modes"][0]["frequency_Hz"] == pytest.approx(
+        found.closed.frequencies[0, heaviest(found), 0] / (2 * np.pi)
+    )
+    assert max(map(abs, first["closed"]["modes"][0]["shape"].values())) == pytest.approx(1)
+    assert {a["order"] for a in first["amplitudes"]} == set(ORDERS)
+    assert vehicle["launches"][0]["peak_torque_Nm"] == pytest.approx(
+        found.launches[0].peak[found.launches[0].first]
+    )
+    assert {a["quantity"] for a in vehicle["assumed"]} >= {"axle.half_shafts"}
+    assert {c["quantity"] for c in document["checks"]} >= {
+        "torsional_resonance", "torsional_growth", "lateral_growth", "torsional_reversal",
+        "torsional_pinion_acceleration", "launch_reversal",
     }  # fmt: skip
     drawn = "".join(ET.parse(chart).getroot().itertext())
-    assert f"mode 1, {line['torsional_frequencies_Hz'][0]:.1f} Hz" in drawn
+    assert "mode 1, " in drawn
     assert "order 4" in drawn
+    assert "engine firing, order" in drawn
 
 
-def test_resonances_are_drawn_where_orders_meet_frequencies(truck):
+def test_resonances_are_drawn_where_orders_meet_frequencies(found):
     """Every circle lies on a slanted line, to the rounding of a pixel's hundredth."""
-    (line,) = stability(files.read(truck)).lines
-    root = ET.fromstring(campbell(line, EN).svg)
+    g = len(found.gears) - 1
+    root = ET.fromstring(campbell(found, g, EN).svg)
     drawn = [e for e in root.iter() if e.tag.endswith("path")]
     ends = [[float(x) for x in re.findall(r"[-0-9.]+", e.attrib["d"])] for e in drawn]
     slanted = [p for p in ends if len(p) == 4 and p[0] != p[2] and p[1] != p[3]]
-    assert len(slanted) == 2
+    assert len(slanted) == 4
     rings = [e for e in root.iter() if e.tag.endswith("circle") and e.attrib["fill"] == "none"]
-    top = 1.1 * line.ranges.max()
-    assert len(rings) == sum(w / o < top for w in line.frequencies for o in (2, 4))
     assert rings
     for ring in rings:
         x, y = float(ring.attrib["cx"]), float(ring.attrib["cy"])
         off = [abs(y - (b + (x - a) / (c - a) * (d - b))) for a, b, c, d in slanted]
         assert min(off) < 0.1
+
+
+def test_shapes_are_drawn_of_every_freedom(found):
+    root = ET.fromstring(shapes(found, 0, EN).svg)
+    dots = [e for e in root.iter() if e.tag.endswith("circle")]
+    assert len(dots) == 5 * len(found.closed.powertrain.freedoms)
 
 
 def test_the_worst_gear_speaks_for_each_part(truck):
@@ -272,16 +612,22 @@ def test_the_worst_gear_speaks_for_each_part(truck):
     assert len(shown) < len(checks)
     for c in checks:
         assert shown[c.quantity, c.part].margin <= c.margin
-    printed = CliRunner().invoke(cli, ["stability", str(truck)]).stdout.splitlines()
-    mode = [x for x in printed if "Speed over torsional resonance" in x and "mode 1, order 2" in x]
-    assert [x[:4] for x in mode] == ["warn"]
 
 
-def test_command_prints_what_it_assumes(truck):
+def test_command_prints_what_stands_in_place_of_parts(truck):
     run = CliRunner().invoke(cli, ["stability", str(truck), "--axle-inertia", "3"])
     assert run.exit_code == 0
-    assert "axle 3.000 kg m²" in run.stdout
+    assert "Given in place of parts: axle 3.000 kg m²" in run.stdout
     assert "Speed over torsional resonance" in run.stdout
+    assert "Starts from rest" in run.stdout
+    assert "axle.half_shafts" in run.stdout
+
+
+def test_a_rigid_axle_is_no_reason_to_die(truck):
+    """`--axle-stiffness 1e9` once ended with "monodromy has not settled"."""
+    run = CliRunner().invoke(cli, ["stability", str(truck), "--axle-stiffness", "1e9"])
+    assert run.exit_code == 0
+    assert "Given in place of parts: axle on" in run.stdout
 
 
 @pytest.mark.parametrize(("most", "code"), [(1000, 0), (-1000, 1)])
@@ -295,18 +641,13 @@ def test_the_exit_code_is_the_verdict_on_what_vibrates(tmp_path, most, code):
     assert run.stdout.splitlines()[0].startswith(f"Two-piece driveline: {('PASS', 'FAIL')[code]}")
 
 
-def test_half_a_gearbox_is_refused(truck):
-    run = CliRunner().invoke(cli, ["stability", str(truck), "--gearbox-inertia", "1"])
-    assert run.exit_code == 2
-    assert "both the gearbox inertia and its stiffness" in run.stderr
-
-
 def test_a_small_file_is_enough(tmp_path):
     file = tmp_path / "small.yaml"
     file.write_text(files.starter("small"), encoding="utf-8")
-    (line,) = stability(files.read(file)).lines
-    assert line.gears == (Occasion("speed", "top speed"),)
-    assert line.ranges[0, 0] / rpm == pytest.approx(2500)
+    found = stability(files.read(file))
+    assert found.gears == (Occasion("speed", "top speed"),)
+    assert found.closed.ranges[0, 0, 0] / rpm == pytest.approx(2500)
+    assert not found.launches
 
 
 TORSION = """
@@ -318,40 +659,69 @@ torsion:
 """
 
 
-def test_the_file_says_what_turns_at_both_ends(truck, tmp_path):
+def test_the_first_plan_s_table_stands_in_place_of_parts(truck, tmp_path):
     """Its units, what it leaves out, and the options that go before it."""
     application = files.loads(truck.read_text("utf-8") + TORSION)
     found = stability(application)
-    around = found.surroundings
-    assert around.axle_stiffness == pytest.approx(900 * 180 / np.pi)
-    assert (around.gearbox_inertia, around.gearbox_stiffness) == (0.3, 90000)
+    assert found.surroundings.axle_stiffness == pytest.approx(900 * 180 / np.pi)
     assert found.given == {
         "axle_inertia", "axle_stiffness", "gearbox_inertia", "gearbox_stiffness"
     }  # fmt: skip
-    assert around.damping_ratio == 0.02
-    # Flange, joint between the shafts, pinion, axle.
-    assert found.lines[0].frequencies.shape == (4,)
+    train = found.closed.powertrain
+    at = train.springs.index(("main", Part("half shafts")))
+    ratio = application.lines[0].axle.ratio
+    assert train.line.stiffness[0, 0, at] == pytest.approx(900 * 180 / np.pi * ratio**2)
     file = tmp_path / "given.yaml"
     file.write_text(truck.read_text("utf-8") + TORSION, encoding="utf-8")
     run = CliRunner().invoke(cli, ["stability", str(file), "--axle-inertia", "4", "--json"])
     said = json.loads(run.stdout)
     assert said["given"]["axle_inertia_kgm2"] == 4
     assert said["given"]["gearbox_inertia_kgm2"] == 0.3
-    assert said["assumed"] == {"damping_ratio": 0.02, "rubber_loss": 0.1}
-    run = CliRunner().invoke(cli, ["stability", str(file)])
-    assert "Given: gearbox 0.3000 kg m² on 90000 N m/rad; axle 3.000 kg m²" in run.stdout
-    assert "Assumed: damping ratio 0.02000" in run.stdout
+    assert said["assumed"] == {"damping_ratio": 0.005, "rubber_loss": 0.1}
 
 
 @pytest.mark.parametrize(
-    ("torsion", "problem"),
+    ("more", "problem"),
     [
-        ("{gearbox_inertia_kgm2: 1}", "both the gearbox inertia and its stiffness"),
-        ("{axle_inertia_kgm2: 0}", "at least 1e-09"),
-        ("{damping_ratio: 1}", "of at least 1e-05 and below 1"),
-        ("{axle_stifness_Nm_deg: 1}", "axle_stiffness_Nm_deg"),
+        ("torsion: {gearbox_inertia_kgm2: 1}", "both the gearbox inertia and its stiffness"),
+        ("torsion: {axle_inertia_kgm2: 0}", "at least 1e-09"),
+        ("torsion: {damping_ratio: 1}", "of at least 1e-05 and below 1"),
+        ("torsion: {axle_stifness_Nm_deg: 1}", "axle_stiffness_Nm_deg"),
+        ("torsion: {axle_inertia_kgm2: 3}\nwheels: {inertia_kgm2: 6}", "wheels, not beside it"),
+        ("clutch: {angle_deg: [0, 1]}", "as many of one as of the other"),
+        (
+            "clutch: {stiffness_Nm_rad: 9000}\nconverter: {stall_torque_ratio: 2}",
+            "place of a clutch",
+        ),
+        ("wheels: {tyre: 295/81 R22.5}", "no tyre of this size"),
+        ("launch: {gear: 77}", "no gear 77"),
+        ("launch: {load: nobody}", "no load state nobody"),
     ],
 )
-def test_wrong_surroundings_are_refused_where_they_stand(truck, torsion, problem):
+def test_what_cannot_be_is_refused_where_it_stands(truck, more, problem):
     with pytest.raises(BadFile, match=problem):
-        files.loads(truck.read_text("utf-8") + f"torsion: {torsion}\n")
+        files.loads(truck.read_text("utf-8") + more + "\n")
+
+
+def test_tyres_bring_the_inertia_of_their_size(truck):
+    app = files.loads(truck.read_text("utf-8") + "wheels: {tyre: 295/80R22.5, per_axle: 4}\n")
+    assert app.wheels.inertia == 15.5
+
+
+def test_a_document_of_an_approval_says_each_launch(truck):
+    text = truck.read_text("utf-8") + "launch: [{gear: 1}, {gear: 2, ramp_s: 0.1, capacity: 1.5}]\n"
+    app = files.loads(text)
+    told = document(approve(app, (VibrationStudy(),)))
+    assert [x["gear"] for x in told["vehicle"]["launches"]] == ["1", "2"]
+
+
+def test_a_check_s_document_holds_the_vehicle_by_its_schema(truck):
+    """Where vibration was asked; the numbers are those of the command's own document."""
+    jsonschema = pytest.importorskip("jsonschema")
+    app = files.loads(truck.read_text("utf-8") + "launch: {gear: 1}\n")
+    answer = approve(app)
+    told = json.loads(json.dumps(contract.approval(answer)))
+    jsonschema.validate(told, schema())
+    assert told["vehicle"] == json.loads(json.dumps(document(answer)))["vehicle"]
+    assert "vehicle" in schema()["properties"]
+    assert told["vehicle"]["gears"][0]["closed"]["modes"]

@@ -9,10 +9,14 @@ from typing import Literal, TypeAlias
 
 PartKind: TypeAlias = Literal[
     "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",
-    "hot spot", "gauge",
+    "hot spot", "gauge", "engine", "flywheel", "clutch", "clutch disc", "gearbox",
+    "gearbox input", "pinion", "axle housing", "half shafts", "wheels", "tyres", "wind-up",
+    "vehicle",
 ]  # fmt: skip
 
-OccasionKind: TypeAlias = Literal["state", "gear", "speed", "case", "duty", "recording"]
+OccasionKind: TypeAlias = Literal[
+    "state", "gear", "speed", "case", "duty", "recording", "launch",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +47,8 @@ class Part:
                 return f"zone of modes {self.number} + {self.other}"
             case "gauge":
                 return str(self.other)
+            case kind if not self.number:
+                return kind
             case _:
                 return f"{self.kind} {self.number}"
 
@@ -68,7 +74,8 @@ class Point:
 class Occasion:
     """When a number was asked for: a state, a range of speed, a load case, a recording.
 
-    `what` says which part of the loads of a state a load case takes: static, order 2.
+    `what` says which part of the loads of a state a load case takes: static, order 2; of a
+    launch, whose name is its gear, how long its ramp is in s.
     """
 
     kind: OccasionKind
@@ -77,5 +84,7 @@ class Occasion:
 
     def __str__(self) -> str:
         """Return the occasion as the JSON contract writes it, in English."""
+        if self.kind == "launch":
+            return f"launch in gear {self.name}, {self.what} s"
         ahead = {"gear": "gear ", "duty": "duty cycle, "}.get(self.kind, "")
         return f"{ahead}{self.name}{': ' if self.what else ''}{self.what}"

@@ -49,6 +49,7 @@ UNITS: dict[str, float] = {
     "Nm": Nm, "kNm": kNm, "lbft": lbft,
     "N_m": 1.0, "N_mm": N / mm, "kN_m": kN, "lbf_in": lbf / inch,
     "Nm_deg": Nm / deg, "kNm_deg": kNm / deg, "Nm_rad": Nm,
+    "kNm_rad": kNm, "Nms_rad": Nm, "l": 1e-3,
     "Pa": 1.0, "MPa": MPa, "GPa": GPa, "psi": psi, "kg_m3": 1.0,
     "rad": 1.0, "deg": deg, "deg_mm": deg / mm, "gmm": 1e-6,
     "rpm": rpm, "rad_s": 1.0, "rad_s2": 1.0, "per_s": 1.0, "deg_min": rpm * deg,

@@ -164,11 +164,37 @@ WindupStiffness: TypeAlias = Annotated[
     Number("kNm_deg", "Nm_deg", "Nm_rad", least=1e-2, most=1e12, usual=(100 / deg, 1e6 / deg)),
 ]
 TorsionStiffness: TypeAlias = Annotated[
-    float, Number("Nm_deg", "Nm_rad", "kNm_deg", least=1e-3, most=1e12, usual=(100.0, 1e9))
+    float,
+    Number("Nm_deg", "Nm_rad", "kNm_deg", "kNm_rad", least=1e-3, most=1e12, usual=(100.0, 1e9)),
+]
+TorsionStiffnesses: TypeAlias = Annotated[
+    tuple[float, ...],
+    ListOf(
+        Number("Nm_deg", "Nm_rad", "kNm_deg", "kNm_rad", least=1e-3, most=1e12, usual=(100.0, 1e9)),
+        least=1,
+        most=64,
+    ),
+]
+TorsionDamping: TypeAlias = Annotated[
+    float, Number("Nms_rad", least=0, most=1e9, usual=(1e-3, 1e5))
+]
+Displacement: TypeAlias = Annotated[float, Number("l", least=1e-6, most=10, usual=(0.5e-3, 80e-3))]
+Time: TypeAlias = Annotated[float, Number("s", least=1e-3, most=60, usual=(0.02, 10))]
+SlipForce: TypeAlias = Annotated[float, Number(*FORCES, least=1, most=1e9, usual=(5e3, 2e6))]
+Play: TypeAlias = Annotated[float, Number(*ANGLES, least=0, most=90 * deg, usual=(1e-4, 0.5))]
+CurveAngles: TypeAlias = Annotated[
+    tuple[float, ...], ListOf(Number(*ANGLES, least=-360 * deg, most=360 * deg), least=2, most=100)
+]
+CurveTorques: TypeAlias = Annotated[
+    tuple[float, ...],
+    ListOf(Number(*TORQUES, least=-STRONGEST, most=STRONGEST), least=2, most=100),
 ]
 PositiveInertia: TypeAlias = Annotated[
     float, Number("kgm2", least=1e-9, most=1e7, usual=(1e-3, 1e3))
 ]  # fmt: skip
+PositiveInertias: TypeAlias = Annotated[
+    tuple[float, ...], ListOf(Number("kgm2", least=1e-9, most=1e7, usual=(1e-3, 1e3)), most=64)
+]
 PitchRate: TypeAlias = Annotated[
     float,
     Number(

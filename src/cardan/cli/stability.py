@@ -28,13 +28,15 @@ from cardan.cli.ending import kindly, leave, refuse
 @FILE
 @JSON
 @click.option("--chart", type=OUT, help="SVG, into a file.")
-@click.option("--line", help="Which line the chart shows; by default the first.")
+@click.option("--gear", help="Which gear the chart shows; by default the one nearest to direct.")
 @click.option("--all", "every", is_flag=True, help="A row for each check, not for each part.")
-@click.option("--axle-inertia", type=POSITIVE, help="Behind the pinion, kg m²; assumed 2.")
-@click.option("--axle-stiffness", type=POSITIVE, help="Pinion to there, N m/rad; assumed rigid.")
-@click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox flange, kg m².")
-@click.option("--gearbox-stiffness", type=POSITIVE, help="Engine to there, N m/rad.")
-@click.option("--damping-ratio", type=POSITIVE, help="Of the first mode; assumed 0.02.")
+@click.option("--axle-inertia", type=POSITIVE, help="Behind the pinion, at its speed, kg m².")
+@click.option("--axle-stiffness", type=POSITIVE, help="Half shafts at the pinion's speed, N m/rad.")
+@click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox output, kg m².")
+@click.option("--gearbox-stiffness", type=POSITIVE, help="Of the gearbox, at its output, N m/rad.")
+@click.option(
+    "--damping-ratio", type=POSITIVE, help="Of the springs of steel; half their loss factor."
+)
 @LIMITS
 @OUTSIDE
 @LANG
@@ -45,7 +47,7 @@ def stability(
     *,
     json_out: str | None,
     chart: Path | None,
-    line: str | None,
+    gear: str | None,
     every: bool,
     limits: str | None,
     allow_outside: bool,
@@ -53,11 +55,12 @@ def stability(
     quiet: bool,
     **surroundings: float | None,
 ) -> None:
-    """Hold each gear's speeds against torsional resonances, parametric zones and flutter.
+    """Hold the whole vehicle's torsion, its starts from rest and hung shafts against limits.
 
-    What turns at both ends is the file's `torsion`; options go before it, and what nobody
-    gives is assumed: without the gearbox's values its flange turns uniformly. Exit code 0
-    where everything passes or warns, 1 where something fails, 2 for a bad file.
+    Engine to road in every gear and state: modes, resonances at speeds that exist, vibratory
+    torque at its true peak, parametric zones, launches. Parts are the file's; what nobody
+    gives is a typical value, told with how the answer moves with it. Exit code 0 where
+    everything passes or warns, 1 where something fails, 2 for a bad file.
     """
     from cardan.model.application import Surroundings
     from cardan.report import stability as report
@@ -74,10 +77,11 @@ def stability(
     with of(file, application), progress(say("asking what vibrates"), quiet=quiet) as tell:
         found = approve(application, (study,), tell=tell.study)
     if chart:
-        shown = {v.line.name: v for v in found.of(VIBRATION).lines}
-        if line is not None and line not in shown:
-            refuse(f"there is no line {line}; the file has {', '.join(shown)}")
-        write(chart, report.chart(shown[line] if line else next(iter(shown.values()))))
+        answer = found.of(VIBRATION)
+        gears = answer.drivetrain.gears
+        if gear is not None and gear not in gears:
+            refuse(f"there is no gear {gear}; the file has {', '.join(gears)}")
+        write(chart, report.chart(answer, gear))
     if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":

@@ -193,15 +193,39 @@ def _placed(
     A pin is counted from its joint's own plane. The last twist, to no joint, is 0. A joint of
     constant velocity turns like one without an angle.
     """
-    before, after = directions[..., :-1, :], directions[..., 1:, :]
-    turned = turn(directions, phases=phases, crosses=crosses, samples=4)
-    pins = turned.driving_pins[..., 0, :]
-    normal = cross(before, after)
-    theta = np.arctan2(dot(pins, normal), dot(pins, cross(normal, before)))
+    theta = _pin_angles(directions, phases, crosses)
     beta = joint_angles(directions) * np.array(crosses)
     driven = transmitted(theta, beta=beta)[0]
     twist = np.concatenate([theta[..., 1:] - driven[..., :-1], 0 * theta[..., :1]], axis=-1)
     return beta, twist
+
+
+def _pin_angles(
+    directions: FloatArray, phases: ArrayLike, crosses: tuple[float, ...]
+) -> FloatArray:
+    """Angle (..., n) rad of each driving pin from its joint's plane at the start of a turn."""
+    before, after = directions[..., :-1, :], directions[..., 1:, :]
+    turned = turn(directions, phases=phases, crosses=crosses, samples=4)
+    driving = turned.driving_pins[..., 0, :]
+    normal = cross(before, after)
+    return np.arctan2(dot(driving, normal), dot(driving, cross(normal, before)))
+
+
+def pins(
+    directions: ArrayLike, phases: ArrayLike, crosses: tuple[float, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Angles of a chain's joints and places of their driving pins, (..., n) rad each.
+
+    The angle of a joint of constant velocity, 0 in `crosses`, is 0: it turns like a straight one.
+
+    A place is the pin's angle from its joint's own plane where every shaft has turned with the
+    first one from 0, without the leads of the joints ahead.
+    """
+    directions = np.asarray(directions, dtype=float)
+    beta, twist = _placed(directions, phases, crosses)
+    first = _pin_angles(directions, phases, crosses)[..., :1]
+    ahead = np.concatenate([np.zeros_like(first), twist[..., :-1]], axis=-1)
+    return beta, first + np.cumsum(ahead, axis=-1)
 
 
 # ----- without the joints' unevenness -----------------------------------------------------

@@ -67,6 +67,7 @@ from cardan.model.application import (
     Written,
 )  # fmt: skip
 from cardan.model.layout import Layout
+from cardan.model.turning import Launch
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
 
 CATALOGUES = 20
@@ -383,6 +384,7 @@ class TorsionTable(Table):
         )
 
 
+_LAUNCH = Later("cardan.files.torsion", "LaunchTable")
 _STATES = ListOf(OneOf(KindName(), TableRule(StateTable)), most=200)
 _OBSTACLES = ListOf(TableRule(ObstacleTable), most=200)
 _DUTY = OneOf(ListOf(TableRule(DutyTable), most=1000), CycleName())
@@ -428,6 +430,24 @@ class ApplicationTable(Table):
     torsion: Annotated[Surroundings, TorsionTable] | None = key(
         "what turns with the lines at both ends", default=None
     )
+    clutch: Annotated[Any, Later("cardan.files.torsion", "ClutchTable")] | None = key(
+        "between engine and gearbox", default=None
+    )
+    dual_mass_flywheel: (
+        Annotated[Any, Later("cardan.files.torsion", "DualMassFlywheelTable")] | None
+    ) = key("ahead of the clutch", default=None)
+    converter: Annotated[Any, Later("cardan.files.torsion", "ConverterTable")] | None = key(
+        "in place of the clutch", default=None
+    )
+    inter_axle: Annotated[Any, Later("cardan.files.torsion", "InterAxleTable")] | None = key(
+        "the differential of a tandem", default=None
+    )
+    wheels: Annotated[Any, Later("cardan.files.torsion", "WheelsTable")] | None = key(
+        "with their tyres", default=None
+    )
+    launch: Annotated[Any, OneOf(_LAUNCH, ListOf(_LAUNCH, most=20))] | None = key(
+        "starts from rest, one or several", default=None
+    )
     prime_mover: Literal["diesel", "petrol", "electric"] = key("engine", default="diesel")
     shock_factor: Annotated[float, Number(least=1, most=10)] = key(
         "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
@@ -471,13 +491,46 @@ class ApplicationTable(Table):
             duty_cycle=self.duty if isinstance(self.duty, DutyCycle) else None,
             adjustables=tuple(self._adjustables(lines, list(tables.values()))),
             bracket=self.bracket.bracket(lines) if self.bracket else None,
-            torsion=self.torsion,
+            torsion=self._torsion(),
+            clutch=self.clutch,
+            dual_mass_flywheel=self.dual_mass_flywheel,
+            converter=self.converter,
+            inter_axle=self.inter_axle,
+            wheels=self.wheels,
+            launches=self._launches(),
             prime_mover_factor=PRIME_MOVERS[self.prime_mover],
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,
             include_unbalance="unbalance" in self.include,
             origins=self.at().reading.places,
         )
+
+    def _torsion(self) -> Surroundings | None:
+        """Return what the first plan's table says, refused beside parts of their own."""
+        if self.torsion is not None:
+            for name in ("clutch", "dual_mass_flywheel", "converter", "inter_axle", "wheels"):
+                if self.has(name):
+                    message = f"stands in place of the table {name}, not beside it: give the parts"
+                    self.at("torsion").refuse(message)
+        if self.clutch is not None and self.converter is not None:
+            self.at("converter").refuse("stands in place of a clutch, not beside it")
+        return self.torsion
+
+    def _launches(self) -> tuple[Launch, ...]:
+        """Return the starts from rest, in gears and under loads that there are."""
+        given: Any = self.launch
+        found: tuple[Launch, ...] = given if isinstance(given, tuple) else (given,) * bool(given)
+        gears = len(self.gearbox.ratios) if self.gearbox else 1
+        names = {f"{low}{k}" for low in ("", "low ") for k in range(1, gears + 1)}
+        loads = {load.name for load in self.vehicle.loads} if self.vehicle else set[str]()
+        for k, launch in enumerate(found, 1):
+            at = self.at("launch", k) if isinstance(given, tuple) else self.at("launch")
+            if launch.gear not in names:
+                at.refuse(f"has no gear {launch.gear}", f"there are 1 to {gears}")
+            if launch.load is not None and launch.load not in loads:
+                at.refuse(f"the vehicle has no load state {launch.load}",
+                          nearest(launch.load, loads))  # fmt: skip
+        return found
 
     @staticmethod
     def _find_driven(vehicle: Vehicle, tables: list[LineTable]) -> None:

@@ -148,6 +148,9 @@ _ENDS = ListOf(
 )
 
 
+_YOKES = ListOf(Number("kgm2", least=0, most=1e7, usual=(1e-5, 50)), "front", "rear")
+
+
 class ShaftTable(Table):
     """One shaft, from joint centre to joint centre."""
 
@@ -161,7 +164,12 @@ class ShaftTable(Table):
     yoke_mass: Mass | Annotated[tuple[float, float], _ENDS] = key(
         "beyond the tube, at each end or [front, rear]", default=0.0
     )
-    yoke_inertia: Inertia = key("of both yokes together, about the axis", default=0.0)
+    yoke_inertia: Inertia | Annotated[tuple[float, float], _YOKES] = key(
+        "of both yokes together, or [front, rear], about the axis", default=0.0
+    )
+    tube_length: ShaftLength | None = key(
+        "of the tube between its yokes; all the shaft's if left out", default=None
+    )
     polar_inertia: Inertia | None = key(
         "of the whole shaft, in place of tube and yokes", default=None
     )
@@ -184,7 +192,7 @@ class ShaftTable(Table):
 
     def shaft(self, length: float) -> Shaft:
         """Return the shaft of a length, in SI; refuse what cannot be, as its part does."""
-        mass = self.yoke_mass
+        mass, yokes = self.yoke_mass, self.yoke_inertia
         return Shaft(
             length=length,
             tube=self.tube,
@@ -192,7 +200,9 @@ class ShaftTable(Table):
             centre_bearing=self.centre_bearing,
             spline=self.spline,
             yoke_mass=mass if isinstance(mass, tuple) else (mass, mass),
-            yoke_inertia=self.yoke_inertia,
+            yoke_inertia=sum(yokes) if isinstance(yokes, tuple) else yokes,
+            yoke_inertias=yokes if isinstance(yokes, tuple) else None,
+            tube_length=self.tube_length,
             polar_inertia_given=self.polar_inertia,
             balance_grade=self.balance_grade,
         )

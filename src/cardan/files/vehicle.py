@@ -1,7 +1,7 @@
 """The vehicle of a file: engine, gearbox, axle, tyre, load states, suspension."""
 
 from itertools import pairwise
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from cardan.border.measure import (
     Curve,
     Deflection,
     Deflections,
+    Displacement,
     Efficiency,
     EngineSpeed,
     EngineSpeeds,
@@ -25,11 +26,18 @@ from cardan.border.measure import (
     Length,
     LinkAngle,
     LinkLength,
+    LossFactor,
     Part,
     Pitches,
     PitchRate,
+    PositiveInertia,
+    PositiveInertias,
+    SlipForce,
     SpringRates,
+    Stiffness,
     Torque,
+    TorsionStiffness,
+    TorsionStiffnesses,
     TransferRatio,
     Travels,
     TyreFriction,
@@ -39,7 +47,8 @@ from cardan.border.measure import (
     Wheelbase,
     WindupStiffness,
 )  # fmt: skip
-from cardan.border.table import ListOf, MapOf, Number, Table, TableRule, Text, Whole, key
+from cardan.border.table import Later, ListOf, MapOf, Number, Table, TableRule, Text, Whole, key
+from cardan.model.turning import GearboxRotors, Rotors
 from cardan.model.vehicle import (
     AuxiliaryAxle,
     Axle,
@@ -72,6 +81,12 @@ class EngineTable(Table):
     brake_torque: Torque | None = key(
         "of engine brake or retarder, at the crankshaft; not known if left out", default=None
     )
+    inertia: PositiveInertia | None = key("with flywheel and clutch cover", default=None)
+    displacement: Displacement | None = key("by which an inertia is assumed", default=None)
+    cylinders: Annotated[int, Whole(24)] | None = key("of a four-stroke engine", default=None)
+    idle: EngineSpeed | None = key("idling speed", default=None)
+    governed: EngineSpeed | None = key("speed it is governed to", default=None)
+    firing_torque: Torque | None = key("of the firing order at full load, 0-to-peak", default=None)
 
     def build(self) -> Engine:
         """Return the engine in SI."""
@@ -80,7 +95,17 @@ class EngineTable(Table):
             message = f"must hold {len(speed)} values, one for each speed"
             self.at("torque").refuse(message, got=f"{len(torque)} values")
         _rise(self, speed=speed)
-        return Engine(speed=speed, torque=torque, brake_torque=self.brake_torque)
+        return Engine(
+            speed=speed,
+            torque=torque,
+            brake_torque=self.brake_torque,
+            inertia=self.inertia,
+            displacement=self.displacement,
+            cylinders=self.cylinders,
+            idle=self.idle,
+            governed=self.governed,
+            firing_torque=self.firing_torque,
+        )
 
 
 class GearboxTable(Table):
@@ -96,12 +121,27 @@ class GearboxTable(Table):
     retarder_torque: Torque | None = key(
         "of a retarder at the gearbox output; none known if left out", default=None
     )
+    input_inertia: PositiveInertia | None = key("what turns with its input", default=None)
+    output_inertia: PositiveInertia | PositiveInertias | None = key(
+        "what turns with its output; a list for the gears", default=None
+    )
+    stiffness: TorsionStiffness | TorsionStiffnesses | None = key(
+        "from input to output, at the output; a list for the gears", default=None
+    )
 
     def build(self) -> Gearbox:
         """Return the gearbox."""
         ratios = self.ratios if isinstance(self.ratios, tuple) else (self.ratios,)
         if not all(np.all(a >= b) for a, b in pairwise(ratios)):
             self.at("ratios").refuse("must fall from the lowest gear to the highest")
+        each: dict[str, tuple[float, ...]] = {}
+        for name in ("output_inertia", "stiffness"):
+            value = getattr(self, name)
+            given = value if isinstance(value, tuple) else () if value is None else (value,)
+            if len(given) not in {0, 1, len(ratios)}:
+                message = f"must be one value, or {len(ratios)}: one for each gear"
+                self.at(name).refuse(message, got=f"{len(given)} values")
+            each[name] = given
         return Gearbox(
             ratios=ratios,
             efficiency=self.efficiency,
@@ -109,6 +149,7 @@ class GearboxTable(Table):
             transfer_ratio=self.transfer_ratio,
             reverse_ratio=self.reverse_ratio,
             retarder_torque=self.retarder_torque,
+            rotors=GearboxRotors(input_inertia=self.input_inertia, **each),
         )
 
 
@@ -133,16 +174,52 @@ class PlaceTable(Table):
 APlace: TypeAlias = Annotated[tuple[float, float], PlaceTable]
 
 
+class PinionTable(PlaceTable):
+    """The pinion: where the last joint is, what turns there and how stiff its shaft is."""
+
+    inertia: PositiveInertia | None = key("of the pinion", default=None)
+    flange_inertia: PositiveInertia | None = key("of the last joint's flange", default=None)
+    stiffness: TorsionStiffness | None = key("of its shaft, flange to teeth", default=None)
+
+    def build(self) -> Any:
+        """Return where the last joint is, and this table."""
+        return super().build(), self
+
+
 class AxleTable(Table):
     """The driven axle of a line."""
 
     ratio: AxleRatio = key("pinion speed over wheel speed")
     efficiency: Efficiency = key("of the axle", default=1.0)
-    pinion: APlace = key("last joint from the wheel centre", default=(0.0, 0.0))
+    pinion: Annotated[Any, PinionTable] | None = key(
+        "last joint from the wheel centre, and what turns there", default=None
+    )
+    ring_inertia: PositiveInertia | None = key("of ring gear and differential", default=None)
+    housing_inertia: PositiveInertia | None = key("of the housing about the axle", default=None)
+    differential: Literal["open", "locked"] = key("between its wheels", default="open")
+    half_shafts: Annotated[Any, Later("cardan.files.torsion", "HalfShaftsTable")] | None = key(
+        "between differential and wheels", default=None
+    )
+    hub_ratio: AxleRatio = key("half shaft speed over wheel speed, where hubs reduce", default=1.0)
 
     def build(self) -> Axle:
         """Return the axle in SI."""
-        return Axle(ratio=self.ratio, efficiency=self.efficiency, pinion_joint=self.pinion)
+        place, pinion = self.pinion or ((0.0, 0.0), None)
+        return Axle(
+            ratio=self.ratio,
+            efficiency=self.efficiency,
+            pinion_joint=place,
+            rotors=Rotors(
+                pinion_inertia=pinion and pinion.inertia,
+                flange_inertia=pinion and pinion.flange_inertia,
+                pinion_stiffness=pinion and pinion.stiffness,
+                ring_inertia=self.ring_inertia,
+                housing_inertia=self.housing_inertia,
+                half_shafts=self.half_shafts,
+                hub_ratio=self.hub_ratio,
+                locked=self.differential == "locked",
+            ),
+        )
 
 
 AnAxle: TypeAlias = Annotated[Axle, AxleTable]
@@ -154,6 +231,10 @@ class TyreTable(Table):
     static_radius: TyreRadius = key("loaded, standing")
     friction: TyreFriction = key("of tyre on ground", default=0.8)
     dynamic_radius: TyreRadius | None = key("rolling", default=None)
+    longitudinal_stiffness: Stiffness | None = key(
+        "of one tyre, at its circumference", default=None
+    )
+    slip_stiffness: SlipForce | None = key("of one tyre, force over slip", default=None)
 
     def build(self) -> Tyre:
         """Return the tyre in SI."""
@@ -161,6 +242,8 @@ class TyreTable(Table):
             static_radius=self.static_radius,
             friction=self.friction,
             dynamic_radius=self.dynamic_radius,
+            longitudinal_stiffness=self.longitudinal_stiffness,
+            slip_stiffness=self.slip_stiffness,
         )
 
 
@@ -343,6 +426,7 @@ class SuspensionTable(Table):
     unsprung_mass: UnsprungMass = key("of one axle with its wheels", default=0.0)
     linkage: Annotated[Linkage, LinkageTable] = key("how the axle is guided", default=Linkage())
     windup_stiffness: WindupStiffness | None = key("of the axle in pitch", default=None)
+    windup_loss_factor: LossFactor | None = key("of the springs in pitch", default=None)
     brake_torque: Torque = key("of the brakes on the axle; 0: what the tyres hold", default=0.0)
     reference: SuspensionState = key("state in which the geometry is given", default="gvw")
     full_rebound_deflection: Deflection | None = key("where a check strap stops it", default=None)
@@ -356,6 +440,7 @@ class SuspensionTable(Table):
             unsprung_mass=self.unsprung_mass,
             linkage=self.linkage,
             windup_stiffness=self.windup_stiffness,
+            windup_loss_factor=self.windup_loss_factor,
             brake_torque=self.brake_torque,
             reference=self.reference,
             full_rebound_deflection=self.full_rebound_deflection,

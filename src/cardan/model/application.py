@@ -12,6 +12,7 @@ from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
+from cardan.model.turning import Clutch, Converter, DualMassFlywheel, InterAxle, Launch, Wheels
 from cardan.model.vehicle import (
     Axle,
     Drives,
@@ -271,6 +272,12 @@ class Application:
     adjustables: tuple[Adjustable, ...] = ()
     bracket: "Bracket | None" = None
     torsion: Surroundings | None = None
+    clutch: Clutch | None = None
+    dual_mass_flywheel: DualMassFlywheel | None = None
+    converter: Converter | None = None
+    inter_axle: InterAxle | None = None
+    wheels: Wheels | None = None
+    launches: tuple[Launch, ...] = ()
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False
@@ -284,3 +291,12 @@ class Application:
     )
     """Where everything stands in the file, by the key its errors print:
     `driveline.shafts[2].tube.wall_mm`."""
+
+    @property
+    def says_what_turns(self) -> bool:
+        """Whether it says what turns and springs beside its lines, or how it starts from rest."""
+        parts = (
+            self.torsion, self.clutch, self.dual_mass_flywheel, self.converter, self.inter_axle,
+            self.wheels,
+        )  # fmt: skip
+        return bool(self.launches) or any(part is not None for part in parts)

@@ -229,6 +229,11 @@ class Shaft:
     spline: Spline | None = None
     yoke_mass: tuple[Kilogram, Kilogram] = (0.0, 0.0)
     yoke_inertia: float = 0.0
+    """Of both yokes together, about the axis."""
+    yoke_inertias: tuple[float, float] | None = None
+    """Of the front and of the rear yoke, where they are told apart."""
+    tube_length: Metre | None = None
+    """Of the tube between its yokes, which are stiff in torsion; None: the whole length."""
     polar_inertia_given: float | None = None
     balance_grade: float | None = None
     """ISO 21940-11 grade G, mm/s as the standard prints it."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
+from cardan.model.turning import GearboxRotors, Rotors
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
 Drives: TypeAlias = Literal["rear", "front", "all"]
@@ -35,6 +36,15 @@ class Engine:
     torque: tuple[NewtonMetre, ...]
     brake_torque: NewtonMetre | None = None
     """Engine brake or retarder torque at the crankshaft, for coast; None where not known."""
+    inertia: float | None = None
+    """With flywheel and clutch cover, kg m²."""
+    displacement: float | None = None
+    """m³."""
+    cylinders: int | None = None
+    idle: RadianPerSecond | None = None
+    governed: RadianPerSecond | None = None
+    firing_torque: NewtonMetre | None = None
+    """0-to-peak of the firing order at full load."""
 
     def __post_init__(self) -> None:
         if len(self.speed) != len(self.torque) or not self.speed:
@@ -57,6 +67,7 @@ class Gearbox:
     """Engine speed over output speed in reverse; None where nobody says, or nothing reverses."""
     retarder_torque: NewtonMetre | None = None
     """Torque of a retarder at the gearbox output, for coast; None where not known."""
+    rotors: GearboxRotors = field(default_factory=GearboxRotors)
 
     def __post_init__(self) -> None:
         if not self.ratios:
@@ -90,6 +101,7 @@ class Axle:
     pinion_joint: tuple[Metre, Metre] = (0.0, 0.0)
     torque_share: float = 1.0
     """Share of the vehicle's torque that this line carries."""
+    rotors: Rotors = field(default_factory=Rotors)
 
     def __post_init__(self) -> None:
         positive(
@@ -105,6 +117,10 @@ class Tyre:
     static_radius: Metre
     friction: float = 0.8
     dynamic_radius: Metre | None = None
+    longitudinal_stiffness: float | None = None
+    """Of one tyre, N/m."""
+    slip_stiffness: Newton | None = None
+    """Of one tyre, force over slip, N."""
 
     def __post_init__(self) -> None:
         positive("a tyre", static_radius=self.static_radius, friction=self.friction)
@@ -296,6 +312,7 @@ class Suspension:
     unsprung_mass: Kilogram = 0.0
     linkage: Linkage = field(default_factory=Linkage)
     windup_stiffness: float | None = None
+    windup_loss_factor: float | None = None
     brake_torque: NewtonMetre = 0.0
     """Brake torque on the axle housing; 0 takes what the tyres can hold."""
     reference: SuspensionState = "gvw"

@@ -39,6 +39,7 @@ BY_PART = ("Joints", "Centre bearings")
 WRITTEN = {
     "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
     "N_mm": "N/mm", "percent": "%", "per_s": "1/s",
+    "Nm_rad": "N·m/rad", "kgm2": "kg·m²", "N_m": "N/m",
 }  # fmt: skip
 """How people write the units whose names in keys cannot hold a slash or a dot."""
 

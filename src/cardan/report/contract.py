@@ -19,6 +19,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval, Coverage
+from cardan.study.finding import VIBRATION
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
 
@@ -54,6 +55,10 @@ def approval(of: Approval) -> dict[str, Any]:
             for p in of.application.warnings
         ],
     }
+    if of.of(VIBRATION) is not None:
+        from cardan.report.stability import vehicle  # few checks ask it
+
+        document["vehicle"] = vehicle(of.of(VIBRATION))
     return plain(document)
 
 

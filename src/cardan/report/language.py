@@ -110,6 +110,8 @@ class Language:
                 return self("zone of modes {mode} + {other}", mode=part.number, other=part.other)
             case "gauge":
                 return str(part.other)
+            case kind if not part.number:
+                return self(kind)
             case kind:
                 return f"{self(kind)} {part.number}"
 
@@ -120,6 +122,8 @@ class Language:
                 return self("gear {gear}", gear=when.name)
             case "speed":
                 return self(when.name)
+            case "launch":
+                return self("launch in gear {gear}, {time} s", gear=when.name, time=when.what)
             case "duty":
                 return self("duty cycle, {state}", state=self.state(when.name))
             case "state":

@@ -1,13 +1,23 @@
 """The chapter on vibration: distances from resonances and zones, growth, amplitudes."""
 
 from collections.abc import Iterator
+from math import isnan
 
-from cardan.base.units import rpm
 from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.blocks import Block, Figures, Table, Text
 from cardan.report.language import Language
-from cardan.report.stability import basis, campbell, distances, forced, worst_of_parts
+from cardan.report.stability import (
+    basis,
+    campbell,
+    distances,
+    forced,
+    shapes,
+    shown_gears,
+    started,
+    tables,
+    worst_of_parts,
+)
 from cardan.report.wording import badness, sense, tally
 from cardan.study.approval import verdict_of
 from cardan.study.finding import Finding
@@ -15,49 +25,54 @@ from cardan.study.stability import Stability
 
 
 def chapter(found: Finding[Stability], say: Language) -> Iterator[Block]:
-    """Yield how far each range of speed stays from resonances and zones, and what grows."""
+    """Yield how far each range of speed stays from resonances, what grows, and the starts."""
     of = found.answer
     assert of is not None  # of a study that answered
     verdict = say("Vibration: {verdict} ({counts}).",
                   verdict=say(verdict_of(found.checks, missed=False)).upper(),
                   counts=tally(found.checks, say))  # fmt: skip
     hint = say("0 % runs through it; − stays below its speed, + above.")
-    yield Text(paragraphs=(verdict, *basis(of, say), hint))
-    for v in of.lines:
-        end = f": {v.line.name}" if len(of.lines) > 1 else ""
-        rows = tuple(distances(v, found.checks))
-        yield Table(
-            caption=say("How far each range of speed stays from resonances and zones") + end,
-            head=(say("resonance or zone"), say("at [rpm]"), *(say.occasion(g) for g in v.gears)),
-            rows=tuple(
-                (
-                    say.part(row.part),
-                    say.number(row.speed / rpm),
-                    *(say.percent(share) if share else "0 %" for share in row.shares),
-                )
-                for row in rows
-            ),
-            grades=tuple(("", "", *("" if g == "pass" else g for g in row.grades)) for row in rows),
+    doubts = (say("Not asked: {what}.", what=doubt) for doubt in of.doubts)
+    yield Text(paragraphs=(verdict, *basis(of, say), *doubts, hint))
+    rows = tuple(distances(of, found.checks))
+    yield Table(
+        caption=say("How far each range of speed stays from resonances"),
+        head=(say("resonance"), *(say.occasion(g) for g in of.gears)),
+        rows=tuple(
+            (
+                say.part(row.part),
+                *(
+                    "" if isnan(share) else say.percent(share) if share else "0 %"
+                    for share in row.shares
+                ),
+            )
+            for row in rows
+        ),
+        grades=tuple(("", *("" if g == "pass" else g for g in row.grades)) for row in rows),
+    )
+    others = sorted(
+        worst_of_parts(c for c in found.checks if c.quantity != "torsional_resonance"), key=badness
+    )
+    yield Table(
+        caption=say("Limits of vibration, where each is worst"),
+        head=(say("verdict"), say("limit"), say("where it is worst"), say("value"),
+              say("bound"), say("unit")),
+        rows=tuple(_row(c, say) for c in others),
+        words=3,
+        grades=tuple((c.grade, *[""] * 5) for c in others),
+    )  # fmt: skip
+    for caption, head, lines, words in tables(of, say):
+        yield Table(caption=caption, head=head, rows=lines, words=words)
+    yield Figures(
+        figures=tuple(
+            f for g in shown_gears(of) for f in (campbell(of, g, say), shapes(of, g, say))
         )
-        growing = sorted(
-            worst_of_parts(
-                c for c in found.checks if c.line == v.line.name and c.quantity.endswith("growth")
-            ),
-            key=badness,
-        )
-        yield Table(
-            caption=say("Growth of vibrations, where it is worst") + end,
-            head=(say("verdict"), say("limit"), say("where it is worst"), say("value"),
-                  say("bound"), say("unit")),
-            rows=tuple(_growth(c, say) for c in growing),
-            words=3,
-            grades=tuple((c.grade, *[""] * 5) for c in growing),
-        )  # fmt: skip
-        yield Figures(figures=(campbell(v, say), forced(v, say)))
+    )
+    yield Figures(figures=(forced(of, say), *(f for s in of.launches for f in started(s, say))))
 
 
-def _growth(c: Check, say: Language) -> tuple[str, ...]:
-    """Return a check on growth as a row."""
+def _row(c: Check, say: Language) -> tuple[str, ...]:
+    """Return a check as a row."""
     q = QUANTITIES[c.quantity]
     where = say.list(say.part(c.part), say.occasion(c.when))
     value, bound = say.number(c.value / q.factor), say.number(c.bound / q.factor)

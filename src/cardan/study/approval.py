@@ -174,10 +174,12 @@ def approve(
 def default_studies(application: Application) -> tuple[Study[Any], ...]:
     """Return what an approval asks if nobody says: the driveline, and vibration if it is given.
 
-    Vibration is asked where the file says what turns at both ends. A bracket takes a while
-    and has to be asked for.
+    Vibration is asked where the file says what turns beside the lines, or how it starts. A
+    bracket takes a while and has to be asked for.
     """
-    return (DrivelineStudy(), VibrationStudy()) if application.torsion else (DrivelineStudy(),)
+    if application.says_what_turns:
+        return (DrivelineStudy(), VibrationStudy())
+    return (DrivelineStudy(),)
 
 
 def assess(application: Application) -> Approval:

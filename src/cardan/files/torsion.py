@@ -1,0 +1,215 @@
+"""What turns and springs between engine and road in a file, each part at its own speed."""
+
+from typing import Annotated, TypeAlias
+
+import numpy as np
+
+from cardan.border.measure import (
+    ConverterRatio,
+    CurveAngles,
+    CurveTorques,
+    Diameter,
+    EngineSpeed,
+    Grade,
+    Part,
+    Play,
+    PositiveInertia,
+    Time,
+    Torque,
+    TorsionDamping,
+    TorsionStiffness,
+)  # fmt: skip
+from cardan.border.table import ListOf, Number, Table, Text, Whole, key
+from cardan.files.typical import find_row
+from cardan.model.parts import STEEL
+from cardan.model.turning import (
+    Clutch,
+    Converter,
+    DualMassFlywheel,
+    InterAxle,
+    Launch,
+    Wheels,
+    bar_stiffness,
+)
+
+
+class ClutchTable(Table):
+    """A friction clutch with the damper in its disc."""
+
+    at_most_one_of = (("stiffness", "torque"), ("stiffness", "angle"))
+
+    stiffness: TorsionStiffness | None = key("of the damper", default=None)
+    hysteresis: Torque | None = key("of the damper", default=None)
+    damping: TorsionDamping | None = key("of the damper", default=None)
+    disc_inertia: PositiveInertia | None = key("on the friction's side", default=None)
+    capacity: Torque | None = key("largest torque that the friction holds", default=None)
+    angle: CurveAngles = key("the damper's curve: angles, rising", default=())
+    torque: CurveTorques = key("the damper's curve: torques, rising", default=())
+
+    def build(self) -> Clutch:
+        """Return the clutch in SI."""
+        if len(self.angle) != len(self.torque):
+            self.at("torque" if self.torque else "angle").refuse(
+                "angle_deg and torque_Nm go together, as many of one as of the other"
+            )
+        return Clutch(
+            stiffness=self.stiffness,
+            hysteresis=self.hysteresis,
+            damping=self.damping,
+            disc_inertia=self.disc_inertia,
+            capacity=self.capacity,
+            angle=self.angle,
+            torque=self.torque,
+        )
+
+
+class DualMassFlywheelTable(Table):
+    """A flywheel in two halves; what the engine's own half weighs is in its inertia."""
+
+    stiffness: TorsionStiffness = key("between its halves")
+    secondary_inertia: PositiveInertia = key("of the half at the clutch")
+    damping: TorsionDamping | None = key("between its halves", default=None)
+
+    def build(self) -> DualMassFlywheel:
+        """Return it in SI."""
+        return DualMassFlywheel(
+            stiffness=self.stiffness,
+            secondary_inertia=self.secondary_inertia,
+            damping=self.damping,
+        )
+
+
+class ConverterTable(Table):
+    """A torque converter in place of the clutch."""
+
+    stall_torque_ratio: ConverterRatio = key("turbine over pump torque at stall", default=1.0)
+    pump_inertia: PositiveInertia | None = key("on the engine's side", default=None)
+    turbine_inertia: PositiveInertia | None = key("on the gearbox's side", default=None)
+    lockup_stiffness: TorsionStiffness | None = key("of the lock-up's damper", default=None)
+
+    def build(self) -> Converter:
+        """Return it in SI."""
+        return Converter(
+            stall_torque_ratio=self.stall_torque_ratio,
+            pump_inertia=self.pump_inertia,
+            turbine_inertia=self.turbine_inertia,
+            lockup_stiffness=self.lockup_stiffness,
+        )
+
+
+_SIDES = ListOf(Number("mm", "m", "in", least=5e-3, most=20, usual=(0.2, 3)), "left", "right")
+_SPRINGS = ListOf(
+    Number("Nm_deg", "Nm_rad", "kNm_deg", "kNm_rad", least=1e-3, most=1e12, usual=(100.0, 1e9)),
+    "left", "right",
+)  # fmt: skip
+
+
+class HalfShaftsTable(Table):
+    """The shafts between differential and wheels: round bars of steel, or their stiffness."""
+
+    one_of = (("diameter", "stiffness"),)
+
+    diameter: Diameter | None = key("where they are thinnest", default=None)
+    lengths: Annotated[tuple[float, float], _SIDES] | None = key(
+        "of the left and the right one at that diameter", default=None
+    )
+    stiffness: Annotated[tuple[float, float], _SPRINGS] | None = key(
+        "of the left and the right one", default=None
+    )
+
+    def build(self) -> tuple[float, float]:
+        """Return the stiffness of the left and of the right one, N m/rad."""
+        if (self.diameter is None) != (self.lengths is None):
+            self.at().refuse("diameter_mm and lengths_mm go together; or give stiffness_kNm_rad")
+        if self.diameter is None or self.lengths is None:
+            assert self.stiffness is not None  # one_of refuses neither
+            return self.stiffness
+        G = STEEL.shear_modulus
+        d, (left, right) = self.diameter, self.lengths
+        return (
+            bar_stiffness(diameter=d, length=left, shear_modulus=G),
+            bar_stiffness(diameter=d, length=right, shear_modulus=G),
+        )
+
+
+HalfShafts: TypeAlias = Annotated[tuple[float, float], HalfShaftsTable]
+
+
+class InterAxleTable(Table):
+    """The differential between the two driven axles of a tandem."""
+
+    torque_split: Part = key("share of the torque that goes on to the axle behind", default=0.5)
+    through_inertia: PositiveInertia | None = key("what turns with the line behind", default=None)
+    cage_inertia: PositiveInertia | None = key("what turns with the line ahead", default=None)
+    locked: bool = key("whether it is locked", default=False)
+
+    def build(self) -> InterAxle:
+        """Return it in SI."""
+        return self.attempt(
+            lambda: InterAxle(
+                torque_split=self.torque_split,
+                through_inertia=self.through_inertia,
+                cage_inertia=self.cage_inertia,
+                locked=self.locked,
+            )
+        )
+
+
+class WheelsTable(Table):
+    """The wheels with their tyres, all alike."""
+
+    at_most_one_of = (("tyre", "inertia"),)
+
+    inertia: PositiveInertia | None = key("of one wheel with its tyre", default=None)
+    tyre: Annotated[str, Text()] | None = key("its size, of a catalogue", default=None)
+    per_axle: Annotated[int, Whole(16)] | None = key("wheels on a driven axle", default=None)
+    hub_inertia: PositiveInertia | None = key(
+        "of hub and brake at one end of an axle", default=None
+    )
+
+    def build(self) -> Wheels:
+        """Return them in SI."""
+        inertia = self.inertia
+        if self.tyre is not None:
+            known, advice = find_row("tyres.csv", self.tyre)
+            if known is None:
+                self.at("tyre").refuse("no tyre of this size is in the catalogue", advice,
+                                       got=self.tyre)  # fmt: skip
+            inertia = float(known["wheel_inertia_kg_m2"])
+        return Wheels(inertia=inertia, per_axle=self.per_axle, hub_inertia=self.hub_inertia)
+
+
+class LaunchTable(Table):
+    """A start from rest: the clutch's torque rises in a ramp, until it locks."""
+
+    at_most_one_of = (("grade_percent", "grade"),)
+
+    gear: Annotated[str, Text()] = key("which", default="1")
+    ramp: Time = key("in which the clutch's torque rises", default=0.5)
+    clutch_torque: Torque | None = key(
+        "at the end of the ramp; the engine's largest if left out", default=None
+    )
+    capacity: Annotated[float, Number(least=0.05, most=10)] = key(
+        "what the clutch holds over that: above 1 it is dropped", default=1.0
+    )
+    engine: EngineSpeed | None = key("speed before the clutch grips", default=None)
+    grade_percent: Annotated[float, Number(above=-100, below=100, usual=(0.5, 100))] | None = key(
+        "slope of the road, rise over run, up positive", default=None
+    )
+    grade: Grade | None = key("slope of the road, up positive", default=None)
+    load: Annotated[str, Text()] | None = key("state of load, by its name", default=None)
+    play: Play = key("backlash at the pinion; none if left out", default=0.0)
+
+    def build(self) -> Launch:
+        """Return the launch in SI."""
+        percent = 0.0 if self.grade_percent is None else self.grade_percent
+        return Launch(
+            gear=str(self.gear),
+            ramp=self.ramp,
+            clutch_torque=self.clutch_torque,
+            capacity=self.capacity,
+            engine_speed=self.engine,
+            grade=np.arctan(percent / 100) if self.grade is None else self.grade,
+            load=self.load,
+            play=self.play,
+        )
