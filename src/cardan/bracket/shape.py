@@ -15,10 +15,15 @@ import numpy as np
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
-from cardan.model.bracket import LShape, Pick, Shape, StepShape, UShape
+from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape
 
 SEAT = "seat"
 FREE = "free"
+MOUNT = "mount"
+"""The plane that lies against the frame, without the washers' rings."""
+WELD = "weld"
+WALL = " wall"
+"""Ends the name of a bolt hole's wall; the ring about it is called after the bolt alone."""
 WASHER = 2.0
 """Diameter of the ring a bolt bears on, over its hole's."""
 
@@ -29,14 +34,41 @@ _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
 class Solid:
     """A solid in metres, the bearing's centre at its origin.
 
-    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 2", ... or "free".
-    `thickness` is that of its walls, `volume` in m³.
+    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 1 wall", ..., "mount",
+    "weld" or "free". `thickness` is that of its walls, `volume` in m³. `found` says what was
+    found of the picks in a STEP file.
     """
 
     shape: Any
     bolts: tuple[str, ...]
     thickness: Metre
     volume: float
+    found: tuple[str, ...] = ()
+
+    def held(self, hold: Hold = "sliding") -> dict[str, str]:
+        """Return the faces that are held, with the axes they may not move along.
+
+        The bolts at least hold the washers' rings against the frame and the holes' walls along
+        it; at most the whole plane is one with the frame. A real flange, which slides a
+        little and lifts off a little, is as stiff as the first or stiffer, as the second or
+        softer: each frees, or holds, all the other does and more.
+        """
+        names = {face.name for face in self.shape.faces}
+        walls = [bolt + WALL for bolt in self.bolts if bolt + WALL in names]
+        rings = [bolt for bolt in self.bolts if bolt in names]
+        if hold == "clamped" or not (walls and rings):
+            plane = [MOUNT] if hold == "clamped" and MOUNT in names else []
+            return dict.fromkeys([*rings, *walls, *plane], "xyz")
+        up = "xyz"[self.upright]
+        return dict.fromkeys(rings, up) | dict.fromkeys(walls, "xyz".replace(up, ""))
+
+    @property
+    def upright(self) -> int:
+        """Axis along which the bolts pull: of x, y, z the one the rings do not reach along."""
+        boxes = [face.bounding_box for face in self.shape.faces if face.name in self.bolts]
+        low = np.array([[a.x, a.y, a.z] for a, _ in boxes])
+        high = np.array([[b.x, b.y, b.z] for _, b in boxes])
+        return int((high - low).sum(axis=0).argmin())
 
     def write(self, path: Path) -> None:
         """Write a STEP file in millimetres; faces keep their names."""
@@ -127,6 +159,9 @@ def _u(part: UShape) -> Any:
             and _on_sheet(e, leg=leg, under=h - t, bend=(leg + r, bend, r))
         ]  # fmt: skip
         sheet = sheet.MakeFillet(seams, part.fillet / mm)
+        for face in sheet.faces:
+            # The kernel calls the faces it makes of a seam "fillet"; here each is a weld.
+            face.name = WELD if face.name == "fillet" else FREE
     return _drilled(sheet, part)
 
 
@@ -207,7 +242,11 @@ def _named(face: Any, part: UShape | LShape) -> str:
     for k, place in enumerate(part.places, 1):
         across = np.abs(np.stack([low, high])[:, :2] - np.asarray(place[:2]) / mm).max()
         if across < WASHER * part.bolt_diameter / 2 / mm + 0.1:
-            return f"bolt {k}"
+            return f"bolt {k}" if high[2] - low[2] < _NEAR * 100 else f"bolt {k}{WALL}"
+    if face.name == WELD:
+        return WELD
+    if low[2] > part.height / mm - _NEAR * 100:
+        return MOUNT
     bore = part.seat_diameter / 2 / mm
     half = (part.width if isinstance(part, UShape) else part.thickness) / 2 / mm
     reach = np.abs(np.stack([low, high])).max(axis=0)

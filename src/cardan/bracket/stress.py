@@ -27,6 +27,12 @@ def tensor(stress: ArrayLike) -> FloatArray:
     return stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
 
 
+def vector(matrix: ArrayLike) -> FloatArray:
+    """Symmetric matrices (..., 3, 3) as stress (..., 6)."""
+    m = np.asarray(matrix, dtype=float)
+    return np.stack([m[..., i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))], -1)
+
+
 def principal(stress: ArrayLike) -> FloatArray:
     r"""Principal stresses (..., 3) Pa of stresses (..., 6), smallest first.
 

@@ -19,6 +19,7 @@ from cardan.base.source import Source
 from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
     Angle,
+    Cycles,
     Density,
     Diameter,
     Factor,
@@ -33,6 +34,7 @@ from cardan.border.measure import (
 )  # fmt: skip
 from cardan.border.table import (
     PROSE,
+    Choice,
     Here,
     Number,
     OneOf,
@@ -44,9 +46,11 @@ from cardan.border.table import (
     key,
     nearest,
 )
+from cardan.fatigue.detail import at_knee
+from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
 
-Kind: TypeAlias = Literal["joint", "tube", "material"]
+Kind: TypeAlias = Literal["joint", "tube", "material", "detail"]
 
 
 class Named(Text):
@@ -165,12 +169,36 @@ class JointTable(Table):
         )
 
 
+class DetailTable(Table):
+    """What a cut edge, a weld or a bolted hole bears: a class of a code."""
+
+    name: str = key("what files call it", default="in place")
+    range_: Strength = key("stress range at two million cycles: the class")
+    cycles: Cycles = key("cycles at the knee", default=1e7)
+    slope: Annotated[float, Number(least=1, most=100)] = key("m of N ~ range^-m", default=3.0)
+    mean: Annotated[str, Choice(*MEANS)] = key(
+        "how a mean stress counts: none; ratio, by IIW's f(R); goodman", default="none"
+    )
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
+
+    def build(self) -> FatigueCurve:
+        """Return the curve in SI."""
+        knee = at_knee(self.range_, cycles=self.cycles, slope=self.slope)
+        return FatigueCurve(
+            amplitude=knee, cycles=self.cycles, slope=self.slope, mean=self.mean,  # type: ignore[arg-type]
+            name=self.name, source=_source(self.source),
+        )  # fmt: skip
+
+
+ADetail: TypeAlias = Annotated[FatigueCurve, OneOf(Named("detail"), TableRule(DetailTable))]
 AMaterial: TypeAlias = Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))]
 ATube: TypeAlias = Annotated[Tube, OneOf(Named("tube"), TableRule(TubeTable))]
 A_JOINT = OneOf(Named("joint"), TableRule(JointTable))
 
 TABLES: dict[Kind, type[Table]] = {
     "joint": JointTable, "tube": TubeTable, "material": MaterialTable,
+    "detail": DetailTable,
 }  # fmt: skip
 
 
@@ -320,7 +348,7 @@ class Catalogue:
 
 def _loose(name: str) -> str:
     """Return a name without what people vary in it."""
-    bare = re.sub(r"^(tube|joint|material)\b|[\s_]", "", name.casefold())
+    bare = re.sub(r"^(tube|joint|material|detail)\b|[\s_]", "", name.casefold())
     return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):g}", bare)
 
 

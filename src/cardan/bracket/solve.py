@@ -1,0 +1,250 @@
+"""From a bracket's drawing to plain arrays: everything its study needs of the finite elements.
+
+The work is done in a process of its own (`cardan.bracket.apart`), after an estimate of what
+it takes, and with smaller welds and fillets where the CAD kernel breaks on those drawn.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import Metre, mm
+from cardan.bracket.apart import Crashed, apart
+from cardan.bracket.elastic import Elastic, Nodes, Progress
+from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable, estimate
+from cardan.bracket.gauges import influence
+from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
+from cardan.bracket.shape import Solid, solid
+from cardan.bracket.unit import Units, seat_loads
+from cardan.bracket.zones import Zones
+from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
+from cardan.model.parts import Material
+
+MODES = 6
+_SMALLER = (1.0, 0.7, 0.45)
+"""Shares of the drawn fillet that are tried, one after the other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What is asked of the finite elements.
+
+    Attributes
+    ----------
+    cases : ((t, 9), ...)
+        Load histories under which maxima are sought.
+    weights
+        How much a stress weighs in each of `ZONES` when the mesh is made finer.
+    """
+
+    shape: Shape
+    material: Material
+    cases: tuple[FloatArray, ...]
+    weights: tuple[float, ...] = (1.0,) * len(ZONES)
+    element: Metre | None = None
+    order: int = 2
+    gauges: tuple[Gauge, ...] = ()
+    carried_mass: float = 0.0
+    rubber: Vector | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """A bracket held in one of two ways, under its unit loads (`cardan.bracket.unit.UNITS`).
+
+    Attributes
+    ----------
+    unit : (places, 9, 6) Pa
+        Stress that counts at each place of `zones`.
+    compliance : (6, 6) m/N, rad/(N m)
+        Mean motion of the seat under forces and moments.
+    reactions : (bolts, 9, 3) N
+        Force each bolt takes from the frame; where the whole plane is held, its share alone.
+    frequencies, carried : (6,) Hz
+        Natural frequencies by itself, and with the mass it carries.
+    influence : (gauges, 9)
+        Strain of each gauge.
+    """
+
+    hold: Hold
+    zones: Zones
+    unit: FloatArray
+    compliance: FloatArray
+    reactions: FloatArray
+    frequencies: FloatArray
+    carried: FloatArray
+    influence: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """A bracket solved: what is left of it when the process that did it is gone.
+
+    Attributes
+    ----------
+    displacement : (n, 9, 3) m, stress : (n, 9, 6) Pa
+        At the nodes, the flange sliding: for pictures and files.
+    sliding, clamped
+        The two ways its flange is held, which have the truth between them.
+    error
+        Share of the highest stress of each feature (kind, number) that its error may be.
+    influence_change : float
+        Largest change of a gauge's influence since the first mesh, over the largest of them.
+    unknowns, meshes
+        Of the last mesh; how many were made.
+    notes
+        What a reader must know: a fillet that was made smaller.
+    expected
+        What was estimated beforehand.
+    """
+
+    nodes: Nodes
+    thickness: Metre
+    mass: float
+    displacement: FloatArray
+    stress: FloatArray
+    sliding: Held
+    clamped: Held
+    error: dict[tuple[int, int], float]
+    influence_change: float
+    unknowns: int
+    meshes: int
+    expected: Estimate
+    notes: tuple[str, ...] = ()
+
+    @property
+    def both(self) -> tuple[Held, Held]:
+        """The two ways it is held."""
+        return self.sliding, self.clamped
+
+
+def solved_apart(task: Task, *, tell: Progress) -> Solved:
+    """Solve a bracket in a process of its own, with smaller fillets where it must.
+
+    Raises
+    ------
+    DesignError
+        If it cannot be built, meshed or afforded; with each way that was tried.
+    """
+    tried: list[str] = []
+    for shape, note in _ways(task.shape):
+        try:
+            found = apart(
+                solve, replace(task, shape=shape), tell=tell,
+                memory=MEMORY, seconds=60 * MINUTES,
+            )  # fmt: skip
+        except Crashed as error:
+            tried.append(f"{note or 'as drawn'}: {error}")
+            tell(f"the CAD kernel or the mesher broke ({error}); trying again")
+            continue
+        return replace(found, notes=(*found.notes, note)) if note else found
+    msg = (
+        "the CAD kernel or the mesher broke on this bracket, in a process of its own ("
+        + "; ".join(tried)
+        + "): change its fillet, or the size of its elements"
+    )
+    raise DesignError(msg, about="bracket")
+
+
+def _ways(shape: Shape) -> Iterator[tuple[Shape, str]]:
+    """Yield the shape as it is drawn, then with smaller fillets."""
+    yield shape, ""
+    if isinstance(shape, StepShape):
+        return
+    for share in _SMALLER[1:]:
+        fillet = share * shape.fillet
+        yield (
+            replace(shape, fillet=fillet),
+            f"solved with a fillet of {fillet / mm:.3g} mm: the CAD kernel breaks on the "
+            f"{shape.fillet / mm:.3g} mm drawn",
+        )
+
+
+def solve(task: Task, tell: Progress) -> Solved:
+    """Solve a bracket: CAD, mesh, unit loads, refinement, modes, gauges."""
+    tell("building the shape")
+    body = solid(task.shape)
+    size = task.element or 1.5 * body.thickness
+    area = float(sum(face.mass for face in body.shape.faces))
+    expected = estimate(volume=body.volume, area=area, size=size, degree=task.order)
+    tell(f"expecting {expected}")
+    affordable(expected, size=size, degree=task.order)
+    problem = Problem(
+        shape=body.shape, material=task.material, held=body.held("sliding"),
+        clamps=tuple(body.held("sliding")), loads=unit_loads, size=size,
+        thickness=body.thickness, degree=task.order,
+    )  # fmt: skip
+    first: list[FloatArray] = []
+
+    def seen(found: Solution) -> None:
+        # Now: a misplaced gauge is told at once.
+        first.append(influence(_units(body, found, size), task.gauges))
+
+    grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in task.gauges]
+    done = refined(
+        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen
+    )
+    tell("natural frequencies")
+    sliding = _held("sliding", body, done.last, task, size)
+    firm = body.held("clamped")
+    tell("the flange clamped")
+    stiff = solution(
+        replace(problem, held=firm, clamps=tuple(firm)), done.last.elastic.mesh, tell=tell
+    )
+    clamped = _held("clamped", body, stiff, task, size)
+    change = np.abs(sliding.influence - first[0]).max() if len(task.gauges) else 0.0
+    return Solved(
+        nodes=done.last.elastic.nodes,
+        thickness=body.thickness,
+        mass=body.volume * task.material.density,
+        displacement=done.last.at_nodes[0],
+        stress=done.last.at_nodes[1],
+        sliding=sliding,
+        clamped=clamped,
+        error=_errors(done, clamped),
+        influence_change=float(change / np.abs(sliding.influence).max()) if change else 0.0,
+        unknowns=done.last.elastic.unknowns,
+        meshes=len(done.tops),
+        expected=expected,
+        notes=body.found,
+    )
+
+
+def unit_loads(held: Elastic) -> FloatArray:
+    """Return the nine unit loads of a bracket as load vectors (9, unknowns)."""
+    return np.concatenate([seat_loads(held), np.stack([held.inertia(a) for a in np.eye(3)])])
+
+
+def _units(body: Solid, found: Solution, size: Metre) -> Units:
+    return Units(
+        solid=body, elastic=found.elastic, loads=found.loads,
+        displacements=found.displacements, size=size,
+    )  # fmt: skip
+
+
+def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> Held:
+    """Return what is left of a solution."""
+    units = _units(body, found, size)
+    alone, _ = units.modes(MODES)
+    carried = alone
+    if task.carried_mass > 0:
+        carried, _ = units.modes(MODES, mass=task.carried_mass, rubber=task.rubber)
+    return Held(
+        hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
+        reactions=units.reactions, frequencies=alone, carried=carried,
+        influence=influence(units, task.gauges),
+    )  # fmt: skip
+
+
+def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
+    """Return the error of each feature; one that only the clamped flange has is taken as a border's.
+
+    The borders of the frame's plane are features of the clamped flange alone, on whose mesh
+    nothing was refined for them.
+    """
+    known = dict(zip(done.last.zones.features, done.error.tolist(), strict=True))
+    most = max(known.values())
+    return {feature: most for feature in clamped.zones.features} | known
