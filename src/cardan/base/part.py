@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 
 PartKind: TypeAlias = Literal[
     "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",
-    "hot spot", "gauge",
+    "hot spot", "gauge", "sheet", "cut edge", "weld toe", "bolt border",
 ]  # fmt: skip
 
 OccasionKind: TypeAlias = Literal["state", "gear", "speed", "case", "duty", "recording"]

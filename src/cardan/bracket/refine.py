@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.units import Metre
 from cardan.bracket.elastic import Elastic, IntArray, Nodes, Progress, elastic, mesh, silent
-from cardan.bracket.stress import superpose, von_mises
+from cardan.bracket.stress import some, superpose, von_mises
 from cardan.bracket.surface import nearest
 from cardan.bracket.zones import Zones, zones_of
 from cardan.model.bracket import ZONES
@@ -29,6 +29,8 @@ _STILL = 0.02
 """A maximum that moved by less from one mesh to the next has settled."""
 _HIGH, _AMONG = 0.8, 0.6
 """What is refined: within a feature above this share of its top, in features above this of all."""
+_MOMENTS = 24
+"""Of a history, by which loads are compared."""
 _LOADS = 8
 """Loads, the most telling, under which the mesh is made; every load is asked of the last."""
 
@@ -215,17 +217,17 @@ def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS
     there is room, those that are not nearly in proportion to one before.
     """
     step = max(1, len(unit) // 3000)
-    some = unit[::step]
+    searched = unit[::step]
     loads: list[FloatArray] = []
     high: list[float] = []
     for case in cases:
-        history = np.asarray(case, dtype=float).reshape(-1, unit.shape[1])
-        level = von_mises(superpose(some, history))
+        history = some(np.reshape(case, (-1, unit.shape[1])), _MOMENTS)
+        level = von_mises(superpose(searched, history))
         at = int(level.max(axis=0).argmax())
         loads.append(history[at])
         high.append(float(level[:, at].max()))
     kept: list[int] = []
-    fields = [superpose(some, load[None])[:, 0].ravel() for load in loads]
+    fields = [superpose(searched, load[None])[:, 0].ravel() for load in loads]
     for k in np.argsort(high)[::-1].tolist():
         if high[k] <= 0 or len(kept) == count:
             continue

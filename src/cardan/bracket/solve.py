@@ -64,7 +64,7 @@ class Held:
     reactions : (bolts, 9, 3) N
         Force each bolt takes from the frame; where the whole plane is held, its share alone.
     frequencies, carried : (6,) Hz
-        Natural frequencies by itself, and with the mass it carries.
+        Natural frequencies by itself, and with the mass it carries; two of the clamped flange.
     influence : (gauges, 9)
         Strain of each gauge.
     """
@@ -228,10 +228,12 @@ def _units(body: Solid, found: Solution, size: Metre) -> Units:
 def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> Held:
     """Return what is left of a solution."""
     units = _units(body, found, size)
-    alone, _ = units.modes(MODES)
+    # The clamped flange's frequencies only say how far the first ones may be off.
+    count = MODES if hold == "sliding" else 2
+    alone, _ = units.modes(count)
     carried = alone
     if task.carried_mass > 0:
-        carried, _ = units.modes(MODES, mass=task.carried_mass, rubber=task.rubber)
+        carried, _ = units.modes(count, mass=task.carried_mass, rubber=task.rubber)
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,

@@ -96,6 +96,15 @@ def critical_direction(stress: ArrayLike) -> FloatArray:
     return tried[np.ptp(along(history[:, None], tried), axis=0).argmax()]
 
 
+def some(loads: ArrayLike, count: int) -> FloatArray:
+    """Return as many moments of a history (t, u) as told, spread over it without a rhythm."""
+    loads = np.asarray(loads, dtype=float)
+    if len(loads) <= count:
+        return loads
+    golden = (np.sqrt(5) - 1) / 2
+    return loads[np.unique((np.arange(count) * golden % 1 * len(loads)).astype(np.int64))]
+
+
 @dataclass(frozen=True, slots=True)
 class Extreme:
     """An extreme stress: its value, at which point of those searched, at which time."""
