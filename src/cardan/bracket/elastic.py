@@ -287,13 +287,15 @@ class Elastic:
         share = np.bincount(flat, weights=worth, minlength=count)
         u = np.empty((count, len(displacements), 3))
         stress = np.empty((count, len(displacements), 6))
-        with ngs.TaskManager():
-            for c, vector in enumerate(displacements):
-                u[flat, c] = self.field(vector)(where)
-                raw = self._stress(vector, where)
-                for k in range(6):
-                    summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
-                    stress[:, c, k] = summed / share
+        for c, vector in enumerate(displacements):
+            field = self.field(vector)
+            with ngs.TaskManager():  # no longer than it works: its idle threads spin
+                moved = field(where)
+            u[flat, c] = moved
+            raw = self._stress(vector, where)
+            for k in range(6):
+                summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
+                stress[:, c, k] = summed / share
         return u, stress
 
     def scatter(self, displacements: ArrayLike, smooth: FloatArray) -> FloatArray:
@@ -309,16 +311,17 @@ class Elastic:
         order = np.argsort(flat, kind="stable")
         starts = np.searchsorted(flat[order], np.arange(len(self.nodes.points)))
         found = np.zeros(smooth.shape[:2])
-        with ngs.TaskManager():
-            for c, vector in enumerate(np.asarray(displacements, dtype=float)):
-                off = von_mises(self._stress(vector, where) - smooth[flat, c]) * trusted
-                found[:, c] = np.maximum.reduceat(off[order], starts)
+        for c, vector in enumerate(np.asarray(displacements, dtype=float)):
+            off = von_mises(self._stress(vector, where) - smooth[flat, c]) * trusted
+            found[:, c] = np.maximum.reduceat(off[order], starts)
         return found
 
     def _stress(self, displacement: FloatArray, where: Any) -> FloatArray:
         """Stress (k, 6) Pa of a displacement vector at points of the engine."""
         ngs = engine().ngs
-        G = np.reshape(ngs.Grad(self.field(displacement))(where), (-1, 3, 3))
+        gradient = ngs.Grad(self.field(displacement))
+        with ngs.TaskManager():
+            G = np.reshape(gradient(where), (-1, 3, 3))
         return hooke(np.stack([(G[:, i, j] + G[:, j, i]) / 2 for i, j in _VOIGT], -1), self.material)
 
     @cached_property
@@ -415,7 +418,8 @@ class Elastic:
         def product(matrix: Any, x: FloatArray) -> FloatArray:
             a.FV().NumPy()[:] = 0.0
             a.FV().NumPy()[free] = x
-            b.data = matrix * a
+            with engine().ngs.TaskManager():
+                b.data = matrix * a
             return np.array(b.FV().NumPy()[free])
 
         seat = None if rider is None else rider.seat[:, free]
@@ -436,8 +440,9 @@ class Elastic:
         M = LinearOperator(shape, matvec=mass, dtype=float)
         inv = LinearOperator(shape, matvec=inverse, dtype=float)
         start = np.random.default_rng(1).standard_normal(n + more)
-        with engine().ngs.TaskManager():
-            squares, vectors = eigsh(M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start)
+        squares, vectors = eigsh(
+            M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count + 4, tol=1e-8
+        )
         order = np.argsort(squares)
         shapes = np.zeros((count, self.unknowns))
         shapes[:, free] = vectors[:n, order].T

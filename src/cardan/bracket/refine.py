@@ -25,9 +25,9 @@ LEVELS = 4
 """Meshes at most."""
 _TOLD = 0.03
 """Elements may disagree by this share of the stress before they are made smaller."""
-_STILL = 0.02
+_STILL = 0.03
 """A maximum that moved by less from one mesh to the next has settled."""
-_HIGH, _AMONG = 0.8, 0.6
+_HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
 _MOMENTS = 24
 """Of a history, by which loads are compared."""

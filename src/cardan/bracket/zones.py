@@ -14,7 +14,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre, deg
 from cardan.bracket.elastic import IntArray, Nodes
-from cardan.bracket.shape import SEAT, WALL, WELD
+from cardan.bracket.shape import MOUNT, SEAT, WALL, WELD
 from cardan.bracket.stress import tensor, vector
 from cardan.bracket.surface import RE_ENTRANT, Edges, OnSurface, edges_of, nearest
 from cardan.model.bracket import ZONES
@@ -136,10 +136,16 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
     line_kind = np.where(border[border | toe], BORDER, TOE)
+    # Where the frame's plane ends the sheet is plain: no washer bears on it, no hole is there.
+    plane = names[at.others] == MOUNT
+    line_kind[plane] = np.where(cut[at.faces[plane]], CUT, SHEET)
     line_key = np.empty(len(line_kind), dtype=object)
     chains = _chains(nodes, at)
-    for k, (kind, face) in enumerate(zip(line_kind, at.others, strict=True)):
-        line_key[k] = (int(kind), _bolt(str(names[face])) if kind == BORDER else int(chains[k]))
+    for k, kind in enumerate(line_kind.tolist()):
+        which = {
+            BORDER: _bolt(str(names[at.others[k]])), TOE: int(chains[k]),
+        }.get(kind, int(nodes.face_numbers[at.faces[k]]))  # fmt: skip
+        line_key[k] = (kind, which)
 
     surface = nodes.surface
     face_of = _face_of(nodes, cut=cut, left_out=on_held | weld)

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cardan.base.units import MPa
-from cardan.report.bracket import heading, peak_fields, verdict
+from cardan.report.bracket import MARKED, heading, peak_fields, verdict
 from cardan.report.language import EN, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
-from cardan.study.bracket import BracketAnswer, Judged
+from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_judge import Judged
 from cardan.study.finding import BRACKET
 
 
@@ -55,7 +56,7 @@ def scene(of: BracketAnswer, *, say: Language = EN) -> str:
 
 
 def _variant(v: Judged, say: Language) -> dict[str, Any]:
-    nodes = v.units.elastic.nodes
+    nodes = v.solved.nodes
     kept = nodes.surface
     place = np.full(len(nodes.points), -1, dtype=np.int64)
     place[kept] = np.arange(len(kept))
@@ -73,7 +74,7 @@ def _variant(v: Judged, say: Language) -> dict[str, Any]:
         "name": say(v.name),
         "points": _packed(nodes.points[kept].astype("<f4")),
         "faces": _packed(place[corners].astype("<u4")),
-        "spots": v.hot_spots.points.tolist(),
+        "spots": [list(f.point) for f in v.shown[:MARKED]],
         "cases": cases,
     }
 
