@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
-from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape
+from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape, Vector
 
 SEAT = "seat"
 FREE = "free"
@@ -28,6 +28,17 @@ WASHER = 2.0
 """Diameter of the ring a bolt bears on, over its hole's."""
 
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picked:
+    """Faces of a STEP file that a pick found: how many, their area m², a bore's radius m or 0."""
+
+    name: str
+    faces: int
+    area: float
+    radius: Metre = 0.0
+    axis: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -43,7 +54,7 @@ class Solid:
     bolts: tuple[str, ...]
     thickness: Metre
     volume: float
-    found: tuple[str, ...] = ()
+    found: tuple[Picked, ...] = ()
 
     def held(self, hold: Hold = "sliding") -> dict[str, str]:
         """Return the faces that are held, with the axes they may not move along.

@@ -17,14 +17,14 @@ from cardan.bracket.elastic import Elastic, Nodes, Progress
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable, estimate
 from cardan.bracket.gauges import influence
 from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
-from cardan.bracket.shape import Solid, solid
+from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import Units, seat_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
 
 MODES = 6
-_SMALLER = (1.0, 0.7, 0.45)
+_SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
 
@@ -95,8 +95,10 @@ class Solved:
         Largest change of a gauge's influence since the first mesh, over the largest of them.
     unknowns, meshes
         Of the last mesh; how many were made.
-    notes
-        What a reader must know: a fillet that was made smaller.
+    fillet : (m, m)
+        As it is drawn, and as it was solved with where the CAD kernel breaks on that.
+    found
+        What a STEP file had where faces were picked.
     expected
         What was estimated beforehand.
     """
@@ -113,7 +115,8 @@ class Solved:
     unknowns: int
     meshes: int
     expected: Estimate
-    notes: tuple[str, ...] = ()
+    fillet: tuple[Metre, Metre] | None = None
+    found: tuple[Picked, ...] = ()
 
     @property
     def both(self) -> tuple[Held, Held]:
@@ -130,17 +133,18 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
         If it cannot be built, meshed or afforded; with each way that was tried.
     """
     tried: list[str] = []
-    for shape, note in _ways(task.shape):
+    for shape in _ways(task.shape):
+        fillet = (_fillet(task.shape), _fillet(shape))
         try:
             found = apart(
                 solve, replace(task, shape=shape), tell=tell,
                 memory=MEMORY, seconds=60 * MINUTES,
             )  # fmt: skip
         except Crashed as error:
-            tried.append(f"{note or 'as drawn'}: {error}")
+            tried.append(f"fillet {fillet[1] / mm:.3g} mm: {error}" if fillet[1] else str(error))
             tell(f"the CAD kernel or the mesher broke ({error}); trying again")
             continue
-        return replace(found, notes=(*found.notes, note)) if note else found
+        return replace(found, fillet=fillet) if fillet[0] != fillet[1] else found
     msg = (
         "the CAD kernel or the mesher broke on this bracket, in a process of its own ("
         + "; ".join(tried)
@@ -149,18 +153,16 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
     raise DesignError(msg, about="bracket")
 
 
-def _ways(shape: Shape) -> Iterator[tuple[Shape, str]]:
+def _ways(shape: Shape) -> Iterator[Shape]:
     """Yield the shape as it is drawn, then with smaller fillets."""
-    yield shape, ""
-    if isinstance(shape, StepShape):
-        return
-    for share in _SMALLER[1:]:
-        fillet = share * shape.fillet
-        yield (
-            replace(shape, fillet=fillet),
-            f"solved with a fillet of {fillet / mm:.3g} mm: the CAD kernel breaks on the "
-            f"{shape.fillet / mm:.3g} mm drawn",
-        )
+    yield shape
+    if not isinstance(shape, StepShape):
+        for share in _SMALLER:
+            yield replace(shape, fillet=share * shape.fillet)
+
+
+def _fillet(shape: Shape) -> Metre:
+    return 0.0 if isinstance(shape, StepShape) else shape.fillet
 
 
 def solve(task: Task, tell: Progress) -> Solved:
@@ -212,7 +214,7 @@ def solve(task: Task, tell: Progress) -> Solved:
         unknowns=done.last.elastic.unknowns,
         meshes=len(done.tops),
         expected=expected,
-        notes=body.found,
+        found=body.found,
     )
 
 

@@ -126,8 +126,25 @@ def _crossings(v: Judged, say: Language) -> Iterator[str]:
 
 def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
     """Yield what a reader must know of how a variant was solved."""
-    for note in v.solved.notes:
-        yield say("{name}: {note}", name=say(v.name), note=note)
+    if v.solved.fillet:
+        drawn, taken = (say.number(r / mm) for r in v.solved.fillet)
+        yield say(
+            "{name}: solved with a fillet of {taken} mm; the CAD kernel breaks on the {drawn} mm "
+            "drawn.", name=say(v.name), taken=taken, drawn=drawn,
+        )  # fmt: skip
+    for p in v.solved.found:
+        area = say.number(p.area / mm**2)
+        if p.radius:
+            yield say(
+                "{name}: {pick} is a bore of {radius} mm radius, {faces} faces, {area} mm².",
+                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=p.faces,
+                area=area,
+            )  # fmt: skip
+        else:
+            yield say(
+                "{name}: {pick} is {faces} faces, {area} mm².",
+                name=say(v.name), pick=p.name, faces=p.faces, area=area,
+            )  # fmt: skip
 
 
 def used(v: Judged) -> FloatArray:
@@ -355,7 +372,10 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         "elements": len(v.solved.nodes.elements),
         "unknowns": v.solved.unknowns,
         "meshes": v.solved.meshes,
-        "notes": list(v.solved.notes),
+        "fillet_mm": (
+            {"drawn": v.solved.fillet[0] / mm, "solved": v.solved.fillet[1] / mm}
+            if v.solved.fillet else None
+        ),
         "stiffness_N_mm": [float(1 / v.compliance[k, k] / (N / mm)) for k in range(3)],
         "stiffness_clamped_N_mm": [
             float(1 / v.solved.clamped.compliance[k, k] / (N / mm)) for k in range(3)

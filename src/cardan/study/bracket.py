@@ -13,7 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.part import Occasion, Part
+from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
@@ -26,13 +26,14 @@ from cardan.model.bracket import Bracket
 from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_judge import Case, Judged, judge
-from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
 SHAKEN = 2
 """The order that shakes a bracket: the joints'."""
+TOP = "highest speed"
+"""The occasion at which frequencies are held against an order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,22 +97,23 @@ def study(
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
     """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
     for limit in limits:
-        for under, part, value in _values(of, variant, limit.quantity):
+        for when, point, part, value in _values(of, variant, limit.quantity):
             yield Check(
-                quantity=limit.quantity, line=of.bracket.line, when=under.when, part=part,
-                value=value, limit=limit, point=under.point if isinstance(under, Case) else None,
+                quantity=limit.quantity, line=of.bracket.line, when=when, part=part,
+                value=value, limit=limit, point=point,
             )  # fmt: skip
 
 
 def _values(
     of: BracketAnswer, variant: Judged, quantity: str
-) -> Iterator[tuple[Case | Endured, Part, float]]:
-    """Yield under which loads and where what a limit asks about is worst, SI."""
+) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
+    """Yield under which loads, at which point and where what a limit asks about is worst, SI."""
     strength = of.bracket.material.yield_strength
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
-            yield o.case, variant.features[worst].part, float(o.hot[worst]) / strength
+            used = float(o.hot[worst]) / strength
+            yield o.case.when, o.case.point, variant.features[worst].part, used
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
@@ -119,26 +121,23 @@ def _values(
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
                 worst = max(mine, key=lambda k: float(endured.spots[k]))
-                damage = float(endured.spots[worst])
-                life = np.inf if damage == 0 else endured.duration / damage
-                yield endured, variant.features[worst].part, life
+                life = replace(endured, spots=endured.spots[[worst]]).hours
+                yield endured.when, None, variant.features[worst].part, life * hour
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         own = variant.carried if of.bracket.rubber is None else variant.frequencies
         reached = SHAKEN * of.top_speed / (2 * np.pi)
-        yield max(variant.outcomes, key=lambda o: len(o.case.loads)).case, Part(
-            "mode", 1, SHAKEN
-        ), float(own[0]) / reached
+        yield Occasion("speed", TOP), None, Part("mode", 1, SHAKEN), float(own[0]) / reached
 
 
-def _fatigue(variant: Judged) -> Iterator[tuple[Case, Part, float]]:
+def _fatigue(variant: Judged) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
     """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
     lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
     for zone in dict.fromkeys(f.zone for f in variant.features) if lasting else ():
         mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
-        yield worst.case, variant.features[at].part, float(worst.used[at])
+        yield worst.case.when, worst.case.point, variant.features[at].part, float(worst.used[at])
 
 
 def _unanswered(
