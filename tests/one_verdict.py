@@ -143,9 +143,7 @@ def read(path: Path, *, hangs: bool = False) -> Approval:
 def made_up_bracket() -> Iterator[None]:
     """Ask no solver: a bracket's stresses and damage are made up, all else is as it is."""
     spots = np.array([180.0, 240.0]) * MPa
-    features = tuple(
-        Feature(zone="sheet", number=k, point=(0, 0, 0), error=0.0) for k in (1, 2)
-    )
+    features = tuple(Feature(zone="sheet", number=k, point=(0, 0, 0), error=0.0) for k in (1, 2))
     outcome = SimpleNamespace(
         case=LoadCase("gvw", np.zeros((1, 9)), what="peak"), hot=spots, used=spots / (300 * MPa)
     )
@@ -156,7 +154,10 @@ def made_up_bracket() -> Iterator[None]:
 
     def study(application, **_: object) -> BracketAnswer:
         variant = SimpleNamespace(
-            outcomes=(outcome,), duty=(duty,), features=features, carried=np.array([100.0]),
+            outcomes=(outcome,),
+            duty=(duty,),
+            features=features,
+            carried=np.array([100.0]),
             frequencies=np.array([100.0]),
         )
         return BracketAnswer(

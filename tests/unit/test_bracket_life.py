@@ -297,7 +297,10 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     assert (str(stress.part), stress.state) == ("weld toe 2", "pothole")
     assert stress.value == pytest.approx(0.5)
     # A zone each: its own worst feature.
-    assert [(str(c.part), c.value) for c in (sheet, toe)] == [("sheet 1", 0.5), ("weld toe 2", 0.75)]
+    assert [(str(c.part), c.value) for c in (sheet, toe)] == [
+        ("sheet 1", 0.5),
+        ("weld toe 2", 0.75),
+    ]
     found = {str(c.part): (c.state, c.value) for c in lives}
     assert found == {
         "sheet 3": ("duty cycle, gvw", pytest.approx(1 / 3e-9)),

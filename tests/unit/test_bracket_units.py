@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from cardan.bracket.hotspot import converged, hot_spots, searched
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError, NotConverged
@@ -14,7 +15,6 @@ from cardan.base.units import mm
 from cardan.bracket.elastic import elastic, hooke, mesh
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import influence
-from cardan.bracket.hotspot import converged, hot_spots, searched
 from cardan.bracket.shape import Solid, solid
 from cardan.bracket.stress import envelope, superpose, von_mises
 from cardan.bracket.surface import nearest, sharp_edges

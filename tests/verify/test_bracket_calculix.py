@@ -3,9 +3,9 @@
 import calculix
 import numpy as np
 import pytest
+from cardan.bracket.hotspot import searched
 
 from cardan.base.units import mm
-from cardan.bracket.hotspot import searched
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import von_mises
 from cardan.bracket.unit import unit_solutions

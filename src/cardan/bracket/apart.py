@@ -68,7 +68,7 @@ def apart(
     with tempfile.TemporaryDirectory(prefix="cardan-") as folder:
         question, reply = Path(folder, "question"), Path(folder, "reply")
         question.write_bytes(pickle.dumps((function.__module__, function.__qualname__, args)))
-        path = pickle.dumps([p or os.getcwd() for p in sys.path]).hex()
+        path = pickle.dumps([p or str(Path.cwd()) for p in sys.path]).hex()
         child = subprocess.Popen(
             [sys.executable, "-c", _BEGIN, path, folder],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
@@ -131,7 +131,9 @@ def _watch(child: "subprocess.Popen[str]", memory: float, seconds: float, why: l
 def resident(process: int) -> float:
     """Return the bytes of memory a process holds; 0 where the system does not say."""
     try:
-        return float(int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
+        return float(
+            int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        )
     except (OSError, ValueError, IndexError, AttributeError):
         return 0.0
 

@@ -206,9 +206,10 @@ class Elastic:
                 f.FV().NumPy()[:] = loads[case]
                 u.data = self.inverse * f
                 size = max(float(np.linalg.norm(loads[case])), 1e-300)
+                miss = np.inf
                 for _ in range(2):
                     r.data = f - self.stiffness * u
-                    miss = np.linalg.norm(r.FV().NumPy()[free])
+                    miss = float(np.linalg.norm(r.FV().NumPy()[free]))
                     if miss <= _BALANCED * size:
                         break
                     u.data += self.inverse * r  # a step of refinement: another back-substitution
@@ -322,7 +323,9 @@ class Elastic:
         gradient = ngs.Grad(self.field(displacement))
         with ngs.TaskManager():
             G = np.reshape(gradient(where), (-1, 3, 3))
-        return hooke(np.stack([(G[:, i, j] + G[:, j, i]) / 2 for i, j in _VOIGT], -1), self.material)
+        return hooke(
+            np.stack([(G[:, i, j] + G[:, j, i]) / 2 for i, j in _VOIGT], -1), self.material
+        )
 
     @cached_property
     def _worth(self) -> FloatArray:

@@ -12,7 +12,7 @@ MINUTES = 15.0
 """It may take at most, on two threads."""
 
 _UNKNOWNS = {1: 0.9, 2: 6.2, 3: 18.0, 4: 40.0}
-"""An element, by its degree, in a sheet one or two elements thick: counted on this package's own."""
+"""To an element, by its degree, in a sheet one or two elements thick: counted."""
 _GROWN = 2.0
 """Refinement where it is worst makes of a first mesh, measured 1.5 to 3."""
 
@@ -65,23 +65,22 @@ def estimate(*, volume: float, area: float, size: Metre, degree: int) -> Estimat
     )
 
 
-def affordable(found: Estimate, *, size: Metre, degree: int) -> None:
-    """Refuse what would take too much memory or time.
+def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
+    """Estimate a model, and refuse one that would take too much memory or time.
 
     Raises
     ------
     DesignError
         With the estimate, the limits and what to change.
     """
+    found = least = estimate(volume=volume, area=area, size=size, degree=degree)
     memory = min(MEMORY, 0.6 * _installed())
     if found.memory <= memory and found.minutes <= MINUTES:
-        return
+        return found
     wanted = size
-    while wanted < 1e3 * size:
+    while wanted < 1e3 * size and not (least.memory <= memory and least.minutes <= MINUTES):
         wanted *= 1.1
-        share = (size / wanted) ** 2.5
-        if found.memory * share**1.15 <= memory and found.minutes * share**1.42 <= MINUTES:
-            break
+        least = estimate(volume=volume, area=area, size=wanted, degree=degree)
     lower = " or a lower `order`" if degree > 2 else ""
     msg = (
         f"elements of {size / mm:.3g} mm, degree {degree}, would make {found}; allowed are "
@@ -103,5 +102,7 @@ def _rounded(value: float) -> str:
     """Return a number of things to two digits: 57 thousand, 1.2 million."""
     for name, size in (("million", 1e6), ("thousand", 1e3)):
         if value >= size:
-            return f"{value / size:.2g} {name}" if value < 100 * size else f"{value / size:.0f} {name}"
+            return (
+                f"{value / size:.2g} {name}" if value < 100 * size else f"{value / size:.0f} {name}"
+            )
     return f"{value:.0f}"

@@ -202,8 +202,13 @@ def refined(
     drawn = nearest(found.elastic.nodes, points)
     return Refined(
         last=found,
-        error=_error([np.stack([t.get(f, np.zeros(len(combos))) for f in found.zones.features])
-                      for t in tops], off),
+        error=_error(
+            [
+                np.stack([t.get(f, np.zeros(len(combos))) for f in found.zones.features])
+                for t in tops
+            ],
+            off,
+        ),
         tops=tuple(tops),
         watched=drawn.of(found.elastic.nodes, found.at_nodes[1]),
         watched_error=_error(watched, off_seen),
@@ -211,7 +216,7 @@ def refined(
 
 
 def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS) -> FloatArray:
-    """Loads (k, c) that stress a surface most, each in a way of its own.
+    """Return loads (k, c) that stress a surface most, each in a way of its own.
 
     Of each case the moment of its highest stress; then, from the highest down and as long as
     there is room, those that are not nearly in proportion to one before.

@@ -13,12 +13,12 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.apart import Crashed, apart
-from cardan.bracket.elastic import Elastic, Nodes, Progress
-from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable, estimate
+from cardan.bracket.elastic import Nodes, Progress
+from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
 from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
 from cardan.bracket.shape import Picked, Solid, solid
-from cardan.bracket.unit import Units, seat_loads
+from cardan.bracket.unit import Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
@@ -171,9 +171,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     body = solid(task.shape)
     size = task.element or 1.5 * body.thickness
     area = float(sum(face.mass for face in body.shape.faces))
-    expected = estimate(volume=body.volume, area=area, size=size, degree=task.order)
+    expected = affordable(volume=body.volume, area=area, size=size, degree=task.order)
     tell(f"expecting {expected}")
-    affordable(expected, size=size, degree=task.order)
     for face in body.shape.faces:
         if face.name in body.bolts:  # at a washer's border stress is read close by
             face.maxh = min(size, 0.5 * body.thickness)
@@ -218,11 +217,6 @@ def solve(task: Task, tell: Progress) -> Solved:
     )
 
 
-def unit_loads(held: Elastic) -> FloatArray:
-    """Return the nine unit loads of a bracket as load vectors (9, unknowns)."""
-    return np.concatenate([seat_loads(held), np.stack([held.inertia(a) for a in np.eye(3)])])
-
-
 def _units(body: Solid, found: Solution, size: Metre) -> Units:
     return Units(
         solid=body, elastic=found.elastic, loads=found.loads,
@@ -247,11 +241,11 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
-    """Return the error of each feature; one that only the clamped flange has is taken as a border's.
+    """Return the error of each feature.
 
-    The borders of the frame's plane are features of the clamped flange alone, on whose mesh
-    nothing was refined for them.
+    What the clamped flange alone has was not refined for: it is taken to be as far off as the
+    worst of the others.
     """
     known = dict(zip(done.last.zones.features, done.error.tolist(), strict=True))
     most = max(known.values())
-    return {feature: most for feature in clamped.zones.features} | known
+    return dict.fromkeys(clamped.zones.features, most) | known

@@ -13,7 +13,7 @@ RE_ENTRANT = 20 * deg
 
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))  # of a six-node triangle
 _CANDIDATES = 16
-_AREA = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (.5, .5, 0), (0, .5, .5), (.5, 0, .5)])
+_AREA = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5)])
 """Area coordinates of a six-node triangle's nodes."""
 
 

@@ -283,9 +283,9 @@ def _step(
     """Go a length (k,) along the surface: where that leads, the frame there, and if it does."""
     found = nearest(nodes, start + length[:, None] * frame[:, 0])
     normal = found.normals
-    into = frame[:, 0] - (frame[:, 0] * normal).sum(-1, keepdims=True) * normal
+    into: FloatArray = frame[:, 0] - (frame[:, 0] * normal).sum(-1, keepdims=True) * normal
     size = np.linalg.norm(into, axis=-1, keepdims=True)
-    into /= np.where(size > 0, size, 1.0)
+    into = np.asarray(into / np.where(size > 0, size, 1.0), dtype=float)
     turned = (normal * frame[:, 2]).sum(-1)
     ok = (found.distances <= 0.35 * length) & (turned > 0.5)
     return found, np.stack([into, np.cross(normal, into), normal], axis=1), ok

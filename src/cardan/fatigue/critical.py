@@ -108,7 +108,7 @@ def plane_directions(normals: ArrayLike, *, planes: int = PLANES) -> FloatArray:
 
 
 def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
-    """Normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along directions (m, planes, 3)."""
+    """Return normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along (m, planes, 3)."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=float), -1, 0)
     squares = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=-1)
     return np.einsum("mpk,mck->mpc", squares, np.asarray(unit, dtype=float))

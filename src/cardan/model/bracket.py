@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from cardan.base.errors import DesignError
-from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
 from cardan.base.source import Source
+from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
 from cardan.model.parts import ASSUMED, STEEL, Material
 
 Vector: TypeAlias = tuple[float, float, float]

@@ -46,8 +46,10 @@ DECLARED = (
         symbol="f1/f2",
         unit="1",
         equation="f1 / (2 n)",
-        where={"f1": "first frequency: of the bracket alone on rubber, else with what it carries",
-               "n": "highest speed of the shaft"},
+        where={
+            "f1": "first frequency: of the bracket alone on rubber, else with what it carries",
+            "n": "highest speed of the shaft",
+        },
         source=DERIVED,
         sense=">=",
         use="Order 2 of the joints, at the highest speed; the flange sliding.",

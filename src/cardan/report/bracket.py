@@ -303,7 +303,9 @@ def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
     ]
     uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
     if min(uses) > 0:
-        changed.insert(1, (say("use of the fatigue limit, worst zone, %"), *(100 * u for u in uses)))
+        changed.insert(
+            1, (say("use of the fatigue limit, worst zone, %"), *(100 * u for u in uses))
+        )
     for label, was, now in changed:
         yield (
             f"{label:<{LABEL}}{_columns([say.number(float(was)), say.number(float(now))])}"
@@ -321,7 +323,9 @@ def better(before: Judged, after: Judged, say: Language = EN) -> str:
     uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
     if not any(np.isnan(lives_)):
         gain = lives_[1] > lives_[0]
-        what = say("{was} h before, {now} h after", was=hours(lives_[0], say), now=hours(lives_[1], say))
+        what = say(
+            "{was} h before, {now} h after", was=hours(lives_[0], say), now=hours(lives_[1], say)
+        )
     elif min(uses) > 0:
         gain = uses[1] < uses[0]
         what = say(
@@ -333,9 +337,13 @@ def better(before: Judged, after: Judged, say: Language = EN) -> str:
         gain = new < old
         what = say("{was} MPa before, {now} MPa after", was=say.number(old), now=say.number(new))
     share = used(after) if min(uses) > 0 else highest(after)[0]
-    part = say.part((after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part)
+    part = say.part(
+        (after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part
+    )
     said = say("better") if gain else say("not better")
-    return say("At its worst zone the variant is {said}: {what} ({part}).", said=said, what=what, part=part)
+    return say(
+        "At its worst zone the variant is {said}: {what} ({part}).", said=said, what=what, part=part
+    )
 
 
 # --------------------------------------------------------------------------- contract
@@ -374,7 +382,8 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         "meshes": v.solved.meshes,
         "fillet_mm": (
             {"drawn": v.solved.fillet[0] / mm, "solved": v.solved.fillet[1] / mm}
-            if v.solved.fillet else None
+            if v.solved.fillet
+            else None
         ),
         "stiffness_N_mm": [float(1 / v.compliance[k, k] / (N / mm)) for k in range(3)],
         "stiffness_clamped_N_mm": [
@@ -621,9 +630,7 @@ def picture(
                 grid[1][column], v, nodes.points,
                 colours(wear(np.maximum(worn_[nodes.faces].max(axis=1), DECADES * most))),
             )  # fmt: skip
-            grid[1][column].set_title(
-                say("{name}: damage of an hour of duty", name=say(v.name))
-            )
+            grid[1][column].set_title(say("{name}: damage of an hour of duty", name=say(v.name)))
     if over:
         figure.suptitle("\n".join(wrap(over, 58 * len(of.variants))), parse_math=False)
     stress = ScalarMappable(norm=scale, cmap=colours)

@@ -6,6 +6,7 @@ from io import BytesIO
 import numpy as np
 
 from cardan.base.units import MPa, N, mm, rpm
+from cardan.model.bracket import Zone
 from cardan.report import svg
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.bracket import (
@@ -48,7 +49,9 @@ def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
     yield _compared(of, say)
     if len(of.variants) > 1:
         yield Text(paragraphs=(better(*of.variants[:2], say),))
-    yield Text(paragraphs=(*_crossings(of, say), *(r for v in of.variants for r in remarks(v, say))))
+    yield Text(
+        paragraphs=(*_crossings(of, say), *(r for v in of.variants for r in remarks(v, say)))
+    )
     for v in of.variants:
         yield _features(v, say)
         yield _stresses(v, say)
@@ -282,15 +285,18 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
         x = np.array([o.mean[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         y = np.array([o.amplitude[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         series.append(Series(name=say(zone), x=x, y=y, joined=False, points=True))
-    for zone in dict.fromkeys(f.zone for f in v.features):
+    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features)
+    for zone in zones:
         x = np.linspace(low, high, 41)
-        # The amplitude that comes to the knee's: corrections grow with amplitude, so halving finds it.
+        # The amplitude that comes to the knee's: halving finds it, for corrections grow with it.
         least, most = np.zeros_like(x), np.full_like(x, 4 * found[zone].curve.amplitude)
         for _ in range(40):
             middle = (least + most) / 2
             over = found[zone].used(middle, x * MPa) > 1
             least, most = np.where(over, least, middle), np.where(over, middle, most)
-        series.append(Series(name=say("{zone}, borne at the knee", zone=say(zone)), x=x, y=least / MPa))
+        series.append(
+            Series(name=say("{zone}, borne at the knee", zone=say(zone)), x=x, y=least / MPa)
+        )
     title = say("Haigh's diagram: amplitude against mean, each zone in each case")
     return plot(
         say, title=title, alt=title, series=series, x_label=say("mean stress [MPa]"),

@@ -112,8 +112,12 @@ class Strength:
 
 def strengths(bracket: Bracket) -> dict[Zone, Strength]:
     """Return what each zone of a bracket bears; nothing where its file states no S-N curve."""
-    found = {zone: Strength.of(bracket, zone) for zone in ZONES}
-    return {zone: one for zone, one in found.items() if one is not None}
+    found: dict[Zone, Strength] = {}
+    for zone in ZONES:
+        one = Strength.of(bracket, zone)
+        if one is not None:
+            found[zone] = one
+    return found
 
 
 @cache
