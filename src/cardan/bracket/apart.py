@@ -72,7 +72,7 @@ def apart(
         child = subprocess.Popen(
             [sys.executable, "-c", _BEGIN, path, folder],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            text=True, encoding="utf-8",
+            text=True, encoding="utf-8", env={"NGS_NUM_THREADS": _threads(), **os.environ},
         )  # fmt: skip
         why: list[str] = []
         watch = threading.Thread(target=_watch, args=(child, memory, seconds, why), daemon=True)
@@ -136,6 +136,16 @@ def resident(process: int) -> float:
         )
     except (OSError, ValueError, IndexError, AttributeError):
         return 0.0
+
+
+def _threads() -> str:
+    """Return how many threads the engine may use: those idle spin, and take from who works."""
+    cores = os.cpu_count() or 1
+    try:
+        busy = os.getloadavg()[0]
+    except (AttributeError, OSError):
+        busy = 0.0
+    return str(max(1, min(4, round(cores - busy))))
 
 
 def _ending(code: int) -> str:

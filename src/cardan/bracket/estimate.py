@@ -102,7 +102,6 @@ def _rounded(value: float) -> str:
     """Return a number of things to two digits: 57 thousand, 1.2 million."""
     for name, size in (("million", 1e6), ("thousand", 1e3)):
         if value >= size:
-            return (
-                f"{value / size:.2g} {name}" if value < 100 * size else f"{value / size:.0f} {name}"
-            )
+            digits = ".2g" if value < 100 * size else ".0f"
+            return f"{value / size:{digits}} {name}"
     return f"{value:.0f}"

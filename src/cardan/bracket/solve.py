@@ -246,6 +246,7 @@ def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
     What the clamped flange alone has was not refined for: it is taken to be as far off as the
     worst of the others.
     """
-    known = dict(zip(done.last.zones.features, done.error.tolist(), strict=True))
-    most = max(known.values())
-    return dict.fromkeys(clamped.zones.features, most) | known
+    shares: list[float] = done.error.tolist()
+    known: dict[tuple[int, int], float] = dict(zip(done.last.zones.features, shares, strict=True))
+    found: dict[tuple[int, int], float] = dict.fromkeys(clamped.zones.features, max(shares))
+    return found | known

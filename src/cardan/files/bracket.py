@@ -138,6 +138,7 @@ class StepTable(Table):
     seat: Picks = key("faces the bearing sits on")
     bolts: Picks = key("faces the frame holds, one a bolt")
     thickness: Wall = key("of its walls where stress matters")
+    solid: str | None = key("which solid of the file, where it has several", default=None)
 
     def build(self) -> StepShape:
         """Return the shape in SI."""
@@ -150,6 +151,7 @@ class StepTable(Table):
             seat=self.seat,
             bolts=self.bolts,
             thickness=self.thickness,
+            solid=self.solid or "",
         )
 
 

@@ -189,6 +189,8 @@ class StepShape:
     seat: tuple[Pick, ...]
     bolts: tuple[Pick, ...]
     thickness: Metre
+    solid: str = ""
+    """Which solid of the file, where it has several."""
 
     def __post_init__(self) -> None:
         _above_zero("a STEP bracket", thickness=self.thickness)

@@ -303,9 +303,8 @@ def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
     ]
     uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
     if min(uses) > 0:
-        changed.insert(
-            1, (say("use of the fatigue limit, worst zone, %"), *(100 * u for u in uses))
-        )
+        label = say("use of the fatigue limit, worst zone, %")
+        changed.insert(1, (label, 100 * uses[0], 100 * uses[1]))
     for label, was, now in changed:
         yield (
             f"{label:<{LABEL}}{_columns([say.number(float(was)), say.number(float(now))])}"

@@ -333,7 +333,7 @@ def judge(
         solved = solved_apart(task, tell=told)
     except DesignError as error:
         msg = f"{name} bracket: {error}"
-        raise DesignError(msg) from None
+        raise DesignError(msg, about=error.about) from None
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
     error = np.array([solved.error.get(key, 0.0) for key in known])
