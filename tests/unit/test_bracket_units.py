@@ -7,7 +7,6 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from cardan.bracket.refine import Problem, refined
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError, NotConverged
@@ -15,11 +14,11 @@ from cardan.base.units import mm
 from cardan.bracket.elastic import elastic, hooke, mesh
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import influence
+from cardan.bracket.refine import Problem, refined
 from cardan.bracket.shape import Solid, solid
-from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.surface import nearest, sharp_edges
-from cardan.bracket.zones import CUT, SHEET
 from cardan.bracket.unit import unit_loads, unit_solutions
+from cardan.bracket.zones import CUT, SHEET
 from cardan.cli import cli
 from cardan.model.bracket import Gauge, LShape, Pick, StepShape, UShape
 from cardan.model.parts import STEEL
@@ -247,7 +246,7 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
     assert solid(near).volume == pytest.approx(units.solid.volume, rel=1e-6)
     with pytest.raises(DesignError, match="its faces are called bolt 1, bolt 1 wall"):
         solid(replace(named, seat=(Pick(name="bore"),)))
-    with pytest.raises(DesignError, match="seat: no face of .* the nearest is 10 mm away, a face"):
+    with pytest.raises(DesignError, match=r"seat: no face of .* the nearest is 10 mm away, a face"):
         solid(replace(named, seat=(Pick(near=(0, 0, -66 * mm)),)))
     with pytest.raises(DesignError, match="is picked as"):
         solid(replace(named, seat=(Pick(name="bolt 1"),)))
@@ -277,14 +276,18 @@ def bare_l(*, halves=False):
     return body
 
 
+def by_points(path):
+    """An L's seat and bolts by a point in each."""
+    bolts = tuple(Pick(near=(x, y + 5.5 * mm, z - 4 * mm)) for x, y, z in L.places)
+    seat = (Pick(near=(0, 5 * mm, -25.5 * mm)),)
+    return StepShape(path=str(path), centre=(0, 0, 0), seat=seat, bolts=bolts, thickness=8 * mm)
+
+
 def test_washers_are_imprinted_on_a_step_file_and_halves_of_a_bore_are_one(tmp_path):
     """Picked by a point in each hole: the faces and their areas are those of the drawing."""
     path = tmp_path / "l.step"
     bare_l(halves=True).WriteStep(str(path))
-    part = StepShape(
-        path=str(path), centre=(0, 0, 0), seat=(Pick(near=(0, 5 * mm, -25.5 * mm)),), thickness=8 * mm,
-        bolts=tuple(Pick(near=(x, y + 5.5 * mm, z - 4 * mm)) for x, y, z in L.places),
-    )  # fmt: skip
+    part = by_points(path)
     made = solid(part)
     seat, *bolts = made.found
     assert seat.faces == 2
@@ -302,14 +305,11 @@ def test_several_solids_are_told_apart_by_name_or_refused_with_what_was_found(tm
     body.solids[0].name, pin.solids[0].name = "bracket", "pin"
     path = tmp_path / "two.step"
     occ.Compound([body, pin]).WriteStep(str(path))
-    part = StepShape(
-        path=str(path), centre=(0, 0, 0), seat=(Pick(near=(0, 5 * mm, -25.5 * mm)),), thickness=8 * mm,
-        bolts=tuple(Pick(near=(x, y + 5.5 * mm, z - 4 * mm)) for x, y, z in L.places),
-    )  # fmt: skip
+    part = by_points(path)
     with pytest.raises(DesignError, match=r"has 2 solids, bracket of .* pin of 1 cm3: say which"):
         solid(part)
     assert solid(replace(part, solid="bracket")).volume == pytest.approx(solid(L).volume, rel=1e-6)
-    with pytest.raises(DesignError, match="no solid of .* called 'arm': it has bracket"):
+    with pytest.raises(DesignError, match=r"no solid of .* called 'arm': it has bracket"):
         solid(replace(part, solid="arm"))
 
 

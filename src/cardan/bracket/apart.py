@@ -69,24 +69,24 @@ def apart(
         question, reply = Path(folder, "question"), Path(folder, "reply")
         question.write_bytes(pickle.dumps((function.__module__, function.__qualname__, args)))
         path = pickle.dumps([p or str(Path.cwd()) for p in sys.path]).hex()
-        child = subprocess.Popen(
+        why: list[str] = []
+        with subprocess.Popen(
             [sys.executable, "-c", _BEGIN, path, folder],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             text=True, encoding="utf-8", env={"NGS_NUM_THREADS": _threads(), **os.environ},
-        )  # fmt: skip
-        why: list[str] = []
-        watch = threading.Thread(target=_watch, args=(child, memory, seconds, why), daemon=True)
-        watch.start()
-        try:
-            assert child.stdout is not None
-            for line in child.stdout:
-                tell(line.rstrip("\n"))
-            child.wait()
-        finally:  # a stop from the keyboard stops it too
-            if child.poll() is None:
-                child.kill()
+        ) as child:  # fmt: skip
+            watch = threading.Thread(target=_watch, args=(child, memory, seconds, why), daemon=True)
+            watch.start()
+            try:
+                assert child.stdout is not None
+                for line in child.stdout:
+                    tell(line.rstrip("\n"))
                 child.wait()
-            watch.join()
+            finally:  # a stop from the keyboard stops it too
+                if child.poll() is None:
+                    child.kill()
+                    child.wait()
+                watch.join()
         if not reply.exists():
             raise Crashed(why[0] if why else _ending(child.returncode))
         told: Told = pickle.loads(reply.read_bytes())  # our own, from a folder of our own

@@ -452,7 +452,7 @@ def _bore(faces: list[Any], picked: int) -> Iterable[int]:
 
 
 def _centred(faces: list[Any], bore: _Cylinder | None, part: StepShape) -> None:
-    """Refuse a centre that does not lie in the seat: a wrong one turns every force into a moment."""
+    """Refuse a centre that is not the seat's: a wrong one makes a moment of every force."""
     centre = np.array(part.centre) / mm
     if bore is not None:
         off = centre - bore.point

@@ -13,8 +13,8 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 
-PLANES = 18
-"""Planes tried at each place, 10 degrees apart: at most 0.8 % of stress is missed."""
+PLANES = 36
+"""Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
 _SAMPLES = 16
 """Moments of a history by which places and planes are told that matter."""
 _CLOSELY = 1e-3
