@@ -59,7 +59,7 @@ def cylinder():
 def cavity():
     """A small hollow sphere in tension: (27 - 15 nu) / (2 (7 - 5 nu)); Goodier (1933)."""
     occ = engine().occ
-    a, W = 1.0, 8.0
+    a, W = 1.0, 7.0
     shape = occ.Box((0, 0, 0), (W, W, W)) - occ.Sphere((0, 0, 0), a)
     held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.z - W})
     nu = STEEL.poisson

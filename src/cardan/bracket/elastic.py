@@ -510,6 +510,14 @@ def _nodes(made: Any) -> Nodes:
     points = np.empty((count + len(edges), 3))
     where = made.MapToAllElements(_nodal_rule(), ngs.VOL)
     points[elements.ravel()] = ngs.CF((ngs.x, ngs.y, ngs.z))(where)
+    # A face inside, where solids are glued, is no surface: two elements share it.
+    four = np.sort(corners[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), -1)
+    shared = (four[:, 0] * count + four[:, 1]) * count + four[:, 2]
+    known, times = np.unique(shared, return_counts=True)
+    mine = np.sort(triangles, -1)
+    mine = (mine[:, 0] * count + mine[:, 1]) * count + mine[:, 2]
+    outer = times[np.searchsorted(known, mine)] == 1
+    triangles, faces = triangles[outer], faces[outer]
     sides = np.sort(
         np.stack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]], 1), -1
     )

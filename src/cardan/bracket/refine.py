@@ -31,6 +31,10 @@ _HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
 _MOMENTS = 24
 """Of a history, by which loads are compared."""
+_TWICE = 2
+"""Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+_HALF, _TOP = 0.55, 0.95
+"""How much finer a top is looked at a second time; what counts as the top of a feature."""
 _LOADS = 8
 """Loads, the most telling, under which the mesh is made; every load is asked of the last."""
 
@@ -191,11 +195,16 @@ def refined(
         watched.append(drawn.of(nodes, von_mises(superpose(found.at_nodes[1], combos))))
         off_seen = drawn.of(nodes, scatter)
         more = [
-            *_worst_places(found, level_of, at_places, weight, problem.thickness),
-            *_round(found, drawn.points, watched[-1], off_seen),
+            *_worst_places(
+                found, level_of, at_places, weight, problem.thickness, first=level < _TWICE
+            ),
+            *_round(found, drawn.points, watched[-1], off_seen, moved=_moved(watched, level)),
         ]
-        still = level > 0 and _settled(tops, weight)
-        if not more or (still and not any(_round(found, drawn.points, watched[-1], off_seen))):
+        if not more or (
+            level >= _TWICE
+            and _settled(tops, weight)
+            and (not len(points) or _moved(watched, level).max() <= _STILL)
+        ):
             break
         wanted += more
     assert found is not None
@@ -271,7 +280,13 @@ def _edge(nodes: Nodes) -> FloatArray:
 
 
 def _worst_places(
-    found: Solution, level: FloatArray, off: FloatArray, weight: FloatArray, thickness: Metre
+    found: Solution,
+    level: FloatArray,
+    off: FloatArray,
+    weight: FloatArray,
+    thickness: Metre,
+    *,
+    first: bool,
 ) -> Iterator[tuple[FloatArray, Metre]]:
     """Yield where the next mesh is to be finer, with the edge wanted there."""
     zones, nodes = found.zones, found.elastic.nodes
@@ -284,6 +299,10 @@ def _worst_places(
     near = zones.lines.near
     here = np.concatenate([edge[zones.own], edge[nodes.faces[near.faces]].mean(axis=1)])
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
+    if first:
+        # That elements agree is no proof, at a face least of all: tops are looked at twice.
+        tops = among.any(axis=1) & (used >= _TOP * feature).any(axis=1)
+        finer = np.where(tops, np.minimum(finer, _HALF * here), finer)
     # Where structural stress is read, elements are to be no larger than the distance between.
     along = among.any(axis=1) & (np.arange(len(here)) >= len(zones.own))
     finer = np.where(along, np.minimum(finer, 0.4 * thickness), finer)
@@ -295,19 +314,28 @@ def _worst_places(
 
 
 def _round(
-    found: Solution, points: FloatArray, level: FloatArray, off: FloatArray
+    found: Solution, points: FloatArray, level: FloatArray, off: FloatArray, *, moved: FloatArray
 ) -> Iterator[tuple[FloatArray, Metre]]:
     """Yield where it is to be finer round points that are watched."""
     edge = _edge(found.elastic.nodes)
     drawn = nearest(found.elastic.nodes, points)
-    for point, face, high, rough in zip(points, drawn.faces, level, off, strict=True):
+    for point, face, high, rough, step_ in zip(points, drawn.faces, level, off, moved, strict=True):
         share = float((rough / np.maximum(high.max(), 1e-300)).max())
-        if share > _TOLD:
+        if share > _TOLD or step_ > _STILL:
             here = float(edge[found.elastic.nodes.faces[face]].mean())
-            size = here * float(np.clip(np.sqrt(_TOLD / share), 0.35, 0.7))
+            size = here * float(np.clip(np.sqrt(_TOLD / max(share, _TOLD)), 0.35, _HALF))
             # The mesher lets elements grow at once beyond a point: seven keep them small.
             for step in np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
                 yield point + size * step, size
+
+
+def _moved(watched: list[FloatArray], level: int) -> FloatArray:
+    """Return the share (w,) of itself that watched stress moved by on the last mesh."""
+    last = watched[-1]
+    if level < _TWICE:
+        return np.full(len(last), np.inf)
+    step = np.abs(last - watched[-2]).max(axis=-1, initial=0.0)
+    return step / np.maximum(last.max(axis=-1, initial=0.0), 1e-300)
 
 
 def _settled(tops: list[Tops], weight: FloatArray) -> bool:

@@ -63,8 +63,9 @@ class Held:
         Mean motion of the seat under forces and moments.
     reactions : (bolts, 9, 3) N
         Force each bolt takes from the frame; where the whole plane is held, its share alone.
-    frequencies, carried : (6,) Hz
-        Natural frequencies by itself, and with the mass it carries; two of the clamped flange.
+    frequencies, carried : Hz
+        Natural frequencies by itself, three where something rides on it, and six with what it
+        carries; two of each of the clamped flange.
     influence : (gauges, 9)
         Strain of each gauge.
     """
@@ -229,9 +230,10 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     units = _units(body, found, size)
     # The clamped flange's frequencies only say how far the first ones may be off.
     count = MODES if hold == "sliding" else 2
-    alone, _ = units.modes(count)
+    rides = task.carried_mass > 0
+    alone, _ = units.modes(min(count, 3) if rides else count)
     carried = alone
-    if task.carried_mass > 0:
+    if rides:
         carried, _ = units.modes(count, mass=task.carried_mass, rubber=task.rubber)
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
