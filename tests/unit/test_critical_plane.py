@@ -66,7 +66,7 @@ def test_of_several_places_the_worst_happens():
     unit = np.zeros((1, 1, 6))
     unit[0, 0, 0] = 1e6
     wave = np.cos(2 * np.pi * np.arange(32) / 32)[:, None]
-    loads = np.stack([100 * wave, 150 * wave])
+    loads = np.stack([100 * wave, 150 * wave, 50 * wave])
     damage, _ = plane_damage(unit, [[0, 0, 1]], [Pass(loads)], harm=harm)
     assert damage == pytest.approx([1.5**5 / 1e6], rel=1e-9)
 

@@ -304,11 +304,14 @@ class Elastic:
 
         The largest von Mises stress of what an element says, less the mean `smooth`
         (n, c, 6) Pa of them all: the estimate of Zienkiewicz and Zhu, Int. J. Numer. Meth.
-        Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say.
+        Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say,
+        but where all are.
         """
         ngs = engine().ngs
         where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
         flat, trusted = self.nodes.elements.ravel(), self._worth.ravel() > 0.5
+        heard = np.bincount(flat, weights=trusted, minlength=len(self.nodes.points)) > 0
+        trusted = trusted | ~heard[flat]  # where all are pressed flat, all are heard
         order = np.argsort(flat, kind="stable")
         starts = np.searchsorted(flat[order], np.arange(len(self.nodes.points)))
         found = np.zeros(smooth.shape[:2])

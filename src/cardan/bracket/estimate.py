@@ -84,8 +84,8 @@ def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estim
     lower = " or a lower `order`" if degree > 2 else ""
     msg = (
         f"elements of {size / mm:.3g} mm, degree {degree}, would make {found}; allowed are "
-        f"{memory / 1e9:.2g} GB and {MINUTES:g} minutes: try `element_mm: {wanted / mm:.2g}`{lower}, "
-        "or check the bracket's sizes"
+        f"{memory / 1e9:.2g} GB and {MINUTES:g} minutes: try `element_mm: {wanted / mm:.2g}`"
+        f"{lower}, or check the bracket's sizes"
     )
     raise DesignError(msg, about="bracket")
 

@@ -375,8 +375,8 @@ def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> I
         c = faces[best].center
         msg = (
             f"{name}: no face of {path} lies within 1 mm of "
-            f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm away, "
-            f"a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
+            f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
+            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
         )
         raise DesignError(msg, about=about)
     return [best]
