@@ -71,7 +71,9 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     told = expected > 1e-3 * expected.max()
     assert np.all(damage[told] > 0.8 * expected[told])
     assert np.all(damage[told] < 1.6 * expected[told])
-    assert second.used[sheet] == pytest.approx(swing[sheet])
+    # Of two ways of holding the worse: by stress for what is shown, by swing for its use.
+    assert np.all(second.used[sheet] >= swing[sheet] * (1 - 1e-9))
+    assert second.used[sheet] == pytest.approx(swing[sheet], rel=0.1)
     assert second.life.per_turn == pytest.approx(2 * second.life.spots.max())
     assert second.life.per_hour == pytest.approx(2 * second.life.spots.max() * 2500 * 60)
     # At the check's own torque and speed the duty cycle is the check's combined load, but for
