@@ -391,6 +391,8 @@ def test_the_command_judges_a_file(tmp_path):
         > (by["as given: combined"]["von_mises"]["value_MPa"])
     )
     grid = ET.fromstring((tmp_path / "out.vtu").read_text())
+    letters = bytes(int(b) for b in grid.find(".//FieldData/DataArray").text.split())
+    assert letters.rstrip(b"\0").decode() == done.output.splitlines()[0]
     piece = grid.find(".//Piece")
     assert int(piece.get("NumberOfCells")) == first["elements"]
     assert (tmp_path / "out-reinforced.vtu").exists()

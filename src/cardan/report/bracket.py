@@ -502,10 +502,11 @@ def superpose_vectors(unit: FloatArray, loads: FloatArray) -> FloatArray:
     return np.einsum("nux,u->nx", unit, loads)
 
 
-def vtu(v: Judged) -> str:
+def vtu(v: Judged, *, said: str = "") -> str:
     """Return a VTK unstructured grid: the mesh with what each case does when it peaks.
 
-    Quadratic tetrahedra; coordinates and displacements in metres, stresses in Pa.
+    Quadratic tetrahedra; coordinates and displacements in metres, stresses in Pa. `said` is the
+    verdict, a field of the whole: the file may be all that is passed on.
     """
     nodes = v.solved.nodes
     count, cells = len(nodes.points), len(nodes.elements)
@@ -525,7 +526,8 @@ def vtu(v: Judged) -> str:
         '<?xml version="1.0"?>',
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
         'header_type="UInt64">',
-        f'<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="{cells}">',
+        "<UnstructuredGrid>", *([_told(said)] if said else []),
+        f'<Piece NumberOfPoints="{count}" NumberOfCells="{cells}">',
         "<PointData>", *fields, "</PointData>",
         "<Points>", _array("Points", nodes.points.astype("<f8"), components=3), "</Points>",
         "<Cells>",
@@ -535,6 +537,15 @@ def vtu(v: Judged) -> str:
         "</Cells>",
         "</Piece></UnstructuredGrid></VTKFile>", "",
     ])  # fmt: skip
+
+
+def _told(said: str) -> str:
+    """Return a text as a VTK file has it: the bytes of its letters, and a nought."""
+    letters = " ".join(str(b) for b in (*said.encode(), 0))
+    return (
+        '<FieldData><DataArray type="String" Name="verdict" NumberOfTuples="1" format="ascii">'
+        f"{letters}</DataArray></FieldData>"
+    )
 
 
 _VTK_TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}

@@ -88,7 +88,9 @@ _FRAGMENT = """
 <p><label>@shape@ <select class="v"></select></label>
 <label>@case@ <select class="c"></select></label>
 <label>@deformation@ <input class="d" type="range" min="0" max="1" step="0.01" value="0.3"></label>
-<span class="k"></span></p>
+<span class="b" style="display:inline-block;width:10em;height:.8em;border:1px solid #888;
+background:linear-gradient(90deg,#0d0dff 12%,#0dffff 37%,#80ff80 50%,#ffff0d 62%,#ff0d0d 88%)">
+</span> <span class="k"></span></p>
 <div style="position:relative;width:100%;max-width:900px">
 <canvas style="width:100%;height:560px;border:1px solid #ccc;touch-action:none"></canvas>
 <div class="m" style="position:absolute;inset:0;pointer-events:none;overflow:hidden"></div></div>
