@@ -84,6 +84,8 @@ def test_a_wall_s_thickness_is_measured(plate):
     found = depth(plate.nodes, at, [(0, 0, 1), (0, 0, -1), (0, 0, 1)], usual=6 * mm)
     assert found[:2] == pytest.approx([T, T], rel=1e-6)
     assert found[2] == pytest.approx(6 * mm)
+    thin = depth(plate.nodes, at[:1], [(0, 0, 1)], usual=8 * mm)  # looked for beyond the plate
+    assert thin == pytest.approx([T], rel=1e-6)
 
 
 def test_edges_know_which_way_they_turn(plate):
@@ -92,6 +94,9 @@ def test_edges_know_which_way_they_turn(plate):
     notch = turns > 20
     assert turns[notch] == pytest.approx(90, abs=1e-6)
     assert turns[~notch] == pytest.approx(-90, abs=1e-6)
+    at = plate.nodes.points[edges.nodes[notch][:, 1]]
+    assert at[:, 2] == pytest.approx(np.full(len(at), T))  # the block's toe, and nowhere else
+    assert np.abs(at[:, :2]).max() < 0.011
 
 
 def test_a_field_is_read_between_nodes_as_squares(plate):
