@@ -46,7 +46,7 @@ def ours(size, folder):
         now = time.perf_counter()
         laps[what], last = now - last, now
 
-    units = unit_solutions(solid(BRACKET), STEEL, size=size)
+    units = unit_solutions(solid(BRACKET), STEEL, size=size, hold="clamped")
     lap("mesh, factor, 9 loads")
     units.at_nodes  # noqa: B018  computed on first use
     lap("stresses at the nodes")
@@ -58,7 +58,9 @@ def ours(size, folder):
     print(f"| {units.elastic.unknowns} | cardan | {total:.1f} | {peak:.0f} | {parts} |", flush=True)
     nodes = units.elastic.nodes
     loads = calculix.seat_loads(nodes)
-    text = calculix.deck(nodes, STEEL, held=units.solid.bolts, loads=loads, modes=6)
+    text = calculix.deck(
+        nodes, STEEL, held=tuple(units.solid.held("clamped")), loads=loads, modes=6
+    )
     (folder / "deck.inp").write_text(text)
     np.savez(folder / "ours.npz", u=units.at_nodes[0][:, :6], frequencies=frequencies)
 

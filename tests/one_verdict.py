@@ -23,7 +23,8 @@ from cardan.base.units import MPa, hour
 from cardan.quantity.quantities import ANSWERED, LIMITABLE, QUANTITIES
 from cardan.study.approval import Approval, approve, default_studies
 from cardan.study.bracket import BracketAnswer
-from cardan.study.bracket import Case as LoadCase
+from cardan.study.bracket_judge import Case as LoadCase
+from cardan.study.bracket_judge import Feature
 from cardan.study.bracket_life import Endured
 from cardan.study.studies import BracketStudy
 
@@ -142,16 +143,25 @@ def read(path: Path, *, hangs: bool = False) -> Approval:
 def made_up_bracket() -> Iterator[None]:
     """Ask no solver: a bracket's stresses and damage are made up, all else is as it is."""
     spots = np.array([180.0, 240.0]) * MPa
-    outcome = SimpleNamespace(case=LoadCase("gvw", np.zeros((1, 9)), what="peak"), hot=spots)
+    features = tuple(Feature(zone="sheet", number=k, point=(0, 0, 0), error=0.0) for k in (1, 2))
+    outcome = SimpleNamespace(
+        case=LoadCase("gvw", np.zeros((1, 9)), what="peak"), hot=spots, used=spots / (300 * MPa)
+    )
     duty = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-4, 4e-4]), gauges=np.zeros(0),
         turns=np.nan, duration=hour,
     )  # fmt: skip
 
     def study(application, **_: object) -> BracketAnswer:
-        variant = SimpleNamespace(outcomes=(outcome,), duty=(duty,))
+        variant = SimpleNamespace(
+            outcomes=(outcome,),
+            duty=(duty,),
+            features=features,
+            carried=np.array([100.0]),
+            frequencies=np.array([100.0]),
+        )
         return BracketAnswer(
-            title=application.title, bracket=application.bracket, top_speed=np.nan,
+            title=application.title, bracket=application.bracket, top_speed=200.0,
             variants=(variant, variant),
         )  # fmt: skip
 

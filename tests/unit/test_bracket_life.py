@@ -21,7 +21,8 @@ from cardan.model.application import DutyPoint
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
 from cardan.model.parts import Material
 from cardan.study.approval import assess
-from cardan.study.bracket import BracketAnswer, Case, cases_of, checks_of, duty_of
+from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
+from cardan.study.bracket_judge import Case, Feature
 from cardan.study.bracket_life import (
     Endured,
     Strength,
@@ -270,41 +271,43 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     answer = BracketAnswer(
         title="", bracket=Bracket(shape=SHAPE, material=strong), top_speed=100.0, variants=()
     )
-    outcome = SimpleNamespace(
-        case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa
+    features = tuple(
+        Feature(zone=zone, number=k, point=(0, 0, 0), error=0.0)
+        for k, zone in enumerate(("sheet", "weld toe", "sheet"), 1)
     )
+    outcome = SimpleNamespace(
+        case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa,
+        used=np.array([0.5, 0.75, np.nan]),
+    )  # fmt: skip
     spent = Endured(
-        when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9]), gauges=np.zeros(0),
+        when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9, 3e-9]), gauges=np.zeros(0),
         turns=30.0, duration=1.0,
     )  # fmt: skip
-    judged: Any = SimpleNamespace(outcomes=(outcome,), duty=(spent,))
+    judged: Any = SimpleNamespace(
+        outcomes=(outcome,), duty=(spent,), features=features, carried=np.array([50.0]),
+        frequencies=np.array([150.0]),
+    )  # fmt: skip
     limits = (
         Limit(quantity="bracket_stress_utilisation", maximum=0.6, source=MINER),
+        Limit(quantity="bracket_fatigue_utilisation", normal=1.0, source=MINER),
         Limit(quantity="bracket_life", maximum=1e8, sense=">=", source=MINER),
+        Limit(quantity="bracket_resonance", maximum=1.15, sense=">=", source=MINER),
     )
-    stress, life = checks_of(answer, judged, limits)
-    assert (str(stress.part), stress.state) == ("hot spot 2", "pothole")
+    stress, sheet, toe, *lives, far = checks_of(answer, judged, limits)
+    assert (str(stress.part), stress.state) == ("weld toe 2", "pothole")
     assert stress.value == pytest.approx(0.5)
-    assert (str(life.part), life.state) == ("hot spot 2", "duty cycle, gvw")
-    assert life.value == pytest.approx(5e8)
-    assert [c.grade for c in (stress, life)] == ["pass", "pass"]
-
-
-def test_a_rest_in_the_duty_cycle_does_nothing_and_the_unknown_is_not_harmless():
-    text = TEXT.replace("torque_Nm: 4000, speed_rpm: 600", "torque_Nm: 4000, speed_rpm: 0")
-    application = files.loads(text)
-    (response,) = assess(application).responses
-    ((_, parts),) = duty_of(application.bracket, response).items()
-    how = {"unit": UNIT, "influence": np.zeros((0, 9)), "modulus": 2e11, "strength": strength()}
-    lives = [
-        (share, endured(c.loads, **how, places=c.places, turns=c.turns, duration=c.duration))
-        for share, c in parts
+    # A zone each: its own worst feature.
+    assert [(str(c.part), c.value) for c in (sheet, toe)] == [
+        ("sheet 1", 0.5),
+        ("weld toe 2", 0.75),
     ]
-    assert mixed("duty", lives).per_hour == pytest.approx(0.75 * lives[0][1].per_hour)
-    assert lives[0][1].per_hour > 0
-    lost = up(0, 200)
-    lost[5] = np.nan
-    with pytest.raises(DesignError, match="mend it first"):
-        endured(lost, **how, turns=1, duration=1)
-    three = endured(up(0, 200)[:, :3], **how, turns=1, duration=1)
-    assert three.per_turn == pytest.approx(64e-6)
+    found = {str(c.part): (c.state, c.value) for c in lives}
+    assert found == {
+        "sheet 3": ("duty cycle, gvw", pytest.approx(1 / 3e-9)),
+        "weld toe 2": ("duty cycle, gvw", pytest.approx(1 / 2e-9)),
+    }
+    # Rigidly carried: 50 Hz over twice 100 rad/s.
+    assert (far.state, far.value) == ("highest speed", pytest.approx(50 / (2 * 100 / (2 * np.pi))))
+    soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))
+    *_, own = checks_of(soft, judged, limits)
+    assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))

@@ -24,7 +24,7 @@ def test_every_shipped_row_is_a_part_with_a_source(kind):
     sheet.check(reading)
     assert (reading.problems, reading.warnings) == ([], [])
     assert sheet.kind == kind
-    assert len(sheet.rows) > (5 if kind == "ply" else 10)
+    assert len(sheet.rows) > {"ply": 5, "detail": 7}.get(kind, 10)
     for name in sheet.rows:
         part = find(name, kind)
         if kind != "tube":  # a tube is its section; its row holds the source

@@ -12,6 +12,7 @@ PartKind: TypeAlias = Literal[
     "hot spot", "gauge", "engine", "flywheel", "clutch", "clutch disc", "gearbox",
     "gearbox input", "pinion", "axle housing", "half shafts", "wheels", "tyres", "wind-up",
     "vehicle",
+    "sheet", "cut edge", "weld toe", "bolt border",
 ]  # fmt: skip
 
 OccasionKind: TypeAlias = Literal[

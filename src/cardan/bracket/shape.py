@@ -6,37 +6,81 @@ what leaves this module is scaled to metres, with the bearing's centre at the or
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
-from cardan.model.bracket import LShape, Pick, Shape, StepShape, UShape
+from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape, Vector
 
 SEAT = "seat"
 FREE = "free"
+MOUNT = "mount"
+"""The plane that lies against the frame, without the washers' rings."""
+WELD = "weld"
+WALL = " wall"
+"""Ends the name of a bolt hole's wall; the ring about it is called after the bolt alone."""
 WASHER = 2.0
 """Diameter of the ring a bolt bears on, over its hole's."""
 
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picked:
+    """Faces of a STEP file that a pick found: how many, their area m², a bore's radius m or 0."""
+
+    name: str
+    faces: int
+    area: float
+    radius: Metre = 0.0
+    axis: Vector = (0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Solid:
     """A solid in metres, the bearing's centre at its origin.
 
-    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 2", ... or "free".
-    `thickness` is that of its walls, `volume` in m³.
+    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 1 wall", ..., "mount",
+    "weld" or "free". `thickness` is that of its walls, `volume` in m³. `found` says what was
+    found of the picks in a STEP file.
     """
 
     shape: Any
     bolts: tuple[str, ...]
     thickness: Metre
     volume: float
+    found: tuple[Picked, ...] = ()
+
+    def held(self, hold: Hold = "sliding") -> dict[str, str]:
+        """Return the faces that are held, with the axes they may not move along.
+
+        The bolts at least hold the washers' rings against the frame and the holes' walls along
+        it; at most the whole plane is one with the frame. A real flange, which slides a
+        little and lifts off a little, is as stiff as the first or stiffer, as the second or
+        softer: each frees, or holds, all the other does and more.
+        """
+        names = {face.name for face in self.shape.faces}
+        walls = [bolt + WALL for bolt in self.bolts if bolt + WALL in names]
+        rings = [bolt for bolt in self.bolts if bolt in names]
+        if hold == "clamped" or not (walls and rings):
+            plane = [MOUNT] if hold == "clamped" and MOUNT in names else []
+            return dict.fromkeys([*rings, *walls, *plane], "xyz")
+        up = "xyz"[self.upright]
+        return dict.fromkeys(rings, up) | dict.fromkeys(walls, "xyz".replace(up, ""))
+
+    @property
+    def upright(self) -> int:
+        """Axis along which the bolts pull: of x, y, z the one the rings do not reach along."""
+        boxes = [face.bounding_box for face in self.shape.faces if face.name in self.bolts]
+        low = np.array([[a.x, a.y, a.z] for a, _ in boxes])
+        high = np.array([[b.x, b.y, b.z] for _, b in boxes])
+        return int((high - low).sum(axis=0).argmin())
 
     def write(self, path: Path) -> None:
         """Write a STEP file in millimetres; faces keep their names."""
@@ -127,6 +171,9 @@ def _u(part: UShape) -> Any:
             and _on_sheet(e, leg=leg, under=h - t, bend=(leg + r, bend, r))
         ]  # fmt: skip
         sheet = sheet.MakeFillet(seams, part.fillet / mm)
+        for face in sheet.faces:
+            # The kernel calls the faces it makes of a seam "fillet"; here each is a weld.
+            face.name = WELD if face.name == "fillet" else FREE
     return _drilled(sheet, part)
 
 
@@ -207,7 +254,11 @@ def _named(face: Any, part: UShape | LShape) -> str:
     for k, place in enumerate(part.places, 1):
         across = np.abs(np.stack([low, high])[:, :2] - np.asarray(place[:2]) / mm).max()
         if across < WASHER * part.bolt_diameter / 2 / mm + 0.1:
-            return f"bolt {k}"
+            return f"bolt {k}" if high[2] - low[2] < _NEAR * 100 else f"bolt {k}{WALL}"
+    if face.name == WELD:
+        return WELD
+    if low[2] > part.height / mm - _NEAR * 100:
+        return MOUNT
     bore = part.seat_diameter / 2 / mm
     half = (part.width if isinstance(part, UShape) else part.thickness) / 2 / mm
     reach = np.abs(np.stack([low, high])).max(axis=0)
@@ -228,30 +279,91 @@ def _from_step(part: StepShape) -> Solid:
     except Exception as error:  # the kernel raises bare exceptions of its own
         msg = f"{part.path} is not a STEP file the CAD kernel can read ({error})"
         raise DesignError(msg, about="bracket.step") from error
+    body = _chosen(body, part)
     faces = list(body.faces)
-    found = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
-    chosen: dict[int, str] = {}
-    for name, picks in found:
-        for k in (k for pick in picks for k in _picked(faces, pick, part.path)):
-            if chosen.get(k, name) != name:
-                msg = f"the same face of {part.path} is picked as {chosen[k]} and as {name}"
+    wanted = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
+    taken: dict[int, str] = {}
+    found: list[Picked] = []
+    rings: list[tuple[str, Any]] = []
+    imprints: list[Any] = []
+    round_: set[int] = set()
+    seat: tuple[list[Any], _Cylinder | None] = [], None
+    for name, picks in wanted:
+        mine = {k for n, pick in enumerate(picks) for k in _picked(faces, pick, part.path, name, n)}
+        mine |= {other for k in mine for other in _bore(faces, k)}
+        for k in mine:
+            if taken.get(k, name) != name:
+                msg = f"the same face of {part.path} is picked as {taken[k]} and as {name}"
                 raise DesignError(msg, about="bracket.step")
-            chosen[k] = name
+            taken[k] = name
+        bore = next((c for k in sorted(mine) if (c := _cylinder(faces[k]))), None)
+        area = sum(faces[k].mass for k in mine) * mm**2
+        found.append(
+            Picked(name=name, faces=len(mine), area=float(area))
+            if bore is None
+            else Picked(
+                name=name, faces=len(mine), area=float(area), radius=bore.radius * mm,
+                axis=(float(bore.axis[0]), float(bore.axis[1]), float(bore.axis[2])),
+            )
+        )  # fmt: skip
+        if name == SEAT:
+            seat = [faces[k] for k in mine], bore
+            continue
+        walls = {k for k in mine if _cylinder(faces[k]) is not None}
+        flat = sorted(mine - walls)
+        if flat:  # a ring, or a pad, is drawn already
+            rings.append((name, faces[flat[0]]))
+        elif bore is not None and (ring := _ring(body, bore, part)) is not None:
+            rings.append((name, ring))
+            imprints.append(ring)
+        if rings and rings[-1][0] == name:
+            round_ |= walls
+    _centred(*seat, part)
     for k, face in enumerate(faces):
-        face.name = chosen.get(k, FREE)
+        face.name = taken.get(k, FREE) + (WALL if k in round_ else "")
+    if imprints:
+        body = occ.Glue([body, *imprints])
+    _name_plane(body, rings)
     x, y, z = (-v / mm for v in part.centre)
-    return _finished(body.Move(occ.Vec(x, y, z)), part.thickness, bolts=len(part.bolts))
+    made = _finished(body.Move(occ.Vec(x, y, z)), part.thickness, bolts=len(part.bolts))
+    return replace(made, found=tuple(found))
 
 
-def _picked(faces: list[Any], pick: Pick, path: str) -> Iterable[int]:
+def _chosen(body: Any, part: StepShape) -> Any:
+    """Return the solid that is meant: the only one, or the one of its name."""
+    solids = list(body.solids)
+    told = ", ".join(
+        f"{one.name or f'(no name, the {k}.)'} of {one.mass / 1000:.4g} cm3"
+        for k, one in enumerate(solids, 1)
+    )
+    if not solids:
+        msg = f"{part.path} has no solid, surfaces at most: export the bracket as a solid"
+        raise DesignError(msg, about="bracket.step.file")
+    if part.solid:
+        named = [one for one in solids if one.name == part.solid]
+        if len(named) != 1:
+            how = "no solid" if not named else f"{len(named)} solids"
+            msg = f"{how} of {part.path} called {part.solid!r}: it has {told}"
+            raise DesignError(msg, about="bracket.step.solid")
+        return named[0]
+    if len(solids) > 1:
+        msg = f"{part.path} has {len(solids)} solids, {told}: say which by `solid`"
+        raise DesignError(msg, about="bracket.step")
+    return solids[0]
+
+
+def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> Iterable[int]:
     """Places of the faces a pick means."""
+    kind, _, number = name.partition(" ")
+    about = f"bracket.step.{'seat' if kind == SEAT else 'bolts'}[{number or place + 1}]"
     if pick.name:
-        found = [k for k, face in enumerate(faces) if face.name == pick.name]
+        # A bolt's name means its ring and its hole's wall, as this program writes them.
+        found = [k for k, face in enumerate(faces) if face.name in (pick.name, pick.name + WALL)]
         if not found:
             names = sorted({face.name for face in faces if face.name})
             has = f"its faces are called {', '.join(names)}" if names else "none of its has a name"
             msg = f"no face of {path} is called {pick.name!r}: {has}; or pick by a point on it"
-            raise DesignError(msg, about="bracket.step")
+            raise DesignError(msg, about=about)
         return found
     assert pick.near is not None  # Pick refuses one without both
     occ = engine().occ
@@ -260,12 +372,166 @@ def _picked(faces: list[Any], pick: Pick, path: str) -> Iterable[int]:
     distances = [face.Distance(probe) for face in faces]
     best = int(np.argmin(distances))
     if distances[best] > 1.0:
+        c = faces[best].center
         msg = (
-            f"no face of {path} lies within 1 mm of {tuple(round(v, 3) for v in point)} mm: "
-            f"the nearest is {distances[best]:.3g} mm away"
+            f"{name}: no face of {path} lies within 1 mm of "
+            f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
+            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
         )
-        raise DesignError(msg, about="bracket.step")
+        raise DesignError(msg, about=about)
     return [best]
+
+
+class _Cylinder(NamedTuple):
+    """A round face: a point of its axis, the axis' direction, its radius, in mm."""
+
+    point: npt.NDArray[np.float64]
+    axis: npt.NDArray[np.float64]
+    radius: float
+
+
+def _cylinder(face: Any) -> _Cylinder | None:
+    """Return what cylinder a face is part of; None if of none.
+
+    The kernel tells no kinds of surfaces, so a surface is a cylinder where its normals at
+    four places meet in one line, at one distance from it.
+    """
+    try:
+        at = [(u, v) for u in (0.3, 1.1, 2.3, 4.0) for v in (0.0, 1.0)]
+        found = [face.surf.D1(u, v) for u, v in at]
+    except Exception:  # noqa: BLE001  a surface that is not known so far out is no cylinder
+        return None
+    points, one, other = (np.array([[d[k].x, d[k].y, d[k].z] for d in found]) for k in range(3))
+    normals = np.cross(one, other)
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    if size.min() < 1e-9:
+        return None
+    normals /= size
+    axis = np.cross(normals[0], normals[2])
+    size = np.linalg.norm(axis)
+    if size < 1e-9:
+        return None
+    axis = axis / size
+    if np.abs(normals @ axis).max() > 1e-9:
+        return None
+    # Two normals in the plane across meet at the axis: p0 + s n0 = p2 + t n2.
+    flat = points - (points @ axis)[:, None] * axis
+    s, _ = np.linalg.lstsq(np.stack([normals[0], -normals[2]], 1), flat[2] - flat[0], rcond=None)[0]
+    centre = flat[0] + s * normals[0]
+    radii = np.linalg.norm(flat - centre, axis=1)
+    if np.ptp(radii) > 1e-6 * radii.max() or radii.min() < 1e-6:
+        return None
+    edges = np.array([[e.start.x, e.start.y, e.start.z] for e in face.edges])
+    off = edges - centre - ((edges - centre) @ axis)[:, None] * axis
+    if np.abs(np.linalg.norm(off, axis=1) - radii[0]).max() > 1e-3 * radii[0]:
+        return None
+    return _Cylinder(centre, axis, float(radii[0]))
+
+
+def _bore(faces: list[Any], picked: int) -> Iterable[int]:
+    """Yield the faces that make one bore with a picked one: coaxial, as wide, and meeting."""
+    first = _cylinder(faces[picked])
+    if first is None:
+        return
+    row = [picked]
+    left = set(range(len(faces))) - {picked}
+    while row:
+        here = row.pop()
+        yield here
+        for k in sorted(left):
+            other = _cylinder(faces[k])
+            if other is None or abs(other.radius - first.radius) > 1e-3:
+                continue
+            if abs(abs(other.axis @ first.axis) - 1) > 1e-6:
+                continue
+            apart = other.point - first.point
+            apart = apart - (apart @ first.axis) * first.axis
+            if np.linalg.norm(apart) < 1e-3 and faces[k].Distance(faces[here]) < 1e-3:
+                left.discard(k)
+                row.append(k)
+
+
+def _centred(faces: list[Any], bore: _Cylinder | None, part: StepShape) -> None:
+    """Refuse a centre that is not the seat's: a wrong one makes a moment of every force."""
+    centre = np.array(part.centre) / mm
+    if bore is not None:
+        off = centre - bore.point
+        across = float(np.linalg.norm(off - (off @ bore.axis) * bore.axis))
+        if across > max(0.5, 0.02 * bore.radius):
+            foot = bore.point + ((centre - bore.point) @ bore.axis) * bore.axis
+            where = ", ".join(f"{v:.2f}" for v in foot)
+            msg = (
+                f"the bearing's centre lies {across:.3g} mm off the axis of its seat, a bore of "
+                f"{bore.radius:.4g} mm radius: the nearest point of the axis is ({where}) mm"
+            )
+            raise DesignError(msg, about="bracket.step.centre")
+    low = np.min(
+        [[f.bounding_box[0].x, f.bounding_box[0].y, f.bounding_box[0].z] for f in faces], 0
+    )
+    high = np.max(
+        [[f.bounding_box[1].x, f.bounding_box[1].y, f.bounding_box[1].z] for f in faces], 0
+    )
+    room = max(float((high - low).max()), 1.0)
+    if np.any(centre < low - room) or np.any(centre > high + room):
+        where = ", ".join(f"{a:.1f} to {b:.1f}" for a, b in zip(low, high, strict=True))
+        msg = (
+            f"the bearing's centre, ({', '.join(f'{v:g}' for v in centre)}) mm, is far from its "
+            f"seat, which reaches from {where} mm along x, y, z"
+        )
+        raise DesignError(msg, about="bracket.step.centre")
+
+
+def _ring(body: Any, bore: _Cylinder, part: StepShape) -> Any:
+    """Return the ring a bolt's washer presses against the frame; None where no plane lies there.
+
+    Of the two planes a hole ends in, the frame's is the one farther from the bearing.
+    """
+    occ = engine().occ
+    centre = np.array(part.centre) / mm
+    ends: list[float] = []
+    for face in body.faces:
+        low, high = face.bounding_box
+        c = np.array([face.center.x, face.center.y, face.center.z])
+        reach = np.array([high.x - low.x, high.y - low.y, high.z - low.z])
+        at = float((c - bore.point) @ bore.axis)
+        probe = bore.point + at * bore.axis
+        flat = float(reach @ np.abs(bore.axis)) < 1e-3
+        if flat and face.Distance(occ.Vertex(occ.Pnt(*probe))) < 1.001 * bore.radius:
+            ends.append(at)
+    if not ends:
+        return None
+    at = max(ends, key=lambda s: abs(s - float((centre - bore.point) @ bore.axis)))
+    middle = bore.point + at * bore.axis
+    aside = np.eye(3)[np.abs(bore.axis).argmin()]
+    across = np.cross(bore.axis, aside)
+    plane = occ.WorkPlane(occ.Axes(tuple(middle), occ.Dir(*bore.axis), occ.Dir(*across)))
+    disc = plane.Circle(WASHER * bore.radius).Face()
+    start = middle - bore.axis
+    hole = occ.Cylinder(occ.Pnt(*start), occ.Dir(*bore.axis), r=bore.radius, h=2)
+    return (disc - hole) * body
+
+
+def _name_plane(body: Any, rings: list[tuple[str, Any]]) -> None:
+    """Name the rings, and what is left of the planes they lie in: the mount."""
+
+    def box(shape: Any) -> npt.NDArray[np.float64]:
+        return np.array([[p.x, p.y, p.z] for p in shape.bounding_box])
+
+    for name, ring in rings:
+        low, high = box(ring)
+        axis = int((high - low).argmin())
+        for face in body.faces:
+            a, b = box(face)
+            if face.name != FREE or max(abs(a[axis] - low[axis]), abs(b[axis] - low[axis])) > 0.01:
+                continue
+            inside = np.all(a > low - 0.01) and np.all(b < high + 0.01)
+            face.name = name if inside else MOUNT
+    for name, ring in rings:  # one ring's plane was called the mount before its own turn came
+        low, high = box(ring)
+        for face in body.faces:
+            a, b = box(face)
+            if face.name == MOUNT and np.all(a > low - 0.01) and np.all(b < high + 0.01):
+                face.name = name
 
 
 def _finished(body: Any, thickness: Metre, *, bolts: int) -> Solid:

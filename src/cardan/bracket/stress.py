@@ -27,6 +27,12 @@ def tensor(stress: ArrayLike) -> FloatArray:
     return stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
 
 
+def vector(matrix: ArrayLike) -> FloatArray:
+    """Symmetric matrices (..., 3, 3) as stress (..., 6)."""
+    m = np.asarray(matrix, dtype=float)
+    return np.stack([m[..., i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))], -1)
+
+
 def principal(stress: ArrayLike) -> FloatArray:
     r"""Principal stresses (..., 3) Pa of stresses (..., 6), smallest first.
 
@@ -88,6 +94,15 @@ def critical_direction(stress: ArrayLike) -> FloatArray:
     if not np.any(swing):
         return tried[0]
     return tried[np.ptp(along(history[:, None], tried), axis=0).argmax()]
+
+
+def some(loads: ArrayLike, count: int) -> FloatArray:
+    """Return as many moments of a history (t, u) as told, spread over it without a rhythm."""
+    loads = np.asarray(loads, dtype=float)
+    if len(loads) <= count:
+        return loads
+    golden = (np.sqrt(5) - 1) / 2
+    return loads[np.unique((np.arange(count) * golden % 1 * len(loads)).astype(np.int64))]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,15 +13,26 @@ RE_ENTRANT = 20 * deg
 
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))  # of a six-node triangle
 _CANDIDATES = 16
+_AREA = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5)])
+"""Area coordinates of a six-node triangle's nodes."""
 
 
 @dataclass(frozen=True)
 class OnSurface:
-    """Points drawn to the surface: where they came to lie, outward normals, how far it was."""
+    """Points drawn to the surface: where they came to lie, outward normals, how far it was.
+
+    `faces` (k,) are the triangles they lie on, `weights` (k, 6) those of their nodes.
+    """
 
     points: FloatArray
     normals: FloatArray
     distances: FloatArray
+    faces: IntArray
+    weights: FloatArray
+
+    def of(self, nodes: Nodes, values: FloatArray) -> FloatArray:
+        """Return what a field known at the nodes (n, ...) is at the points, (k, ...)."""
+        return np.einsum("kq,kq...->k...", self.weights, values[nodes.faces[self.faces]])
 
 
 def nearest(nodes: Nodes, points: ArrayLike) -> OnSurface:
@@ -31,16 +42,28 @@ def nearest(nodes: Nodes, points: ArrayLike) -> OnSurface:
     points = np.asarray(points, dtype=float).reshape(-1, 3)
     flat = nodes.points[nodes.faces[:, _QUARTERS].reshape(-1, 3)]
     _, close = cKDTree(flat.mean(axis=1)).query(points, k=min(_CANDIDATES, len(flat)))
-    feet = _feet(points[:, None], flat[np.atleast_2d(close)])
+    close = np.reshape(close, (len(points), min(_CANDIDATES, len(flat))))
+    feet = _feet(points[:, None], flat[close])
     away = np.linalg.norm(feet - points[:, None], axis=-1)
     best = away.argmin(axis=1)
     rows = np.arange(len(points))
-    corner = flat[np.atleast_2d(close)[rows, best]]
+    quarter = close[rows, best]
+    corner, foot = flat[quarter], feet[rows, best]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    square = (normal * normal).sum(-1)
+    a, b, c = (corner[:, k] for k in range(3))
+    second = (np.cross(foot - a, c - a) * normal).sum(-1) / square
+    third = (np.cross(b - a, foot - a) * normal).sum(-1) / square
+    inside = np.stack([1 - second - third, second, third], axis=-1)
+    # The same point in the six-node triangle the quarter is of, and its shape functions there.
+    L = np.einsum("kq,kqc->kc", inside, _AREA[np.array(_QUARTERS)[quarter % 4]])
+    weights = np.concatenate([L * (2 * L - 1), 4 * L * np.roll(L, -1, axis=1)], axis=1)
     return OnSurface(
-        points=feet[rows, best],
+        points=foot,
         normals=normal / np.linalg.norm(normal, axis=-1, keepdims=True),
         distances=away[rows, best],
+        faces=quarter // 4,
+        weights=weights,
     )
 
 
@@ -65,6 +88,63 @@ def _feet(p: FloatArray, triangles: FloatArray) -> FloatArray:
     return np.where(inside[..., None], face, side)
 
 
+@dataclass(frozen=True)
+class Edges:
+    """Edges of the surface's triangles where faces of the drawing meet.
+
+    Each stands twice, once from either of its faces, which `faces` numbers.
+
+    Attributes
+    ----------
+    nodes : (k, 3)
+        An end, the middle, the other end.
+    faces, others : (k,)
+        Triangles: the one it is seen from, and the one across.
+    turn : (k,) rad
+        How much the other face turns up, towards the normal of this one: above 0 in a notch, below
+        at a corner that sticks out, 0 where they run into each other.
+    normals, into, along : (k, 3)
+        Of this face at the middle: outward normal; in the face, away from the edge; along it.
+    """
+
+    nodes: IntArray
+    faces: IntArray
+    others: IntArray
+    turn: FloatArray
+    normals: FloatArray
+    into: FloatArray
+    along: FloatArray
+
+    def __getitem__(self, which: BoolArray) -> "Edges":
+        """Return some of them."""
+        return Edges(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
+
+
+def edges_of(nodes: Nodes) -> Edges:
+    """Return where faces of the drawing meet; every edge of a closed surface has two triangles."""
+    corners = nodes.points[nodes.faces]
+    sides = [_side(corners, k) for k in range(3)]
+    normal, inward = (np.concatenate([side[k] for side in sides]) for k in range(2))
+    count = len(nodes.faces)
+    middle = nodes.faces[:, 3:].T.ravel()
+    order = np.argsort(middle, kind="stable")
+    one, other = order[0::2], order[1::2]
+    meet = nodes.face_numbers[one % count] != nodes.face_numbers[other % count]
+    one, other = np.concatenate([one[meet], other[meet]]), np.concatenate([other[meet], one[meet]])
+    k, f = np.divmod(one, count)
+    up = (inward[other] * normal[one]).sum(-1)
+    on = -(inward[other] * inward[one]).sum(-1)
+    return Edges(
+        nodes=np.stack([nodes.faces[f, k], nodes.faces[f, 3 + k], nodes.faces[f, (k + 1) % 3]], 1),
+        faces=f,
+        others=other % count,
+        turn=np.arctan2(up, on),
+        normals=normal[one],
+        into=inward[one],
+        along=np.cross(normal[one], inward[one]),
+    )
+
+
 def sharp_edges(nodes: Nodes, *, held: tuple[str, ...], angle: Radian = RE_ENTRANT) -> FloatArray:
     """Points (k, 3) m along the edges where stress has no limit, however fine the mesh.
 
@@ -72,19 +152,10 @@ def sharp_edges(nodes: Nodes, *, held: tuple[str, ...], angle: Radian = RE_ENTRA
     other by more than `angle`, and the borders of held faces, where a clamp that cannot
     give way ends (Williams, J. Appl. Mech. 19 (1952) 526).
     """
-    corners = nodes.points[nodes.faces]
+    edges = edges_of(nodes)
     on = np.isin(nodes.face_names, held)
-    sides = [_side(corners, k) for k in range(3)]
-    middle = np.concatenate([nodes.faces[:, 3 + k] for k in range(3)])
-    normal, inward = (np.concatenate([side[k] for side in sides]) for k in range(2))
-    order = np.argsort(middle, kind="stable")
-    one, other = order[0::2], order[1::2]  # every edge of a closed surface has two faces
-    faces = len(nodes.faces)
-    notch = (inward[other] * normal[one]).sum(-1) > np.sin(angle)
-    border = on[one % faces] != on[other % faces]
-    k, f = np.divmod(one[notch | border], faces)
-    ends = np.stack([nodes.faces[f, k], nodes.faces[f, 3 + k], nodes.faces[f, (k + 1) % 3]])
-    return nodes.points[np.unique(ends)]
+    sharp = (edges.turn > angle) | (on[edges.faces] != on[edges.others])
+    return nodes.points[np.unique(edges.nodes[sharp])]
 
 
 def _side(corners: FloatArray, k: int) -> tuple[FloatArray, FloatArray]:

@@ -14,7 +14,8 @@ from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.units import Metre
 from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, mesh, silent
 from cardan.bracket.engine import engine
-from cardan.bracket.shape import SEAT, Solid
+from cardan.bracket.shape import SEAT, WALL, Solid
+from cardan.model.bracket import Hold
 from cardan.model.parts import Material
 
 UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")
@@ -58,7 +59,10 @@ class Units:
         """Force each bolt takes from the frame, (bolts, 9, 3) N."""
         left = np.stack([self.elastic.residual(u) for u in self.displacements]) - self.loads
         rigid = self.elastic.rigid[:3]
-        held = [self.elastic.dofs_on(name) for name in self.solid.bolts]
+        # A bolt's share is that of its ring and of its hole's wall.
+        known = set(self.elastic.mesh.GetBoundaries())
+        parts = [[n for n in (b, b + WALL) if n in known] for b in self.solid.bolts]
+        held = [np.any([self.elastic.dofs_on(n) for n in names], axis=0) for names in parts]
         return np.stack([(left * on) @ rigid.T for on in held])
 
     @cached_property
@@ -103,6 +107,11 @@ def seat_loads(solid: Elastic, *, face: str = SEAT) -> FloatArray:
     return np.asarray(np.linalg.solve(resultants.T, spread), dtype=float)
 
 
+def unit_loads(held: Elastic) -> FloatArray:
+    """Return the nine unit loads of a bracket as load vectors (9, unknowns)."""
+    return np.concatenate([seat_loads(held), np.stack([held.inertia(a) for a in np.eye(3)])])
+
+
 def unit_solutions(
     solid: Solid,
     material: Material,
@@ -110,12 +119,13 @@ def unit_solutions(
     size: Metre | None = None,
     degree: int = 2,
     finer: Sequence[tuple[ArrayLike, Metre]] = (),
+    hold: Hold = "sliding",
     tell: Progress = silent,
 ) -> Units:
     """Mesh, hold and solve a bracket under its nine unit loads, with one factorisation.
 
     `size` is the largest edge of an element, by default the wall's thickness; `finer` are
-    points with the edge wanted there (`elastic.mesh`).
+    points with the edge wanted there (`elastic.mesh`); `hold` is how the flange is held.
 
     Raises
     ------
@@ -127,13 +137,12 @@ def unit_solutions(
     tell("meshing")
     size = size or solid.thickness
     made = mesh(solid.shape, size=size, degree=degree, finer=finer)
-    held = elastic(made, material, held=dict.fromkeys(solid.bolts, "xyz"), degree=degree, tell=tell)
+    held = elastic(made, material, held=solid.held(hold), degree=degree, tell=tell)
     return solved(solid, held, size=size, tell=tell)
 
 
 def solved(solid: Solid, held: Elastic, *, size: Metre, tell: Progress = silent) -> Units:
     """Solve a held bracket under its nine unit loads."""
-    inertia = np.stack([held.inertia(a) for a in np.eye(3)])
-    loads = np.concatenate([seat_loads(held), inertia])
+    loads = unit_loads(held)
     tell("solving for nine unit loads")
     return Units(solid=solid, elastic=held, loads=loads, displacements=held.solve(loads), size=size)

@@ -77,7 +77,7 @@ def bracket(
         for variant in found.variants:
             first = variant is found.variants[0]
             name = vtu if first else _beside(vtu, variant.name)
-            write(name, shown.vtu(variant))
+            write(name, shown.vtu(variant, said=bare(summary(approval, say)) if first else ""))
     if png:
         drawn = BytesIO()
         said = bare(summary(approval, say))

@@ -27,7 +27,8 @@ from cardan.border.table import (
     key,
     nearest,
 )  # fmt: skip
-from cardan.files.catalogue import AMaterial
+from cardan.fatigue.detail import sheet_amplitude
+from cardan.files.catalogue import ADetail, AMaterial
 from cardan.model.application import Installed
 from cardan.model.bracket import (
     Bracket,
@@ -39,8 +40,9 @@ from cardan.model.bracket import (
     Shape,
     StepShape,
     UShape,
+    Zone,
 )  # fmt: skip
-from cardan.model.parts import STEEL
+from cardan.model.parts import STEEL, Material
 
 AXES = ("x", "y", "z")
 
@@ -58,6 +60,11 @@ Acceleration: TypeAlias = Annotated[
 Rubber: TypeAlias = Annotated[
     tuple[float, float, float], ListOf(Number(*STIFFNESSES, least=1, most=1e12), *AXES)
 ]
+Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most=1e-3)]
+DEFAULTS: dict[Zone, str] = {
+    "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
+}  # fmt: skip
+"""Details of the shipped catalogue, where a file says nothing of a zone: the cautious ones."""
 Way: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(), *AXES)]
 
 
@@ -131,6 +138,7 @@ class StepTable(Table):
     seat: Picks = key("faces the bearing sits on")
     bolts: Picks = key("faces the frame holds, one a bolt")
     thickness: Wall = key("of its walls where stress matters")
+    solid: str | None = key("which solid of the file, where it has several", default=None)
 
     def build(self) -> StepShape:
         """Return the shape in SI."""
@@ -143,6 +151,7 @@ class StepTable(Table):
             seat=self.seat,
             bolts=self.bolts,
             thickness=self.thickness,
+            solid=self.solid or "",
         )
 
 
@@ -208,15 +217,51 @@ class CaseTable(Table):
 
 
 class FatigueTable(Table):
-    """The bracket's S-N curve, fully reversed, at its surface; beyond the knee 2k - 1."""
+    """What the bracket bears in fatigue, zone by zone; beyond each knee 2k - 1 holds."""
 
-    amplitude: Strength = key("stress amplitude at the knee")
+    one_of = (("amplitude", "roughness"),)
+
+    amplitude: Strength | None = key(
+        "of the sheet, fully reversed, at the knee of its S-N curve", default=None
+    )
     cycles: Cycles = key("cycles to failure there", default=1e6)
-    slope: Annotated[float, Number(least=1, most=100)] = key("k of N ~ S^-k above the knee")
+    slope: Annotated[float, Number(least=1, most=100)] = key(
+        "k of N ~ S^-k above the knee", default=5.0
+    )
+    roughness: Roughness | None = key(
+        "Rz of the sheet's skin, 200 um as rolled: its amplitude then by the FKM guideline",
+        default=None,
+    )
+    cut_edge: ADetail | None = key(
+        f"what cut edges bear, a detail of a catalogue; default {DEFAULTS['cut edge']}",
+        default=None,
+    )
+    weld_toe: ADetail | None = key(
+        f"what the toes of welds bear; default {DEFAULTS['weld toe']}", default=None
+    )
+    bolt_border: ADetail | None = key(
+        f"what the borders of bolts bear; default {DEFAULTS['bolt border']}", default=None
+    )
 
-    def build(self) -> FatigueCurve:
-        """Return the curve in SI."""
-        return FatigueCurve(amplitude=self.amplitude, cycles=self.cycles, slope=self.slope)
+    def sheet(self, material: Material) -> FatigueCurve:
+        """Return the sheet's curve in SI."""
+        amplitude = self.amplitude
+        if self.roughness is not None:
+            if material.ultimate_strength is None:
+                self.at("roughness").refuse(
+                    f"needs the ultimate strength of the material, and {material.name} states none",
+                    "give it, or amplitude_MPa",
+                )
+            amplitude = sheet_amplitude(material.ultimate_strength, roughness=self.roughness)
+        assert amplitude is not None  # one of the two is given
+        return FatigueCurve(amplitude=amplitude, cycles=self.cycles, slope=self.slope)
+
+    def details(self) -> dict[Zone, FatigueCurve]:
+        """Return the curves of the zones that the file gives one for."""
+        given: dict[Zone, FatigueCurve | None] = {
+            "cut edge": self.cut_edge, "weld toe": self.weld_toe, "bolt border": self.bolt_border,
+        }  # fmt: skip
+        return {zone: curve for zone, curve in given.items() if curve is not None}
 
 
 class BracketTable(Table):
@@ -241,9 +286,7 @@ class BracketTable(Table):
     cases: Annotated[tuple[BracketCase, ...], ListOf(TableRule(CaseTable), most=100)] = key(
         "loads given by hand", default=()
     )
-    fatigue: Annotated[FatigueCurve, FatigueTable] | None = key(
-        "S-N curve, for damage and life", default=None
-    )
+    fatigue: FatigueTable | None = key("S-N curves, for damage and life", default=None)
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
@@ -275,6 +318,7 @@ class BracketTable(Table):
                 reinforced=self.reinforced.shape(shape) if self.reinforced else None,
                 element=self.element,
                 order=self.order,
-                fatigue=self.fatigue,
+                fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
+                details=self.fatigue.details() if self.fatigue else {},
             )
         )

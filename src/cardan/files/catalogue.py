@@ -23,6 +23,7 @@ from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
     ANGLES,
     Angle,
+    Cycles,
     Density,
     Diameter,
     Factor,
@@ -40,6 +41,7 @@ from cardan.border.measure import (
 )  # fmt: skip
 from cardan.border.table import (
     PROSE,
+    Choice,
     Here,
     ListOf,
     Number,
@@ -53,13 +55,15 @@ from cardan.border.table import (
     key,
     nearest,
 )
+from cardan.fatigue.detail import at_knee
+from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.laminate import CompositeTube, Layer, Ply, metal
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
 
 PLIES = 400
 """Of one tube: 50 mm of wall, and a limit far above what is wound keeps a mistake short."""
 
-Kind: TypeAlias = Literal["joint", "tube", "material", "ply"]
+Kind: TypeAlias = Literal["joint", "tube", "material", "ply", "detail"]
 
 
 class Named(Text):
@@ -316,12 +320,36 @@ class JointTable(Table):
         )
 
 
+class DetailTable(Table):
+    """What a cut edge, a weld or a bolted hole bears: a class of a code."""
+
+    name: str = key("what files call it", default="in place")
+    range_: Strength = key("stress range at two million cycles: the class")
+    cycles: Cycles = key("cycles at the knee", default=1e7)
+    slope: Annotated[float, Number(least=1, most=100)] = key("m of N ~ range^-m", default=3.0)
+    mean: Annotated[str, Choice(*MEANS)] = key(
+        "how a mean stress counts: none; ratio, by IIW's f(R); goodman", default="none"
+    )
+    source: Prose | None = key("where the numbers come from", default=None)
+    note: Prose | None = key("how far to trust them", default=None)
+
+    def build(self) -> FatigueCurve:
+        """Return the curve in SI."""
+        knee = at_knee(self.range_, cycles=self.cycles, slope=self.slope)
+        return FatigueCurve(
+            amplitude=knee, cycles=self.cycles, slope=self.slope, mean=self.mean,  # type: ignore[arg-type]
+            name=self.name, source=_source(self.source),
+        )  # fmt: skip
+
+
+ADetail: TypeAlias = Annotated[FatigueCurve, OneOf(Named("detail"), TableRule(DetailTable))]
 AMaterial: TypeAlias = Annotated[Material, OneOf(Named("material"), TableRule(MaterialTable))]
 ATube: TypeAlias = Annotated[Tube | CompositeTube, OneOf(Named("tube"), TableRule(TubeTable))]
 A_JOINT = OneOf(Named("joint"), TableRule(JointTable))
 
 TABLES: dict[Kind, type[Table]] = {
     "joint": JointTable, "tube": TubeTable, "material": MaterialTable, "ply": PlyTable,
+    "detail": DetailTable,
 }  # fmt: skip
 
 
@@ -471,7 +499,7 @@ class Catalogue:
 
 def _loose(name: str) -> str:
     """Return a name without what people vary in it."""
-    bare = re.sub(r"^(tube|joint|material|ply)\b|[\s_]", "", name.casefold())
+    bare = re.sub(r"^(tube|joint|material|ply|detail)\b|[\s_]", "", name.casefold())
     return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):g}", bare)
 
 

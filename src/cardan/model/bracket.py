@@ -4,14 +4,23 @@ The bracket's frame is the vehicle's (x rearward, y to the right, z up) with its
 the bearing's centre.
 """
 
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
 
 from cardan.base.errors import DesignError
+from cardan.base.source import Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
-from cardan.model.parts import STEEL, Material
+from cardan.model.parts import ASSUMED, STEEL, Material
 
 Vector: TypeAlias = tuple[float, float, float]
+
+Zone: TypeAlias = Literal["sheet", "cut edge", "weld toe", "bolt border"]
+"""Where on a bracket a crack may start: each has an S-N curve, and a stress, of its own."""
+ZONES: tuple[Zone, ...] = ("sheet", "cut edge", "weld toe", "bolt border")
+
+Hold: TypeAlias = Literal["sliding", "clamped"]
+"""How the frame holds a flange: its washers alone, free to slide; or its whole plane."""
 
 
 def _above_zero(part: str, **lengths: Metre) -> None:
@@ -180,6 +189,8 @@ class StepShape:
     seat: tuple[Pick, ...]
     bolts: tuple[Pick, ...]
     thickness: Metre
+    solid: str = ""
+    """Which solid of the file, where it has several."""
 
     def __post_init__(self) -> None:
         _above_zero("a STEP bracket", thickness=self.thickness)
@@ -225,13 +236,24 @@ class BracketCase:
     acceleration: Vector = (0.0, 0.0, 0.0)
 
 
+Mean: TypeAlias = Literal["goodman", "ratio", "none"]
+"""How a mean stress counts: by Goodman, by the ratio R of IIW's f(R), or not at all."""
+MEANS: tuple[Mean, ...] = ("goodman", "ratio", "none")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FatigueCurve:
-    """S-N curve of a bracket: amplitude at zero mean and cycles at the knee, k of N ~ S^-k."""
+    """S-N curve of a bracket: amplitude and cycles at the knee, k of N ~ S^-k.
+
+    The amplitude is that at zero mean, or of codes that know no mean stress at any.
+    """
 
     amplitude: Pascal
     cycles: float
     slope: float
+    mean: Mean = "goodman"
+    name: str = ""
+    source: Source = ASSUMED
 
     def __post_init__(self) -> None:
         if not (self.amplitude > 0 and self.cycles > 0 and self.slope >= 1):
@@ -265,7 +287,9 @@ class Bracket:
     order: int = 2
     """Degree of the displacements in an element."""
     fatigue: FatigueCurve | None = None
-    """What its surface bears; without one no damage is counted."""
+    """What its sheet bears; without one no damage is counted."""
+    details: Mapping[Zone, FatigueCurve] = field(default_factory=dict[Zone, FatigueCurve])
+    """What its cut edges, weld toes and bolt borders bear, where the file says it."""
 
     def __post_init__(self) -> None:
         if not self.carried_mass >= 0:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion
-from cardan.base.units import MPa, N, kN, mm, rpm
+from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
@@ -20,13 +20,22 @@ from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, unanswered
 from cardan.study.approval import Approval
-from cardan.study.bracket import BracketAnswer, Found, Judged, Outcome
+from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
 
 LABEL, CASE = 48, 38
 """Widths of the names of rows: of what a variant is, of load cases."""
 MICRO = 1e-6
+SHOWN = 8
+"""Cases that tables show; the contract has all."""
+DECADES = 1e-6
+"""Share of the largest damage that the map's colours reach down to."""
+MARKED = 4
+"""Features a picture marks."""
+LONG = 1e6
+"""Hours beyond which a life is not told in figures."""
 SETTLED = 0.05
 """Share of a stress its error may be, before a report says that it is not known."""
 
@@ -49,7 +58,9 @@ def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
         yield f"{label:<{LABEL}}{_columns([say.number(v) for v in values])}"
     for v in of.variants:
         yield from _crossings(v, say)
+        yield from remarks(v, say)
     for v in of.variants:
+        yield from _features(v, say)
         yield from _stresses(v, say)
         yield from _readings(v, [gauge.name for gauge in of.bracket.gauges], say)
         yield from _lives(of, v, say)
@@ -80,10 +91,12 @@ def _columns(cells: list[str]) -> str:
 def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]:
     """Yield what is known of the variants themselves, under no load case."""
     yield say("mass, kg"), [v.mass for v in of.variants]
-    yield say("unknowns"), [float(v.units.elastic.unknowns) for v in of.variants]
+    yield say("unknowns"), [float(v.solved.unknowns) for v in of.variants]
     for k, axis in enumerate("xyz"):
-        stiff = [float(1 / v.units.compliance[k, k]) / (N / mm) for v in of.variants]
+        stiff = [float(1 / v.compliance[k, k]) / (N / mm) for v in of.variants]
         yield say("stiffness at the bearing along {axis}, N/mm", axis=axis), stiff
+        firm = [float(1 / v.solved.clamped.compliance[k, k]) / (N / mm) for v in of.variants]
+        yield say("   with the flange clamped, N/mm"), firm
     for k in range(len(of.variants[0].carried)):
         loaded = [float(v.carried[k]) for v in of.variants]
         yield say("frequency {mode}, loaded, Hz", mode=k + 1), loaded
@@ -111,41 +124,107 @@ def _crossings(v: Judged, say: Language) -> Iterator[str]:
         )  # fmt: skip
 
 
+def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
+    """Yield what a reader must know of how a variant was solved."""
+    if v.solved.fillet:
+        drawn, taken = (say.number(r / mm) for r in v.solved.fillet)
+        yield say(
+            "{name}: solved with a fillet of {taken} mm; the CAD kernel breaks on the {drawn} mm "
+            "drawn.", name=say(v.name), taken=taken, drawn=drawn,
+        )  # fmt: skip
+    for p in v.solved.found:
+        area = say.number(p.area / mm**2)
+        if p.radius:
+            yield say(
+                "{name}: {pick} is a bore of {radius} mm radius, {faces} faces, {area} mm².",
+                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=p.faces,
+                area=area,
+            )  # fmt: skip
+        else:
+            yield say(
+                "{name}: {pick} is {faces} faces, {area} mm².",
+                name=say(v.name), pick=p.name, faces=p.faces, area=area,
+            )  # fmt: skip
+
+
+def used(v: Judged) -> FloatArray:
+    """Return the largest use of its zone's fatigue limit by each feature; nan without any."""
+    every = np.array([o.used for o in v.outcomes])
+    return np.where(np.isnan(every).all(axis=0), np.nan, np.fmax.reduce(every, axis=0))
+
+
+def highest(v: Judged) -> tuple[FloatArray, list[Outcome]]:
+    """Return the highest stress (features,) Pa of each feature, and the case it is of."""
+    every = np.array([o.hot for o in v.outcomes])
+    return every.max(axis=0), [v.outcomes[k] for k in every.argmax(axis=0).tolist()]
+
+
+def hours_of(v: Judged) -> FloatArray:
+    """Return the hours (features,) to failure over the duty cycle, its worst state."""
+    if not v.duty:
+        return np.full(len(v.features), np.nan)
+    rate = np.max([e.spots / e.duration for e in v.duty], axis=0)
+    with np.errstate(divide="ignore"):
+        return 1 / (rate * hour)
+
+
+def hours(value: float, say: Language) -> str:
+    """Return hours to failure; beyond a million nobody knows, and nobody drives."""
+    if np.isnan(value):
+        return "-"
+    return f"> {say.number(LONG)}" if value > LONG else _small(value, say)
+
+
+def _features(v: Judged, say: Language) -> Iterator[str]:
+    """Yield where a crack may start: each feature's stress, use of its limit, life."""
+    yield ""
+    title = say("{name}, where a crack may start", name=say(v.name))
+    head = ("MPa", say("fatigue use"), say("hours"))
+    at_head = say("at x, y, z [mm]")
+    yield f"{BOLD}{title:<{CASE}}{at_head:>24}{head[0]:>16}{head[1]:>18}{head[2]:>14}{PLAIN}"
+    stress, _ = highest(v)
+    share, lasts = used(v), hours_of(v)
+    for k, f in enumerate(v.shown):
+        at = "  ".join(say.pointed(f"{p / mm:.0f}") for p in f.point)
+        error = f"{f.error * stress[k] / MPa:.1f}"
+        told = f"{stress[k] / MPa:.1f} ±{error:>5}{' ' if f.error <= SETTLED else '!'}"
+        use = "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %"
+        yield (
+            f"{say.part(f.part)[: CASE - 1]:<{CASE}}{at:>24}{say.pointed(told):>16}{use:>18}"
+            f"{hours(float(lasts[k]), say):>14}"
+        )
+    left = len(v.features) - v.listed
+    if left:
+        yield "  " + say("and {count} more, each less worn and less stressed: --json", count=left)
+    yield "  " + say(
+        "± is the estimated error (! above 5 %). Toes and borders: structural stress, carried on "
+        "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
+    )
+
+
+def telling_cases(v: Judged) -> list[Outcome]:
+    """Return the cases a table shows: those of the highest stress."""
+    return sorted(v.outcomes, key=lambda o: -o.von_mises.value)[:SHOWN]
+
+
 def _stresses(v: Judged, say: Language) -> Iterator[str]:
-    """Yield the stresses of one variant, case by case."""
+    """Yield the highest stresses of one variant, case by case."""
 
     def one(value: float) -> str:
         return say.pointed(f"{value / MPa:.1f}")
 
     yield ""
-    spots = [f"H{k}" for k in range(1, len(v.hot_spots.points) + 1)]
     head = ("von Mises", say("tension"), say("compression"))
     title = say("{name}, {unit}", name=say(v.name), unit="MPa")
-    yield (
-        f"{BOLD}{title:<{CASE}}{''.join(f'{h:>13}' for h in head)}"
-        f"{''.join(f'{s:>16}' for s in spots)}{say('on an edge'):>16}{PLAIN}"
-    )
-    for o in v.outcomes:
-        hot = "".join(
-            f"{one(h):>9} ±{one(e):>4}{' ' if e <= SETTLED * h else '!'}"
-            for h, e in zip(o.hot, o.error, strict=True)
-        )
-        away = (o.von_mises, o.highest, o.lowest)
-        yield (
-            f"{_when(o.case.when, say)}{''.join(f'{one(f.value):>13}' for f in away)}{hot}"
-            f"{one(o.on_edge.value):>16}"
-        )
-    for name, point in zip(spots, v.hot_spots.points.tolist(), strict=True):
-        at = "  ".join(say.pointed(f"{p / mm:.1f}") for p in point)
-        yield "  " + say("{name} at x, y, z = {point} mm", name=name, point=at)
-    yield "  " + say(
-        "The first three columns leave out what lies within 1.5 thicknesses of a sharp edge or "
-        "a clamp; H are solved again, finer, ± their estimated error (! above 5 %)."
-    )
-    if any(o.on_edge.value > 1.001 * o.von_mises.value for o in v.outcomes):
-        yield "  " + say(
-            "'On an edge' grows as elements shrink: it says nothing about the bracket."
-        )
+    where = say("worst at")
+    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>13}' for h in head)}   {where}{PLAIN}"
+    for o in telling_cases(v):
+        cells = "".join(f"{one(f.value):>13}" for f in (o.von_mises, o.highest, o.lowest))
+        feature = v.features[int(o.hot.argmax())]
+        yield f"{_when(o.case.when, say)}{cells}   {say.part(feature.part)}"
+    left = len(v.outcomes) - SHOWN
+    if left > 0:
+        yield "  " + say("and {count} milder cases: --json", count=left)
 
 
 def _readings(v: Judged, names: list[str], say: Language) -> Iterator[str]:
@@ -159,18 +238,24 @@ def _readings(v: Judged, names: list[str], say: Language) -> Iterator[str]:
     for unit, column in zip(UNITS[:3], v.influence.T, strict=False):
         cells = "".join(f"{say.number(b * kN / MICRO):>18}" for b in column)
         yield f"{say('per kN of {load}', load=unit):<{CASE}}{cells}"
-    for o in v.outcomes:
+    for o in telling_cases(v):
         spans = [say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()]
         yield f"{_when(o.case.when, say)}{''.join(f'{s:>18}' for s in spans)}"
     yield "  " + say(
         "Refining changes the gauges' influence by {change} % at most.",
-        change=say.pointed(f"{100 * v.influence_change:.1f}"),
+        change=say.pointed(f"{100 * v.solved.influence_change:.1f}"),
     )
 
 
 def lives(v: Judged) -> list[Endured]:
     """Return what fatigue does to a variant: cases that repeat, then the duty cycle."""
     return [o.life for o in v.outcomes if o.life is not None] + list(v.duty)
+
+
+def worn(v: Judged) -> list[Endured]:
+    """Return the duty cycle, and the cases that wear most: what a table shows."""
+    cases = sorted((o.life for o in v.outcomes if o.life is not None), key=lambda e: e.hours)
+    return [*v.duty, *cases[:SHOWN]]
 
 
 def _lives(of: BracketAnswer, v: Judged, say: Language) -> Iterator[str]:
@@ -180,11 +265,11 @@ def _lives(of: BracketAnswer, v: Judged, say: Language) -> Iterator[str]:
     yield ""
     head = (say("damage per turn"), say("damage per hour"), say("hours to failure"))
     title = say("{name}, {unit}", name=say(v.name), unit=say("damage"))
-    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>20}' for h in head)}{say('hot spot'):>16}{PLAIN}"
-    for e in lives(v):
-        cells = "".join(f"{_small(x, say):>20}" for x in (e.per_turn, e.per_hour, e.hours))
-        where = f"H{int(e.spots.argmax()) + 1}" if e.worst > 0 else ""
-        yield f"{_when(e.when, say)}{cells}{where:>16}"
+    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>20}' for h in head)}   {say('worst at')}{PLAIN}"
+    for e in worn(v):
+        cells = "".join(f"{_small(x, say):>20}" for x in (e.per_turn, e.per_hour))
+        where = say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else ""
+        yield f"{_when(e.when, say)}{cells}{hours(e.hours, say):>20}   {where}"
     yield "  " + (
         say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
         if of.bracket.material.ultimate_strength
@@ -208,19 +293,56 @@ def span(low: float, high: float) -> str:
 def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what the reinforcement changes."""
     before, after = of.variants[0], of.variants[1]
-    old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
     yield ""
     yield f"{BOLD}{say('What the reinforcement changes')}{PLAIN}"
-    changed = (
-        (say("highest stress at a hot spot, MPa"), old / MPa, new / MPa),
+    old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
+    changed = [
+        (say("highest stress, MPa"), old / MPa, new / MPa),
         (say("mass, kg"), before.mass, after.mass),
         (say("frequency {mode}, loaded, Hz", mode=1), before.carried[0], after.carried[0]),
-    )
+    ]
+    uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
+    if min(uses) > 0:
+        label = say("use of the fatigue limit, worst zone, %")
+        changed.insert(1, (label, 100 * uses[0], 100 * uses[1]))
     for label, was, now in changed:
         yield (
             f"{label:<{LABEL}}{_columns([say.number(float(was)), say.number(float(now))])}"
             f"{say.percent(float(now / was) - 1):>14}"
         )
+    yield better(before, after, say)
+
+
+def better(before: Judged, after: Judged, say: Language = EN) -> str:
+    """Return whether a variant is better, which it is only where its worst zone is.
+
+    By life over the duty cycle, else by the use of the fatigue limit, else by stress.
+    """
+    lives_ = [v.life for v in (before, after)]
+    uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
+    if not any(np.isnan(lives_)):
+        gain = lives_[1] > lives_[0]
+        what = say(
+            "{was} h before, {now} h after", was=hours(lives_[0], say), now=hours(lives_[1], say)
+        )
+    elif min(uses) > 0:
+        gain = uses[1] < uses[0]
+        what = say(
+            "{was} % of the fatigue limit before, {now} % after",
+            was=say.number(100 * uses[0]), now=say.number(100 * uses[1]),
+        )  # fmt: skip
+    else:
+        old, new = (float(v.worst.hot.max()) / MPa for v in (before, after))
+        gain = new < old
+        what = say("{was} MPa before, {now} MPa after", was=say.number(old), now=say.number(new))
+    share = used(after) if min(uses) > 0 else highest(after)[0]
+    part = say.part(
+        (after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part
+    )
+    said = say("better") if gain else say("not better")
+    return say(
+        "At its worst zone the variant is {said}: {what} ({part}).", said=said, what=what, part=part
+    )
 
 
 # --------------------------------------------------------------------------- contract
@@ -249,15 +371,26 @@ def contract(approval: Approval) -> dict[str, Any]:
 
 
 def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
-    spots = v.hot_spots.points.tolist()
+    stress, _ = highest(v)
+    share, lasts = used(v), hours_of(v)
     return {
         "name": v.name,
         "mass_kg": v.mass,
-        "elements": len(v.units.elastic.nodes.elements),
-        "unknowns": v.units.elastic.unknowns,
-        "stiffness_N_mm": [float(1 / v.units.compliance[k, k] / (N / mm)) for k in range(3)],
+        "elements": len(v.solved.nodes.elements),
+        "unknowns": v.solved.unknowns,
+        "meshes": v.solved.meshes,
+        "fillet_mm": (
+            {"drawn": v.solved.fillet[0] / mm, "solved": v.solved.fillet[1] / mm}
+            if v.solved.fillet
+            else None
+        ),
+        "stiffness_N_mm": [float(1 / v.compliance[k, k] / (N / mm)) for k in range(3)],
+        "stiffness_clamped_N_mm": [
+            float(1 / v.solved.clamped.compliance[k, k] / (N / mm)) for k in range(3)
+        ],
         "frequencies_Hz": v.frequencies.tolist(),
         "frequencies_loaded_Hz": v.carried.tolist(),
+        "frequencies_loaded_clamped_Hz": v.solved.clamped.carried.tolist(),
         "crossings": [
             {
                 "mode": c.mode,
@@ -269,7 +402,17 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
             for c in v.crossings
         ],
         "hot_spots": [
-            {"name": f"H{k}", "point_mm": [x / mm for x in p]} for k, p in enumerate(spots, 1)
+            {
+                "name": f"H{k + 1}",
+                "zone": f.zone,
+                "number": f.number,
+                "point_mm": [x / mm for x in f.point],
+                "von_mises_MPa": stress[k] / MPa,
+                "error_MPa": f.error * stress[k] / MPa,
+                "fatigue_utilisation": None if np.isnan(share[k]) else share[k],
+                "life_hours": lasts[k] if np.isfinite(lasts[k]) else None,
+            }
+            for k, f in enumerate(v.features)
         ],
         "unit_loads": list(UNITS),
         "gauges": [
@@ -341,16 +484,17 @@ def _case(of: BracketAnswer, o: Outcome) -> dict[str, Any]:
 
 def peak_fields(v: Judged, o: Outcome) -> tuple[FloatArray, FloatArray]:
     """Return displacement (n, 3) m and von Mises stress (n,) Pa at the nodes, when a case peaks."""
-    u, stress = v.units.at_nodes
-    nodes = v.units.elastic.nodes.surface
-    time = 0
-    if len(o.case.loads) > 1:
-        near = nodes[np.linalg.norm(
-            v.units.elastic.nodes.points[nodes] - np.asarray(o.von_mises.point), axis=-1
-        ).argmin()]  # fmt: skip
-        time = int(von_mises(superpose(stress[near], o.case.loads)).argmax())
-    loads = o.case.loads[time : time + 1]
+    u, stress = v.solved.displacement, v.solved.stress
+    loads = o.case.loads[_peak(v, o)][None]
     return superpose_vectors(u, loads[0]), von_mises(superpose(stress, loads))[:, 0]
+
+
+def _peak(v: Judged, o: Outcome) -> int:
+    """Return the moment at which a case stresses most the place where it stresses most."""
+    nodes = v.solved.nodes.surface
+    gap = v.solved.nodes.points[nodes] - np.asarray(o.von_mises.point)
+    near = nodes[np.linalg.norm(gap, axis=-1).argmin()]
+    return int(von_mises(superpose(v.solved.stress[near], o.case.loads)).argmax())
 
 
 def superpose_vectors(unit: FloatArray, loads: FloatArray) -> FloatArray:
@@ -358,24 +502,32 @@ def superpose_vectors(unit: FloatArray, loads: FloatArray) -> FloatArray:
     return np.einsum("nux,u->nx", unit, loads)
 
 
-def vtu(v: Judged) -> str:
+def vtu(v: Judged, *, said: str = "") -> str:
     """Return a VTK unstructured grid: the mesh with what each case does when it peaks.
 
-    Quadratic tetrahedra; coordinates and displacements in metres, stresses in Pa.
+    Quadratic tetrahedra; coordinates and displacements in metres, stresses in Pa. `said` is the
+    verdict, a field of the whole: the file may be all that is passed on.
     """
-    nodes = v.units.elastic.nodes
+    nodes = v.solved.nodes
     count, cells = len(nodes.points), len(nodes.elements)
     fields: list[str] = []
     for o in v.outcomes:
         u, mises = peak_fields(v, o)
         fields.append(_array(f"{o.case.when}: displacement", u.astype("<f4"), components=3))
         fields.append(_array(f"{o.case.when}: von Mises", mises.astype("<f4")))
+    unit = superpose(v.solved.stress, v.worst.case.loads[_peak(v, v.worst)][None])[:, 0]
+    fields.append(_array(f"{v.worst.case.when}: stress", unit.astype("<f4"), components=6))
+    if len(v.damage):
+        worn_ = np.zeros(count)
+        worn_[nodes.surface] = v.damage
+        fields.append(_array("damage of an hour of duty", worn_.astype("<f4")))
     offsets = np.arange(1, cells + 1, dtype="<i8") * 10
     return "\n".join([
         '<?xml version="1.0"?>',
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
         'header_type="UInt64">',
-        f'<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="{cells}">',
+        "<UnstructuredGrid>", *([_told(said)] if said else []),
+        f'<Piece NumberOfPoints="{count}" NumberOfCells="{cells}">',
         "<PointData>", *fields, "</PointData>",
         "<Points>", _array("Points", nodes.points.astype("<f8"), components=3), "</Points>",
         "<Cells>",
@@ -385,6 +537,15 @@ def vtu(v: Judged) -> str:
         "</Cells>",
         "</Piece></UnstructuredGrid></VTKFile>", "",
     ])  # fmt: skip
+
+
+def _told(said: str) -> str:
+    """Return a text as a VTK file has it: the bytes of its letters, and a nought."""
+    letters = " ".join(str(b) for b in (*said.encode(), 0))
+    return (
+        '<FieldData><DataArray type="String" Name="verdict" NumberOfTuples="1" format="ascii">'
+        f"{letters}</DataArray></FieldData>"
+    )
 
 
 _VTK_TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}
@@ -411,6 +572,8 @@ def picture(
 ) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
+    Where a duty cycle is known, the damage it does at every place of the surface below.
+
     `over` stands above them: the verdict, where no page around the picture tells it.
 
     Raises
@@ -423,28 +586,26 @@ def picture(
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.cm import ScalarMappable
         from matplotlib.collections import PolyCollection
-        from matplotlib.colors import Normalize
+        from matplotlib.colors import LogNorm, Normalize
         from matplotlib.figure import Figure
     except ImportError as error:
         msg = 'a picture needs matplotlib: pip install "cardan[bracket]"'
         raise NotInstalled(msg) from error
 
-    figure: Any = Figure(figsize=(6.5 * len(of.variants), 6), layout="constrained")
-    FigureCanvasAgg(figure)
     case = of.variants[0].worst.case.when
     shown = [next(o for o in v.outcomes if o.case.when == case) for v in of.variants]
-    top = max(o.von_mises.value for o in shown)
-    scale = Normalize(0, top / MPa)
+    worn_out = all(len(v.damage) and v.damage.max() > 0 for v in of.variants)
+    rows = 2 if worn_out else 1
+    figure: Any = Figure(figsize=(6.5 * len(of.variants), 6 * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid: Any = figure.subplots(rows, len(of.variants), squeeze=False)
     colours: Any = colormaps["turbo"]
-    axes: Any = figure.subplots(1, len(of.variants), squeeze=False)[0]
-    for axis, v, o in zip(axes, of.variants, shown, strict=True):
-        u, mises = peak_fields(v, o)
-        nodes = v.units.elastic.nodes
-        size = float(np.ptp(nodes.points, axis=0).max())
-        exaggeration = 0.04 * size / max(float(np.abs(u).max()), 1e-12)
-        moved = nodes.points + exaggeration * u
-        flat, depth, shade, facing = _projected(moved, nodes.faces)
-        tone = colours(scale(mises[nodes.faces[:, :3]].mean(axis=1) / MPa))
+    scale = Normalize(0, max(o.von_mises.value for o in shown) / MPa)
+    most = max(float(v.damage.max()) for v in of.variants) if worn_out else 1.0
+    wear = LogNorm(DECADES * most, most, clip=True)
+
+    def paint(axis: Any, v: Judged, moved: FloatArray, tone: FloatArray) -> None:
+        flat, depth, shade, facing = _projected(moved, v.solved.nodes.faces)
         tone[:, :3] *= shade[:, None]
         order = facing[np.argsort(depth[facing])]
         axis.add_collection(
@@ -452,19 +613,41 @@ def picture(
                 list(flat[order] / mm), facecolors=tone[order], edgecolors=tone[order], lw=0.3
             )
         )
-        for gauge in of.bracket.gauges:
-            _mark(axis, gauge.name, np.asarray(gauge.point), "k")
-        for k, point in enumerate(v.hot_spots.points, 1):
-            _mark(axis, f"H{k}", point, "w")
+        for k, feature in enumerate(v.shown[:MARKED], 1):
+            _mark(axis, f"H{k}", np.asarray(feature.point), "w")
         axis.set_aspect("equal")
         axis.autoscale_view()
         axis.set_axis_off()
+
+    for column, (v, o) in enumerate(zip(of.variants, shown, strict=True)):
+        u, mises = peak_fields(v, o)
+        nodes = v.solved.nodes
+        size = float(np.ptp(nodes.points, axis=0).max())
+        exaggeration = 0.04 * size / max(float(np.abs(u).max()), 1e-12)
+        axis = grid[0][column]
+        paint(
+            axis, v, nodes.points + exaggeration * u,
+            colours(scale(mises[nodes.faces[:, :3]].mean(axis=1) / MPa)),
+        )  # fmt: skip
+        for gauge in of.bracket.gauges:
+            _mark(axis, gauge.name, np.asarray(gauge.point), "k")
         deformed = say("deformed {times} times", times=f"{exaggeration:.0f}")
         axis.set_title(f"{say(v.name)}: {say.occasion(case)}\n{deformed}")
-    bar = ScalarMappable(norm=scale, cmap=colours)
+        if worn_out:
+            worn_ = np.zeros(len(nodes.points))
+            worn_[nodes.surface] = v.damage
+            paint(
+                grid[1][column], v, nodes.points,
+                colours(wear(np.maximum(worn_[nodes.faces].max(axis=1), DECADES * most))),
+            )  # fmt: skip
+            grid[1][column].set_title(say("{name}: damage of an hour of duty", name=say(v.name)))
     if over:
         figure.suptitle("\n".join(wrap(over, 58 * len(of.variants))), parse_math=False)
-    figure.colorbar(bar, ax=list(axes), label=say("von Mises stress, MPa"), shrink=0.8)
+    stress = ScalarMappable(norm=scale, cmap=colours)
+    figure.colorbar(stress, ax=list(grid[0]), label=say("von Mises stress, MPa"), shrink=0.8)
+    if worn_out:
+        bar = ScalarMappable(norm=wear, cmap=colours)
+        figure.colorbar(bar, ax=list(grid[1]), label=say("damage per hour"), shrink=0.8)
     figure.savefig(path, dpi=130, format="png")
 
 

@@ -3,12 +3,35 @@
 from collections.abc import Iterator
 from io import BytesIO
 
+import numpy as np
+
 from cardan.base.units import MPa, N, mm, rpm
-from cardan.report.blocks import Block, Picture, Table, Text
-from cardan.report.bracket import MICRO, lives, picture, span
+from cardan.model.bracket import Zone
+from cardan.report import svg
+from cardan.report.blocks import Block, Figures, Picture, Table, Text
+from cardan.report.bracket import (
+    MARKED,
+    MICRO,
+    SHOWN,
+    better,
+    highest,
+    hours,
+    hours_of,
+    lives,
+    picture,
+    remarks,
+    span,
+    telling_cases,
+    used,
+    worn,
+)  # fmt: skip
 from cardan.report.bracket_scene import scene
+from cardan.report.chart import Chart, Level, Series, bars, plot
 from cardan.report.language import Language
-from cardan.study.bracket import BracketAnswer, Judged
+from cardan.report.svg import INK, Figure
+from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_judge import ORDERS, Judged
+from cardan.study.bracket_life import strengths
 from cardan.study.finding import Finding
 
 
@@ -24,14 +47,19 @@ def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
     assert of is not None  # of a study that answered
     yield Text(paragraphs=(say("The bracket of bearing {bearing}", bearing=of.bracket.bearing),))
     yield _compared(of, say)
-    yield Text(paragraphs=tuple(_crossings(of, say)))
+    if len(of.variants) > 1:
+        yield Text(paragraphs=(better(*of.variants[:2], say),))
+    yield Text(
+        paragraphs=(*_crossings(of, say), *(r for v in of.variants for r in remarks(v, say)))
+    )
     for v in of.variants:
+        yield _features(v, say)
         yield _stresses(v, say)
-        yield _places(v, say)
         if of.bracket.gauges:
             yield _readings(of, v, say)
         if lives(v):
             yield _damage(v, say)
+    yield Figures(figures=tuple(figures(of, say)))
     yield Text(paragraphs=tuple(_notes(of, say)))
     yield _picture(of, say)
 
@@ -42,7 +70,7 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
     rows += [
         (
             say("stiffness at the bearing along {axis}, N/mm", axis=axis),
-            [1 / float(v.units.compliance[k, k]) / (N / mm) for v in of.variants],
+            [1 / float(v.compliance[k, k]) / (N / mm) for v in of.variants],
         )
         for k, axis in enumerate("xyz")
     ]
@@ -56,10 +84,15 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
     rows += [
         (say("first frequency by itself, Hz"), [float(v.frequencies[0]) for v in of.variants]),
         (
-            say("highest stress at a hot spot, MPa"),
+            say("highest stress, MPa"),
             [float(v.worst.hot.max()) / MPa for v in of.variants],
         ),
     ]
+    if of.bracket.fatigue is not None and all(np.isfinite(used(v)).any() for v in of.variants):
+        rows.append((
+            say("use of the fatigue limit, worst zone, %"),
+            [100 * float(np.nanmax(used(v))) for v in of.variants],
+        ))  # fmt: skip
     if all(lives(v) for v in of.variants):
         worst = [max(float(e.spots.max()) / e.turns for e in lives(v)) for v in of.variants]
         rows.append((say("largest damage of a turn of the shaft"), worst))
@@ -88,44 +121,53 @@ def _crossings(of: BracketAnswer, say: Language) -> Iterator[str]:
             )  # fmt: skip
 
 
+def _features(v: Judged, say: Language) -> Table:
+    """Return where a crack may start: place, stress, use of the fatigue limit, life."""
+    stress, cases = highest(v)
+    share, lasts = used(v), hours_of(v)
+    return Table(
+        caption=say("Where a crack may start: {name}", name=say(v.name)),
+        head=(
+            say("feature"), say("load case of its highest stress"), say("at x, y, z [mm]"), "MPa",
+            say("fatigue use"), say("hours to failure"),
+        ),
+        rows=tuple(
+            (
+                f"H{k + 1} {say.part(f.part)}" if k < MARKED else say.part(f.part),
+                say.occasion(cases[k].case.when),
+                say.pointed("  ".join(f"{x / mm:.0f}" for x in f.point)),
+                say.pointed(f"{stress[k] / MPa:.1f} ± {f.error * stress[k] / MPa:.1f}"),
+                "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %",
+                hours(float(lasts[k]), say),
+            )
+            for k, f in enumerate(v.shown)
+        ),
+        words=3,
+    )  # fmt: skip
+
+
 def _stresses(v: Judged, say: Language) -> Table:
-    """Return the case table of a variant."""
+    """Return the cases of a variant that stress it most."""
 
     def one(value: float) -> str:
         return say.pointed(f"{value / MPa:.1f}")
 
+    caption = say("Stresses in MPa: {name}", name=say(v.name))
+    if len(v.outcomes) > SHOWN:
+        caption += say(", the highest {shown} of {count} cases", shown=SHOWN, count=len(v.outcomes))
     return Table(
-        caption=say("Stresses in MPa: {name}", name=say(v.name)),
-        head=(
-            say("case"),
-            "von Mises",
-            say("tension"),
-            say("compression"),
-            *(f"H{k}" for k in range(1, len(v.hot_spots.points) + 1)),
-        ),
+        caption=caption,
+        head=(say("case"), say("worst at"), "von Mises", say("tension"), say("compression")),
         rows=tuple(
             (
                 say.occasion(o.case.when),
-                one(o.von_mises.value),
-                one(o.highest.value),
-                one(o.lowest.value),
-                *(f"{one(h)} ± {one(e)}" for h, e in zip(o.hot, o.error, strict=True)),
+                say.part(v.features[int(o.hot.argmax())].part),
+                one(o.von_mises.value), one(o.highest.value), one(o.lowest.value),
             )
-            for o in v.outcomes
+            for o in telling_cases(v)
         ),
-    )
-
-
-def _places(v: Judged, say: Language) -> Table:
-    """Return where the hot spots are."""
-    return Table(
-        caption=say("Hot spots, mm from the bearing's centre: {name}", name=say(v.name)),
-        head=(say("hot spot"), "x", "y", "z"),
-        rows=tuple(
-            (f"H{k}", *(say.pointed(f"{x / mm:.1f}") for x in point))
-            for k, point in enumerate(v.hot_spots.points.tolist(), 1)
-        ),
-    )
+        words=2,
+    )  # fmt: skip
 
 
 def _readings(of: BracketAnswer, v: Judged, say: Language) -> Table:
@@ -138,7 +180,7 @@ def _readings(of: BracketAnswer, v: Judged, say: Language) -> Table:
                 say.occasion(o.case.when),
                 *(say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()),
             )
-            for o in v.outcomes
+            for o in telling_cases(v)
         ),
     )
 
@@ -150,26 +192,139 @@ def _damage(v: Judged, say: Language) -> Table:
         return "-" if value != value else say.pointed(f"{value:.3g}").replace("inf", "∞")
 
     return Table(
-        caption=say("Damage and life at the worst hot spot: {name}", name=say(v.name)),
+        caption=say("Damage and life where it is worst: {name}", name=say(v.name)),
         head=(
             say("case"),
+            say("worst at"),
             say("damage per turn"),
             say("damage per hour"),
             say("hours to failure"),
         ),
         rows=tuple(
-            (say.occasion(e.when), small(e.per_turn), small(e.per_hour), small(e.hours))
-            for e in lives(v)
+            (
+                say.occasion(e.when),
+                say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else "",
+                small(e.per_turn),
+                small(e.per_hour),
+                hours(e.hours, say),
+            )
+            for e in worn(v)
         ),
+        words=2,
     )
+
+
+def figures(of: BracketAnswer, say: Language) -> Iterator[Figure]:
+    """Yield Campbell's diagram, the highest stress case by case, and Haigh's of the installed."""
+    yield _campbell(of, say)
+    yield _cases(of, say)
+    if strengths(of.bracket):
+        yield _haigh(of, say)
+
+
+def _campbell(of: BracketAnswer, say: Language) -> Figure:
+    """Return the orders' frequencies against speed, with the installed bracket's own."""
+    v = of.variants[0]
+    top = 1.1 * (of.top_speed / rpm if of.top_speed == of.top_speed else 3000.0)
+    hertz = 1.1 * max(ORDERS) * top / 60
+    frame = Chart(
+        say=say, x=(0.0, top), y=(0.0, hertz), x_label=say("shaft speed [rpm]"),
+        y_label=say("frequency [Hz]"),
+    )  # fmt: skip
+    for k, order in enumerate(ORDERS):
+        x = np.array([0.0, top])
+        frame.series(Series(name=say("order {order}", order=order), x=x, y=order * x / 60), k)
+    for k, frequency in enumerate(v.carried.tolist(), 1):
+        if frequency > hertz:
+            continue
+        said = say("mode {mode}, {frequency} Hz", mode=k, frequency=say.pointed(f"{frequency:.1f}"))
+        frame.level(Level(value=frequency, name=said))
+        for order in ORDERS:
+            at = 60 * frequency / order
+            if at < top:
+                frame.put(svg.circle(*frame.spot(at, frequency), 4, fill="none", stroke=INK))
+    title = say("Speeds against the bracket's frequencies, with what it carries")
+    modes = say.list(*(f"{say.number(float(f))} Hz" for f in v.carried))
+    return frame.figure(title=title, alt=f"{title}: {modes}")
+
+
+def _cases(of: BracketAnswer, say: Language) -> Figure:
+    """Return the highest stress of each variant, case by case, highest first."""
+    cases = telling_cases(of.variants[0])
+    names = [say.occasion(o.case.when) for o in cases]
+    groups = [
+        (
+            say(v.name),
+            np.array([
+                next(o for o in v.outcomes if o.case.when == c.case.when).von_mises.value / MPa
+                for c in cases
+            ]),
+        )
+        for v in of.variants
+    ]  # fmt: skip
+    limit = of.bracket.material.yield_strength
+    levels = [Level(value=limit / MPa, name=say("yield strength"), grade="fail")] if limit else []
+    title = say("Highest stress, load case by load case")
+    return bars(
+        say, title=title, alt=f"{title}: {say.list(*names)}", groups=groups, levels=levels,
+        categories=[str(k) for k in range(1, len(names) + 1)], y_label=say("von Mises stress, MPa"),
+        note="; ".join(f"{k}: {name}" for k, name in enumerate(names, 1)),
+    )  # fmt: skip
+
+
+def _haigh(of: BracketAnswer, say: Language) -> Figure:
+    """Return amplitude against mean of each zone's worst feature, and what each zone bears."""
+    v, found = of.variants[0], strengths(of.bracket)
+    lasting = [o for o in v.outcomes if o.case.repeats]
+    series: list[Series] = []
+    means = [float(o.mean[k]) / MPa for o in lasting for k in range(len(v.shown))]
+    low, high = min([0.0, *means]), max([1.0, *means])
+    for zone in dict.fromkeys(f.zone for f in v.features):
+        mine = [k for k, f in enumerate(v.features) if f.zone == zone]
+        at = [max(mine, key=lambda k: float(np.nan_to_num(o.used[k]))) for o in lasting]
+        x = np.array([o.mean[k] for o, k in zip(lasting, at, strict=True)]) / MPa
+        y = np.array([o.amplitude[k] for o, k in zip(lasting, at, strict=True)]) / MPa
+        series.append(Series(name=say(zone), x=x, y=y, joined=False, points=True))
+    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features)
+    for zone in zones:
+        x = np.linspace(low, high, 41)
+        # The amplitude that comes to the knee's: halving finds it, for corrections grow with it.
+        least, most = np.zeros_like(x), np.full_like(x, 4 * found[zone].curve.amplitude)
+        for _ in range(40):
+            middle = (least + most) / 2
+            over = found[zone].used(middle, x * MPa) > 1
+            least, most = np.where(over, least, middle), np.where(over, middle, most)
+        series.append(
+            Series(name=say("{zone}, borne at the knee", zone=say(zone)), x=x, y=least / MPa)
+        )
+    title = say("Haigh's diagram: amplitude against mean, each zone in each case")
+    return plot(
+        say, title=title, alt=title, series=series, x_label=say("mean stress [MPa]"),
+        y_label=say("stress amplitude [MPa]"), zero=True,
+    )  # fmt: skip
 
 
 def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what a reader of the numbers should know."""
     yield say(
-        "Stresses leave out what lies within 1.5 thicknesses of a sharp edge or a clamp, where "
-        "they depend on the mesh; H are solved again, finer, with their estimated error."
+        "Every place of the surface is asked. At toes and clamped borders, where the stress of a "
+        "model depends on its mesh, the structural stress counts: carried on from 0.4 and 1.0 "
+        "thicknesses away. ± is the estimated error of the refined mesh."
     )
+    yield say(
+        "The flange is held in two ways that have the truth between them, sliding under its bolts "
+        "and clamped as one with the frame; of each feature the worse is told."
+    )
+    if found := strengths(of.bracket):
+        yield say(
+            "Zones bear: {list}, amplitude at the knee.",
+            list="; ".join(
+                f"{say(zone)} {say.number(one.curve.amplitude / MPa)} MPa"
+                + (f" ({one.name})" if one.name else "")
+                for zone, one in found.items()
+            ),
+        )
+        yield say("The throat of a weld, and its root, are not assessed.")
     yield say("Loads are quasi-static: right below the natural frequencies.")
     if any(lives(v) for v in of.variants):
         yield (

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cardan.base.units import MPa
-from cardan.report.bracket import heading, peak_fields, verdict
+from cardan.report.bracket import MARKED, heading, peak_fields, verdict
 from cardan.report.language import EN, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
-from cardan.study.bracket import BracketAnswer, Judged
+from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_judge import Judged
 from cardan.study.finding import BRACKET
 
 
@@ -55,7 +56,7 @@ def scene(of: BracketAnswer, *, say: Language = EN) -> str:
 
 
 def _variant(v: Judged, say: Language) -> dict[str, Any]:
-    nodes = v.units.elastic.nodes
+    nodes = v.solved.nodes
     kept = nodes.surface
     place = np.full(len(nodes.points), -1, dtype=np.int64)
     place[kept] = np.arange(len(kept))
@@ -73,7 +74,7 @@ def _variant(v: Judged, say: Language) -> dict[str, Any]:
         "name": say(v.name),
         "points": _packed(nodes.points[kept].astype("<f4")),
         "faces": _packed(place[corners].astype("<u4")),
-        "spots": v.hot_spots.points.tolist(),
+        "spots": [list(f.point) for f in v.shown[:MARKED]],
         "cases": cases,
     }
 
@@ -87,7 +88,9 @@ _FRAGMENT = """
 <p><label>@shape@ <select class="v"></select></label>
 <label>@case@ <select class="c"></select></label>
 <label>@deformation@ <input class="d" type="range" min="0" max="1" step="0.01" value="0.3"></label>
-<span class="k"></span></p>
+<span class="b" style="display:inline-block;width:10em;height:.8em;border:1px solid #888;
+background:linear-gradient(90deg,#0d0dff 12%,#0dffff 37%,#80ff80 50%,#ffff0d 62%,#ff0d0d 88%)">
+</span> <span class="k"></span></p>
 <div style="position:relative;width:100%;max-width:900px">
 <canvas style="width:100%;height:560px;border:1px solid #ccc;touch-action:none"></canvas>
 <div class="m" style="position:absolute;inset:0;pointer-events:none;overflow:hidden"></div></div>

@@ -6,7 +6,7 @@ that is known. The bracket itself bears it quasi-statically: the load of an orde
 below its natural frequencies, which stand beside it.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,169 +14,26 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part, Point
-from cardan.base.units import Metre, RadianPerSecond, hour
+from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
-from cardan.bracket.gauges import influence
-from cardan.bracket.hotspot import Converged, Searched, converged, hot_spots, searched
-from cardan.bracket.shape import solid
-from cardan.bracket.stress import (
-    Extreme,
-    along,
-    critical_direction,
-    envelope,
-    extremes,
-    superpose,
-    von_mises,
-)  # fmt: skip
-from cardan.bracket.unit import UNITS, Units, unit_solutions
+from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
-from cardan.model.bracket import Bracket, Shape
+from cardan.model.bracket import Bracket
 from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
-from cardan.study.bracket_life import Endured, Strength, endured, mixed
+from cardan.study.bracket_judge import Case, Judged, judge
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
-ORDERS = (1, 2, 4)
-"""Unbalance; joints; joints at large angles."""
-HOT_SPOTS = 3
-
-
-@dataclass(frozen=True)
-class Case:
-    """A load history on the bearing, (t, 9) as in `cardan.bracket.unit.UNITS`.
-
-    Where `turns` of the shaft or `duration` (s) are known it is one pass of a history that
-    repeats, and does damage; else a load by itself. `places` counts passes one after the
-    other of which only the worst happens. A case of a state is called after it and `what`
-    it takes of its loads.
-    """
-
-    name: str
-    loads: FloatArray
-    turns: float = np.nan
-    duration: float = np.nan
-    places: int = 1
-    what: str = ""
-    point: Point | None = None
-    """The operating point whose loads these are, where it is not the state's own."""
-
-    @property
-    def when(self) -> Occasion:
-        """The case as an occasion of checks."""
-        return Occasion("case", self.name, self.what)
-
-    @property
-    def repeats(self) -> bool:
-        """Whether it is a pass of something, and no load by itself."""
-        return not (np.isnan(self.turns) and np.isnan(self.duration))
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A stress and where it is."""
-
-    value: float
-    point: tuple[Metre, Metre, Metre]
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What one case does to one bracket.
-
-    Attributes
-    ----------
-    von_mises, highest, lowest : Found
-        Extremes away from sharp edges: equivalent, largest tension, largest compression.
-    on_edge : Found
-        Largest von Mises stress anywhere. Where it exceeds `von_mises` it sits on a sharp
-        edge and depends on the mesh alone.
-    hot, error : (k,) Pa
-        Largest von Mises stress at each hot spot, converged, and its estimated error.
-    mean, amplitude : (k,) Pa
-        Of the normal stress at each hot spot, on the plane where it swings most.
-    strain : (gauges, 2)
-        Smallest and largest reading.
-    bolts : (b,) N
-        Largest force on each bolt.
-    motion : Metre
-        Largest movement of the seat under the bearing.
-    life : Endured
-        Damage and life; None without an S-N curve, or of a load by itself.
-    """
-
-    case: Case
-    von_mises: Found
-    highest: Found
-    lowest: Found
-    on_edge: Found
-    hot: FloatArray
-    error: FloatArray
-    mean: FloatArray
-    amplitude: FloatArray
-    strain: FloatArray
-    bolts: FloatArray
-    motion: Metre
-    life: Endured | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Crossing:
-    """A natural frequency that an order of the shaft's speed meets."""
-
-    mode: int
-    frequency: float
-    order: int
-    speed: RadianPerSecond
-    in_range: bool
-    """Whether that speed is one the shaft reaches."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Judged:
-    """One shape of a bracket, judged.
-
-    Attributes
-    ----------
-    units : Units
-        The first solution, whose mesh is drawn.
-    hot_spots : Converged
-        Unit stresses at the hot spots.
-    influence : (gauges, 9)
-        Strain of each gauge under each unit load, from the best solution.
-    influence_change : float
-        Largest change of those since the first solution, over the largest of them.
-    frequencies, carried : (6,) Hz
-        Natural frequencies of the bracket by itself, and with the mass it carries.
-    duty : Endured
-        A mean second of the application's duty cycle, in each state that lasts.
-    """
-
-    name: str
-    units: Units
-    hot_spots: Converged
-    influence: FloatArray
-    influence_change: float
-    frequencies: FloatArray
-    carried: FloatArray
-    crossings: tuple[Crossing, ...]
-    outcomes: tuple[Outcome, ...]
-    duty: tuple[Endured, ...] = ()
-
-    @property
-    def mass(self) -> float:
-        """Mass, kg."""
-        return self.units.mass
-
-    @property
-    def worst(self) -> Outcome:
-        """The case with the highest converged stress at a hot spot."""
-        return max(self.outcomes, key=lambda o: float(o.hot.max()))
+SHAKEN = 2
+"""The order that shakes a bracket: the joints'."""
+TOP = "highest speed"
+"""The occasion at which frequencies are held against an order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,27 +97,47 @@ def study(
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
     """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
     for limit in limits:
-        for under, part, value in _values(of, variant, limit.quantity):
+        for when, point, part, value in _values(of, variant, limit.quantity):
             yield Check(
-                quantity=limit.quantity, line=of.bracket.line, when=under.when, part=part,
-                value=value, limit=limit, point=under.point if isinstance(under, Case) else None,
+                quantity=limit.quantity, line=of.bracket.line, when=when, part=part,
+                value=value, limit=limit, point=point,
             )  # fmt: skip
 
 
 def _values(
     of: BracketAnswer, variant: Judged, quantity: str
-) -> Iterator[tuple[Case | Endured, Part, float]]:
-    """Yield under which loads and where what a limit asks about is worst, SI."""
+) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
+    """Yield under which loads, at which point and where what a limit asks about is worst, SI."""
     strength = of.bracket.material.yield_strength
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
             used = float(o.hot[worst]) / strength
-            yield o.case, Part("hot spot", worst + 1), used
+            yield o.case.when, o.case.point, variant.features[worst].part, used
+    if quantity == "bracket_fatigue_utilisation":
+        yield from _fatigue(variant)
     if quantity == "bracket_life":
         for endured in variant.duty:
-            worst = int(np.argmax(endured.spots))
-            yield endured, Part("hot spot", worst + 1), endured.hours * hour
+            for zone in dict.fromkeys(f.zone for f in variant.features):
+                mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+                worst = max(mine, key=lambda k: float(endured.spots[k]))
+                life = replace(endured, spots=endured.spots[[worst]]).hours
+                yield endured.when, None, variant.features[worst].part, life * hour
+    if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
+        # What rides on rubber swings by itself; what it rides on rigidly swings with it.
+        own = variant.carried if of.bracket.rubber is None else variant.frequencies
+        reached = SHAKEN * of.top_speed / (2 * np.pi)
+        yield Occasion("speed", TOP), None, Part("mode", 1, SHAKEN), float(own[0]) / reached
+
+
+def _fatigue(variant: Judged) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
+    """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
+    lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
+    for zone in dict.fromkeys(f.zone for f in variant.features) if lasting else ():
+        mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+        worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
+        at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
+        yield worst.case.when, worst.case.point, variant.features[at].part, float(worst.used[at])
 
 
 def _unanswered(
@@ -269,13 +146,15 @@ def _unanswered(
     """Yield the limits that got no number, with what they need."""
     needs = {
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
+        "bracket_fatigue_utilisation": ("bracket.fatigue",),
         "bracket_life": ("duty, and bracket.fatigue",),
+        "bracket_resonance": ("speed_rpm",),
     }
     for limit in limits:
         if not any(_values(of, variant, limit.quantity)):
             yield Unanswered(
                 limit=limit, line=of.bracket.line, when=Occasion("case", "all"),
-                part=Part("hot spot", 1), needs=needs[limit.quantity],
+                part=Part("sheet", 1), needs=needs[limit.quantity],
             )  # fmt: skip
 
 
@@ -384,130 +263,3 @@ def _history(
     loads = np.zeros((len(force), len(UNITS)))
     loads[:, :3], loads[:, 6:] = force, acceleration
     return loads
-
-
-# --------------------------------------------------------------------------- one shape
-
-
-def judge(
-    bracket: Bracket,
-    shape: Shape,
-    cases: Sequence[Case],
-    *,
-    duty: Mapping[Occasion, Sequence[tuple[float, Case]]] | None = None,
-    name: str = "original",
-    top_speed: RadianPerSecond = np.nan,
-    tell: Progress = hushed,
-) -> Judged:
-    """Judge one shape of a bracket under load cases, and over a duty cycle's.
-
-    Damage is counted where the bracket states what it bears in fatigue.
-    """
-    if not cases:
-        msg = "the bracket has no load case: give the application a torque, or the bracket cases"
-        raise DesignError(msg)
-
-    def told(what: str) -> None:
-        tell(f"{name}: {what}")
-
-    told("building the shape")
-    body = solid(shape)
-    grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in bracket.gauges]
-    units = unit_solutions(
-        body, bracket.material, size=bracket.element, degree=bracket.order, finer=grids, tell=told
-    )
-    try:
-        first = influence(units, bracket.gauges)  # now: a misplaced gauge is told at once
-    except DesignError as error:
-        msg = f"{name} bracket: {error}"
-        raise DesignError(msg) from None
-    told("natural frequencies")
-    alone, _ = units.modes(6)
-    carried = alone
-    if bracket.carried_mass > 0:
-        carried, _ = units.modes(6, mass=bracket.carried_mass, rubber=bracket.rubber)
-    told(f"stresses of {len(cases)} load cases")
-    where = searched(units)
-    highest = np.max([envelope(where.stress, case.loads) for case in cases], axis=0)
-    spots = hot_spots(where, highest, count=HOT_SPOTS, apart=2 * body.thickness)
-    best = converged(units, spots, also=grids, tell=told)
-    readings = influence(best.units, bracket.gauges)
-    change = float(np.abs(readings - first).max() / np.abs(readings).max()) if len(first) else 0.0
-    strength = Strength.of(bracket)
-
-    def life(case: Case, when: Occasion) -> Endured | None:
-        if strength is None or not case.repeats:
-            return None
-        return endured(
-            case.loads, when=when, unit=best.stress, influence=readings,
-            modulus=bracket.material.youngs_modulus, strength=strength,
-            places=case.places, turns=case.turns, duration=case.duration,
-        )  # fmt: skip
-
-    spent: list[Endured] = []
-    for cycle, parts in (duty or {}).items():
-        lives = [(share, life(case, cycle)) for share, case in parts]
-        known = [(share, one) for share, one in lives if one is not None]
-        if known:
-            spent.append(mixed(cycle, known))
-    return Judged(
-        name=name,
-        units=units,
-        hot_spots=best,
-        influence=readings,
-        influence_change=change,
-        frequencies=alone,
-        carried=carried,
-        crossings=tuple(crossings(carried, top_speed)),
-        outcomes=tuple(
-            replace(_outcome(case, units, where, best, readings), life=life(case, case.when))
-            for case in cases
-        ),
-        duty=tuple(spent),
-    )
-
-
-def _outcome(
-    case: Case, units: Units, where: Searched, best: Converged, readings: FloatArray
-) -> Outcome:
-    """Return what one case does."""
-    sound, points = where.sound, where.nodes
-
-    def found(extreme: Extreme, among: FloatArray) -> Found:
-        x, y, z = among[extreme.point].tolist()
-        return Found(extreme.value, (x, y, z))
-
-    inner, everywhere = (
-        extremes(where.stress[sound], case.loads),
-        extremes(where.stress, case.loads),
-    )
-    history = superpose(best.stress, case.loads)
-    swinging = np.stack([along(one, critical_direction(one)) for one in history])
-    strain = superpose(readings[..., None], case.loads)[..., 0]
-    bolts = superpose(units.reactions, case.loads)
-    motion = case.loads[:, :6] @ units.compliance[:, :3]
-    return Outcome(
-        case=case,
-        von_mises=found(inner.von_mises, points[sound]),
-        highest=found(inner.highest, points[sound]),
-        lowest=found(inner.lowest, points[sound]),
-        on_edge=found(everywhere.von_mises, points),
-        hot=von_mises(history).max(axis=-1),
-        error=best.error(case.loads),
-        mean=(swinging.max(axis=-1) + swinging.min(axis=-1)) / 2,
-        amplitude=np.ptp(swinging, axis=-1) / 2,
-        strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
-        bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
-        motion=float(np.linalg.norm(motion, axis=-1).max()),
-    )
-
-
-def crossings(
-    frequencies: FloatArray, top_speed: RadianPerSecond, *, orders: Sequence[int] = ORDERS
-) -> Iterator[Crossing]:
-    """Yield the speeds at which orders meet natural frequencies (m,) Hz, up to twice the top."""
-    for k, frequency in enumerate(frequencies.tolist(), 1):
-        for order in orders:
-            speed = 2 * np.pi * frequency / order
-            if not speed > 2 * top_speed:
-                yield Crossing(k, frequency, order, speed, in_range=bool(speed <= top_speed))

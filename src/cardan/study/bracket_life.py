@@ -7,7 +7,7 @@ and the S-N curve make damage by Miner. A history is taken to repeat for ever.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -19,9 +19,13 @@ from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.correction import Correction, goodman, uncorrected
 from cardan.fatigue.damage import miner
+from cardan.fatigue.detail import ratio_bonus
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.strength import SNCurve
-from cardan.model.bracket import Bracket
+from cardan.files.bracket import DEFAULTS
+from cardan.files.catalogue import find
+from cardan.model.bracket import ZONES, Bracket, FatigueCurve, Zone
+from cardan.model.parts import Material
 
 ALONE = Occasion("case", "")
 """A history that nobody named."""
@@ -69,30 +73,66 @@ def round_the_turn(
 
 @dataclass(frozen=True)
 class Strength:
-    """What a bracket's material bears in fatigue: S-N curve and mean-stress correction."""
+    """What a zone bears in fatigue: S-N curve and mean-stress correction, and who says so."""
 
     curve: SNCurve
     correction: Correction = uncorrected
+    name: str = ""
 
     @classmethod
-    def of(cls, bracket: Bracket) -> "Strength | None":
-        """Return a bracket's strength as its file states it; None where it states none.
+    def of(cls, bracket: Bracket, zone: Zone = "sheet") -> "Strength | None":
+        """Return what a zone of a bracket bears as its file states it; None where it states none.
 
-        Beyond the knee Haibach's slope holds. Tensile means count by Goodman where the
-        material has an ultimate strength, else not at all.
+        Zones the file says nothing of bear what a cautious detail of the catalogue does.
+        Beyond the knee Haibach's slope holds. On the sheet tensile means count by Goodman where
+        the material has an ultimate strength, else not at all.
         """
-        given = bracket.fatigue
-        if given is None:
+        if bracket.fatigue is None:
             return None
+        given = bracket.fatigue if zone == "sheet" else bracket.details.get(zone)
+        if given is None:
+            given = _shipped(DEFAULTS[zone])
         curve = SNCurve(amplitude=given.amplitude, cycles=given.cycles, slope=given.slope)
-        ultimate = bracket.material.ultimate_strength
-        correction = partial(goodman, ultimate=ultimate) if ultimate else uncorrected
-        return cls(curve.modified(), correction)
+        return cls(curve.modified(), _correction(given, bracket.material), given.name)
 
     def damage(self, stress: FloatArray) -> float:
         """Damage of one pass of a stress history (t,) Pa that repeats for ever."""
         cycles = rainflow(stress, rule=repeating)
         return miner(cycles, curve=self.curve, correction=self.correction)
+
+    def harm(self, amplitude: FloatArray, mean: FloatArray) -> FloatArray:
+        """Damage (...) of one cycle each, amplitude and mean (...) Pa."""
+        return self.curve.damage(self.correction(amplitude, mean))
+
+    def used(self, amplitude: ArrayLike, mean: ArrayLike) -> FloatArray:
+        """Amplitude at zero mean (...) over the knee's: 1 lasts as long as the knee says."""
+        at_zero = self.correction(np.asarray(amplitude, float), np.asarray(mean, float))
+        return at_zero / self.curve.amplitude
+
+
+def strengths(bracket: Bracket) -> dict[Zone, Strength]:
+    """Return what each zone of a bracket bears; nothing where its file states no S-N curve."""
+    found: dict[Zone, Strength] = {}
+    for zone in ZONES:
+        one = Strength.of(bracket, zone)
+        if one is not None:
+            found[zone] = one
+    return found
+
+
+@cache
+def _shipped(name: str) -> FatigueCurve:
+    """Return a detail of the shipped catalogue."""
+    return find(name, "detail")
+
+
+def _correction(given: FatigueCurve, material: Material) -> Correction:
+    """Return how a mean stress counts on a curve."""
+    if given.mean == "ratio":
+        return ratio_bonus
+    if given.mean == "goodman" and material.ultimate_strength:
+        return partial(goodman, ultimate=material.ultimate_strength)
+    return uncorrected
 
 
 def spot_damage(unit: ArrayLike, loads: FloatArray, *, strength: Strength) -> FloatArray:

@@ -1,0 +1,160 @@
+"""Run a function in a process of its own: what breaks there breaks nothing here.
+
+CAD kernel and mesher are libraries that can crash, run for ever or fill the memory, and take
+the process with them. A report is not to die of a fillet.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cardan.base.errors import CardanError
+
+_BEGIN = (
+    "import pickle,sys; sys.path[:] = pickle.loads(bytes.fromhex(sys.argv[1])); "
+    "from cardan.bracket.apart import answer; answer(sys.argv[2])"
+)
+_LOOK = 0.25  # s between looks at the memory
+
+
+class Crashed(CardanError):  # noqa: N818  the name is the news
+    """The process ended without an answer: by a signal, for its memory, for its time."""
+
+
+class Told(NamedTuple):
+    """How a process ended: its answer, or what it raised."""
+
+    answer: Any
+    error: BaseException | None
+
+
+def apart(
+    function: Callable[..., Any],
+    *args: Any,
+    tell: Callable[[str], None],
+    memory: float,
+    seconds: float,
+) -> Any:
+    """Call a function of a module in a process of its own and return what it returns.
+
+    Parameters
+    ----------
+    function
+        Of the top of a module; its last argument is a function that is told what is being done.
+    args
+        Plain values, which go over as a pickle, as the answer comes back.
+    tell
+        Is told here what the process says there.
+    memory
+        Bytes it may hold; where the system tells how many it does.
+    seconds
+        It may take.
+
+    Raises
+    ------
+    Crashed
+        If it ends without an answer, with the reason.
+    CardanError
+        What the function raised.
+    """
+    with tempfile.TemporaryDirectory(prefix="cardan-") as folder:
+        question, reply = Path(folder, "question"), Path(folder, "reply")
+        question.write_bytes(pickle.dumps((function.__module__, function.__qualname__, args)))
+        path = pickle.dumps([p or str(Path.cwd()) for p in sys.path]).hex()
+        why: list[str] = []
+        with subprocess.Popen(
+            [sys.executable, "-c", _BEGIN, path, folder],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            text=True, encoding="utf-8", env={"NGS_NUM_THREADS": _threads(), **os.environ},
+        ) as child:  # fmt: skip
+            watch = threading.Thread(target=_watch, args=(child, memory, seconds, why), daemon=True)
+            watch.start()
+            try:
+                assert child.stdout is not None
+                for line in child.stdout:
+                    tell(line.rstrip("\n"))
+                child.wait()
+            finally:  # a stop from the keyboard stops it too
+                if child.poll() is None:
+                    child.kill()
+                    child.wait()
+                watch.join()
+        if not reply.exists():
+            raise Crashed(why[0] if why else _ending(child.returncode))
+        told: Told = pickle.loads(reply.read_bytes())  # our own, from a folder of our own
+    if told.error is not None:
+        raise told.error
+    return told.answer
+
+
+def answer(folder: str) -> None:
+    """Answer the question in a folder: what the process does."""
+    module, name, args = pickle.loads(Path(folder, "question").read_bytes())
+
+    def tell(what: str) -> None:
+        sys.stdout.write(what.replace("\n", " ") + "\n")
+        sys.stdout.flush()
+
+    try:
+        told = Told(getattr(import_module(module), name)(*args, tell), None)
+    except CardanError as error:
+        told = Told(None, error)
+    part = Path(folder, "part")
+    part.write_bytes(pickle.dumps(told, protocol=pickle.HIGHEST_PROTOCOL))
+    part.rename(Path(folder, "reply"))
+    sys.stdout.flush()
+    os._exit(0)  # the kernel's own tidying up at the end has crashed before
+
+
+def _watch(child: "subprocess.Popen[str]", memory: float, seconds: float, why: list[str]) -> None:
+    """Stop a process that takes too much."""
+    start = time.monotonic()
+    while child.poll() is None:
+        if time.monotonic() - start > seconds:
+            why.append(f"it took longer than {seconds / 60:.3g} minutes")
+        elif (held := resident(child.pid)) > memory:
+            why.append(f"it held {held / 1e9:.2g} GB of the {memory / 1e9:.2g} GB allowed")
+        if why:
+            child.kill()
+            return
+        time.sleep(_LOOK)
+
+
+def resident(process: int) -> float:
+    """Return the bytes of memory a process holds; 0 where the system does not say."""
+    try:
+        return float(
+            int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        )
+    except (OSError, ValueError, IndexError, AttributeError):
+        return 0.0
+
+
+def _threads() -> str:
+    """Return how many threads the engine may use: those idle spin, and take from who works."""
+    cores = os.cpu_count() or 1
+    try:
+        busy = os.getloadavg()[0]
+    except (AttributeError, OSError):
+        busy = 0.0
+    return str(max(1, min(4, round(cores - busy))))
+
+
+def _ending(code: int) -> str:
+    """Return how a process ended, in words."""
+    import signal
+
+    if code < 0:
+        try:
+            return f"it was ended by {signal.Signals(-code).name}"
+        except ValueError:
+            return f"it was ended by signal {-code}"
+    return f"it ended with code {code}"

@@ -1,0 +1,107 @@
+"""How large a bracket's model will be, before any of it is meshed."""
+
+import os
+from dataclasses import dataclass
+
+from cardan.base.errors import DesignError
+from cardan.base.units import Metre, mm
+
+MEMORY = 4e9
+"""Bytes a solution may take at most; less where the machine has less."""
+MINUTES = 15.0
+"""It may take at most, on two threads."""
+
+_UNKNOWNS = {1: 0.9, 2: 6.2, 3: 18.0, 4: 40.0}
+"""To an element, by its degree, in a sheet one or two elements thick: counted."""
+_GROWN = 2.0
+"""Refinement where it is worst makes of a first mesh, measured 1.5 to 3."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """What a solution will take: good to a factor of two.
+
+    Attributes
+    ----------
+    elements, unknowns
+        Of the last mesh.
+    memory
+        Bytes.
+    minutes
+        For all meshes.
+    """
+
+    elements: float
+    unknowns: float
+    memory: float
+    minutes: float
+
+    def __str__(self) -> str:
+        """Return it as people read it."""
+        return (
+            f"about {_rounded(self.unknowns)} unknowns, {self.memory / 1e9:.2g} GB and "
+            f"{max(self.minutes, 0.1):.2g} minutes"
+        )
+
+
+def estimate(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
+    """Estimate a model from its volume m³, its surface m² and the edge of its elements.
+
+    A sheet is as many prisms of three tetrahedra as triangles of the edge cover one side of
+    it, in as many layers as the edge goes into its thickness. Memory and time are those of a
+    sparse Cholesky factorisation of a sheet's stiffness: measured at 70 and 260 thousand
+    unknowns.
+    """
+    thickness = 2 * volume / area
+    layers = max(thickness / size, 1.0)
+    elements = 1.3 * _GROWN * 3 * layers * (area / 2) / (0.433 * size**2)
+    unknowns = _UNKNOWNS[degree] * elements
+    denser = (degree / 2) ** 1.0  # higher degrees couple more unknowns to each
+    return Estimate(
+        elements=elements,
+        unknowns=unknowns,
+        memory=0.2e9 + 1460 * denser * unknowns**1.15,
+        minutes=3 * 6.8 / 60 * denser * (unknowns / 72_705) ** 1.42,
+    )
+
+
+def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
+    """Estimate a model, and refuse one that would take too much memory or time.
+
+    Raises
+    ------
+    DesignError
+        With the estimate, the limits and what to change.
+    """
+    found = least = estimate(volume=volume, area=area, size=size, degree=degree)
+    memory = min(MEMORY, 0.6 * _installed())
+    if found.memory <= memory and found.minutes <= MINUTES:
+        return found
+    wanted = size
+    while wanted < 1e3 * size and not (least.memory <= memory and least.minutes <= MINUTES):
+        wanted *= 1.1
+        least = estimate(volume=volume, area=area, size=wanted, degree=degree)
+    lower = " or a lower `order`" if degree > 2 else ""
+    msg = (
+        f"elements of {size / mm:.3g} mm, degree {degree}, would make {found}; allowed are "
+        f"{memory / 1e9:.2g} GB and {MINUTES:g} minutes: try `element_mm: {wanted / mm:.2g}`"
+        f"{lower}, or check the bracket's sizes"
+    )
+    raise DesignError(msg, about="bracket")
+
+
+def _installed() -> float:
+    """Return the memory of this machine, bytes; infinite where it does not say."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, OSError, ValueError):
+        return float("inf")
+
+
+def _rounded(value: float) -> str:
+    """Return a number of things to two digits: 57 thousand, 1.2 million."""
+    for name, size in (("million", 1e6), ("thousand", 1e3)):
+        if value >= size:
+            digits = ".2g" if value < 100 * size else ".0f"
+            return f"{value / size:{digits}} {name}"
+    return f"{value:.0f}"

@@ -1,0 +1,364 @@
+"""Solve, search, refine where it is worst, and search afresh, until the maxima stay.
+
+A maximum converges where the mesh does, not where the first mesh put it. So each mesh is
+searched anew, feature by feature: each bend, edge, hole and toe. Where a feature is among
+the worst and its elements disagree, the next mesh is finer.
+"""
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.units import Metre
+from cardan.bracket.elastic import Elastic, IntArray, Nodes, Progress, elastic, mesh, silent
+from cardan.bracket.stress import some, superpose, von_mises
+from cardan.bracket.surface import nearest
+from cardan.bracket.zones import Zones, zones_of
+from cardan.model.bracket import ZONES
+from cardan.model.parts import Material
+
+LEVELS = 4
+"""Meshes at most."""
+_TOLD = 0.03
+"""Elements may disagree by this share of the stress before they are made smaller."""
+_STILL = 0.03
+"""A maximum that moved by less from one mesh to the next has settled."""
+_HIGH, _AMONG = 0.8, 0.7
+"""What is refined: within a feature above this share of its top, in features above this of all."""
+_MOMENTS = 24
+"""Of a history, by which loads are compared."""
+_TWICE = 2
+"""Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+_HALF, _TOP = 0.55, 0.95
+"""How much finer a top is looked at a second time; what counts as the top of a feature."""
+_LOADS = 8
+"""Loads, the most telling, under which the mesh is made; every load is asked of the last."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """An elastic solid, how it is held, and the loads it is solved under.
+
+    Attributes
+    ----------
+    shape
+        Of the CAD kernel, in metres.
+    held, held_edges
+        Names of faces and edges, with the axes they may not move along.
+    clamps
+        Those of the held faces whose border a real clamp has, and no plane of symmetry.
+    loads
+        From the assembled solid to its load vectors (c, unknowns).
+    size
+        Largest edge of an element of the first mesh.
+    """
+
+    shape: Any
+    material: Material
+    held: Mapping[str, str]
+    loads: Callable[[Elastic], FloatArray]
+    size: Metre
+    thickness: Metre
+    clamps: tuple[str, ...] = ()
+    held_edges: Mapping[str, str] = field(default_factory=dict[str, str])
+    degree: int = 2
+    grading: float = 0.5
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A problem solved on one mesh.
+
+    Attributes
+    ----------
+    displacements : (c, unknowns)
+    at_nodes : (n, c, 3) m, (n, c, 6) Pa
+    unit : (places, c, 6) Pa
+        Stress at the places where fatigue is asked.
+    """
+
+    elastic: Elastic
+    loads: FloatArray
+    displacements: FloatArray
+    at_nodes: tuple[FloatArray, FloatArray]
+    zones: Zones
+    unit: FloatArray
+
+
+Tops: TypeAlias = dict[tuple[int, int], FloatArray]
+"""Highest von Mises stress (loads,) Pa of each feature."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The last of a row of solutions, and how far the maxima still are from settled.
+
+    Attributes
+    ----------
+    error : (features,) 1
+        Share of each feature's highest stress that its error may be.
+    tops
+        Highest von Mises stress (loads,) Pa of each feature, on each mesh.
+    watched : (w, c, 6) Pa
+        Stress at the points that were watched.
+    watched_error : (w,) 1
+        Share of the stress there that its error may be.
+    """
+
+    last: Solution
+    error: FloatArray
+    tops: tuple[Tops, ...]
+    watched: FloatArray
+    watched_error: FloatArray
+
+
+def solution(problem: Problem, made: Any, *, tell: Progress = silent) -> Solution:
+    """Solve a problem on a mesh."""
+    body = elastic(
+        made, problem.material, held=problem.held, held_edges=problem.held_edges,
+        degree=problem.degree, tell=tell,
+    )  # fmt: skip
+    loads = problem.loads(body)
+    tell(f"solving for {len(loads)} loads")
+    displacements = body.solve(loads)
+    at_nodes = body.at_nodes(displacements)
+    zones = zones_of(body.nodes, held=problem.clamps, thickness=problem.thickness)
+    unit = zones.stress(body.nodes, at_nodes[1])
+    return Solution(body, loads, displacements, at_nodes, zones, unit)
+
+
+def refined(
+    problem: Problem,
+    *,
+    cases: Sequence[ArrayLike],
+    weights: Sequence[float] = (1.0,) * len(ZONES),
+    watch: ArrayLike = (),
+    finer: Sequence[tuple[ArrayLike, Metre]] = (),
+    most: int = 400_000,
+    tell: Progress = silent,
+    seen: Callable[[Solution], None] | None = None,
+) -> Refined:
+    """Solve on finer and finer meshes until no feature's highest stress moves any more.
+
+    Parameters
+    ----------
+    cases : ((t, c), ...)
+        Load histories, in the loads of the problem, under which maxima are sought.
+    weights
+        How much a stress weighs in each of `ZONES`: a toe bears less than a sheet.
+    watch : (w, 3) m
+        Points whose own stress must settle too.
+    finer
+        Points with the edge wanted there from the start.
+    most
+        Unknowns; a mesh that would have more is not made.
+    seen
+        Is shown the first solution.
+    """
+    points = np.asarray(watch, dtype=float).reshape(-1, 3)
+    wanted = list(finer)
+    tops: list[Tops] = []
+    watched: list[FloatArray] = []
+    combos: FloatArray = np.zeros((0, 0))
+    weight = np.asarray(weights, dtype=float)
+    found: Solution | None = None
+    off: FloatArray = np.zeros((0, 0))
+    off_seen: FloatArray = off
+    for level in range(LEVELS):
+        tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
+        made = mesh(
+            problem.shape, size=problem.size, degree=problem.degree, finer=wanted,
+            grading=problem.grading,
+        )  # fmt: skip
+        if found is not None and found.elastic.unknowns * made.ne > most * found.elastic.mesh.ne:
+            break
+        found = None  # its factors go before the next are made
+        found = solution(problem, made, tell=tell)
+        if level == 0:
+            combos = telling(found.unit, cases)
+            if seen:
+                seen(found)
+        nodes = found.elastic.nodes
+        level_of = von_mises(superpose(found.unit, combos))
+        scatter = found.elastic.scatter(
+            combos @ found.displacements, superpose(found.at_nodes[1], combos)
+        )
+        at_places = _at_places(found, scatter)
+        highest, where = _tops(found.zones, level_of)
+        tops.append(dict(zip(found.zones.features, highest, strict=True)))
+        off = np.take_along_axis(at_places, where, axis=0)
+        drawn = nearest(nodes, points)
+        watched.append(drawn.of(nodes, von_mises(superpose(found.at_nodes[1], combos))))
+        off_seen = drawn.of(nodes, scatter)
+        more = [
+            *_worst_places(
+                found, level_of, at_places, weight, problem.thickness, first=level < _TWICE
+            ),
+            *_round(found, drawn.points, watched[-1], off_seen, moved=_moved(watched, level)),
+        ]
+        if not more or (
+            level >= _TWICE
+            and _settled(tops, weight)
+            and (not len(points) or _moved(watched, level).max() <= _STILL)
+        ):
+            break
+        wanted += more
+    assert found is not None
+    drawn = nearest(found.elastic.nodes, points)
+    return Refined(
+        last=found,
+        error=_error(
+            [
+                np.stack([t.get(f, np.zeros(len(combos))) for f in found.zones.features])
+                for t in tops
+            ],
+            off,
+        ),
+        tops=tuple(tops),
+        watched=drawn.of(found.elastic.nodes, found.at_nodes[1]),
+        watched_error=_error(watched, off_seen),
+    )
+
+
+def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS) -> FloatArray:
+    """Return loads (k, c) that stress a surface most, each in a way of its own.
+
+    Of each case the moment of its highest stress; then, from the highest down and as long as
+    there is room, those that are not nearly in proportion to one before.
+    """
+    step = max(1, len(unit) // 3000)
+    searched = unit[::step]
+    loads: list[FloatArray] = []
+    high: list[float] = []
+    for case in cases:
+        history = some(np.reshape(case, (-1, unit.shape[1])), _MOMENTS)
+        level = von_mises(superpose(searched, history))
+        at = int(level.max(axis=0).argmax())
+        loads.append(history[at])
+        high.append(float(level[:, at].max()))
+    kept: list[int] = []
+    fields = [superpose(searched, load[None])[:, 0].ravel() for load in loads]
+    for k in np.argsort(high)[::-1].tolist():
+        if high[k] <= 0 or len(kept) == count:
+            continue
+        size = np.linalg.norm(fields[k])
+        alike = (abs(fields[k] @ fields[j]) / size / np.linalg.norm(fields[j]) for j in kept)
+        if all(a < 0.97 for a in alike):
+            kept.append(k)
+    # Each counts for itself: scaled to the same highest stress, a small one is not forgotten.
+    return np.stack([loads[k] / high[k] for k in kept]) * max(high)
+
+
+def _at_places(found: Solution, values: FloatArray) -> FloatArray:
+    """Return a field of the nodes (n, k) at each place, (places, k)."""
+    read = np.abs(found.zones.lines.near.of(found.elastic.nodes, values))
+    return np.concatenate([values[found.zones.own], read])
+
+
+def _tops(zones: Zones, level: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the highest value of each feature (features, k), and its place."""
+    places = np.stack([
+        (rows := np.flatnonzero(zones.feature == f))[level[rows].argmax(axis=0)]
+        for f in range(len(zones.features))
+    ])  # fmt: skip
+    return np.take_along_axis(level, places, axis=0), places
+
+
+def _edge(nodes: Nodes) -> FloatArray:
+    """Mean edge (n,) m of the triangles that meet at each node of the surface."""
+    corners = nodes.points[nodes.faces[:, :3]]
+    length = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).mean(axis=1)
+    total, count = np.zeros(len(nodes.points)), np.zeros(len(nodes.points))
+    for k in range(6):
+        np.add.at(total, nodes.faces[:, k], length)
+        np.add.at(count, nodes.faces[:, k], 1.0)
+    return total / np.maximum(count, 1.0)
+
+
+def _worst_places(
+    found: Solution,
+    level: FloatArray,
+    off: FloatArray,
+    weight: FloatArray,
+    thickness: Metre,
+    *,
+    first: bool,
+) -> Iterator[tuple[FloatArray, Metre]]:
+    """Yield where the next mesh is to be finer, with the edge wanted there."""
+    zones, nodes = found.zones, found.elastic.nodes
+    used = level * weight[zones.kind][:, None]
+    all_over = used.max(axis=0)
+    feature = _tops(zones, used)[0][zones.feature]
+    among = (used >= _HIGH * feature) & (feature >= _AMONG * all_over)
+    rough = np.where(among, off / np.maximum(level, 1e-300), 0.0).max(axis=1)
+    edge = _edge(nodes)
+    near = zones.lines.near
+    here = np.concatenate([edge[zones.own], edge[nodes.faces[near.faces]].mean(axis=1)])
+    finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
+    if first:
+        # That elements agree is no proof, at a face least of all: tops are looked at twice.
+        tops = among.any(axis=1) & (used >= _TOP * feature).any(axis=1)
+        finer = np.where(tops, np.minimum(finer, _HALF * here), finer)
+    # Where structural stress is read, elements are to be no larger than the distance between.
+    along = among.any(axis=1) & (np.arange(len(here)) >= len(zones.own))
+    finer = np.where(along, np.minimum(finer, 0.4 * thickness), finer)
+    places = zones.points(nodes)
+    for k in np.flatnonzero(finer < 0.8 * here).tolist():
+        yield places[k], float(finer[k])
+        if k >= len(zones.own):
+            yield near.points[k - len(zones.own)], float(finer[k])
+
+
+def _round(
+    found: Solution, points: FloatArray, level: FloatArray, off: FloatArray, *, moved: FloatArray
+) -> Iterator[tuple[FloatArray, Metre]]:
+    """Yield where it is to be finer round points that are watched."""
+    edge = _edge(found.elastic.nodes)
+    drawn = nearest(found.elastic.nodes, points)
+    for point, face, high, rough, step_ in zip(points, drawn.faces, level, off, moved, strict=True):
+        share = float((rough / np.maximum(high.max(), 1e-300)).max())
+        if share > _TOLD or step_ > _STILL:
+            here = float(edge[found.elastic.nodes.faces[face]].mean())
+            size = here * float(np.clip(np.sqrt(_TOLD / max(share, _TOLD)), 0.35, _HALF))
+            # The mesher lets elements grow at once beyond a point: seven keep them small.
+            for step in np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
+                yield point + size * step, size
+
+
+def _moved(watched: list[FloatArray], level: int) -> FloatArray:
+    """Return the share (w,) of itself that watched stress moved by on the last mesh."""
+    last = watched[-1]
+    if level < _TWICE:
+        return np.full(len(last), np.inf)
+    step = np.abs(last - watched[-2]).max(axis=-1, initial=0.0)
+    return step / np.maximum(last.max(axis=-1, initial=0.0), 1e-300)
+
+
+def _settled(tops: list[Tops], weight: FloatArray) -> bool:
+    """Whether the last mesh moved no top that is among the worst by more than it may."""
+    last, before = tops[-1], tops[-2]
+    all_over = np.max([weight[kind] * top for (kind, _), top in last.items()], axis=0)
+    for key, top in last.items():
+        counts = weight[key[0]] * top >= _AMONG * all_over
+        if (np.abs(top - before.get(key, 0.0)) > _STILL * top)[counts].any():
+            return False
+    return True
+
+
+def _error(tops: list[FloatArray], off: FloatArray) -> FloatArray:
+    """Return the share (f,) of a top that its error may be.
+
+    The largest of what the last mesh still changed; a quarter of what the one before had: by
+    a place's own scatter the last change may be small by luck; and half of what the elements
+    that meet there still disagree by, which is all there is where one mesh was enough.
+    """
+    last = tops[-1]
+    steps = [np.abs(b - a) for a, b in itertools.pairwise(tops)]
+    moved = [steps[-1]] if steps else []
+    moved += [steps[-2] / 4] if len(steps) > 1 else []
+    most = np.max([off / 2, *moved], axis=0)
+    return most.max(axis=-1) / np.maximum(last.max(axis=-1), 1e-300)

@@ -1,0 +1,254 @@
+"""From a bracket's drawing to plain arrays: everything its study needs of the finite elements.
+
+The work is done in a process of its own (`cardan.bracket.apart`), after an estimate of what
+it takes, and with smaller welds and fillets where the CAD kernel breaks on those drawn.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.units import Metre, mm
+from cardan.bracket.apart import Crashed, apart
+from cardan.bracket.elastic import Nodes, Progress
+from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
+from cardan.bracket.gauges import influence
+from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
+from cardan.bracket.shape import Picked, Solid, solid
+from cardan.bracket.unit import Units, unit_loads
+from cardan.bracket.zones import Zones
+from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
+from cardan.model.parts import Material
+
+MODES = 6
+_SMALLER = (0.7, 0.45)
+"""Shares of the drawn fillet that are tried, one after the other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What is asked of the finite elements.
+
+    Attributes
+    ----------
+    cases : ((t, 9), ...)
+        Load histories under which maxima are sought.
+    weights
+        How much a stress weighs in each of `ZONES` when the mesh is made finer.
+    """
+
+    shape: Shape
+    material: Material
+    cases: tuple[FloatArray, ...]
+    weights: tuple[float, ...] = (1.0,) * len(ZONES)
+    element: Metre | None = None
+    order: int = 2
+    gauges: tuple[Gauge, ...] = ()
+    carried_mass: float = 0.0
+    rubber: Vector | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """A bracket held in one of two ways, under its unit loads (`cardan.bracket.unit.UNITS`).
+
+    Attributes
+    ----------
+    unit : (places, 9, 6) Pa
+        Stress that counts at each place of `zones`.
+    compliance : (6, 6) m/N, rad/(N m)
+        Mean motion of the seat under forces and moments.
+    reactions : (bolts, 9, 3) N
+        Force each bolt takes from the frame; where the whole plane is held, its share alone.
+    frequencies, carried : Hz
+        Natural frequencies by itself, three where something rides on it, and six with what it
+        carries; two of each of the clamped flange.
+    influence : (gauges, 9)
+        Strain of each gauge.
+    """
+
+    hold: Hold
+    zones: Zones
+    unit: FloatArray
+    compliance: FloatArray
+    reactions: FloatArray
+    frequencies: FloatArray
+    carried: FloatArray
+    influence: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """A bracket solved: what is left of it when the process that did it is gone.
+
+    Attributes
+    ----------
+    displacement : (n, 9, 3) m, stress : (n, 9, 6) Pa
+        At the nodes, the flange sliding: for pictures and files.
+    sliding, clamped
+        The two ways its flange is held, which have the truth between them.
+    error
+        Share of the highest stress of each feature (kind, number) that its error may be.
+    influence_change : float
+        Largest change of a gauge's influence since the first mesh, over the largest of them.
+    unknowns, meshes
+        Of the last mesh; how many were made.
+    fillet : (m, m)
+        As it is drawn, and as it was solved with where the CAD kernel breaks on that.
+    found
+        What a STEP file had where faces were picked.
+    expected
+        What was estimated beforehand.
+    """
+
+    nodes: Nodes
+    thickness: Metre
+    mass: float
+    displacement: FloatArray
+    stress: FloatArray
+    sliding: Held
+    clamped: Held
+    error: dict[tuple[int, int], float]
+    influence_change: float
+    unknowns: int
+    meshes: int
+    expected: Estimate
+    fillet: tuple[Metre, Metre] | None = None
+    found: tuple[Picked, ...] = ()
+
+    @property
+    def both(self) -> tuple[Held, Held]:
+        """The two ways it is held."""
+        return self.sliding, self.clamped
+
+
+def solved_apart(task: Task, *, tell: Progress) -> Solved:
+    """Solve a bracket in a process of its own, with smaller fillets where it must.
+
+    Raises
+    ------
+    DesignError
+        If it cannot be built, meshed or afforded; with each way that was tried.
+    """
+    tried: list[str] = []
+    for shape in _ways(task.shape):
+        fillet = (_fillet(task.shape), _fillet(shape))
+        try:
+            found = apart(
+                solve, replace(task, shape=shape), tell=tell,
+                memory=MEMORY, seconds=60 * MINUTES,
+            )  # fmt: skip
+        except Crashed as error:
+            tried.append(f"fillet {fillet[1] / mm:.3g} mm: {error}" if fillet[1] else str(error))
+            tell(f"the CAD kernel or the mesher broke ({error}); trying again")
+            continue
+        return replace(found, fillet=fillet) if fillet[0] != fillet[1] else found
+    msg = (
+        "the CAD kernel or the mesher broke on this bracket, in a process of its own ("
+        + "; ".join(tried)
+        + "): change its fillet, or the size of its elements"
+    )
+    raise DesignError(msg, about="bracket")
+
+
+def _ways(shape: Shape) -> Iterator[Shape]:
+    """Yield the shape as it is drawn, then with smaller fillets."""
+    yield shape
+    if not isinstance(shape, StepShape):
+        for share in _SMALLER:
+            yield replace(shape, fillet=share * shape.fillet)
+
+
+def _fillet(shape: Shape) -> Metre:
+    return 0.0 if isinstance(shape, StepShape) else shape.fillet
+
+
+def solve(task: Task, tell: Progress) -> Solved:
+    """Solve a bracket: CAD, mesh, unit loads, refinement, modes, gauges."""
+    tell("building the shape")
+    body = solid(task.shape)
+    size = task.element or 1.5 * body.thickness
+    area = float(sum(face.mass for face in body.shape.faces))
+    expected = affordable(volume=body.volume, area=area, size=size, degree=task.order)
+    tell(f"expecting {expected}")
+    for face in body.shape.faces:
+        if face.name in body.bolts:  # at a washer's border stress is read close by
+            face.maxh = min(size, 0.5 * body.thickness)
+    problem = Problem(
+        shape=body.shape, material=task.material, held=body.held("sliding"),
+        clamps=tuple(body.held("sliding")), loads=unit_loads, size=size,
+        thickness=body.thickness, degree=task.order,
+    )  # fmt: skip
+    first: list[FloatArray] = []
+
+    def seen(found: Solution) -> None:
+        # Now: a misplaced gauge is told at once.
+        first.append(influence(_units(body, found, size), task.gauges))
+
+    grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in task.gauges]
+    done = refined(
+        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen
+    )
+    tell("natural frequencies")
+    sliding = _held("sliding", body, done.last, task, size)
+    firm = body.held("clamped")
+    tell("the flange clamped")
+    stiff = solution(
+        replace(problem, held=firm, clamps=tuple(firm)), done.last.elastic.mesh, tell=tell
+    )
+    clamped = _held("clamped", body, stiff, task, size)
+    change = np.abs(sliding.influence - first[0]).max() if len(task.gauges) else 0.0
+    return Solved(
+        nodes=done.last.elastic.nodes,
+        thickness=body.thickness,
+        mass=body.volume * task.material.density,
+        displacement=done.last.at_nodes[0],
+        stress=done.last.at_nodes[1],
+        sliding=sliding,
+        clamped=clamped,
+        error=_errors(done, clamped),
+        influence_change=float(change / np.abs(sliding.influence).max()) if change else 0.0,
+        unknowns=done.last.elastic.unknowns,
+        meshes=len(done.tops),
+        expected=expected,
+        found=body.found,
+    )
+
+
+def _units(body: Solid, found: Solution, size: Metre) -> Units:
+    return Units(
+        solid=body, elastic=found.elastic, loads=found.loads,
+        displacements=found.displacements, size=size,
+    )  # fmt: skip
+
+
+def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> Held:
+    """Return what is left of a solution."""
+    units = _units(body, found, size)
+    # The clamped flange's frequencies only say how far the first ones may be off.
+    count = MODES if hold == "sliding" else 2
+    rides = task.carried_mass > 0
+    alone, _ = units.modes(min(count, 3) if rides else count)
+    carried = alone
+    if rides:
+        carried, _ = units.modes(count, mass=task.carried_mass, rubber=task.rubber)
+    return Held(
+        hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
+        reactions=units.reactions, frequencies=alone, carried=carried,
+        influence=influence(units, task.gauges),
+    )  # fmt: skip
+
+
+def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
+    """Return the error of each feature.
+
+    What the clamped flange alone has was not refined for: it is taken to be as far off as the
+    worst of the others.
+    """
+    shares: list[float] = done.error.tolist()
+    known: dict[tuple[int, int], float] = dict(zip(done.last.zones.features, shares, strict=True))
+    found: dict[tuple[int, int], float] = dict.fromkeys(clamped.zones.features, max(shares))
+    return found | known

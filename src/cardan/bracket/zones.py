@@ -1,0 +1,306 @@
+"""Where a crack may start, and the stress that decides it there.
+
+On the sheet and on its cut edges that is the stress of the surface. At a weld toe, in a
+notch without a radius and along the border of a clamp the stress of the model grows as
+elements shrink; there the structural stress counts, carried on from 0.4 and 1.0 wall
+thicknesses away, sigma = 1.67 sigma(0.4 t) - 0.67 sigma(1.0 t). Source: Hobbacher, IIW
+Recommendations for Fatigue Design of Welded Joints and Components (2016), section 2.2.3.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.base.units import Metre, deg
+from cardan.bracket.elastic import IntArray, Nodes
+from cardan.bracket.shape import MOUNT, SEAT, WALL, WELD
+from cardan.bracket.stress import tensor, vector
+from cardan.bracket.surface import RE_ENTRANT, Edges, OnSurface, edges_of, nearest
+from cardan.model.bracket import ZONES
+
+SHEET, CUT, TOE, BORDER = range(len(ZONES))
+
+_NEAR, _FAR = 0.4, 1.0
+"""Where the structural stress is read, in thicknesses from the toe."""
+_CORNER = -45 * deg
+"""Faces that turn away from each other by more meet in a corner of the sheet."""
+_NARROW = 0.6
+"""A face is a cut edge where no point of it lies farther from a corner, in thicknesses."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Points along weld toes and borders of clamps, and where their stress is read.
+
+    Attributes
+    ----------
+    points, normals : (k, 3) m, 1
+        On the toe, on its plate's side; outward normal of the plate.
+    frames, near_frames, far_frames : (k, 3, 3)
+        Rows: away from the toe in the surface, along it, and the normal; at the toe, and
+        carried along to where stress is read.
+    near, far : OnSurface
+        0.4 and 1.0 thicknesses from the toe.
+    room : (k,)
+        Whether the plate reaches that far; if not the stress at the last point it reaches counts.
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    frames: FloatArray
+    near_frames: FloatArray
+    far_frames: FloatArray
+    near: OnSurface
+    far: OnSurface
+    room: BoolArray
+
+    def structural(self, nodes: Nodes, stress: FloatArray) -> FloatArray:
+        """Structural stress (k, c, 6) Pa at the toe from stress at the nodes (n, c, 6)."""
+
+        def read(at: OnSurface, frames: FloatArray) -> FloatArray:
+            """Return the stress in the frame that was carried along, (k, c, 3, 3)."""
+            return np.einsum("kia,kcab,kjb->kcij", frames, tensor(at.of(nodes, stress)), frames)
+
+        near, far = read(self.near, self.near_frames), read(self.far, self.far_frames)
+        slope = np.where(self.room, _NEAR / (_FAR - _NEAR), 0.0)[:, None, None, None]
+        local = near + slope * (near - far)
+        # The surface bears no load of its own: what extrapolation leaves across it is error.
+        local[..., 2, :] = local[..., :, 2] = 0.0
+        turned = np.einsum("kia,kcij,kjb->kcab", self.frames, local, self.frames)
+        return vector(turned)
+
+
+@dataclass(frozen=True)
+class Zones:
+    """Every place of a surface where fatigue is asked: nodes by themselves, then points of lines.
+
+    Attributes
+    ----------
+    own : (m,)
+        Numbers of the nodes whose own stress counts: on the sheet, and on its cut edges.
+    lines : Lines
+        The k other places, along toes and borders.
+    kind : (m + k,)
+        Index into `ZONES`.
+    feature : (m + k,)
+        Number of the bend, edge, hole or toe each belongs to, the same on every mesh.
+    features : ((kind, number), ...)
+        Kind, and number from 1 within the kind, of each feature.
+    normals : (m + k, 3)
+    told_by : (surface,)
+        For each node of the surface the place that speaks for it: itself, or the nearest.
+    """
+
+    own: IntArray
+    lines: Lines
+    kind: IntArray
+    feature: IntArray
+    features: tuple[tuple[int, int], ...]
+    normals: FloatArray
+    told_by: IntArray
+
+    def points(self, nodes: Nodes) -> FloatArray:
+        """Places (m + k, 3) m."""
+        return np.concatenate([nodes.points[self.own], self.lines.points])
+
+    def stress(self, nodes: Nodes, stress: FloatArray) -> FloatArray:
+        """Return the stress (m + k, c, 6) Pa that counts at each place, from that at the nodes."""
+        return np.concatenate([stress[self.own], self.lines.structural(nodes, stress)])
+
+
+def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
+    """Return the places of a surface where fatigue is asked.
+
+    Parameters
+    ----------
+    nodes
+        Of the mesh; faces called "weld" are welds, re-entrant edges elsewhere toes.
+    held
+        Names of the faces that are held.
+    thickness
+        Of the walls; where it differs, at a rib, it is measured.
+    """
+    from scipy.spatial import cKDTree
+
+    edges = edges_of(nodes)
+    names = nodes.face_names
+    on_held = np.isin(names, held)
+    weld = np.char.startswith(names.astype(str), WELD)
+    here, there = edges.faces, edges.others
+    border = ~on_held[here] & on_held[there]
+    toe = ~on_held[here] & ~on_held[there] & ~weld[here]
+    toe &= weld[there] | (edges.turn > RE_ENTRANT)
+    corner = _along(nodes, edges[edges.turn < _CORNER])
+    cut = _narrow_faces(nodes, corner, _NARROW * thickness) & ~weld
+    at = edges[border | toe]
+    lines = _lines(nodes, at, thickness=thickness)
+    line_kind = np.where(border[border | toe], BORDER, TOE)
+    # Where the frame's plane ends the sheet is plain: no washer bears on it, no hole is there.
+    plane = names[at.others] == MOUNT
+    line_kind[plane] = np.where(cut[at.faces[plane]], CUT, SHEET)
+    line_key = np.empty(len(line_kind), dtype=object)
+    chains = _chains(nodes, at)
+    for k, kind in enumerate(line_kind.tolist()):
+        which = {
+            BORDER: _bolt(str(names[at.others[k]])), TOE: int(chains[k]),
+        }.get(kind, int(nodes.face_numbers[at.faces[k]]))  # fmt: skip
+        line_key[k] = (kind, which)
+
+    surface = nodes.surface
+    face_of = _face_of(nodes, cut=cut, left_out=on_held | weld)
+    clear = np.ones(len(surface), dtype=bool)
+    if len(lines.points):
+        # What lies as near a toe as its stress is read is the toe's own business.
+        away, _ = cKDTree(nodes.points[np.unique(at.nodes)]).query(nodes.points[surface])
+        clear = away > 0.99 * _FAR * thickness
+    asked = clear & (face_of[surface] >= 0)
+    own = surface[asked]
+    own_kind = np.where(cut[face_of[own]], CUT, SHEET)
+    number = nodes.face_numbers[face_of[own]]
+    own_key = np.empty(len(own), dtype=object)
+    own_key[:] = list(zip(own_kind.tolist(), number.tolist(), strict=True))
+
+    keys = [*own_key.tolist(), *line_key.tolist()]
+    # Numbered over all the drawing has, so that a face keeps its number however it is held
+    # and meshed.
+    every_face = np.unique(nodes.face_numbers).tolist()
+    bolts = sorted({_bolt(str(n)) for n in names[on_held]})
+    ranks = {SHEET: every_face, CUT: every_face, BORDER: bolts,
+             TOE: np.unique(chains[line_kind == TOE]).tolist()}  # fmt: skip
+    known = sorted(set(keys), key=lambda key: (key[0], ranks[key[0]].index(key[1])))
+    place = {key: k for k, key in enumerate(known)}
+    features = [(kind, 1 + ranks[kind].index(which)) for kind, which in known]
+    told_by = np.full(len(surface), -1, dtype=np.int64)
+    told_by[asked] = np.arange(len(own))
+    every = np.concatenate([nodes.points[own], lines.points])
+    silent = ~asked
+    if silent.any() and len(every):
+        among = np.arange(len(own), len(every)) if len(lines.points) else np.arange(len(every))
+        _, close = cKDTree(every[among]).query(nodes.points[surface[silent]])
+        told_by[silent] = among[close]
+    return Zones(
+        own=own,
+        lines=lines,
+        kind=np.concatenate([own_kind, line_kind]).astype(np.int64),
+        feature=np.array([place[key] for key in keys], dtype=np.int64),
+        features=tuple(features),
+        normals=np.concatenate([_normals(nodes)[own], lines.normals]),
+        told_by=told_by,
+    )
+
+
+def _bolt(name: str) -> str:
+    """Return the bolt a held face belongs to."""
+    return name.removesuffix(WALL)
+
+
+def _along(nodes: Nodes, edges: Edges) -> FloatArray:
+    """Return points (k, 3) m close together along edges."""
+    a, m, b = (nodes.points[edges.nodes[:, k]] for k in range(3))
+    s = np.linspace(0, 1, 9)[:, None, None]
+    along = (1 - s) * (1 - 2 * s) * a + 4 * s * (1 - s) * m + s * (2 * s - 1) * b
+    return along.reshape(-1, 3)
+
+
+def _narrow_faces(nodes: Nodes, corner: FloatArray, width: Metre) -> BoolArray:
+    """Whether each triangle (f,) lies on a face no point of which is far from a corner."""
+    from scipy.spatial import cKDTree
+
+    if not len(corner):
+        return np.zeros(len(nodes.faces), dtype=bool)
+    away = np.zeros(len(nodes.points))
+    away[nodes.surface] = cKDTree(corner).query(nodes.points[nodes.surface])[0]
+    farthest = np.zeros(int(nodes.face_numbers.max()) + 1)
+    np.maximum.at(farthest, nodes.face_numbers, away[nodes.faces].max(axis=1))
+    seat = nodes.face_names == SEAT
+    return (farthest[nodes.face_numbers] <= width) & ~seat
+
+
+def _face_of(nodes: Nodes, *, cut: BoolArray, left_out: BoolArray) -> IntArray:
+    """Return a triangle for each node that says whose it is, a cut edge's first; -1 for none."""
+    found = np.full(len(nodes.points), -1, dtype=np.int64)
+    for which in (~cut & ~left_out, cut & ~left_out):
+        rows = np.flatnonzero(which)
+        # Where faces meet the one with the lowest number has the node, whatever the mesh.
+        rows = rows[np.argsort(-nodes.face_numbers[rows], kind="stable")]
+        found[nodes.faces[rows]] = rows[:, None]
+    return found
+
+
+def _chains(nodes: Nodes, edges: Edges) -> IntArray:
+    """Return the number of the connected chain that each edge (k,) belongs to.
+
+    Numbered by the lowest face the chain touches, so it is the same on every mesh.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    ends = edges.nodes[:, [0, 2]]
+    if not len(ends):
+        return np.zeros(0, dtype=np.int64)
+    count = len(nodes.points)
+    links = coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
+    _, chain = connected_components(links, directed=False)
+    mine = chain[ends[:, 0]]
+    pairs = nodes.face_numbers[edges.faces] * 10_000 + nodes.face_numbers[edges.others]
+    first = np.full(int(mine.max()) + 1, np.iinfo(np.int64).max)
+    np.minimum.at(first, mine, pairs)
+    return first[mine]
+
+
+def _normals(nodes: Nodes) -> FloatArray:
+    """Outward normals (n, 3) at the nodes, the mean of the faces that meet; 0 inside."""
+    corners = nodes.points[nodes.faces[:, :3]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    found = np.zeros_like(nodes.points)
+    for k in range(6):
+        np.add.at(found, nodes.faces[:, k], normal)
+    size = np.linalg.norm(found, axis=-1, keepdims=True)
+    return found / np.where(size > 0, size, 1.0)
+
+
+def _lines(nodes: Nodes, edges: Edges, *, thickness: Metre) -> Lines:
+    """Walk from the middles of edges into their faces, and read what lies there."""
+    start = nodes.points[edges.nodes[:, 1]]
+    frame = np.stack([edges.into, edges.along, edges.normals], axis=1)
+    if not len(start):
+        none = nearest(nodes, np.zeros((0, 3)))
+        empty = np.zeros((0, 3, 3))
+        return Lines(start, start, empty, empty, empty, none, none, np.zeros(0, dtype=bool))
+    t = depth(nodes, start + 0.3 * thickness * edges.into, edges.normals, usual=thickness)
+    near, near_frame, ok = _step(nodes, start, frame, _NEAR * t)
+    far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - _NEAR) * t)
+    return Lines(
+        points=start, normals=edges.normals, frames=frame,
+        near_frames=near_frame, far_frames=far_frame, near=near, far=far, room=ok & ok_too,
+    )  # fmt: skip
+
+
+def _step(
+    nodes: Nodes, start: FloatArray, frame: FloatArray, length: FloatArray
+) -> tuple[OnSurface, FloatArray, BoolArray]:
+    """Go a length (k,) along the surface: where that leads, the frame there, and if it does."""
+    found = nearest(nodes, start + length[:, None] * frame[:, 0])
+    normal = found.normals
+    into: FloatArray = frame[:, 0] - (frame[:, 0] * normal).sum(-1, keepdims=True) * normal
+    size = np.linalg.norm(into, axis=-1, keepdims=True)
+    into = np.asarray(into / np.where(size > 0, size, 1.0), dtype=float)
+    turned = (normal * frame[:, 2]).sum(-1)
+    ok = (found.distances <= 0.35 * length) & (turned > 0.5)
+    return found, np.stack([into, np.cross(normal, into), normal], axis=1), ok
+
+
+def depth(nodes: Nodes, points: ArrayLike, normals: ArrayLike, *, usual: Metre) -> FloatArray:
+    """Thickness (k,) m of the wall under points of its surface (k, 3) m, at most 1.5 times usual.
+
+    From a point three quarters of the usual thickness below, the nearest surface is that of
+    the wall's other side; where it is not, at an edge, the usual thickness is taken.
+    """
+    points, normals = np.asarray(points, dtype=float), np.asarray(normals, dtype=float)
+    below = 0.75 * usual
+    found = nearest(nodes, points - below * normals)
+    across = (found.normals * normals).sum(-1) < -0.7
+    inside = ((points - below * normals - found.points) * found.normals).sum(-1) < 0
+    other = below + np.where(inside, 1, -1) * found.distances
+    return np.where(across, np.clip(other, 0.25 * usual, 1.5 * usual), usual)

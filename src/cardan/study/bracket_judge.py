@@ -1,0 +1,583 @@
+"""Judge one shape of a bracket: what each load case and the duty cycle do, zone by zone.
+
+Everything follows from the unit stresses of the last mesh by adding them up. The flange is
+held in two ways that have the truth between them, sliding and clamped, and what is told of
+a feature is the worse of the two.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError
+from cardan.base.part import Occasion, Part, Point
+from cardan.base.units import Metre, RadianPerSecond, hour
+from cardan.bracket.elastic import IntArray, Progress
+from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.solve import Held, Solved, Task, solved_apart
+from cardan.bracket.stress import extremes, some, superpose, von_mises
+from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
+from cardan.model.bracket import ZONES, Bracket, Shape, Zone
+from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
+
+ORDERS = (1, 2, 4)
+"""Unbalance; joints; joints at large angles."""
+_FEW = 24
+"""Moments of a history by which the places are told where a feature may be worst."""
+_PLACES = 6
+"""Such places of each feature, which every moment is asked of."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A load history on the bearing, (t, 9) as in `cardan.bracket.unit.UNITS`.
+
+    Where `turns` of the shaft or `duration` (s) are known it is one pass of a history that
+    repeats, and does damage; else a load by itself. `places` counts passes one after the
+    other of which only the worst happens. A case of a state is called after it and `what`
+    it takes of its loads.
+    """
+
+    name: str
+    loads: FloatArray
+    turns: float = np.nan
+    duration: float = np.nan
+    places: int = 1
+    what: str = ""
+    point: Point | None = None
+    """The operating point whose loads these are, where it is not the state's own."""
+
+    @property
+    def when(self) -> Occasion:
+        """The case as an occasion of checks."""
+        return Occasion("case", self.name, self.what)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether it is a pass of something, and no load by itself."""
+        return not (np.isnan(self.turns) and np.isnan(self.duration))
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A stress and where it is."""
+
+    value: float
+    point: tuple[Metre, Metre, Metre]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feature:
+    """A bend, a face, an edge, a hole, a weld's toe, a bolt's border: what cracks by itself.
+
+    Attributes
+    ----------
+    zone, number
+        What it is, counted within the zone over all the drawing has.
+    point : m
+        Where it is worst: by damage over the duty cycle, else by stress over the cases.
+    error
+        Share of its highest stress that its error may be.
+    """
+
+    zone: Zone
+    number: int
+    point: tuple[Metre, Metre, Metre]
+    error: float
+
+    @property
+    def part(self) -> Part:
+        """The feature as a part of checks."""
+        return Part(self.zone, self.number)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one case does to one bracket.
+
+    Attributes
+    ----------
+    von_mises, highest, lowest : Found
+        Extremes over all places where fatigue is asked: equivalent, largest tension, largest
+        compression.
+    on_edge : Found
+        Largest von Mises stress at any node. Where it exceeds `von_mises` it sits in a notch
+        or at a clamp and depends on the mesh alone.
+    hot, error : (features,) Pa
+        Largest von Mises stress of each feature, and its estimated error.
+    mean, amplitude : (features,) Pa
+        Of the normal stress there, on the plane where it swings most.
+    used : (features,)
+        That swing at zero mean over the amplitude its zone bears at the knee; nan where none
+        is stated, or of a load by itself.
+    strain : (gauges, 2)
+        Smallest and largest reading.
+    bolts : (b,) N
+        Largest force on each bolt.
+    motion : Metre
+        Largest movement of the seat under the bearing.
+    life : Endured
+        Damage and life; None without an S-N curve, or of a load by itself.
+    """
+
+    case: Case
+    von_mises: Found
+    highest: Found
+    lowest: Found
+    on_edge: Found
+    hot: FloatArray
+    error: FloatArray
+    mean: FloatArray
+    amplitude: FloatArray
+    used: FloatArray
+    strain: FloatArray
+    bolts: FloatArray
+    motion: Metre
+    life: Endured | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A natural frequency that an order of the shaft's speed meets."""
+
+    mode: int
+    frequency: float
+    order: int
+    speed: RadianPerSecond
+    in_range: bool
+    """Whether that speed is one the shaft reaches."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """One shape of a bracket, judged.
+
+    Attributes
+    ----------
+    solved : Solved
+        The last solution, whose mesh is drawn.
+    features : (Feature, ...)
+        Worst first.
+    listed : int
+        How many of them tables show: the worst, and the worst of each zone.
+    damage : (surface nodes,)
+        Of an hour of the duty cycle, in the state where it is largest; empty without one.
+    duty : Endured
+        A mean second of the application's duty cycle, in each state that lasts.
+    """
+
+    name: str
+    solved: Solved
+    features: tuple[Feature, ...]
+    listed: int
+    crossings: tuple[Crossing, ...]
+    outcomes: tuple[Outcome, ...]
+    duty: tuple[Endured, ...] = ()
+    damage: FloatArray
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        return self.solved.mass
+
+    @property
+    def compliance(self) -> FloatArray:
+        """Mean motion of the seat under forces and moments, (6, 6), the flange sliding."""
+        return self.solved.sliding.compliance
+
+    @property
+    def influence(self) -> FloatArray:
+        """Strain (gauges, 9) of each gauge under each unit load, the flange sliding."""
+        return self.solved.sliding.influence
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies (6,) Hz of the bracket by itself, the flange sliding."""
+        return self.solved.sliding.frequencies
+
+    @property
+    def carried(self) -> FloatArray:
+        """Natural frequencies (6,) Hz with the mass it carries, the flange sliding."""
+        return self.solved.sliding.carried
+
+    @property
+    def shown(self) -> tuple[Feature, ...]:
+        """The features that tables show."""
+        return self.features[: self.listed]
+
+    @cached_property
+    def worst(self) -> Outcome:
+        """The case with the highest converged stress."""
+        return max(self.outcomes, key=lambda o: float(o.hot.max()))
+
+    @property
+    def life(self) -> float:
+        """Hours to failure at the worst feature over the duty cycle; nan without one."""
+        return min((e.hours for e in self.duty), default=np.nan)
+
+
+# --------------------------------------------------------------------------- one way of holding
+
+
+@dataclass(frozen=True)
+class _Way:
+    """One way of holding a bracket, its features numbered as those of both."""
+
+    held: Held
+    points: FloatArray
+    feature: IntArray
+    count: int
+
+    def places(self, loads: FloatArray) -> IntArray:
+        """Return the places (features, k) where a case may be worst, a feature's own repeated."""
+        few = some(loads, _FEW)
+        level = von_mises(superpose(self.held.unit, few)).max(axis=-1)
+        order = np.lexsort((-level, self.feature))
+        starts = np.searchsorted(self.feature[order], np.arange(self.count))
+        ends = np.searchsorted(self.feature[order], np.arange(self.count), side="right")
+        # A feature that this way of holding does not have shows the first place, and no stress.
+        at = np.minimum(starts[:, None] + np.arange(_PLACES), np.maximum(ends[:, None] - 1, 0))
+        return order[np.minimum(at, len(order) - 1)]
+
+    @cached_property
+    def has(self) -> IntArray:
+        """Return whether it has each feature, 1 or 0."""
+        return np.bincount(self.feature, minlength=self.count).clip(max=1)
+
+
+def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]]:
+    """Return both ways of holding, and the features (kind, number) of both together."""
+    every = sorted({f for held in solved.both for f in held.zones.features})
+    place = {key: k for k, key in enumerate(every)}
+    ways = tuple(
+        _Way(
+            held,
+            held.zones.points(solved.nodes),
+            np.array([place[f] for f in held.zones.features])[held.zones.feature],
+            len(every),
+        )
+        for held in solved.both
+    )
+    return ways, tuple(every)
+
+
+def _swing(way: _Way, at: IntArray, loads: FloatArray, places: int) -> tuple[FloatArray, ...]:
+    """Return mean and amplitude (m,) of the normal stress at places, where it swings most."""
+    directions = plane_directions(way.held.zones.normals[at])
+    stress = on_planes(way.held.unit[at], directions)
+    best = np.zeros((2, len(at)))
+    for one in np.split(loads, places):
+        history = stress @ one.T
+        top, low = history.max(axis=-1), history.min(axis=-1)
+        plane = (top - low).argmax(axis=-1)[:, None]
+        found = [np.take_along_axis(v, plane, 1)[:, 0] for v in ((top + low) / 2, (top - low) / 2)]
+        best = np.where(found[1] > best[1], found, best)
+    return best[0], best[1]
+
+
+def _damage(
+    way: _Way, at: IntArray, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
+) -> FloatArray:
+    """Return the damage (m,) of passes at places, each by the curve of its zone."""
+    zones = way.held.zones
+    done = np.zeros(len(at))
+    for kind in np.unique(zones.kind[at]).tolist():
+        mine = np.flatnonzero(zones.kind[at] == kind)
+        done[mine], _ = plane_damage(
+            way.held.unit[at[mine]], zones.normals[at[mine]], passes,
+            harm=strength[ZONES[kind]].harm,
+        )  # fmt: skip
+    return done
+
+
+# --------------------------------------------------------------------------- judge
+
+
+def judge(
+    bracket: Bracket,
+    shape: Shape,
+    cases: Sequence[Case],
+    *,
+    duty: Mapping[Occasion, Sequence[tuple[float, Case]]] | None = None,
+    name: str = "original",
+    top_speed: RadianPerSecond = np.nan,
+    tell: Progress = hushed,
+) -> Judged:
+    """Judge one shape of a bracket under load cases, and over a duty cycle's.
+
+    Damage is counted where the bracket states what it bears in fatigue.
+
+    Raises
+    ------
+    DesignError
+        If there is no case, or the shape cannot be built, meshed or afforded.
+    """
+    if not cases:
+        msg = "the bracket has no load case: give the application a torque, or the bracket cases"
+        raise DesignError(msg)
+
+    def told(what: str) -> None:
+        tell(f"{name}: {what}")
+
+    strength = strengths(bracket)
+    riding = [case for parts in (duty or {}).values() for _, case in parts]
+    task = Task(
+        shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
+        cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
+        gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
+    )  # fmt: skip
+    try:
+        solved = solved_apart(task, tell=told)
+    except DesignError as error:
+        msg = f"{name} bracket: {error}"
+        raise DesignError(msg, about=error.about) from None
+    told(f"stresses of {len(cases)} load cases")
+    ways, known = _ways(solved)
+    error = np.array([solved.error.get(key, 0.0) for key in known])
+    modulus = bracket.material.youngs_modulus
+    outcomes = [_outcome(case, solved, ways, error, strength, modulus) for case in cases]
+    if duty and strength:
+        told("damage over the duty cycle, at every place of the surface")
+    spent, damage, where = _duty(solved, ways, duty or {}, strength, modulus)
+    order = _worst_first(known, outcomes, spent, _weights(strength))
+    points = _points(ways, cases, order, where)
+    features = tuple(
+        Feature(zone=ZONES[known[f][0]], number=known[f][1], point=points[k], error=float(error[f]))
+        for k, f in enumerate(order)
+    )
+    return Judged(
+        name=name,
+        solved=solved,
+        features=features,
+        listed=_listed(features),
+        crossings=tuple(crossings(solved.sliding.carried, top_speed)),
+        outcomes=tuple(_sorted(o, order) for o in outcomes),
+        duty=tuple(replace(e, spots=e.spots[order]) for e in spent),
+        damage=damage,
+    )
+
+
+def _weights(strength: Mapping[Zone, Strength]) -> tuple[float, ...]:
+    """Return how much a stress weighs in each zone: a toe bears less than a sheet."""
+    if not strength:
+        return (1.0,) * len(ZONES)
+    sheet = strength["sheet"].curve
+    return tuple(sheet.amplitude / strength[zone].curve.amplitude for zone in ZONES)
+
+
+def _outcome(
+    case: Case,
+    solved: Solved,
+    ways: tuple[_Way, ...],
+    error: FloatArray,
+    strength: Mapping[Zone, Strength],
+    modulus: float,
+) -> Outcome:
+    """Return what one case does, the worse of both ways of holding."""
+    count = ways[0].count
+    hot, mean, amplitude = np.zeros((3, count))
+    used, spent = np.full((2, count), np.nan)
+    best: list[tuple[Found, Found, Found]] = []
+    for way in ways:
+        places = way.places(case.loads)
+        flat = places.ravel()
+        unit = way.held.unit[flat]
+        found = extremes(unit, case.loads)
+        best.append(tuple(
+            Found(e.value, _point(way.points[flat[e.point]]))
+            for e in (found.von_mises, found.highest, found.lowest)
+        ))  # type: ignore[arg-type]  # fmt: skip
+        level = von_mises(superpose(unit, case.loads)).max(axis=-1).reshape(places.shape)
+        level *= way.has[:, None]
+        top = places[np.arange(count), level.argmax(axis=1)]
+        m, a = _swing(way, top, case.loads, case.places)
+        worse = level.max(axis=1) > hot
+        hot, mean = np.where(worse, level.max(axis=1), hot), np.where(worse, m, mean)
+        amplitude = np.where(worse, a, amplitude)
+        if strength and case.repeats:
+            kinds = way.held.zones.kind[top]
+            share = np.array([
+                float(strength[ZONES[k]].used(x, y)) for k, x, y in zip(kinds, a, m, strict=True)
+            ])  # fmt: skip
+            passes = [Pass(np.stack(np.split(case.loads, case.places)))]
+            done = _damage(way, flat, passes, strength).reshape(places.shape).max(axis=1)
+            used = np.fmax(used, share * way.has)
+            spent = np.fmax(spent, done * way.has)
+    sliding = ways[0].held
+    strain = superpose(sliding.influence[..., None], case.loads)[..., 0]
+    bolts = superpose(sliding.reactions, case.loads)
+    motion = case.loads[:, :6] @ sliding.compliance[:, :3]
+    life = None
+    if strength and case.repeats:
+        gauges = _gauge_damage(case, sliding, modulus, strength["sheet"])
+        life = Endured(
+            when=case.when, spots=spent, gauges=gauges,
+            turns=case.turns, duration=case.duration,
+        )  # fmt: skip
+    return Outcome(
+        case=case,
+        von_mises=max((b[0] for b in best), key=lambda f: f.value),
+        highest=max((b[1] for b in best), key=lambda f: f.value),
+        lowest=min((b[2] for b in best), key=lambda f: f.value),
+        on_edge=_on_edge(solved, case.loads),
+        hot=hot,
+        error=error * hot,
+        mean=mean,
+        amplitude=amplitude,
+        used=used,
+        strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
+        bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
+        motion=float(np.linalg.norm(motion, axis=-1).max()),
+        life=life,
+    )
+
+
+def _gauge_damage(case: Case, held: Held, modulus: float, strength: Strength) -> FloatArray:
+    """Return the damage (g,) a pass does at the gauges, by the sheet's curve."""
+    passes = np.split(loads_of(case.loads), case.places)
+    return np.max([
+        gauge_damage(held.influence, one, modulus=modulus, strength=strength) for one in passes
+    ], axis=0)  # fmt: skip
+
+
+def _duty(
+    solved: Solved,
+    ways: tuple[_Way, ...],
+    duty: Mapping[Occasion, Sequence[tuple[float, Case]]],
+    strength: Mapping[Zone, Strength],
+    modulus: float,
+) -> tuple[list[Endured], FloatArray, list[IntArray]]:
+    """Return the mean second of the duty cycle in each state, and the worst one's map.
+
+    The map is damage of an hour (surface nodes,), in the state where it is largest; with it,
+    the place of each feature where it is worst, for each way of holding. Every place is asked
+    of in that state; in the others those where a load may be worst.
+    """
+    spent: list[Endured] = []
+    if not strength:
+        return spent, np.zeros(0), []
+    for when, parts in duty.items():
+        passes = _passes(parts)
+        if not passes:
+            continue
+        worst = np.zeros(ways[0].count)
+        for way in ways:
+            at = np.unique(np.concatenate([way.places(c.loads).ravel() for _, c in parts]))
+            done = _damage(way, at, passes, strength)
+            np.maximum.at(worst, way.feature[at], done)
+        gauges = [
+            (share, Endured(
+                when=when, spots=np.zeros(0), turns=case.turns, duration=case.duration,
+                gauges=_gauge_damage(case, ways[0].held, modulus, strength["sheet"]),
+            ))
+            for share, case in parts
+        ]  # fmt: skip
+        spent.append(replace(mixed(when, gauges), spots=worst))
+    if not spent:
+        return spent, np.zeros(0), []
+    state = max(range(len(spent)), key=lambda k: spent[k].worst)
+    passes = _passes(duty[spent[state].when])
+    damage, where = np.zeros(len(solved.nodes.surface)), []
+    spots = spent[state].spots.copy()
+    for way in ways:
+        every = _damage(way, np.arange(len(way.feature)), passes, strength)
+        order = np.lexsort((every, way.feature))
+        last = np.searchsorted(way.feature[order], np.arange(way.count), side="right") - 1
+        where.append(order[np.maximum(last, 0)])
+        np.maximum.at(spots, way.feature, every)
+        damage = np.maximum(damage, every[way.held.zones.told_by])
+    spent[state] = replace(spent[state], spots=spots)
+    return spent, damage * hour, where
+
+
+def _passes(parts: Sequence[tuple[float, Case]]) -> list[Pass]:
+    """Return the passes of a mean second of a duty cycle."""
+    known = [(share, case) for share, case in parts if case.repeats and case.duration > 0]
+    whole = sum(share for share, _ in known)
+    return [
+        Pass(np.stack(np.split(case.loads, case.places)), share / whole / case.duration)
+        for share, case in known
+    ]
+
+
+def _worst_first(
+    known: tuple[tuple[int, int], ...],
+    outcomes: Sequence[Outcome],
+    spent: Sequence[Endured],
+    weights: tuple[float, ...],
+) -> IntArray:
+    """Return the features, the worst first: by damage over the duty cycle, else by stress."""
+    weight = np.array([weights[kind] for kind, _ in known])
+    stress = np.max([o.hot for o in outcomes], axis=0) * weight
+    damage = np.max([e.spots for e in spent], axis=0) if spent else np.zeros(len(known))
+    return np.lexsort((-stress, -damage))
+
+
+def _points(
+    ways: tuple[_Way, ...], cases: Sequence[Case], order: IntArray, where: list[IntArray]
+) -> list[tuple[Metre, Metre, Metre]]:
+    """Return where each feature is worst: by damage if known, else by stress over the cases."""
+    found: list[tuple[Metre, Metre, Metre]] = []
+    way_of = [0 if ways[0].has[f] else 1 for f in range(ways[0].count)]
+    if not where:
+        for way in ways:
+            best = np.zeros(way.count)
+            at = np.zeros(way.count, dtype=np.int64)
+            for case in cases:
+                places = way.places(case.loads)
+                few = some(case.loads, _FEW)
+                level = von_mises(superpose(way.held.unit[places.ravel()], few)).max(axis=-1)
+                level = level.reshape(places.shape)
+                top = level.argmax(axis=1)
+                high = level[np.arange(way.count), top]
+                at = np.where(high > best, places[np.arange(way.count), top], at)
+                best = np.maximum(best, high)
+            where = [*where, at]
+    for f in order.tolist():
+        way = ways[way_of[f]]
+        found.append(_point(way.points[where[way_of[f]][f]]))
+    return found
+
+
+def _listed(features: Sequence[Feature]) -> int:
+    """Return how many features tables show: eight, and on until each zone has been shown."""
+    zones = {f.zone for f in features}
+    first = [next(k for k, f in enumerate(features) if f.zone == zone) for zone in zones]
+    return min(len(features), max(8, *(k + 1 for k in first if k < 16)))
+
+
+def _sorted(o: Outcome, order: IntArray) -> Outcome:
+    """Return an outcome with its features in order."""
+    return replace(
+        o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
+        amplitude=o.amplitude[order], used=o.used[order],
+        life=replace(o.life, spots=o.life.spots[order]) if o.life else None,
+    )  # fmt: skip
+
+
+def _on_edge(solved: Solved, loads: FloatArray) -> Found:
+    """Return the largest von Mises stress at any node of the surface."""
+    surface = solved.nodes.surface
+    few = some(loads, _FEW)
+    level = von_mises(superpose(solved.stress[surface], few)).max(axis=-1)
+    worst = int(level.argmax())
+    return Found(float(level[worst]), _point(solved.nodes.points[surface[worst]]))
+
+
+def _point(at: FloatArray) -> tuple[Metre, Metre, Metre]:
+    x, y, z = at.tolist()
+    return x, y, z
+
+
+def crossings(
+    frequencies: FloatArray, top_speed: RadianPerSecond, *, orders: Sequence[int] = ORDERS
+) -> Iterator[Crossing]:
+    """Yield the speeds at which orders meet natural frequencies (m,) Hz, up to twice the top."""
+    for k, frequency in enumerate(frequencies.tolist(), 1):
+        for order in orders:
+            speed = 2 * np.pi * frequency / order
+            if not speed > 2 * top_speed:
+                yield Crossing(k, frequency, order, speed, in_range=bool(speed <= top_speed))

@@ -1,0 +1,137 @@
+"""Where a crack may start, and what decides it there: needs the extra cardan[bracket]."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cardan.base.units import mm
+from cardan.bracket.elastic import elastic, mesh
+from cardan.bracket.engine import engine
+from cardan.bracket.shape import solid
+from cardan.bracket.surface import edges_of, nearest
+from cardan.bracket.zones import BORDER, CUT, SHEET, TOE, depth, zones_of
+from cardan.model.bracket import UShape
+from cardan.model.parts import STEEL
+
+pytestmark = pytest.mark.bracket
+
+T = 5 * mm
+U = UShape(
+    seat_diameter=100 * mm, width=70 * mm, thickness=6 * mm, height=90 * mm, flange=55 * mm,
+    bend_radius=10 * mm, bolt_diameter=11 * mm, bolt_pitch=40 * mm, gusset=4 * mm,
+    gusset_height=50 * mm,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """A plate 100 by 60, 5 mm thick, with a block on its middle: four toes without a radius."""
+    occ = engine().occ
+    shape = occ.Box((-0.05, -0.03, 0), (0.05, 0.03, T)) + occ.Box(
+        (-0.01, -0.01, T / 2), (0.01, 0.01, 3 * T)
+    )
+    for face in shape.faces:
+        face.name = "end" if face.center.x < -0.05 + 1e-9 else "free"
+    return elastic(mesh(shape, size=3 * mm), STEEL, held={"end": "xyz"})
+
+
+def test_every_place_of_a_surface_is_asked_or_spoken_for(plate):
+    """Nothing is dropped: each node is told of by itself or by the nearest toe or border."""
+    nodes = plate.nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    every = zones.points(nodes)
+    assert zones.told_by.min() >= 0
+    away = np.linalg.norm(every[zones.told_by] - nodes.points[nodes.surface], axis=1)
+    on_end = nodes.points[nodes.surface, 0] < -0.05 + 1e-9
+    assert away[~on_end].max() <= 1.25 * T  # a wall from a toe, and to the middle of its edge
+    kinds = {kind for kind, _ in zones.features}
+    assert kinds == {SHEET, CUT, TOE, BORDER}
+    # The toe is one chain round the block, seen from the plate and from the block.
+    toes = zones.lines.points[zones.kind[len(zones.own) :] == TOE]
+    assert np.abs(toes[:, 2] - T).max() < 1e-9
+    assert np.abs(np.abs(toes[:, :2]).max(axis=1) - 0.01).max() < 1e-9
+    assert sum(kind == TOE for kind, _ in zones.features) == 1
+
+
+def test_structural_stress_carries_a_straight_field_on(plate):
+    """sigma = 1.67 sigma(0.4 t) - 0.67 sigma(1.0 t), by hand on a field that is known."""
+    nodes = plate.nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    lines = zones.lines
+    kind = zones.kind[len(zones.own) :]
+    # On the plate ahead of the block: the toe at x = -10 mm, looking along -x.
+    mine = (kind == TOE) & (lines.normals[:, 2] > 0.9) & (lines.frames[:, 0, 0] < -0.9)
+    assert mine.sum() > 3
+    x = nodes.points[:, 0]
+    stress = np.zeros((len(x), 1, 6))
+    stress[:, 0, 0] = 100.0 + 4000.0 * (x + 0.01) ** 2 / T**2  # square in the distance
+    stress[:, 0, 2] = 7.0  # across the surface: no such thing, and left out
+    near, far = 100 + 4000 * 0.4**2, 100 + 4000 * 1.0**2
+    found = lines.structural(nodes, stress)[mine, 0]
+    want = 0.4 / 0.6
+    assert found[:, 0] == pytest.approx(near + want * (near - far), rel=0.02)
+    assert np.abs(found[:, 1:]).max() < 1e-6 * near
+    assert lines.room[mine].all()
+    # Along the edge, off the corner, the distances are those of the rule.
+    gap = np.linalg.norm(lines.near.points - lines.points, axis=1)[mine]
+    assert gap == pytest.approx(0.4 * T, rel=0.02)
+
+
+def test_a_wall_s_thickness_is_measured(plate):
+    """5 mm in the plate, from either side; where there is no other side the usual is taken."""
+    at = [(0.03, 0.0, T), (0.03, 0.01, 0.0), (0.0, 0.0, 3 * T)]
+    found = depth(plate.nodes, at, [(0, 0, 1), (0, 0, -1), (0, 0, 1)], usual=6 * mm)
+    assert found[:2] == pytest.approx([T, T], rel=1e-6)
+    assert found[2] == pytest.approx(6 * mm)
+    thin = depth(plate.nodes, at[:1], [(0, 0, 1)], usual=8 * mm)  # looked for beyond the plate
+    assert thin == pytest.approx([T], rel=1e-6)
+
+
+def test_edges_know_which_way_they_turn(plate):
+    edges = edges_of(plate.nodes)
+    turns = np.degrees(edges.turn)
+    notch = turns > 20
+    assert turns[notch] == pytest.approx(90, abs=1e-6)
+    assert turns[~notch] == pytest.approx(-90, abs=1e-6)
+    at = plate.nodes.points[edges.nodes[notch][:, 1]]
+    assert at[:, 2] == pytest.approx(np.full(len(at), T))  # the block's toe, and nowhere else
+    assert np.abs(at[:, :2]).max() < 0.011
+
+
+def test_a_field_is_read_between_nodes_as_squares(plate):
+    nodes = plate.nodes
+    at = nearest(nodes, [(0.021, 0.013, 0.006), (-0.03, 0.0, -1.0)])
+    x, y, z = nodes.points.T
+    square = 3 * x * x - x * y + 2 * y + z
+    px, py, pz = at.points.T
+    assert at.of(nodes, square) == pytest.approx(3 * px * px - px * py + 2 * py + pz, abs=1e-9)
+
+
+def test_a_bracket_s_zones_keep_their_names_on_every_mesh():
+    """Bends, cut edges, toes of welds, bolts: the same features however fine, however held."""
+    body = solid(U)
+    found = []
+    for size, hold in ((10 * mm, "sliding"), (7 * mm, "sliding"), (10 * mm, "clamped")):
+        held = body.held(hold)
+        made = elastic(mesh(body.shape, size=size), STEEL, held=held)
+        found.append(zones_of(made.nodes, held=tuple(held), thickness=U.thickness))
+    coarse, fine, clamped = (set(z.features) for z in found)
+    assert {f for f in coarse if f[0] in (TOE, BORDER)} == {
+        f for f in fine if f[0] in (TOE, BORDER)
+    }
+    assert {n for k, n in coarse if k == BORDER} == {1, 2, 3, 4}
+    # Each rib's weld meets the sheet in one toe and the rib in another.
+    assert len({f for f in coarse if f[0] == TOE}) == 4
+    assert {f for f in clamped if f[0] == TOE} == {f for f in coarse if f[0] == TOE}
+    # A weld's own face is not asked: its toes speak for it.
+    zones = found[0]
+    assert len(set(zones.told_by)) > 1000
+
+
+def test_a_plain_u_has_no_toe():
+    body = solid(replace(U, gusset=0.0))
+    held = body.held("sliding")
+    made = elastic(mesh(body.shape, size=10 * mm), STEEL, held=held)
+    zones = zones_of(made.nodes, held=tuple(held), thickness=U.thickness)
+    assert {k for k, _ in zones.features} == {SHEET, CUT, BORDER}

@@ -1,0 +1,114 @@
+"""Rainflow of many rows at once, and damage on the plane that suffers most."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.fatigue.critical import Pass, counted, on_planes, plane_damage, plane_directions
+from cardan.fatigue.detail import at_knee, ratio_bonus, roughness_factor, sheet_amplitude
+from cardan.fatigue.rainflow import rainflow, repeating
+from cardan.fatigue.strength import SNCurve
+
+CURVE = SNCurve(amplitude=100e6, cycles=1e6, slope=5).modified()
+
+
+def harm(amplitude, _mean):
+    return CURVE.damage(amplitude)
+
+
+def both(row):
+    """Cycles of a row counted alone, as sorted pairs."""
+    cycles = rainflow(row, rule=repeating)
+    kept = cycles.amplitude > 0
+    pairs = zip(cycles.amplitude[kept].tolist(), cycles.mean[kept].tolist(), strict=True)
+    return sorted((round(a, 9), round(m, 9)) for a, m in pairs)
+
+
+@settings(deadline=None)
+@given(st.lists(st.lists(st.integers(-9, 9), min_size=7, max_size=7), min_size=1, max_size=6))
+def test_rows_are_counted_as_each_by_itself(rows):
+    amplitude, mean = counted(rows)
+    for row, a, m in zip(rows, amplitude, mean, strict=True):
+        mine = sorted((round(x, 9), round(y, 9)) for x, y in zip(a, m, strict=True) if x > 0)
+        assert mine == both(row)
+
+
+def test_a_tension_that_swings_counts_on_its_own_plane():
+    """120 MPa along a direction in the surface, one cycle a pass: (120 / 100)^5 / 1e6."""
+    along = np.array([np.cos(np.radians(30)), np.sin(np.radians(30)), 0.0])
+    x, y, z = along
+    unit = 120e6 * np.array([[[x * x, y * y, z * z, x * y, y * z, z * x]]])
+    wave = np.cos(2 * np.pi * np.arange(32) / 32)[None, :, None]
+    damage, found = plane_damage(unit, [[0, 0, 1]], [Pass(wave, 3.0)], harm=harm)
+    assert damage == pytest.approx([3 * 1.2**5 / 1e6], rel=1e-9)
+    assert abs(found[0] @ along) == pytest.approx(1)
+
+
+def test_shear_counts_at_45_degrees_and_histories_add_on_one_plane():
+    unit = np.zeros((1, 2, 6))
+    unit[0, 0, 3] = 100e6  # shear: tension at 45 degrees
+    unit[0, 1, 0] = 100e6  # tension along x
+    wave = np.cos(2 * np.pi * np.arange(64) / 64)
+    shear, pull = (np.stack([wave * k, wave * (1 - k)], -1)[None] for k in (1, 0))
+    damage, found = plane_damage(unit, [[0, 0, 1]], [Pass(shear)], harm=harm)
+    assert damage == pytest.approx([1e-6], rel=0.05)
+    assert abs(found[0, 0]) == pytest.approx(np.sqrt(0.5), abs=0.13)
+    together, _ = plane_damage(unit, [[0, 0, 1]], [Pass(shear), Pass(pull)], harm=harm)
+    angles = plane_directions([[0, 0, 1]])
+    each = np.abs(on_planes(unit, angles))[0]
+    by_hand = (harm(each[:, 0], 0) + harm(each[:, 1], 0)).max()
+    assert together == pytest.approx([by_hand], rel=1e-9)
+    assert together[0] < 2e-6  # not the worst plane of each
+
+
+def test_of_several_places_the_worst_happens():
+    unit = np.zeros((1, 1, 6))
+    unit[0, 0, 0] = 1e6
+    wave = np.cos(2 * np.pi * np.arange(32) / 32)[:, None]
+    loads = np.stack([100 * wave, 150 * wave, 50 * wave])
+    damage, _ = plane_damage(unit, [[0, 0, 1]], [Pass(loads)], harm=harm)
+    assert damage == pytest.approx([1.5**5 / 1e6], rel=1e-9)
+
+
+def test_harmless_places_are_counted_by_their_largest_cycle():
+    """A thousandth of the worst and less; the worst by every cycle."""
+    unit = np.zeros((2, 1, 6))
+    unit[:, 0, 0] = [150e6, 20e6]
+    beat = (np.cos(2 * np.pi * np.arange(64) / 64) + np.cos(6 * np.pi * np.arange(64) / 64)) / 2
+    damage, _ = plane_damage(unit, [[0, 0, 1]] * 2, [Pass(beat[None, :, None])], harm=harm)
+    amplitude, _ = counted(150e6 * beat[None])
+    assert (amplitude > 0).sum() > 1
+    assert damage[0] == pytest.approx(harm(amplitude, 0).sum(), rel=1e-9)
+    assert damage[1] == pytest.approx(harm(20e6 * np.ptp(beat) / 2, 0), rel=0.1)
+
+
+def test_the_directions_lie_in_the_surface():
+    n = np.array([[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
+    d = plane_directions(n)
+    assert np.abs(np.einsum("mpk,mk->mp", d, n)).max() < 1e-12
+    assert np.linalg.norm(d, axis=-1) == pytest.approx(np.ones(d.shape[:2]))
+
+
+def test_a_class_is_a_range_at_two_million():
+    """FAT 90, slope 3, knee at 1e7: 45 MPa at 2e6, 26.3 MPa at the knee."""
+    knee = at_knee(90e6, cycles=1e7, slope=3)
+    assert knee == pytest.approx(45e6 * 0.2 ** (1 / 3))
+    assert SNCurve(amplitude=knee, cycles=1e7, slope=3).life(45e6) == pytest.approx(2e6)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "bonus"), [(-1, 1.6), (-2, 1.6), (0, 1.2), (0.5, 1.0), (0.8, 1.0)]
+)
+def test_edges_bear_more_where_the_mean_is_low(ratio, bonus):
+    top = 100.0
+    a, m = (top - ratio * top) / 2, (top + ratio * top) / 2
+    assert ratio_bonus(a, m) == pytest.approx(a / bonus)
+    assert ratio_bonus(50.0, -80.0) == pytest.approx(50 / 1.6)  # never pulled at all
+
+
+def test_a_sheet_by_the_guideline():
+    """LNE380: Rm 460 MPa, rolled, Rz 200: K_R = 1 - 0.22 * 2.301 * 0.3617 = 0.8169."""
+    assert roughness_factor(200e-6, ultimate=460e6) == pytest.approx(0.8169, abs=1e-4)
+    assert sheet_amplitude(460e6, roughness=200e-6) == pytest.approx(169.1e6, rel=1e-3)
+    assert roughness_factor(0, ultimate=460e6) == 1

@@ -1,0 +1,112 @@
+"""The refinement a bracket goes through, on cases whose answer is published or exact.
+
+Each starts from a coarse mesh and is left alone: no edge, no degree, no grading by hand. The
+answer must lie within the error the refinement itself estimates, or 1 %, of the equivalent stress.
+"""
+
+import numpy as np
+import pytest
+from test_bracket_nafems import STEEL, D, quarter_ellipse
+
+from cardan.bracket.engine import engine
+from cardan.bracket.refine import Problem, refined
+from cardan.bracket.stress import von_mises
+
+pytestmark = pytest.mark.bracket
+
+XX, YY, ZZ = 0, 1, 2
+
+
+def le1():
+    """NAFEMS LE1: 92.7 MPa at D, plane stress; half of a thin plate about its middle plane."""
+    shape = quarter_ellipse(0.05)
+    held = {"x0": "x", "y0": "y", "bottom": "z"}
+    return problem(shape, held, "outer", 10e6, size=0.6), (*D, 0.0), YY, 92.7e6
+
+
+def le10():
+    """NAFEMS LE10: -5.38 MPa at D on the loaded face of a thick plate."""
+    shape = quarter_ellipse(0.3, 0.3)
+    for edge in shape.edges:
+        c = edge.center
+        rim = (c.x / 3.25) ** 2 + (c.y / 2.75) ** 2 > 0.75
+        if abs(c.z - 0.3) < 1e-6 and rim and abs(c.x) > 1e-3 and abs(c.y) > 1e-3:
+            edge.name = "middle"
+    held = {"x0": "x", "y0": "y", "outer": "xy"}
+    made = problem(shape, held, "top", -1e6, size=0.4, held_edges={"middle": "z"})
+    return made, (*D, 0.6), YY, -5.38e6
+
+
+def hole():
+    """A plate with a hole a tenth of its width: 3.032 by Heywood (1952)."""
+    occ = engine().occ
+    d, W, L, t = 0.01, 0.1, 0.15, 0.001
+    plate = occ.MoveTo(0, 0).Rectangle(L, W / 2).Face() - occ.WorkPlane().Circle(d / 2).Face()
+    shape = plate.Extrude(t / 2 * occ.Z)
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.x - L})
+    return problem(shape, held, "pull", 1.0, size=W / 6), (0, d / 2, 0.0), XX, 3.032
+
+
+def cylinder():
+    """Lame's thick cylinder under pressure inside: hoop p (b2 + a2) / (b2 - a2)."""
+    occ = engine().occ
+    a, b, h = 1.0, 2.0, 0.4
+    ring = occ.WorkPlane().Circle(b).Face() - occ.WorkPlane().Circle(a).Face()
+    shape = (ring * occ.MoveTo(0, 0).Rectangle(3, 3).Face()).Extrude(h * occ.Z)
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z * (c.z - h)}, inner=1.5)
+    return problem(shape, held, "inner", -1.0, size=0.5), (a, 0.0, h / 2), YY, 5 / 3
+
+
+def cavity():
+    """A small hollow sphere in tension: (27 - 15 nu) / (2 (7 - 5 nu)); Goodier (1933)."""
+    occ = engine().occ
+    a, W = 1.0, 7.0
+    shape = occ.Box((0, 0, 0), (W, W, W)) - occ.Sphere((0, 0, 0), a)
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.z - W})
+    nu = STEEL.poisson
+    return (
+        problem(shape, held, "pull", 1.0, size=2.5),
+        (a, 0, 0),
+        ZZ,
+        (27 - 15 * nu) / (2 * (7 - 5 * nu)),
+    )
+
+
+def shaft():
+    """A bar in tension, its ends free to shrink: 1 everywhere, and nothing to refine."""
+    occ = engine().occ
+    shape = occ.Box((0, 0, 0), (1, 1, 4))
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.z - 4})
+    return problem(shape, held, "pull", 1.0, size=1.0), (1.0, 0.5, 2.0), ZZ, 1.0
+
+
+def named(shape, of, *, inner=0.0):
+    """Name faces by which of some numbers is nil at their centre; return those of symmetry."""
+    for face in shape.faces:
+        c = face.center
+        name = next((n for n, v in of(c).items() if abs(v) < 1e-7), "free")
+        face.name = "inner" if name == "free" and np.hypot(c.x, c.y) < inner else name
+    return {"x0": "x", "y0": "y", "z0": "z"}
+
+
+def problem(shape, held, loaded, pressure, *, size, held_edges=None):
+    """A problem with a traction along the normal of a face."""
+
+    def loads(body):
+        normal = engine().ngs.specialcf.normal(3)
+        return body.traction(loaded, pressure * normal)[None]
+
+    return Problem(
+        shape=shape, material=STEEL, held=held, held_edges=held_edges or {}, loads=loads, size=size,
+        thickness=size,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("case", [le1, le10, hole, cylinder, cavity, shaft])
+def test_the_default_way_finds_what_is_known(case):
+    made, point, component, want = case()
+    found = refined(made, cases=[np.ones((1, 1))], watch=[point])
+    stress, level = found.watched[0, 0, component], von_mises(found.watched[0, 0])
+    error = found.watched_error[0]  # of the equivalent stress, a share of it
+    assert abs(stress - want) < max(error, 0.01) * level, (stress, error, len(found.tops))
+    assert error < 0.08
