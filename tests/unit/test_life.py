@@ -519,6 +519,7 @@ def test_every_option_is_a_field_of_the_campaign():
     from cardan.study.campaign import CHOICES, Campaign
 
     of_faces = {"recording", "json_out", "plot", "allow_outside", "lang", "quiet"}
+    of_faces |= {"corrected", "load_history"}
     options = {p.name: p for p in command.params if p.name not in of_faces}
     declared = {f.name: f for f in fields(Campaign)}
     assert set(options) == set(declared)

@@ -147,6 +147,23 @@ from cardan.cli.ending import kindly, leave
 )
 @click.option("--state", default="gvw", show_default=True, help="State of the application.")
 @click.option("--bearing", type=int, default=1, show_default=True, help="Centre bearing number.")
+@click.option(
+    "--identify",
+    is_flag=True,
+    help="Hold the recorded orders against the application's line on rubber, and look for its "
+    "stiffness, loss, yoke phase, unbalance and the bracket's mode.",
+)
+@click.option(
+    "--corrected",
+    type=OUT,
+    help="With --identify: the application's file with what was found otherwise; comments stay.",
+)
+@click.option(
+    "--load-history",
+    "load_history",
+    type=OUT,
+    help="With --identify: the force on the bearing over the recording, as CSV.",
+)
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
@@ -188,6 +205,8 @@ def life(
     application: Path | None,
     json_out: str | None,
     plot: Path | None,
+    corrected: Path | None,
+    load_history: Path | None,
     allow_outside: bool,
     lang: str,
     quiet: bool,
@@ -214,7 +233,14 @@ def life(
     if options["sn"] is None:
         msg = "a recording is asked with an S-N curve: --sn MPa,CYCLES,SLOPE"
         raise DesignError(msg)
-    outputs = claim(recording, application, options["limits"], json_out=json_out, plot=plot)
+    if (corrected or load_history) and not options["identify"]:
+        name = "--corrected" if corrected else "--load-history"
+        msg = f"{name} tells what --identify finds: ask for that too"
+        raise DesignError(msg)
+    outputs = claim(
+        recording, application, options["limits"], json_out=json_out, plot=plot,
+        corrected=corrected, load_history=load_history,
+    )  # fmt: skip
     predicting = (
         read(application, None, allow_outside=allow_outside, outputs=outputs)
         if application
@@ -229,7 +255,24 @@ def life(
         put_lines(report.terminal(found, say))
     if plot:
         _draw(plot, found)
+    identified = found.answer.identification if found.answer else None
+    if identified is not None and corrected is not None:
+        write(corrected, identified.text())
+    if found.answer is not None and identified is not None and load_history is not None:
+        write(load_history, _history(campaign, found.answer))
     leave(verdict_on(found) or "pass")
+
+
+def _history(campaign: Any, of: Any) -> str:
+    """Return the force on the bearing over a recording as a table."""
+    from cardan.study.identification import load_history
+
+    time, force = load_history(
+        of.identification, of.angle.rotation,
+        campaign.read_torque(campaign.scaled(of.recording)), seconds=of.lives[0].quality.recorded,
+    )  # fmt: skip
+    rows = (f"{t:.4f},{x:.4g},{y:.4g},{z:.4g}" for t, (x, y, z) in zip(time, force, strict=True))
+    return "\n".join(("time_s,x_N,y_N,z_N", *rows)) + "\n"
 
 
 def _campaign(

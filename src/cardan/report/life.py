@@ -17,6 +17,7 @@ from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import Evidence
+from cardan.report import identified
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import headline, table, without_answer
@@ -132,6 +133,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     of = _heard(found)
     return {
         **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
+        **({"identification": identified.document(of.identification)} if of.identification else {}),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         **plain(
@@ -345,6 +347,9 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
     yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes)
+    if of.identification is not None:
+        yield ""
+        yield from identified.lines(of.identification, say)
 
 
 def _verdict(

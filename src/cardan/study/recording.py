@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from cardan.base.errors import NotInstalled
+import numpy as np
+
+from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
@@ -22,12 +24,13 @@ from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.response import Evidence, together
+from cardan.fatigue.response import FOUND, Evidence, together
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
+from cardan.study.identification import COUNTED, Identification, identify
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
@@ -56,6 +59,10 @@ class Heard:
         apart.
     profile
         The limits' name; "" where no profile was asked.
+    angle
+        How far the shaft has turned, as the stress has it; None where nobody knows.
+    identification
+        What the recording says of its application; None where it was not asked.
     """
 
     recording: Recording
@@ -63,6 +70,8 @@ class Heard:
     lives: tuple[GaugeLife, ...]
     causes: Causes | None
     profile: str
+    angle: Angle | None = None
+    identification: Identification | None = None
 
 
 @dataclass(frozen=True)
@@ -103,10 +112,23 @@ class RecordingStudy:
                 predicted=predicted, progress=progress,
             )  # fmt: skip
         when = Occasion("recording", recording.name)
+        if angle is not None and causes is not None:
+            angle = _told_angle(angle, causes)
+        identified = None
+        if campaign.identify and angle is not None:
+            identified = _identified(
+                campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
+            )
         return Finding(
             study=NAME,
             answer=Heard(
-                recording=recording, plan=plan, lives=tuple(lives), causes=causes, profile=profile
+                recording=recording,
+                plan=plan,
+                lives=tuple(lives),
+                causes=causes,
+                profile=profile,
+                angle=angle,
+                identification=identified,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -302,6 +324,45 @@ def _causes(
     return room.causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
+    )  # fmt: skip
+
+
+def _told_angle(angle: Angle, causes: Causes) -> Angle:
+    """Return an angle with the ratio and lag that the surest gauge has found.
+
+    A tacho counts every turn as it comes, so nothing is found better than that.
+    """
+    if angle.lag <= COUNTED:
+        return angle
+    surest = max(causes.evidence, key=lambda e: e.strength)
+    if surest.strength < FOUND or (surest.ratio == 1 and surest.lag == 0):
+        return angle
+    of = angle.rotation
+    return replace(angle, rotation=Rotation(of.time + surest.lag, surest.ratio * of.turns))
+
+
+def _identified(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle, *,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+) -> Identification:  # fmt: skip
+    """Return what a recording says of the campaign's application."""
+    units = campaign.unit_stresses()
+    gauges = tuple(
+        g for g, one in zip(plan.gauges, lives, strict=True) if g.name in units and one.heard
+    )
+    if not gauges:
+        msg = "no gauge of --unit-stress says anything: nothing to identify the application from"
+        raise DesignError(msg)
+    assert campaign.application is not None  # `Campaign` refuses
+    stress = room.stresses(
+        recording, plan=replace(plan, gauges=gauges), healths=healths, name="identify",
+        progress=progress,
+    )  # fmt: skip
+    return identify(
+        campaign.application, stress, rate=recording.rate, gauges=[g.name for g in gauges],
+        units=np.stack([units[g.name] for g in gauges]), angle=angle,
+        torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
+        state=campaign.state, bearing=campaign.bearing,
     )  # fmt: skip
 
 
