@@ -165,7 +165,7 @@ def test_every_option_of_a_recording_is_a_key():
     from cardan.study.campaign import Campaign
 
     keys = {*CampaignTable.keys(), *DriveTable.keys(), *StrengthTable.keys()}
-    of_applications = {"predicted", "application", "unit_stress", "state", "bearing"}
+    of_applications = {"predicted", "application", "unit_stress", "state", "bearing", "identify"}
     elsewhere = {"scale": "channels", "sn": "strength", "rate": "rate_Hz"}
     left = {"estimate_speed", "joint_orders"}
     for f in fields(Campaign):

@@ -13,6 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError
+from cardan.base.said import Said, said
 from cardan.fatigue.fault import (
     CLIP,
     FREEZE,
@@ -227,35 +228,42 @@ class Health:
         """Whether it creeps by more than it swings."""
         return not self.dead and abs(self.drift) > max(self.deviation, 1e-300)
 
-    def findings(self, *, rate: float) -> list[str]:
+    def findings(self, *, rate: float) -> list[Said]:
         """Return what a user should know, a sentence each; empty if all is well."""
         if self.dead:
-            return ["dead: it never changes"]
-        said: list[str] = []
+            return [said(DEAD)]
+        found: list[Said] = []
         if self.missing:
-            said.append(
-                f"{self.missing} samples missing ({self.missing / self.samples:.2%}), "
-                f"longest hole {self.longest_hole / rate:.3g} s"
-            )
+            found.append(
+                said(
+                    MISSING, samples=self.missing, share=f"{self.missing / self.samples:.2%}",
+                    hole=f"{self.longest_hole / rate:.3g}",
+                )
+            )  # fmt: skip
         for kind, where in self.faults.items():
             if kind == HOLE:
                 continue
-            first = where.runs[0, 0] / rate
-            samples = "1 sample" if where.samples == 1 else f"{where.samples} samples"
-            places = "1 place" if where.count == 1 else f"{where.count} places"
-            said.append(f"{samples} {_SAID[kind]} in {places}, the first at {first:.6g} s")
+            first = f"{where.runs[0, 0] / rate:.6g}"
+            found.append(
+                said(SUSPECTED[kind], samples=where.samples, places=where.count, first=first)
+            )
         if self.drifts:
-            said.append(f"drifts by {self.drift:.4g} from beginning to end")
-        return said
+            found.append(said(DRIFTS, drift=f"{self.drift:.4g}"))
+        return found
 
 
-_SAID = {
-    "sentinel": "with a logger's number for no value",
-    "spike": "like spikes",
-    "dropout": "like dropouts",
-    "clip": "that look clipped",
-    "freeze": "standing still",
+DEAD = "dead: it never changes"
+MISSING = "samples missing: {samples} ({share}), longest hole {hole} s"
+DRIFTS = "drifts by {drift} from beginning to end"
+SUSPECTED = {
+    "sentinel": "samples with a logger's number for no value: {samples}, in {places} places, the "
+    "first at {first} s",
+    "spike": "samples like spikes: {samples}, in {places} places, the first at {first} s",
+    "dropout": "samples like dropouts: {samples}, in {places} places, the first at {first} s",
+    "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
+    "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
 }
+"""What is said of a channel, by the kind of fault."""
 
 
 def _longest(where: Places) -> int:

@@ -7,7 +7,7 @@ beside an order is its noise.
 Source: Fyfe & Munck, Analysis of computed order tracking, Mech. Syst. Signal Process. 11 (1997).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,30 +122,46 @@ def order_cuts(
     orders
         Wanted; whole ones do not see each other.
     """
-    each = [*orders, *(o for o in orders for _ in BESIDE)]
-    found: list[ComplexArray] = []
-    place, held, start = 0, np.empty((0, 0)), 0
-    ends = np.ceil(at.stop * rate).astype(int)
-    begins = np.floor(at.start * rate).astype(int)
-    for piece in pieces:
-        held = piece if not held.size else np.concatenate([held, piece], axis=-1)
-        while place < ends.size and ends[place] <= start + held.shape[-1]:
-            span = held[:, max(begins[place] - start, 0) : ends[place] - start]
-            time = (max(begins[place], start) + np.arange(span.shape[-1])) / rate
-            found.append(_cut(span, time, rotation, at, place, orders))
-            place += 1
-        keep = begins[place] - start if place < ends.size else held.shape[-1]
-        if keep > 0:
-            held, start = held[:, keep:], start + min(keep, held.shape[-1])
-    channels = found[0].shape[0] if found else max(held.shape[0], 1)
-    missing = np.full((channels, len(each)), np.nan + 0j)
-    rows = np.stack([*found, *[missing] * (ends.size - place)], axis=-1) if ends.size else (
-        np.empty((channels, len(each), 0), complex)
-    )  # fmt: skip
+    found = [_cut(span, time, rotation, at, k, orders) for k, span, time in spans(pieces, rate, at)]
+    channels, wide = found[0].shape if found else (1, len(orders) * (1 + len(BESIDE)))
+    # What the recording ends before is missing.
+    missing = [np.full((channels, wide), np.nan + 0j)] * (at.time.size - len(found))
+    rows = (
+        np.stack([*found, *missing], axis=-1) if at.time.size else np.empty((1, wide, 0), complex)
+    )
     beside = rows[:, len(orders) :].reshape(channels, len(orders), len(BESIDE), -1)
     return Cuts(
         tuple(orders), at, rows[:, : len(orders)], np.sqrt((np.abs(beside) ** 2).mean(axis=2))
     )
+
+
+def spans(
+    pieces: Iterable[FloatArray], rate: float, at: Windows
+) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+    """Yield each window's place, its samples (channels, n) and their times, as pieces pass."""
+    begins, ends = np.floor(at.start * rate).astype(int), np.ceil(at.stop * rate).astype(int)
+    held, start, place = np.empty((0, 0)), 0, 0
+    for piece in pieces:
+        held = piece if not held.size else np.concatenate([held, piece], axis=-1)
+        while place < ends.size and ends[place] <= start + held.shape[-1]:
+            first = max(int(begins[place]), start)
+            span = held[:, first - start : ends[place] - start]
+            yield place, span, (first + np.arange(span.shape[-1])) / rate
+            place += 1
+        until = int(begins[place]) if place < ends.size else start + held.shape[-1]
+        keep = min(max(until - start, 0), held.shape[-1])
+        held, start = held[:, keep:], start + keep
+
+
+def weights(angle: FloatArray, at: Windows, k: int) -> FloatArray:
+    """Weigh samples (n,) of a window by Hann's window over the angle (n,), its whole sum 1.
+
+    A second of fast turning weighs as much as its turns.
+    """
+    share = (angle - at.first[k]) / at.turns[k]
+    inside = (share >= 0) & (share <= 1)
+    weight = np.where(inside, 1 - np.cos(2 * np.pi * share), 0.0) * np.gradient(angle)
+    return weight / weight.sum()
 
 
 def _cut(
@@ -153,17 +169,11 @@ def _cut(
     orders: Sequence[float],
 ) -> ComplexArray:  # fmt: skip
     """Return orders and what stands beside each (channels, K + K beside) of one window."""
-    angle = rotation.at(time)
-    count = float(at.turns[k])
-    share = (angle - at.first[k]) / count
-    inside = (share >= 0) & (share <= 1)
-    # Over the angle: a second of fast turning weighs as much as its turns.
-    weight = np.where(inside, 1 - np.cos(2 * np.pi * share), 0.0) * np.gradient(angle)
+    angle, count = rotation.at(time), float(at.turns[k])
+    weight = weights(angle, at, k)
     each = [*orders, *(o + b / count for o in orders for b in BESIDE)]
-    total = weight.sum()
-    missing = np.isnan(span)
     level = bridged(span)
-    level = level - (level @ weight / total)[:, None]
+    level = level - (level @ weight)[:, None]
     waves = weight * np.exp(-2j * np.pi * np.multiply.outer(each, angle))
-    found = 2 * level @ waves.T / total
-    return np.where((missing @ weight / total > HOLES)[:, None], np.nan, found)
+    missing = np.isnan(span) @ weight > HOLES
+    return np.where(missing[:, None], np.nan, 2 * level @ waves.T)

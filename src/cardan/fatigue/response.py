@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.conditioning import bridged
 from cardan.fatigue.orders import Rotation
@@ -46,7 +47,14 @@ DRAWS = 24
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
-UNTRUSTED = "the speed gives no angle to trust: all that is near order 2 may be theirs"
+UNTRUSTED = said("the speed gives no angle to trust: all that is near order 2 may be theirs")
+FAINT = said("little is locked to the shaft: the interval is wider by a tenth")
+SLIPPING = said("what is locked does not explain the large cycles: the angle may slip")
+RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
+ALIKE = said("an engine order runs with order 2: phase and torque are the same, either did it")
+
+DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE)
+"""What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
 
@@ -77,7 +85,7 @@ class Evidence:
     modes: tuple[tuple[float, float], ...] = ()
     ratio: float = 1.0
     lag: float = 0.0
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Said, ...] = ()
 
     @property
     def finding(self) -> str:
@@ -536,7 +544,7 @@ def identified(
     first = _punctual(options[0], most=angle.lag)
     best = scene(first)
     line = _line(best, y, 2, most=2)
-    doubts: list[str] = []
+    doubts: list[Said] = []
     if line.strength < FOUND:
         reach = [removed(line.wave.real)]
         for option in options[1:]:
@@ -595,13 +603,13 @@ def identified(
         low, high = low - 0.1, high + 0.1
         if middle > 0.3:  # an angle that slips loses some of what is theirs
             high = max(high, removed(_near(x, best, fine)) + 0.05)
-        doubts.append("little is locked to the shaft: the interval is wider by a tenth")
+        doubts.append(FAINT)
     if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
         high = max(high, removed(_near(x, best, fine)), 0.05)
-        doubts.append("what is locked does not explain the large cycles: the angle may slip")
+        doubts.append(SLIPPING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
-        doubts.append("order 6 is locked too, as of rattling contact: they may have done more")
+        doubts.append(RATTLING)
     if not angle.trusted:
         high = max(high, removed(_near(x, best, fine)))
         low = min(low, 0.5 * middle)
@@ -611,9 +619,7 @@ def identified(
         if apart is not None:
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
-            doubts.append(
-                "an engine order runs with order 2: phase and torque are the same, either did it"
-            )
+            doubts.append(ALIKE)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,

@@ -8,6 +8,7 @@ import numpy as np
 
 from cardan.base.units import MPa
 from cardan.report.language import EN, Language
+from cardan.report.terminal import columns
 from cardan.study.identification import Identification, Parameter
 
 NAMES = {
@@ -53,11 +54,7 @@ def lines(of: Identification, say: Language = EN) -> Iterator[str]:
     )  # fmt: skip
     head = (say("number"), say("of"), say("written"), say("found"), say("90 % interval"), "")
     rows = [head, *(parameter(p, say) for p in of.parameters)]
-    width = [max(len(r[k]) for r in rows) for k in range(6)]
-    for row in rows:
-        cells = [f"{c:<{w}}" if k in (0, 1, 5) else f"{c:>{w}}" for k, (c, w) in
-                 enumerate(zip(row, width, strict=True))]  # fmt: skip
-        yield f"  {'  '.join(cells)}".rstrip()
+    yield from (f"  {line}" for line in columns(rows, words=(0, 1, 5)))
 
 
 def _number(value: float) -> float | None:

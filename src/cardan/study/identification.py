@@ -158,6 +158,8 @@ class Identification:
         Mean in each window.
     written, found : (gauges, K, W) Pa, complex
         Computed by the file, and by what was found, with the tacho's mark where it is.
+    mean : (gauges, W) Pa
+        Stress of the mean force, as found.
     mark : (W,) rad
         How far the gearbox's yoke is ahead of the tacho's mark, to half a turn.
     misfit : before and after
@@ -174,6 +176,7 @@ class Identification:
     torque: FloatArray
     written: ComplexArray
     found: ComplexArray
+    mean: FloatArray
     mark: FloatArray
     misfit: tuple[float, float]
 
@@ -298,6 +301,7 @@ class _Model:
             inertias=r.inertias,
         )  # fmt: skip
         waves = run.waves[:, 0, self.bearing]
+        self.mean = run.mean[:, 0, self.bearing]
         side = unit(cross(held.along, np.array([0.0, 0.0, 1.0])))
         turning = (side - 1j * cross(held.along, side))[..., self.shaft, :]
         push = (turning[..., None, :] @ held.rear[..., self.shaft, :, :])[..., 0, :]
@@ -799,6 +803,7 @@ def _told(
     computed, U, mark = fit.turned(fit.stress(said))
     file = fit.free(turned=None, mode=None)
     written, *_ = fit.turned(fit.stress(fit.said(file, np.zeros(len(file)))))
+    mean = said.gain[:, None] * (fit.units @ fit.model.mean.T)
     parameters: list[Parameter] = []
     for f, at, s in zip(free, x, sigma, strict=True):
         if f.name == "lag":
@@ -817,7 +822,7 @@ def _told(
     result = Identification(
         application=application, identified=application, state=state, bearing=bearing,
         parameters=tuple(parameters), gauges=tuple(fit.gauges), cuts=fit.cuts,
-        torque=fit.scene.torque, written=written, found=computed, mark=mark,
+        torque=fit.scene.torque, written=written, found=computed, mean=mean, mark=mark,
         misfit=(_share(fit, written), _share(fit, computed)),
     )  # fmt: skip
     assert application.written is not None

@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
@@ -20,8 +21,10 @@ from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
+from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.response import FOUND, Evidence, together
@@ -47,6 +50,28 @@ DECIDE: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, kw_only=True)
+class Pictures:
+    """What a report draws of the gauges that said something, in their order.
+
+    Attributes
+    ----------
+    gauges
+        Their names.
+    spectrograms
+        Power over time and frequency, Pa²/Hz.
+    order_maps
+        Amplitude over speed and order, Pa; none where nothing is known to turn.
+    cuts
+        Orders 1, 2 and 4 window by window, Pa.
+    """
+
+    gauges: tuple[str, ...]
+    spectrograms: tuple[Spectrogram, ...]
+    order_maps: tuple[OrderMap, ...]
+    cuts: Cuts | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Heard:
     """The answer: what a recording did to its gauges.
 
@@ -63,6 +88,8 @@ class Heard:
         How far the shaft has turned, as the stress has it; None where nobody knows.
     identification
         What the recording says of its application; None where it was not asked.
+    pictures
+        Its gauges as arrays to draw; None where nobody wants to.
     """
 
     recording: Recording
@@ -72,6 +99,7 @@ class Heard:
     profile: str
     angle: Angle | None = None
     identification: Identification | None = None
+    pictures: Pictures | None = None
 
 
 @dataclass(frozen=True)
@@ -80,6 +108,8 @@ class RecordingStudy:
 
     campaign: Campaign
     name: str = NAME
+    draw: bool = False
+    """Whether the answer holds what a report draws: three more passes."""
 
     def run(self, recording: Recording, tell: Tell = silent) -> Finding[Heard]:
         """Ask.
@@ -119,6 +149,12 @@ class RecordingStudy:
             identified = _identified(
                 campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
             )
+        pictures = None
+        if self.draw and heard:
+            pictures = _pictures(
+                recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                seconds=lives[0].quality.recorded, progress=progress,
+            )  # fmt: skip
         return Finding(
             study=NAME,
             answer=Heard(
@@ -129,13 +165,16 @@ class RecordingStudy:
                 profile=profile,
                 angle=angle,
                 identification=identified,
+                pictures=pictures,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
         )
 
 
-def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard]:
+def listen(
+    path: Path, campaign: Campaign, tell: Tell = silent, *, draw: bool = False
+) -> Finding[Heard]:
     """Open a recording and ask it: what a command and the public face call.
 
     Raises
@@ -148,7 +187,7 @@ def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard
         recording = open_recording(
             path, rate=campaign.rate, time=campaign.time, group=campaign.group
         )
-        return RecordingStudy(campaign).run(recording, tell)
+        return RecordingStudy(campaign, draw=draw).run(recording, tell)
     except ImportError as error:
         msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"
         raise NotInstalled(msg) from error
@@ -225,7 +264,9 @@ class Mix:
         return together([e for e, _ in told], [w for _, w in told]) if told else None
 
 
-def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silent) -> Finding[Mix]:
+def listen_to_all(
+    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False
+) -> Finding[Mix]:
     """Ask every recording of a campaign's file, and hold the mix against its limits.
 
     Raises
@@ -252,7 +293,9 @@ def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silen
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
                 recording = between(whole, segment.first, segment.last)
-            answer = RecordingStudy(campaign).run(replace(recording, name=name), tell).answer
+            answer = (
+                RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
+            )
             assert answer is not None
             parts.append((name, times, answer))
     names = [one.name for one in parts[0][2].lives]
@@ -364,6 +407,34 @@ def _identified(
         torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
         state=campaign.state, bearing=campaign.bearing,
     )  # fmt: skip
+
+
+def _pictures(
+    recording: Recording, plan: Plan, angle: Angle | None, *, healths: dict[str, Health],
+    seconds: float, progress: room.Progress,
+) -> Pictures:  # fmt: skip
+    """Return what a report draws of a plan's gauges."""
+
+    def stress() -> Iterator[FloatArray]:
+        return room.stresses(recording, plan=plan, healths=healths, name="draw", progress=progress)
+
+    rate, maps, cuts = recording.rate, list[OrderMap](), None
+    top = HEARD
+    if angle is not None:
+        at = windows(angle.rotation, until=seconds)
+        if at.time.size:
+            top = max(HEARD, 6 * float(at.speed.max()))
+            maps = order_maps(stress(), rate=rate, rotation=angle.rotation, at=at)
+            cuts = order_cuts(stress(), rate=rate, rotation=angle.rotation, at=at)
+    return Pictures(
+        gauges=tuple(g.name for g in plan.gauges),
+        spectrograms=tuple(spectrograms(stress(), rate=rate, seconds=seconds, top=top)),
+        order_maps=tuple(maps), cuts=cuts,
+    )  # fmt: skip
+
+
+HEARD = 60.0
+"""Hz up to which a spectrogram shows a bracket's stress, unless its shaft's orders go higher."""
 
 
 class Lived(Protocol):
