@@ -238,7 +238,7 @@ def _mapped(
     )  # fmt: skip
 
     def short(value: float, _: Any) -> str:
-        return say.short(float(value), 3)
+        return say.short(float(value), 4)
 
     figures = FuncFormatter(short)
     sheet.colorbar(shown, ax=axis, label=label, format=figures)

@@ -135,7 +135,13 @@ class Parameter:
     @property
     def otherwise(self) -> bool:
         """Whether the recording contradicts the file."""
-        return self.told and not self.low <= self.was <= self.high
+        known = not np.isnan(self.was)
+        return self.told and known and not self.low <= self.was <= self.high
+
+    @property
+    def rewritten(self) -> bool:
+        """Whether the file has to say it anew: it says otherwise, or nothing."""
+        return bool(self.address) and (self.otherwise or (self.told and bool(np.isnan(self.was))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,7 +191,7 @@ class Identification:
         return {
             p.address: float(f"{p.told_in_unit(p.value):.4g}")
             for p in self.parameters
-            if p.address and p.otherwise
+            if p.rewritten
         }
 
     def text(self) -> str:
@@ -826,7 +832,7 @@ def _told(
         misfit=(_share(fit, written), _share(fit, computed)),
     )  # fmt: skip
     assert application.written is not None
-    changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.address and p.otherwise}
+    changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}
     written_ = application.written
     made: Mapping[str, Any] = dict(written_.changes) | changes
     return replace(result, identified=understood(replace(written_, changes=made)))
