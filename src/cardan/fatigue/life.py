@@ -4,8 +4,9 @@ Two passes over the recording, one to see what is wrong with it and one to count
 where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest
@@ -43,7 +44,7 @@ from cardan.fatigue.rainflow import (
     join,
 )
 from cardan.fatigue.recording import Recording, cut
-from cardan.fatigue.response import Evidence, identified, together
+from cardan.fatigue.response import Evidence, Identified, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -558,6 +559,9 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
+AT_ONCE = 4
+"""Stretches of gauges in which the joints' part is identified at once."""
+
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -679,6 +683,7 @@ class _Joints:
         if self.torque is not None:
             loads = self.recording.pieces([self.torque[0]], size=size)
         start = 0
+        waiting: deque[tuple[int, FloatArray, list[Future[Identified]]]] = deque()
         with ThreadPoolExecutor(4) as pool:
             for piece, load in zip(cut(stress, size=size), loads, strict=False):
                 torque = None if load is None or self.torque is None else load[0] * self.torque[1]
@@ -686,17 +691,26 @@ class _Joints:
                     identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
                     engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
                 )  # fmt: skip
-                answers = list(pool.map(ask, piece))
-                for told, answer, x in zip(self.told, answers, piece, strict=True):
-                    told.append((answer.evidence, self.damage(x)))
-                theirs = np.stack([a.stress for a in answers])
-                theirs[np.isnan(piece)] = 0.0
-                self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
-                left = piece - theirs
-                for count, x in zip(self.without, left, strict=True):
-                    count.add(x)
-                yield left
+                waiting.append((start, piece, [pool.submit(ask, x) for x in piece]))
                 start += piece.shape[1]
+                # Stretches know nothing of each other; so many at once as memory bears.
+                if len(waiting) * len(piece) >= AT_ONCE:
+                    yield self._left(*waiting.popleft())
+            while waiting:
+                yield self._left(*waiting.popleft())
+
+    def _left(self, start: int, piece: FloatArray, asked: "list[Future[Identified]]") -> FloatArray:
+        """Take a stretch's answers in, and return what is left of it without their part."""
+        answers = [one.result() for one in asked]
+        for told, answer, x in zip(self.told, answers, piece, strict=True):
+            told.append((answer.evidence, self.damage(x)))
+        theirs = np.stack([a.stress for a in answers])
+        theirs[np.isnan(piece)] = 0.0
+        self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+        left = piece - theirs
+        for count, x in zip(self.without, left, strict=True):
+            count.add(x)
+        return left
 
     def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
