@@ -149,6 +149,12 @@ from cardan.cli.ending import kindly, leave
 @click.option("--state", default="gvw", show_default=True, help="State of the application.")
 @click.option("--bearing", type=int, default=1, show_default=True, help="Centre bearing number.")
 @click.option(
+    "--usage",
+    is_flag=True,
+    help="Tell when and where the damage came: by gear, speed and torque, the largest stresses, "
+    "the long run with its interval, and how short a test can be.",
+)
+@click.option(
     "--identify",
     is_flag=True,
     help="Hold the recorded orders against the application's line on rubber, and look for its "

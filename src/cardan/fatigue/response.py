@@ -353,7 +353,8 @@ class _Slow:
         time = np.arange(self.speed.size) / self.rate
         beside = np.exp(2j * np.pi * shift * time)
         plain = self.loads * beside
-        return np.concatenate([plain, *(self.through(p, beside, shift) for p in poles)])
+        each = [plain, *(self.through(p, beside, shift) for p in poles)]
+        return np.concatenate(each).astype(np.complex128)
 
     def through(
         self, pole: tuple[float, float], beside: ComplexArray | float = 1.0, shift: float = 0.0
@@ -368,7 +369,8 @@ class _Slow:
         gain = -w * pole[1] * (1 - np.exp(off / self.rate)) / off
         force = self.loads * (gain * self.turn * beside)
         moved = np.asarray(lfilter([1], [1, -np.exp(p / self.rate)], force, axis=-1), complex)
-        return moved * np.conj(self.turn)
+        back: ComplexArray = moved * np.conj(self.turn)
+        return back
 
 
 SLOW = 50.0

@@ -25,8 +25,12 @@ SECOND = 1.0
 LARGEST = 400
 """Cycles that are kept with their second, the largest of each gauge."""
 
-TOGETHER = 30
-"""Seconds that are drawn together: a manoeuvre is not taken apart."""
+TOGETHER, BLOCKS = 30, 40
+"""Seconds that are drawn together, at most, for a manoeuvre is not taken apart; of a short
+recording fewer, so that there are as many blocks: of ten the draws say too little."""
+
+SURE = 1.645
+"""Standard deviations to either side of a 90 % interval."""
 
 DRAWS = 400
 """Of an interval."""
@@ -159,13 +163,12 @@ def grouped(of: Usage, names: Sequence[str], *, metres: FloatArray | None = None
         here = told == name
         damage = float(of.damage[here].sum())
         way = np.nan if metres is None else float(metres[here].sum())
-        found.append(
-            Group(name, damage, damage / whole if whole else np.nan, float(of.live[here].sum()), way)
-        )
+        share = damage / whole if whole else np.nan
+        found.append(Group(name, damage, share, float(of.live[here].sum()), way))
     return found
 
 
-def bands(values: ArrayLike, *, step: float, known: FloatArray | None = None) -> list[str]:
+def bands(values: ArrayLike, *, step: float) -> list[str]:
     """Name each value (m,) by its band of width `step`, "" where it is not known."""
     v = np.asarray(values, float)
     low = np.floor(v / step) * step
@@ -197,6 +200,8 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
     The largest cycles are those beyond a threshold; their excess is taken as exponential, so
     larger ones than any recorded count with their odds. Seconds are drawn again in blocks.
     """
+    from scipy.stats import t as student
+
     live = float(of.live.sum())
     if not live > 0 or not of.damage.sum() > 0:
         return Extrapolated(0.0, 0.0, (0.0, 0.0))
@@ -207,11 +212,12 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
     own = np.zeros(m)
     np.add.at(own, when, curve.damage(size))
     below = np.maximum(of.damage - own, 0.0)
-    count = -(-m // TOGETHER)
-    block = np.minimum(np.arange(m) // TOGETHER, count - 1)
+    together = max(min(TOGETHER, m // BLOCKS), 1)
+    count = -(-m // together)
+    block = np.minimum(np.arange(m) // together, count - 1)
 
     def summed(values: FloatArray, at: IntArray) -> FloatArray:
-        return np.bincount(at, values, count)
+        return np.bincount(at, values, count).astype(float)
 
     by_block = {
         "below": summed(below, block), "live": summed(of.live, block),
@@ -219,23 +225,34 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
         "excess": summed(size - threshold, block[when]),
     }  # fmt: skip
 
-    def rate(weight: FloatArray) -> float:
+    def rate(weight: FloatArray, stretched: float = 1.0) -> float:
         drawn = {name: float(v @ weight) for name, v in by_block.items()}
         if not drawn["live"] > 0:
             return 0.0
         tail = 0.0
         if drawn["many"] > 0:
-            tail = drawn["many"] * _mean_damage(curve, threshold, drawn["excess"] / drawn["many"])
+            tail = drawn["many"] * _mean_damage(
+                curve, threshold, stretched * drawn["excess"] / drawn["many"]
+            )
         return (drawn["below"] + tail + of.open) / drawn["live"]
 
     rng = np.random.default_rng(seed)
+    # A mean excess is itself known to one part in the root of its number.
     draws = [
-        rate(np.bincount(rng.integers(0, count, count), minlength=count).astype(float))
+        rate(
+            np.bincount(rng.integers(0, count, count), minlength=count).astype(float),
+            float(rng.gamma(above)) / above,
+        )
         for _ in range(DRAWS)
     ]
-    low, high = np.quantile(draws, [0.05, 0.95])
-    whole = (float(of.damage.sum()) + of.open) / live
-    return Extrapolated(whole, rate(np.ones(count)), (float(low), float(high)))
+    whole, long_run = (float(of.damage.sum()) + of.open) / live, rate(np.ones(count))
+    # Few blocks hold the damage: draws of them scatter less than recordings do, as by Student.
+    held = summed(of.damage, block)
+    few = max(float(held.sum() ** 2 / (held**2).sum()) - 1, 1.0)
+    wider = float(student.ppf(0.95, few)) / SURE
+    ends = np.maximum(np.quantile(draws, [0.05, 0.95]), 1e-300)
+    low, high = (float(long_run * (end / long_run) ** wider) for end in ends)
+    return Extrapolated(whole, long_run, (min(low, long_run), max(high, long_run)))
 
 
 def _tail(of: Usage) -> int:

@@ -72,11 +72,12 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Campaigned:
-    """A campaign's file as read: its title, its drives, and the options for all of them."""
+    """A campaign's file as read: title, drives, options for all of them, share of customers."""
 
     title: str
     drives: tuple[Drive, ...]
     options: Mapping[str, Any]
+    customer: float = 0.0
 
 
 class SegmentTable(Table):
@@ -228,24 +229,33 @@ class CampaignTable(Table):
     tyre_radius_m: Annotated[float, Number(above=0, most=5)] | None = key(
         "static radius of the tyre", default=None
     )
+    usage: bool = key("whether it is told when and where the damage came", default=False)
     mask: Annotated[tuple[str, ...], _WORDS] = key(
         "what is a hole in every recording: [CHANNEL=]KIND[@FROM..TO]", default=()
     )
     accept: Annotated[tuple[str, ...], _WORDS] = key("what the part felt", default=())
     limits: str | None = key("a profile, by name or as a file", default=None)
     target_hours: _Positive | None = key("what every gauge has to live of the mix", default=None)
+    customer: Annotated[float, Number(least=0.5, below=1)] | None = key(
+        "share of customers to tell the damage of, each recording taken for one", default=None
+    )
 
     def build(self) -> Campaigned:
         """Return the campaign."""
         if not self.recordings:
             self.at("recordings").refuse("is empty", "give one file at least")
         self.differ("recordings", (drive.name for drive in self.recordings))
-        plain = {"campaign", "recordings", "strength", "channels", "engine_orders"}
+        plain = {"campaign", "recordings", "strength", "channels", "engine_orders", "customer"}
         options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
         options |= self.strength
         options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
         options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
-        return Campaigned(title=self.campaign, drives=self.recordings, options=options)
+        return Campaigned(
+            title=self.campaign,
+            drives=self.recordings,
+            options=options,
+            customer=self.customer or 0.0,
+        )
 
 
 def read(path: Path, *, allow_outside: bool = False) -> Campaigned:

@@ -17,7 +17,7 @@ from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
-from cardan.report import identified
+from cardan.report import identified, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns, headline, table, without_answer
@@ -133,6 +133,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     of = _heard(found)
     return {
         **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
+        **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
@@ -183,6 +184,23 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
     return {
         "cardan": __version__,
         "campaign": of.title,
+        **(
+            {
+                "customer": {
+                    "share": of.customer,
+                    "gauges": [
+                        {
+                            "name": gauge,
+                            "damage_per_hour": rate * hour,
+                            "bound_per_hour": bound * hour,
+                        }
+                        for gauge, (rate, bound) in of.customers.items()
+                    ],
+                }
+            }
+            if of.customers
+            else {}
+        ),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         "gauges": gauges,
@@ -190,6 +208,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
             {
                 "times": times,
                 **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
+                **({"usage": {u.gauge: used.document(u) for u in h.used}} if h.used else {}),
             }
             for _, times, h in of.parts
         ],
@@ -215,11 +234,27 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
         yield ""
         yield from columns(mix_rows(of, one, say))
         yield from mix_says(of, one, say)
+    yield from customers(of, say)
     for _, _, heard in of.parts:
         yield ""
         yield from lines(
             heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes, say=say
         )
+        for one in heard.used:
+            yield from used.lines(one, say)
+
+
+def customers(of: Mix, say: Language) -> Iterator[str]:
+    """Yield what a share of customers does to each gauge, where the campaign asks for one."""
+    for gauge, (rate, bound) in of.customers.items():
+        yield say(
+            "{gauge}: {share} of customers do at most {rate} damage per hour (90 % bound {bound}), "
+            "each recording taken for one of them: {hours} h, at the bound {least} h",
+            gauge=gauge, share=say.pointed(f"{of.customer:.0%}"),
+            rate=say.short(rate * hour, 3), bound=say.short(bound * hour, 3),
+            hours=_long(of.allowed / (rate * hour), say),
+            least=_long(of.allowed / (bound * hour), say),
+        )  # fmt: skip
 
 
 def mix_rows(of: Mix, one: Mixed, say: Language) -> list[tuple[str, ...]]:
@@ -375,6 +410,8 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
     yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes, say=say)
+    for one in of.used:
+        yield from used.lines(one, say)
     if of.identification is not None:
         yield ""
         yield from identified.lines(of.identification, say)

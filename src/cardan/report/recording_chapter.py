@@ -13,12 +13,13 @@ from cardan.fatigue.correction import Correction
 from cardan.fatigue.cuts import Cuts
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.rainflow import range_pairs
+from cardan.report import used
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
 from cardan.report.identified import parameter
 from cardan.report.language import Language
-from cardan.report.life import channels, gauges, mix_rows, mix_says, shared, told, trust
+from cardan.report.life import channels, customers, gauges, mix_rows, mix_says, shared, told, trust
 from cardan.report.svg import PALETTE, Figure, line, rect, text
 from cardan.study.identification import Identification
 from cardan.study.recording import Heard, Mix, Pictures
@@ -37,6 +38,8 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
             rows=tuple((row[0].strip(), *row[1:]) for row in rows),
         )
         yield Text(paragraphs=tuple(mix_says(of, one, say)))
+    if of.customers:
+        yield Text(paragraphs=tuple(customers(of, say)))
 
 
 def chapter(of: Heard, say: Language) -> Iterator[Block]:
@@ -69,6 +72,8 @@ def chapter(of: Heard, say: Language) -> Iterator[Block]:
                 yield Figures(figures=tuple(order_cut(cuts, names, order, say, found=found)))
     if of.causes is not None:
         yield from _causes(of.causes, say)
+    for one in of.used:
+        yield from used.blocks(one, say)
     if of.identification is not None:
         yield from identification(of.identification, say)
 

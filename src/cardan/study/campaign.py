@@ -145,6 +145,8 @@ class Campaign:
         `GAUGE=MPa_per_kNm` of order 2, to hold against the measured.
     application, unit_stress, state, bearing
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
+    usage
+        Whether it is told when and where the damage came.
     identify
         Whether the application's numbers are looked for in the recording.
     rate, time, group
@@ -193,6 +195,7 @@ class Campaign:
     unit_stress: tuple[str, ...] = ()
     state: str = "gvw"
     bearing: int = 1
+    usage: bool = False
     identify: bool = False
     rate: float | None = None
     time: str | None = None

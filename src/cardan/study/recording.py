@@ -28,12 +28,14 @@ from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.response import FOUND, Evidence, together
+from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
+from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
@@ -90,6 +92,8 @@ class Heard:
         What the recording says of its application; None where it was not asked.
     pictures
         Its gauges as arrays to draw; None where nobody wants to.
+    used
+        When and where its gauges' damage came; none where it was not asked.
     """
 
     recording: Recording
@@ -100,6 +104,7 @@ class Heard:
     angle: Angle | None = None
     identification: Identification | None = None
     pictures: Pictures | None = None
+    used: tuple[Used, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -149,6 +154,12 @@ class RecordingStudy:
             identified = _identified(
                 campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
             )
+        told = ()
+        if campaign.usage and heard:
+            told = _used(
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                lives=[one for one in lives if one.heard], progress=progress,
+            )  # fmt: skip
         pictures = None
         if self.draw and heard:
             pictures = _pictures(
@@ -166,6 +177,7 @@ class RecordingStudy:
                 angle=angle,
                 identification=identified,
                 pictures=pictures,
+                used=told,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -191,6 +203,10 @@ def listen(
     except ImportError as error:
         msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"
         raise NotInstalled(msg) from error
+
+
+FEWEST_CUSTOMERS = 3
+"""Recordings from which anything is told of customers."""
 
 
 @dataclass(frozen=True)
@@ -245,12 +261,31 @@ class Mix:
         One a gauge.
     profile
         The limits' name; "" where no profile was asked.
+    customer
+        Share of customers that is asked for; 0 for none.
+    allowed
+        Damage at failure.
     """
 
     title: str
     parts: tuple[tuple[str, float, Heard], ...]
     lives: tuple[Mixed, ...]
     profile: str
+    customer: float = 0.0
+    allowed: float = 1.0
+
+    @property
+    def customers(self) -> dict[str, tuple[float, float]]:
+        """Damage a second that a share of customers stays below at each gauge, and its bound.
+
+        Each recording is taken for a customer; a gauge that some did no damage to has no answer.
+        """
+        found: dict[str, tuple[float, float]] = {}
+        for one in self.lives if self.customer else ():
+            rates = [p.life.damage / p.life.duration for p, _ in one.parts if p.life.duration > 0]
+            if len(rates) >= FEWEST_CUSTOMERS and min(rates) > 0 and not one.vetoes:
+                found[one.name] = customer(rates, quantile=self.customer)
+        return found
 
     def evidence(self, gauge: str) -> Evidence | None:
         """Return what the joints are answerable for at a gauge, of the mix's damage."""
@@ -306,7 +341,14 @@ def listen_to_all(
     when = Occasion("recording", written.title)
     return Finding(
         study=NAME,
-        answer=Mix(title=written.title, parts=tuple(parts), lives=lives, profile=profile),
+        answer=Mix(
+            title=written.title,
+            parts=tuple(parts),
+            lives=lives,
+            profile=profile,
+            customer=written.customer,
+            allowed=asked.allowed,
+        ),
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
@@ -406,6 +448,24 @@ def _identified(
         units=np.stack([units[g.name] for g in gauges]), angle=angle,
         torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
         state=campaign.state, bearing=campaign.bearing,
+    )  # fmt: skip
+
+
+def _used(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+) -> tuple[Used, ...]:  # fmt: skip
+    """Return when and where the damage of a plan's gauges came."""
+    stress = room.stresses(recording, plan=plan, healths=healths, name="usage", progress=progress)
+    seconds = usage(
+        stress, rate=recording.rate, curve=plan.curve, correction=plan.correction, rule=plan.rule
+    )
+    ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
+    per_turn = math.nan if ratio is None or radius is None else TURN * radius / ratio
+    return used(
+        seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
+        engine=campaign.engine_of(recording) if angle is not None else None,
+        torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
     )  # fmt: skip
 
 
