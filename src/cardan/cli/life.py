@@ -179,7 +179,7 @@ from cardan.cli.ending import kindly, leave
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
     help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
-    "seconds, FROM..TO; may be repeated. Nothing is masked by itself.",
+    "seconds, FROM..TO; take a zero-step off; may be repeated. Nothing is masked by itself.",
 )
 @click.option(
     "--accept",

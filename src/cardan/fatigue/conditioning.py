@@ -11,19 +11,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.fatigue.fault import (
     CLIP,
+    DROPOUT,
     FREEZE,
     HOLE,
     NOWHERE,
+    SENTINEL,
     SPIKE,
+    ZERO_STEP,
     Finder,
     Places,
     crowned,
     reach,
+    union,
     within,
 )
 
@@ -215,9 +219,16 @@ class Health:
         return self.samples == self.missing or self.low == self.high
 
     @property
+    def stepped(self) -> FloatArray:
+        """What steps of the zero have added up to in the middle of each span, (spans,)."""
+        middle = (np.arange(self.levels.size) + 0.5) * self.span
+        return shifts(self.at(ZERO_STEP), middle)
+
+    @property
     def drift(self) -> float:
-        """Change of level from the first tenth of the spans to the last tenth."""
-        known = self.levels[~np.isnan(self.levels)]
+        """Change of level from the first tenth of the spans to the last tenth, steps apart."""
+        levels = self.levels - self.stepped
+        known = levels[~np.isnan(levels)]
         if not known.size:
             return 0.0
         tenth = max(known.size // 10, 1)
@@ -262,6 +273,7 @@ SUSPECTED = {
     "dropout": "samples like dropouts: {samples}, in {places} places, the first at {first} s",
     "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
     "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
+    "zero-step": "steps of the zero: {places}, the first at {first} s",
 }
 """What is said of a channel, by the kind of fault."""
 
@@ -341,13 +353,21 @@ class _Survey:
         swings = swings[swings > 0]
         typical = float(np.median(swings)) if swings.size else 0.0
         alive = self.high > self.low
+        faults = dict(self.finder.found(typical=typical)) if alive else {}
+        levels = np.concatenate(self.levels or [np.empty(0)])
+        jumps = union(faults[k].runs for k in (SPIKE, DROPOUT, SENTINEL) if k in faults)
+        steps = self.finder.stepped(
+            levels, span=self.span, typical=typical, jumps=Places(jumps, np.zeros(len(jumps)))
+        )
+        if alive and steps.count:
+            faults[ZERO_STEP] = steps
         return Health(
             samples=self.samples, missing=self.missing,
             low=self.low, high=self.high, mean=mean + self.shift,
             deviation=float(np.sqrt(max(variance, 0.0))), typical=typical,
-            faults=self.finder.found(typical=typical) if alive else {},
+            faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
-            levels=np.concatenate(self.levels or [np.empty(0)]), span=self.span,
+            levels=levels, span=self.span,
         )  # fmt: skip
 
 
@@ -372,6 +392,12 @@ def survey(pieces: Iterable[FloatArray], *, rate: float, span: float = 10.0) -> 
     return [channel.health() for channel in found]
 
 
+def shifts(steps: Places, samples: ArrayLike) -> FloatArray:
+    """Return what steps of the zero have added up to at samples (n,)."""
+    total = np.append(0.0, np.cumsum(steps.sizes))
+    return total[np.searchsorted(steps.runs[:, 0], np.asarray(samples), side="right")]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Treatment:
     """What is done to a channel; nothing, unless said.
@@ -382,6 +408,8 @@ class Treatment:
         Runs made holes of, apart and in order.
     crowned
         Clipped crests put back by parabolas: for an estimate, never for a verdict.
+    steps
+        Steps of the zero that are taken off.
     baseline : (spans,)
         Taken off, a level for the middle of each span, straight between; none where empty.
     span : samples
@@ -390,6 +418,7 @@ class Treatment:
 
     masked: IntArray = field(default_factory=lambda: NOWHERE.runs)
     crowned: Places = NOWHERE
+    steps: Places = NOWHERE
     baseline: FloatArray = field(default_factory=lambda: np.empty(0))
     span: int = 1
 
@@ -400,6 +429,8 @@ class Treatment:
         hidden = within(self.masked, start, x.size) if len(self.masked) else None
         if hidden is not None and hidden.any():
             x = np.where(hidden, np.nan, x)
+        if self.steps.count:
+            x = x - shifts(self.steps, np.arange(start, start + x.size))
         if self.baseline.any():
             middle = (np.arange(self.baseline.size) + 0.5) * self.span
             x = x - np.interp(np.arange(start, start + x.size), middle, self.baseline)

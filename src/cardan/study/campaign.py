@@ -23,7 +23,7 @@ from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
 from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
-from cardan.fatigue.fault import DRIFT, KINDS, MASKABLE
+from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
 from cardan.fatigue.quality import Rule
@@ -574,9 +574,9 @@ def _rule(text: str, *, mask: bool) -> Rule:
     if kind and kind not in KINDS:
         msg = f"{text!r}: no kind of fault {kind!r}; there are: {', '.join(KINDS)}"
         raise DesignError(msg)
-    if mask and kind and kind not in MASKABLE:
+    if mask and kind and kind not in REMOVABLE:
         instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
-        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(MASKABLE)}"
+        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(REMOVABLE)}"
         raise DesignError(msg)
     if not (kind or times):
         msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"

@@ -45,6 +45,8 @@ DECIDE: Mapping[str, str] = {
     "spike": "a word on its spikes, which decide the damage: --mask or --accept spike",
     "dropout": "a word on its dropouts, which decide the damage: --mask or --accept dropout",
     "clip": "a recording that is not clipped, or --accept clip",
+    "zero-step": "a word on the steps of its zero, which decide the damage: --mask or --accept "
+    "zero-step",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
 }
