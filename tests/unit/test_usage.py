@@ -93,6 +93,13 @@ def test_the_long_run_of_many_recordings_lies_in_the_interval():
     assert np.median([f.interval[1] / f.interval[0] for f in found]) < 6
 
 
+def test_the_long_run_of_what_has_no_large_cycles_is_the_recording(rough):
+    """Gaussian, so small cycles do most of the damage and no tail is to come."""
+    one = extrapolated(told(rough[: int(180 * RATE)]), curve=CURVE)
+    assert one.long_run == pytest.approx(one.rate, rel=0.05)
+    assert one.interval[0] > 0.8 * one.rate
+
+
 def test_a_customer_s_rate_is_that_of_the_lognormal():
     """Of very many customers the quantile is the population's, its bound beside it."""
     rng = np.random.default_rng(0)

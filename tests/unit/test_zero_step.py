@@ -61,6 +61,11 @@ def test_steps_are_found_where_they_are(stepped):
     # Within what the vibration moves in a sample.
     assert where.sizes == pytest.approx([size for _, size in STEPS], abs=8)
     assert not health.drifts
+    # By a step alone the level is another at the end, and that is no creep.
+    once = ridden() + 150.0 * (np.arange(stepped.size) > 15_000)
+    (health,) = survey([once[None]], rate=RATE)
+    assert health.at(ZERO_STEP).count == 1
+    assert not health.drifts
 
 
 def test_a_step_nobody_decided_on_leaves_no_answer(stepped):

@@ -34,12 +34,13 @@ _WORDS = ListOf(Text())
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A stretch of a recording, s, and how often it is driven in the mix."""
+    """A stretch of a recording, s or m of the way, and how often it is driven in the mix."""
 
     name: str
     first: float
     last: float
     times: float
+    by_way: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,20 +82,36 @@ class Campaigned:
 
 
 class SegmentTable(Table):
-    """A stretch of a recording by time."""
+    """A stretch of a recording by time, or by place on the way."""
 
     name: str = key("what it is called: a route, a gear, a place")
-    from_s: Annotated[float, _TIME] = key("where it begins, s", default=0.0)
-    to_s: Annotated[float, _TIME] = key("where it ends, s")
+    from_s: Annotated[float, _TIME] | None = key("where it begins, s", default=None)
+    to_s: Annotated[float, _TIME] | None = key("where it ends, s", default=None)
+    from_km: Annotated[float, _TIME] | None = key("where it begins on the way, km", default=None)
+    to_km: Annotated[float, _TIME] | None = key("where it ends on the way, km", default=None)
     times: Annotated[float, Number(above=0, most=1e9)] = key(
         "how often it is driven in the mix", default=1.0
     )
 
     def build(self) -> Segment:
         """Return the stretch."""
-        if self.from_s >= self.to_s:
-            self.at("to_s").refuse("must be later than from_s", got=f"{self.to_s:g}")
-        return Segment(name=self.name, first=self.from_s, last=self.to_s, times=self.times)
+        times, ways = (self.from_s, self.to_s), (self.from_km, self.to_km)
+        if any(v is not None for v in times) and any(v is not None for v in ways):
+            self.at("from_km" if self.from_km is not None else "to_km").refuse(
+                "stands beside a time: a segment is by time or by place"
+            )
+        by_way = self.to_km is not None
+        first, last = ways if by_way else times
+        if last is None:
+            self.at("name").refuse("belongs to a segment without an end", "give to_s or to_km")
+        first, last = first or 0.0, last or 0.0
+        if first >= last:
+            unit = "km" if by_way else "s"
+            self.at(f"to_{unit}").refuse(f"must be later than from_{unit}", got=f"{last:g}")
+        scale = 1e3 if by_way else 1.0
+        return Segment(
+            name=self.name, first=scale * first, last=scale * last, times=self.times, by_way=by_way
+        )
 
 
 class BesideTable(Table):

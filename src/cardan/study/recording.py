@@ -29,6 +29,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.response import FOUND, Evidence, together
 from cardan.fatigue.usage import customer, usage
+from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
@@ -329,7 +330,7 @@ def listen_to_all(
             name, times, recording = drive.name, drive.times, whole
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
-                recording = between(whole, segment.first, segment.last)
+                recording = between(whole, *_times(campaign, whole, segment))
             answer = (
                 RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
             )
@@ -354,6 +355,36 @@ def listen_to_all(
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _times(campaign: Campaign, recording: Recording, segment: Segment) -> tuple[float, float]:
+    """Return from when to when a segment is, s.
+
+    Raises
+    ------
+    DesignError
+        If it is by place and nobody knows the way, or the way ends before it.
+    """
+    if not segment.by_way:
+        return segment.first, segment.last
+    angle = campaign.shaft(campaign.scaled(recording))
+    ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
+    if angle is None or ratio is None or radius is None:
+        msg = (
+            f"segment {segment.name} is by place: that needs the shaft's speed or tacho, "
+            "axle_ratio and tyre_radius_m"
+        )
+        raise DesignError(msg)
+    of = angle.rotation
+    way = (of.turns - of.turns[0]) / ratio * TURN * radius
+    if segment.first >= way[-1]:
+        msg = (
+            f"segment {segment.name} begins at {segment.first / 1e3:g} km, the way ends at "
+            f"{way[-1] / 1e3:.4g} km"
+        )
+        raise DesignError(msg)
+    first, last = (float(np.interp(v, way, of.time)) for v in (segment.first, segment.last))
+    return max(first, 0.0), last
 
 
 def _opened(path: Path, campaign: Campaign) -> Recording:
