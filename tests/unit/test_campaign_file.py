@@ -165,7 +165,7 @@ def test_every_option_of_a_recording_is_a_key():
     from cardan.study.campaign import Campaign
 
     keys = {*CampaignTable.keys(), *DriveTable.keys(), *StrengthTable.keys()}
-    of_applications = {"predicted", "application", "unit_stress", "state", "bearing"}
+    of_applications = {"predicted", "application", "unit_stress", "state", "bearing", "identify"}
     elsewhere = {"scale": "channels", "sn": "strength", "rate": "rate_Hz"}
     left = {"estimate_speed", "joint_orders"}
     for f in fields(Campaign):
@@ -235,3 +235,39 @@ def test_a_recording_beside_another():
     np.testing.assert_array_equal(both.whole(["v"])[0][150:200], v[150:200])
     with pytest.raises(DesignError, match="both have a channel 'x'"):
         alongside(fast, recording("c", 10.0, x=np.arange(20.0)))
+
+
+def test_a_segment_by_place_is_the_time_it_was_driven_in(tmp_path):
+    """600 rpm for a minute, then 1200: at axle ratio 4 and 0.5 m the way is 7.854 m a second."""
+    rng = np.random.default_rng(1)
+    t = np.arange(24_000) / 200.0
+    speed = np.where(t < 60, 600.0, 1200.0) + 0.1 * rng.normal(size=t.size)
+    x = np.where(t < 60, 5.0, 20.0) * rng.normal(size=t.size)
+    np.savetxt(
+        tmp_path / "a.csv", np.stack([t, x, speed], -1), delimiter=",", comments="", fmt="%.6g",
+        header="time,S1 [MPa],n [rpm]",
+    )  # fmt: skip
+    way = 60 * 10 / 4 * 2 * np.pi * 0.5 / 1e3
+
+    def asked(segments, more="speed: n\naxle_ratio: 4\ntyre_radius_m: 0.5\n"):
+        path = tmp_path / "plan.yaml"
+        path.write_text(
+            f"campaign: By place\nrecordings: [{{file: a.csv, segments: [{segments}]}}]\n"
+            f"gauges: [S1]\nstrength: {{amplitude_MPa: 30, cycles: 2e6, slope: 5}}\n{more}"
+        )
+        return CliRunner().invoke(cli, ["life", str(path), "--json", str(tmp_path / "out.json")])
+
+    done = asked(
+        f"{{name: slow, to_km: {way:.6f}}}, {{name: quick, from_km: {way:.6f}, to_km: 1.2}}"
+    )
+    assert done.exit_code == 0, done.output
+    slow, quick = json.loads((tmp_path / "out.json").read_text())["gauges"][0]["recordings"]
+    assert slow["live_s"] == pytest.approx(60, abs=0.2)
+    assert quick["live_s"] == pytest.approx((1.2 - way) / way * 30, rel=0.01)
+    assert quick["damage_per_hour"] > 100 * slow["damage_per_hour"]
+    assert "segment far begins at 9 km" in asked("{name: far, from_km: 9, to_km: 10}").output
+    assert "needs the shaft's speed" in asked("{name: a, to_km: 1}", more="").output
+    both = asked("{name: a, to_km: 1, to_s: 5}")
+    assert both.exit_code == 2
+    assert "by time or by place" in both.output
+    assert "without an end" in asked("{name: a, from_s: 5}").output

@@ -14,7 +14,7 @@ from cardan.cli.life import life as command
 from cardan.fatigue.cause import EVENTS, JOINTS, Attribution, separation, suspects
 from cardan.fatigue.conditioning import zero_at_median
 from cardan.fatigue.damage import miner
-from cardan.fatigue.life import Plan, causes, life, look, verdict
+from cardan.fatigue.life import Plan, causes, life, look
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import Rule
 from cardan.fatigue.rainflow import rainflow, repeating
@@ -23,6 +23,7 @@ from cardan.fatigue.spectral import spectrum
 from cardan.fatigue.strain import direct, rosette_gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report.life import blame as verdict
 
 RATE = 1000.0
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5, scatter=0.05).modified()
@@ -178,7 +179,7 @@ def test_the_command_tells_life_and_cause(parquet):
     assert "synthetic: made by a generator, not measured" in done.output
     assert "S1: the joints' orders answer for" in done.output
     assert "Shares are Shapley values" in done.output
-    assert "Residue by half cycles" in done.output
+    assert "Residue: half cycles" in done.output
 
 
 def test_the_json_contract(parquet, drive, tmp_path):
@@ -519,6 +520,7 @@ def test_every_option_is_a_field_of_the_campaign():
     from cardan.study.campaign import CHOICES, Campaign
 
     of_faces = {"recording", "json_out", "plot", "allow_outside", "lang", "quiet"}
+    of_faces |= {"corrected", "load_history", "html", "pdf"}
     options = {p.name: p for p in command.params if p.name not in of_faces}
     declared = {f.name: f for f in fields(Campaign)}
     assert set(options) == set(declared)

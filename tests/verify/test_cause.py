@@ -97,7 +97,7 @@ def test_an_angle_not_to_trust_acquits_nobody():
     truth, answer = asked(case)
     assert truth > 0.9
     assert answer.evidence.finding == CANNOT_TELL
-    assert "no angle to trust" in answer.evidence.doubts[0]
+    assert "no angle to trust" in str(answer.evidence.doubts[0])
 
 
 def test_the_bracket_s_mode_comes_back():

@@ -283,3 +283,27 @@ def test_synthetic_recordings_say_so(drive):
     again = synthetic(seconds=240, rate=RATE, gains={"S1": GUILTY, "S2": INNOCENT}, seed=3)
     np.testing.assert_array_equal(again.recording.whole(), drive.recording.whole())
     assert drive.parts[UNBALANCE].shape == (2, 240_000)
+
+
+def test_a_tacho_s_sampling_is_no_unsteadiness():
+    """One pulse a turn of a square wave: an edge is known to a sample, a cubic knows better."""
+    rate, n = 1000.0, 60_000
+    t = np.arange(n) / rate
+    turns = 12 * t + 0.05 * t**2
+    found = rotation_from_pulses([(5.0 * (turns % 1 < 0.3))[None]], rate=rate)
+    inside = (t > 1) & (t < 59)
+    off = found.at(t) - turns
+    off = (off - off[inside].mean())[inside]
+    # An edge placed anywhere within a sample is off by 1/sqrt(12) of one: 0.0046 turns here.
+    speed = 12 + 0.1 * t[inside].mean()
+    assert np.std(off) < 0.6 * speed / rate / np.sqrt(12)
+
+
+def test_a_stop_between_pulses_moves_none_of_them():
+    t = np.arange(20_000) / 1000.0
+    turns = np.where(t < 8, 10 * t, np.where(t < 14, 80.0, 80 + 10 * (t - 14))) + 0.05
+    pulses = [(5.0 * (turns % 1 < 0.3))[None]]
+    found = rotation_from_pulses(pulses, rate=1000.0)
+    assert np.abs(np.diff(found.time)).max() > 5.5
+    assert found.turns.size == found.time.size
+    assert np.abs((found.at(7.0) - found.at(2.0)) - 50) < 0.02

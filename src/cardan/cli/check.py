@@ -15,11 +15,11 @@ from cardan.cli.common import (
     OUTSIDE,
     approved,
     claim,
-    note,
     progress,
+    publish,
     put_lines,
-    write,
     write_json,
+    written,
 )
 from cardan.cli.ending import kindly, leave
 
@@ -87,11 +87,11 @@ def check(
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
         told = _story(files, found, say=say, quiet=quiet)
-        _publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
+        publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
 
-        _write(xlsx, workbook.workbook(found[0], say=say), say)
+        written(xlsx, workbook.workbook(found[0], say=say), say)
     if quiet and json_out != "-":
         for one in found:
             put_lines(terminal.summary(one, say))
@@ -136,25 +136,3 @@ def _issue(paths: tuple[Path, ...]) -> Any:
         prints=tuple(sha256(c).hexdigest()[:16] for c in contents),
         texts=tuple(c.decode("utf-8-sig") for c in contents),
     )
-
-
-def _publish(told: Any, *, say: Any, html: Path | None, pdf: Path | None, quiet: bool) -> None:
-    """Write a story as a page, as a document."""
-    if html:
-        from cardan.report.html import page
-
-        with progress(say("writing {file}", file=html), quiet=quiet):
-            content = page(told)
-        _write(html, content, say)
-    if pdf:
-        from cardan.report.pdf import document
-
-        with progress(say("writing {file}", file=pdf), quiet=quiet):
-            printed = document(told)
-        _write(pdf, printed, say)
-
-
-def _write(path: Path, content: str | bytes, say: Any) -> None:
-    """Write a report, and say so where it is not in the way of what is printed."""
-    write(path, content)
-    note(say("{file} is written.", file=path))

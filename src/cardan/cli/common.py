@@ -209,3 +209,25 @@ def write_json(document: Any, out: str) -> None:
         put_json(document, indent=1)
     else:
         write(Path(out), json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def publish(told: Any, *, say: Any, html: Path | None, pdf: Path | None, quiet: bool) -> None:
+    """Write a story as a page, as a document."""
+    if html:
+        from cardan.report.html import page
+
+        with progress(say("writing {file}", file=html), quiet=quiet):
+            content = page(told)
+        written(html, content, say)
+    if pdf:
+        from cardan.report.pdf import document
+
+        with progress(say("writing {file}", file=pdf), quiet=quiet):
+            printed = document(told)
+        written(pdf, printed, say)
+
+
+def written(path: Path, content: str | bytes, say: Any) -> None:
+    """Write a report, and say so where it is not in the way of what is printed."""
+    write(path, content)
+    note(say("{file} is written.", file=path))

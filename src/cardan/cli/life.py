@@ -15,6 +15,7 @@ from cardan.cli.common import (
     UNTOLD,
     claim,
     progress,
+    publish,
     put_lines,
     read,
     write,
@@ -147,6 +148,29 @@ from cardan.cli.ending import kindly, leave
 )
 @click.option("--state", default="gvw", show_default=True, help="State of the application.")
 @click.option("--bearing", type=int, default=1, show_default=True, help="Centre bearing number.")
+@click.option(
+    "--usage",
+    is_flag=True,
+    help="Tell when and where the damage came: by gear, speed and torque, the largest stresses, "
+    "the long run with its interval, and how short a test can be.",
+)
+@click.option(
+    "--identify",
+    is_flag=True,
+    help="Hold the recorded orders against the application's line on rubber, and look for its "
+    "stiffness, loss, yoke phase, unbalance and the bracket's mode.",
+)
+@click.option(
+    "--corrected",
+    type=OUT,
+    help="With --identify: the application's file with what was found otherwise; comments stay.",
+)
+@click.option(
+    "--load-history",
+    "load_history",
+    type=OUT,
+    help="With --identify: the force on the bearing over the recording, as CSV.",
+)
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--group", default="", help="HDF5 or TDMS group.")
@@ -155,7 +179,7 @@ from cardan.cli.ending import kindly, leave
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
     help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
-    "seconds, FROM..TO; may be repeated. Nothing is masked by itself.",
+    "seconds, FROM..TO; take a zero-step off; may be repeated. Nothing is masked by itself.",
 )
 @click.option(
     "--accept",
@@ -178,6 +202,8 @@ from cardan.cli.ending import kindly, leave
 )
 @JSON
 @click.option("--plot", type=OUT, help="A figure: svg, png.")
+@click.option("--html", type=OUT, help="A report: a page of its own.")
+@click.option("--pdf", type=OUT, help="A report: a document.")
 @OUTSIDE
 @LANG
 @UNTOLD
@@ -188,6 +214,10 @@ def life(
     application: Path | None,
     json_out: str | None,
     plot: Path | None,
+    html: Path | None,
+    pdf: Path | None,
+    corrected: Path | None,
+    load_history: Path | None,
     allow_outside: bool,
     lang: str,
     quiet: bool,
@@ -196,7 +226,8 @@ def life(
     """Damage and life at the gauges of a RECORDING, and who did it.
 
     A RECORDING that ends in .yaml is a campaign: a file that names recordings and says of all
-    what the options say of one. Of the options only --json, --lang and --quiet go with it.
+    what the options say of one. Of the options only the outputs
+    --json, --html and --pdf, --lang and --quiet go with it.
 
     Held against --target-hours and the rows of --limits, where either is given. Exit code 0
     where every gauge passes or warns or nothing was asked, 1 where one fails or the life of
@@ -209,12 +240,22 @@ def life(
 
     say = Language(lang)
     if recording.suffix.lower() in (".yaml", ".yml"):
-        _campaign(recording, json_out=json_out, allow_outside=allow_outside, say=say, quiet=quiet)
+        _campaign(
+            recording, json_out=json_out, html=html, pdf=pdf, allow_outside=allow_outside, say=say,
+            quiet=quiet,
+        )  # fmt: skip
         return
     if options["sn"] is None:
         msg = "a recording is asked with an S-N curve: --sn MPa,CYCLES,SLOPE"
         raise DesignError(msg)
-    outputs = claim(recording, application, options["limits"], json_out=json_out, plot=plot)
+    if (corrected or load_history) and not options["identify"]:
+        name = "--corrected" if corrected else "--load-history"
+        msg = f"{name} tells what --identify finds: ask for that too"
+        raise DesignError(msg)
+    outputs = claim(
+        recording, application, options["limits"], json_out=json_out, plot=plot,
+        html=html, pdf=pdf, corrected=corrected, load_history=load_history,
+    )  # fmt: skip
     predicting = (
         read(application, None, allow_outside=allow_outside, outputs=outputs)
         if application
@@ -222,26 +263,49 @@ def life(
     )
     campaign = Campaign(application=predicting, **options)
     with progress(say("reading"), quiet=quiet) as line:
-        found = listen(recording, campaign, line.study)
+        found = listen(recording, campaign, line.study, draw=bool(html or pdf))
     if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":
         put_lines(report.terminal(found, say))
     if plot:
         _draw(plot, found)
+    if html or pdf:
+        from cardan.report import recording_story as story
+
+        told = story.recording(found, say=say, issue=_issue(recording, text=False))
+        publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
+    identified = found.answer.identification if found.answer else None
+    if identified is not None and corrected is not None:
+        write(corrected, identified.text())
+    if found.answer is not None and identified is not None and load_history is not None:
+        write(load_history, _history(campaign, found.answer))
     leave(verdict_on(found) or "pass")
 
 
+def _history(campaign: Any, of: Any) -> str:
+    """Return the force on the bearing over a recording as a table."""
+    from cardan.study.identification import load_history
+
+    time, force = load_history(
+        of.identification, of.angle.rotation,
+        campaign.read_torque(campaign.scaled(of.recording)), seconds=of.lives[0].quality.recorded,
+    )  # fmt: skip
+    rows = (f"{t:.4f},{x:.4g},{y:.4g},{z:.4g}" for t, (x, y, z) in zip(time, force, strict=True))
+    return "\n".join(("time_s,x_N,y_N,z_N", *rows)) + "\n"
+
+
 def _campaign(
-    path: Path, *, json_out: str | None, allow_outside: bool, say: Any, quiet: bool
-) -> None:
+    path: Path, *, json_out: str | None, html: Path | None, pdf: Path | None,
+    allow_outside: bool, say: Any, quiet: bool,
+) -> None:  # fmt: skip
     """Ask all the recordings of a campaign's file."""
     from cardan.report import life as report
     from cardan.study.recording import listen_to_all, verdict_on
 
     context = click.get_current_context()
     given = click.core.ParameterSource.COMMANDLINE
-    own = {"recording", "json_out", "lang", "quiet", "allow_outside"}
+    own = {"recording", "json_out", "html", "pdf", "lang", "quiet", "allow_outside"}
     beside = [
         n for n in context.params if n not in own and context.get_parameter_source(n) == given
     ]
@@ -249,14 +313,38 @@ def _campaign(
         option = beside[0].replace("_", "-")
         msg = f"--{option} is said in the campaign's file, {path.name}, not beside it"
         raise DesignError(msg)
-    claim(path, json_out=json_out)
+    claim(path, json_out=json_out, html=html, pdf=pdf)
     with progress(say("reading"), quiet=quiet) as line:
-        found = listen_to_all(path, allow_outside=allow_outside, tell=line.study)
+        found = listen_to_all(
+            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf)
+        )
     if json_out is not None:
         write_json(report.mix_document(found), json_out)
     if json_out != "-":
         put_lines(report.mix_terminal(found, say))
+    if html or pdf:
+        from cardan.report import recording_story as story
+
+        told = story.campaign(found, say=say, issue=_issue(path, text=True))
+        publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     leave(verdict_on(found) or "pass")
+
+
+def _issue(path: Path, *, text: bool) -> Any:
+    """Return what says which report this is: the day, the file and what it held."""
+    from datetime import date
+    from hashlib import file_digest
+
+    from cardan.report.blocks import Issue
+
+    with path.open("rb") as file:
+        print_ = file_digest(file, "sha256").hexdigest()[:16]
+    return Issue(
+        date=date.today().isoformat(),
+        files=(click.format_filename(path, shorten=True),),
+        prints=(print_,),
+        texts=(path.read_text(encoding="utf-8-sig"),) if text else (),
+    )
 
 
 def _draw(out: Path, found: Any) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.fatigue.orders import Rotation
 
@@ -181,6 +181,19 @@ def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArra
     # Where the median itself sits between two gears, neither is in.
     engaged = ~np.isnan(r) & (np.abs(level - near) < 0.08) & (np.abs(r - near) < 0.1)
     return np.exp(near) * engine, engaged
+
+
+def gear_ratios(shaft: Rotation, engine: Rotation, time: ArrayLike) -> FloatArray:
+    """Return the engine's turns a shaft turn in the gear at times (n,) s, nan in none."""
+    time = np.asarray(time, float)
+    fine = np.arange(0.0, float(time[-1]) + 0.05, 0.01) if time.size else np.empty(0)
+    if fine.size < 2:
+        return np.full(time.size, np.nan)
+    own, motor = shaft.speed(fine), engine.speed(fine)
+    geared, engaged = _geared(own, motor)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(engaged & (geared > 0), motor / geared, np.nan)
+    return ratio[np.searchsorted(fine, time).clip(0, fine.size - 1)]
 
 
 def _gears(calm: FloatArray) -> FloatArray:

@@ -11,18 +11,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import DesignError
+from cardan.base.said import Said, said
 from cardan.fatigue.fault import (
     CLIP,
+    DROPOUT,
     FREEZE,
     HOLE,
     NOWHERE,
+    SENTINEL,
     SPIKE,
+    ZERO_STEP,
     Finder,
     Places,
     crowned,
     reach,
+    union,
     within,
 )
 
@@ -214,9 +219,16 @@ class Health:
         return self.samples == self.missing or self.low == self.high
 
     @property
+    def stepped(self) -> FloatArray:
+        """What steps of the zero have added up to in the middle of each span, (spans,)."""
+        middle = (np.arange(self.levels.size) + 0.5) * self.span
+        return shifts(self.at(ZERO_STEP), middle)
+
+    @property
     def drift(self) -> float:
-        """Change of level from the first tenth of the spans to the last tenth."""
-        known = self.levels[~np.isnan(self.levels)]
+        """Change of level from the first tenth of the spans to the last tenth, steps apart."""
+        levels = self.levels - self.stepped
+        known = levels[~np.isnan(levels)]
         if not known.size:
             return 0.0
         tenth = max(known.size // 10, 1)
@@ -227,35 +239,43 @@ class Health:
         """Whether it creeps by more than it swings."""
         return not self.dead and abs(self.drift) > max(self.deviation, 1e-300)
 
-    def findings(self, *, rate: float) -> list[str]:
+    def findings(self, *, rate: float) -> list[Said]:
         """Return what a user should know, a sentence each; empty if all is well."""
         if self.dead:
-            return ["dead: it never changes"]
-        said: list[str] = []
+            return [said(DEAD)]
+        found: list[Said] = []
         if self.missing:
-            said.append(
-                f"{self.missing} samples missing ({self.missing / self.samples:.2%}), "
-                f"longest hole {self.longest_hole / rate:.3g} s"
-            )
+            found.append(
+                said(
+                    MISSING, samples=self.missing, share=f"{self.missing / self.samples:.2%}",
+                    hole=f"{self.longest_hole / rate:.3g}",
+                )
+            )  # fmt: skip
         for kind, where in self.faults.items():
             if kind == HOLE:
                 continue
-            first = where.runs[0, 0] / rate
-            samples = "1 sample" if where.samples == 1 else f"{where.samples} samples"
-            places = "1 place" if where.count == 1 else f"{where.count} places"
-            said.append(f"{samples} {_SAID[kind]} in {places}, the first at {first:.6g} s")
+            first = f"{where.runs[0, 0] / rate:.6g}"
+            found.append(
+                said(SUSPECTED[kind], samples=where.samples, places=where.count, first=first)
+            )
         if self.drifts:
-            said.append(f"drifts by {self.drift:.4g} from beginning to end")
-        return said
+            found.append(said(DRIFTS, drift=f"{self.drift:.4g}"))
+        return found
 
 
-_SAID = {
-    "sentinel": "with a logger's number for no value",
-    "spike": "like spikes",
-    "dropout": "like dropouts",
-    "clip": "that look clipped",
-    "freeze": "standing still",
+DEAD = "dead: it never changes"
+MISSING = "samples missing: {samples} ({share}), longest hole {hole} s"
+DRIFTS = "drifts by {drift} from beginning to end"
+SUSPECTED = {
+    "sentinel": "samples with a logger's number for no value: {samples}, in {places} places, the "
+    "first at {first} s",
+    "spike": "samples like spikes: {samples}, in {places} places, the first at {first} s",
+    "dropout": "samples like dropouts: {samples}, in {places} places, the first at {first} s",
+    "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
+    "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
+    "zero-step": "steps of the zero: {places}, the first at {first} s",
 }
+"""What is said of a channel, by the kind of fault."""
 
 
 def _longest(where: Places) -> int:
@@ -333,13 +353,21 @@ class _Survey:
         swings = swings[swings > 0]
         typical = float(np.median(swings)) if swings.size else 0.0
         alive = self.high > self.low
+        faults = dict(self.finder.found(typical=typical)) if alive else {}
+        levels = np.concatenate(self.levels or [np.empty(0)])
+        jumps = union(faults[k].runs for k in (SPIKE, DROPOUT, SENTINEL) if k in faults)
+        steps = self.finder.stepped(
+            levels, span=self.span, typical=typical, jumps=Places(jumps, np.zeros(len(jumps)))
+        )
+        if alive and steps.count:
+            faults[ZERO_STEP] = steps
         return Health(
             samples=self.samples, missing=self.missing,
             low=self.low, high=self.high, mean=mean + self.shift,
             deviation=float(np.sqrt(max(variance, 0.0))), typical=typical,
-            faults=self.finder.found(typical=typical) if alive else {},
+            faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
-            levels=np.concatenate(self.levels or [np.empty(0)]), span=self.span,
+            levels=levels, span=self.span,
         )  # fmt: skip
 
 
@@ -364,6 +392,12 @@ def survey(pieces: Iterable[FloatArray], *, rate: float, span: float = 10.0) -> 
     return [channel.health() for channel in found]
 
 
+def shifts(steps: Places, samples: ArrayLike) -> FloatArray:
+    """Return what steps of the zero have added up to at samples (n,)."""
+    total = np.append(0.0, np.cumsum(steps.sizes))
+    return total[np.searchsorted(steps.runs[:, 0], np.asarray(samples), side="right")]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Treatment:
     """What is done to a channel; nothing, unless said.
@@ -374,6 +408,8 @@ class Treatment:
         Runs made holes of, apart and in order.
     crowned
         Clipped crests put back by parabolas: for an estimate, never for a verdict.
+    steps
+        Steps of the zero that are taken off.
     baseline : (spans,)
         Taken off, a level for the middle of each span, straight between; none where empty.
     span : samples
@@ -382,6 +418,7 @@ class Treatment:
 
     masked: IntArray = field(default_factory=lambda: NOWHERE.runs)
     crowned: Places = NOWHERE
+    steps: Places = NOWHERE
     baseline: FloatArray = field(default_factory=lambda: np.empty(0))
     span: int = 1
 
@@ -392,6 +429,8 @@ class Treatment:
         hidden = within(self.masked, start, x.size) if len(self.masked) else None
         if hidden is not None and hidden.any():
             x = np.where(hidden, np.nan, x)
+        if self.steps.count:
+            x = x - shifts(self.steps, np.arange(start, start + x.size))
         if self.baseline.any():
             middle = (np.arange(self.baseline.size) + 0.5) * self.span
             x = x - np.interp(np.arange(start, start + x.size), middle, self.baseline)

@@ -12,6 +12,7 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | dropout | the same, longer and level |
 | clip | crests cut off at one level |
 | freeze | one value for longer than the channel ever keeps one |
+| zero-step | the level steps from one sample to the next, and stays |
 | drift | the level creeps by more than the channel swings |
 """
 
@@ -23,10 +24,12 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
 
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
-CLIP, FREEZE, DRIFT = "clip", "freeze", "drift"
-KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, DRIFT)
+CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
+KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT)
 MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE)
 """What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
+REMOVABLE = (*MASKABLE, ZERO_STEP)
+"""What a rule can take out: of a step of the zero no hole is made, the step is taken off."""
 
 SENTINELS = (
     -32768.0, 32767.0, 65535.0, -999.25, 9.96921e36, 1e30, -1e30, 1e20, -1e20,
@@ -138,6 +141,7 @@ class Finder:
         self.rate, self.reach = rate, reach(rate)
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
+        self.steps: list[tuple[IntArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
         self.hole, self.still = _Long(1), _Long(max(round(FREEZE_SECONDS * rate), 20))
@@ -167,6 +171,9 @@ class Finder:
         runs, sizes = _jumps(filled, longest=margin - QUIET - 4)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.jumps.append((runs[mine] + offset, sizes[mine]))
+        at, sizes = _steps(filled)
+        mine = (at >= margin) & (at < margin + x.size)
+        self.steps.append((at[mine] + offset, sizes[mine]))
         self._plateaus(filled, offset, x.size)
         self.start += x.size
 
@@ -224,6 +231,29 @@ class Finder:
         out[CLIP] = self._clips(long, union([spoiled, runs]))
         out[FREEZE] = places(run[:2] for run in long if not self._cut(run, out[CLIP]))
         return {kind: where for kind, where in out.items() if where.count}
+
+    def stepped(self, levels: FloatArray, *, span: int, typical: float, jumps: Places) -> Places:
+        """Return the steps of the zero: those that the levels (spans,) on both sides confirm.
+
+        A load that comes within a sample and stays looks the same, so they are suspects. What
+        jumps off and back (`jumps`) is none.
+        """
+        if not self.steps or levels.size < 2:
+            return NOWHERE
+        at = np.concatenate([a for a, _ in self.steps])
+        sizes = np.concatenate([s for _, s in self.steps])
+        rows = np.stack([at - 1, at + 1], -1)
+        free = (np.abs(sizes) > 2 * typical) & ~_touching(rows, jumps.runs)
+        at, sizes = at[free], sizes[free]
+        kept: list[tuple[int, float]] = []
+        for i, size in zip(at.tolist(), sizes.tolist(), strict=True):
+            before, behind = i // span - 1, -(-i // span)
+            if before < 0 or behind >= levels.size:
+                continue
+            moved = levels[behind] - levels[before]
+            if abs(moved - size) < 0.4 * abs(size):
+                kept.append((i, size))
+        return places([(i, i + 1) for i, _ in kept], [size for _, size in kept])
 
     def _sentinels(self) -> Places:
         """Numbers of `SENTINELS` that stand farther out of all others than those span."""
@@ -348,6 +378,17 @@ def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
         return none
     off, back, low = off[flat], back[flat], low[flat]
     return np.stack([off + 1, back + 1], -1), low * np.sign(d[off])
+
+
+def _steps(x: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return samples (k,) from which the level is another, calm on both sides, and by how much."""
+    d = np.diff(x)
+    size = np.abs(d)
+    if size.size <= 2 * QUIET + 8:
+        return np.empty(0, np.intp), np.empty(0)
+    alone = np.flatnonzero(size[1:-1] > 5 * np.maximum(size[:-2], size[2:])) + 1
+    at = np.intersect1d(_outstanding(size, alone, -1), _outstanding(size, alone, 1))
+    return at + 1, d[at]
 
 
 def _outstanding(size: FloatArray, at: IntArray, way: int) -> IntArray:

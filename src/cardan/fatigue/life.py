@@ -4,8 +4,9 @@ Two passes over the recording, one to see what is wrong with it and one to count
 where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest
@@ -14,6 +15,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import (
     ENGINE,
@@ -42,7 +44,7 @@ from cardan.fatigue.rainflow import (
     join,
 )
 from cardan.fatigue.recording import Recording, cut
-from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence, identified, together
+from cardan.fatigue.response import Evidence, Identified, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -205,6 +207,9 @@ class _Count(_Tally):
         _, power = periodograms(stress, rate=self.rate, segment=self.plan.segment)
         self.power, self.segments = self.power + power.sum(0), self.segments + len(power)
 
+    def cycles(self) -> Cycles:
+        return join([self.matrix.cycles(), self.plan.rule(self.residue)])
+
     def spectrum(self) -> Spectrum | None:
         if not self.segments:
             return None
@@ -216,7 +221,7 @@ class _Count(_Tally):
         if not self.residue.size:
             return self._silence(gauge, healths, quality)
         damage = self.closed()
-        cycles = join([self.matrix.cycles(), plan.rule(self.residue)])
+        cycles = self.cycles()
         binned = miner(cycles, curve=curve, correction=correction)
         lives = repeats_at(
             cycles, curve=curve, failures=plan.failures,
@@ -483,8 +488,8 @@ class _Listened:
 
     def _effects(self) -> Iterator[Effect]:
         ruled = self.count.closed()
-        for kind in dict.fromkeys(k for said in self.decided.values() for k in said):
-            of = [said[kind] for said in self.decided.values() if kind in said]
+        for kind in dict.fromkeys(k for told in self.decided.values() for k in told):
+            of = [told[kind] for told in self.decided.values() if kind in told]
             damage = {
                 self.how[k].without: tally.closed()
                 for k, tally in self.others.items()
@@ -511,6 +516,8 @@ class Causes:
         One a gauge, in that order.
     evidence
         What the joints are answerable for, one a gauge.
+    without
+        Cycles of the stress that is left without the joints' part, one a gauge.
     time : (m,) s
         Middles of the spans in which orders were found.
     speed : (m,) turns/s
@@ -528,13 +535,32 @@ class Causes:
     gauges: tuple[str, ...]
     attributions: list[Attribution]
     evidence: list[Evidence]
+    without: list[Cycles]
     time: FloatArray
     speed: FloatArray
     order2: FloatArray
     torque: FloatArray | None
     comparisons: list[Comparison]
-    doubts: list[str]
+    doubts: list[Said]
 
+
+TOGETHER = (
+    "{one} order {order} and {other} order {second} run together for {share} of the time: nothing "
+    "in the signal tells them apart there"
+)
+OF_GAUGE = "{gauge}: {doubt}"
+NO_ENGINE = "no engine speed was given: an order of its that runs with order 2 would not show"
+DIRECT = (
+    "the engine turns with the shaft for {share} of the time: one whose order 2 is strong, of four "
+    "cylinders, would do the same as the joints"
+)
+NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
+
+DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
+"""What may leave a cause open."""
+
+AT_ONCE = 4
+"""Stretches of gauges in which the joints' part is identified at once."""
 
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
@@ -598,26 +624,24 @@ def causes(
             ]
     pairs = coincidences(how.suspects, times=time, resolution=1 / how.splitter.span)
     doubts = [
-        f"{a.cause} order {a.tone.order:g} and {b.cause} order {b.tone.order:g} run together "
-        f"for {share:.0%} of the time: nothing in the signal tells them apart there"
+        said(
+            TOGETHER, one=a.cause, order=f"{a.tone.order:g}", other=b.cause,
+            second=f"{b.tone.order:g}", share=f"{share:.0%}",
+        )
         for a, b, share in pairs
-    ]
+    ]  # fmt: skip
     evidence = joints.evidence()
     for gauge, one in zip(plan.gauges, evidence, strict=True):
-        doubts += [f"{gauge.name}: {said}" for said in one.doubts]
+        doubts += [said(OF_GAUGE, gauge=gauge.name, doubt=doubt) for doubt in one.doubts]
     if joints.engine is None:
-        doubts.append(
-            "no engine speed was given: an order of its that runs with order 2 would not show"
-        )
+        doubts.append(said(NO_ENGINE))
     elif (share := _direct(shaft, joints.engine, time)) > 0.2 and 2.0 not in joints.engine_orders:
-        doubts.append(
-            f"the engine turns with the shaft for {share:.0%} of the time: one whose order 2 is "
-            "strong, of four cylinders, would do the same as the joints"
-        )
+        doubts.append(said(DIRECT, share=f"{share:.0%}"))
     if torque is None:
-        doubts.append("no torque was given, so phase alone tells the joints from others")
+        doubts.append(said(NO_TORQUE))
     return Causes(
         gauges=tuple(g.name for g in plan.gauges), attributions=found, evidence=evidence,
+        without=[one.cycles() for one in joints.without],
         time=time, speed=shaft.speed(time), order2=order2, torque=load,
         comparisons=comparisons, doubts=doubts,
     )  # fmt: skip
@@ -643,6 +667,7 @@ class _Joints:
         self.engine_orders = tuple(tone.order for tone in engine)
         self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
         self.held: list[tuple[int, FloatArray, FloatArray]] = []
+        self.without = [_Count(plan, recording.rate) for _ in plan.gauges]
 
     def damage(self, stress: FloatArray) -> float:
         """Damage of a stretch of stress (n,)."""
@@ -658,6 +683,7 @@ class _Joints:
         if self.torque is not None:
             loads = self.recording.pieces([self.torque[0]], size=size)
         start = 0
+        waiting: deque[tuple[int, FloatArray, list[Future[Identified]]]] = deque()
         with ThreadPoolExecutor(4) as pool:
             for piece, load in zip(cut(stress, size=size), loads, strict=False):
                 torque = None if load is None or self.torque is None else load[0] * self.torque[1]
@@ -665,14 +691,26 @@ class _Joints:
                     identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
                     engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
                 )  # fmt: skip
-                answers = list(pool.map(ask, piece))
-                for told, answer, x in zip(self.told, answers, piece, strict=True):
-                    told.append((answer.evidence, self.damage(x)))
-                theirs = np.stack([a.stress for a in answers])
-                theirs[np.isnan(piece)] = 0.0
-                self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
-                yield piece - theirs
+                waiting.append((start, piece, [pool.submit(ask, x) for x in piece]))
                 start += piece.shape[1]
+                # Stretches know nothing of each other; so many at once as memory bears.
+                if len(waiting) * len(piece) >= AT_ONCE:
+                    yield self._left(*waiting.popleft())
+            while waiting:
+                yield self._left(*waiting.popleft())
+
+    def _left(self, start: int, piece: FloatArray, asked: "list[Future[Identified]]") -> FloatArray:
+        """Take a stretch's answers in, and return what is left of it without their part."""
+        answers = [one.result() for one in asked]
+        for told, answer, x in zip(self.told, answers, piece, strict=True):
+            told.append((answer.evidence, self.damage(x)))
+        theirs = np.stack([a.stress for a in answers])
+        theirs[np.isnan(piece)] = 0.0
+        self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+        left = piece - theirs
+        for count, x in zip(self.without, left, strict=True):
+            count.add(x)
+        return left
 
     def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
@@ -706,36 +744,3 @@ def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatA
         mean[some] = np.nanmean(rows[some], axis=-1)
         means.append(mean)
     return np.concatenate(means) if means else NONE
-
-
-def verdict(gauge: str, attribution: Attribution, evidence: Evidence | None = None) -> str:
-    """Say in a sentence or three how much the joints had to do with it, whichever way it falls."""
-    share, without = attribution.share(JOINTS), attribution.without(JOINTS)
-    whole = attribution.whole
-    if not whole > 0:
-        return f"{gauge}: no damage, so nobody did it."
-    ranked = sorted(attribution.shares.items(), key=lambda kv: -kv[1])
-    chief, most = ranked[0]
-    longer = whole / without if without > 0 else np.inf
-    told = (
-        f"the joints' orders answer for {share:.1%} of the damage; "
-        f"without them it would live {longer:.3g} times as long."
-    )
-    if evidence is None:
-        said = f"{gauge}: {told}"
-    else:
-        low, high = evidence.interval
-        removed = (
-            f"by phase and torque {evidence.removed:.0%} of the damage would go with them "
-            f"(90 % interval {low:.0%} to {high:.0%})"
-        )
-        if evidence.strength < FOUND and evidence.finding == CANNOT_TELL:
-            # A share of nought beside "cannot tell" would be read as an acquittal.
-            return (
-                f"{gauge}: CANNOT TELL: nothing that could be followed is locked to the shaft, and "
-                f"{removed}. In the shares above, where it counts as others', {told}"
-            )
-        said = f"{gauge}: {told} {removed[0].upper()}{removed[1:]}: {evidence.finding.upper()}."
-    if chief != JOINTS:
-        said += f" The largest share, {most:.1%}, is of {chief}."
-    return said

@@ -5,18 +5,21 @@ more than a fifth and nobody said what it was, there is no answer to give, only 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
-from cardan.fatigue.conditioning import Health, Treatment, slow_drift
+from cardan.fatigue.conditioning import Health, Treatment, shifts, slow_drift
 from cardan.fatigue.fault import (
     CLIP,
     DRIFT,
     FREEZE,
     HOLE,
     MASKABLE,
+    NOWHERE,
+    REMOVABLE,
+    ZERO_STEP,
     Places,
     union,
 )
@@ -89,7 +92,7 @@ def decided(
             if rule.concerns(channel, kind):
                 inside = (start >= rule.first) & (start <= rule.last)
                 mask[inside], free[inside] = rule.mask, False
-        mask &= kind in MASKABLE
+        mask &= kind in REMOVABLE
         out[kind] = Decided(places=where, masked=where.runs[mask], open=where.runs[free])
     if health.drifts:
         whole = np.array([[0, health.samples]], np.intp)
@@ -112,6 +115,24 @@ def windows(*, channel: str, rules: Sequence[Rule], rate: float, samples: int) -
 def _creep(health: Health) -> FloatArray:
     """Return what a channel creeps by, five spans at a time: a step of its zero goes too."""
     return slow_drift(health, spans=5)
+
+
+def _off(of: Decided, *, every: bool, none: bool) -> Places:
+    """Return the steps of the zero that are taken off: those that rules mask, all, or none."""
+    if none:
+        return NOWHERE
+    if every:
+        return of.places
+    mine = np.isin(of.places.runs[:, 0], of.masked[:, 0])
+    return Places(of.places.runs[mine], of.places.sizes[mine])
+
+
+def _less(health: Health, steps: Places) -> Health:
+    """Return a channel's health with steps taken off its levels."""
+    if not steps.count:
+        return health
+    middle = (np.arange(health.levels.size) + 0.5) * health.span
+    return replace(health, levels=health.levels - shifts(steps, middle))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,15 +159,20 @@ def ways(
         for channel, health in healths.items():
             said = book[channel]
             runs = [windows(channel=channel, rules=rules, rate=rate, samples=health.samples)]
-            runs += [d.masked for k, d in said.items() if k != kind]
+            runs += [d.masked for k, d in said.items() if k not in (kind, ZERO_STEP)]
             if without and kind in MASKABLE and kind in said:
                 runs.append(said[kind].places.runs)
+            steps = NOWHERE
+            if ZERO_STEP in said:
+                every = without and kind == ZERO_STEP
+                steps = _off(said[ZERO_STEP], every=every, none=kind == ZERO_STEP and not without)
             level = baseline
             if kind == DRIFT and without and kind in said:
                 level = _creep
             crowns = said[CLIP].places if kind == CLIP and kind in said else None
             made[channel] = Treatment(
-                masked=union(runs), baseline=level(health), span=health.span,
+                masked=union(runs), baseline=level(_less(health, steps)), span=health.span,
+                steps=steps,
                 **({"crowned": crowns} if crowns is not None else {}),
             )  # fmt: skip
         return Way(kind=kind, without=without, treatments=made)

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.conditioning import bridged
 from cardan.fatigue.orders import Rotation
@@ -46,7 +47,14 @@ DRAWS = 24
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
-UNTRUSTED = "the speed gives no angle to trust: all that is near order 2 may be theirs"
+UNTRUSTED = said("the speed gives no angle to trust: all that is near order 2 may be theirs")
+FAINT = said("little is locked to the shaft: the interval is wider by a tenth")
+SLIPPING = said("what is locked does not explain the large cycles: the angle may slip")
+RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
+ALIKE = said("an engine order runs with order 2: phase and torque are the same, either did it")
+
+DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE)
+"""What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
 
@@ -77,7 +85,7 @@ class Evidence:
     modes: tuple[tuple[float, float], ...] = ()
     ratio: float = 1.0
     lag: float = 0.0
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Said, ...] = ()
 
     @property
     def finding(self) -> str:
@@ -149,7 +157,14 @@ def _aligned(
     The response is one number in each band of twice the speed. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
     """
-    time = start + np.arange(y.size) / rate
+    # Three samples of a cycle tell its energy as well as ten.
+    top = 2 * float(angle.rotation.speed(start + np.arange(0, y.size, 50) / rate).max())
+    every = max(int(rate / (3 * max(top, SLOWEST))), 1)
+    m = y.size // every
+    if m < 100:
+        return []
+    y, torque = (x[: m * every].reshape(m, every).mean(-1) for x in (y, torque))
+    time = start + (np.arange(m) * every + (every - 1) / 2) / rate
     lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
     found: list[_Aligned] = []
     for lag in lags:
@@ -251,9 +266,9 @@ class _Scene:
     torque: FloatArray
     rate: float
 
-    def inputs(self, order: int, shift: ComplexArray | float = 1.0) -> list[ComplexArray]:
+    def inputs(self, order: int) -> list[ComplexArray]:
         """Return forces locked to an order: by torque, and the second by speed squared too."""
-        wave = np.asarray(np.exp(2j * np.pi * order * self.turns) * shift, np.complex128)
+        wave = np.asarray(np.exp(2j * np.pi * order * self.turns), np.complex128)
         by_torque = [self.torque * wave]
         return [*by_torque, (self.speed / 40) ** 2 * wave] if order == 2 else by_torque
 
@@ -274,12 +289,9 @@ def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> Complex
     return lfilter([1 - abs(p)], [1, -p], u)
 
 
-def _columns(
-    scene: _Scene, order: int, poles: Sequence[tuple[float, float]],
-    shift: ComplexArray | float = 1.0,
-) -> ComplexArray:  # fmt: skip
+def _columns(scene: _Scene, order: int, poles: Sequence[tuple[float, float]]) -> ComplexArray:
     """Each force of an order, plain and through each mode, (columns, n)."""
-    forces = scene.inputs(order, shift)
+    forces = scene.inputs(order)
     made = [*forces, *(_through(u, pole, scene.rate) for pole in poles for u in forces)]
     return np.stack([_levelled(u, scene.rate) for u in made])
 
@@ -301,29 +313,114 @@ def _solve(
     return c[:m] + 1j * c[m:], float(c @ right)
 
 
+@dataclass(frozen=True)
+class _Slow:
+    """An order as its shaft sees it: what turns with the order stands still.
+
+    A search asks for many modes, and seen so, some samples a second say as much of each as
+    hundreds do.
+
+    Attributes
+    ----------
+    every
+        Samples that are taken together.
+    rate : Hz
+        Of what is left, m times.
+    back : (m every,)
+        What turns the order back.
+    turn : (m,)
+        The order at the middles.
+    speed : (m,) rad/s
+        Of the order there.
+    loads : (forces, m)
+        Sizes of the forces of that order.
+    """
+
+    every: int
+    rate: float
+    back: ComplexArray
+    turn: ComplexArray
+    speed: FloatArray
+    loads: FloatArray
+
+    def met(self, x: FloatArray) -> ComplexArray:
+        """Return x (n,) as Re z e^{ikθ} near the order: z (m,)."""
+        turned = x[: self.back.size] * self.back
+        return 2 * turned.reshape(-1, self.every).mean(-1)
+
+    def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
+        """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
+        time = np.arange(self.speed.size) / self.rate
+        beside = np.exp(2j * np.pi * shift * time)
+        plain = self.loads * beside
+        each = [plain, *(self.through(p, beside, shift) for p in poles)]
+        return np.concatenate(each).astype(np.complex128)
+
+    def through(
+        self, pole: tuple[float, float], beside: ComplexArray | float = 1.0, shift: float = 0.0
+    ) -> ComplexArray:
+        """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
+        from scipy.signal import lfilter
+
+        w = 2 * np.pi * pole[0]
+        p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
+        off = p - 1j * (self.speed + 2 * np.pi * shift)
+        # A steady force is followed exactly.
+        gain = -w * pole[1] * (1 - np.exp(off / self.rate)) / off
+        force = self.loads * (gain * self.turn * beside)
+        moved = np.asarray(lfilter([1], [1, -np.exp(p / self.rate)], force, axis=-1), complex)
+        back: ComplexArray = moved * np.conj(self.turn)
+        return back
+
+
+SLOW = 50.0
+"""Samples a second at which an order is searched for modes: they remember tenths of one."""
+
+
+def _slow(scene: _Scene, order: int) -> _Slow:
+    """Return an order of a scene as its shaft sees it."""
+    every = max(int(scene.rate / SLOW), 1)
+    m = scene.turns.size // every
+    middle = slice(every // 2, m * every, every)
+    angle = 2 * np.pi * order * scene.turns[: m * every]
+    loads = [scene.torque, (scene.speed / 40) ** 2] if order == 2 else [scene.torque]
+    return _Slow(
+        every, scene.rate / every, np.exp(-1j * angle), np.exp(1j * angle[middle]),
+        2 * np.pi * order * scene.speed[middle], np.stack(loads)[:, middle],
+    )  # fmt: skip
+
+
+def _fitted(
+    columns: ComplexArray, z: ComplexArray, *, ridge: float = 1e-9
+) -> tuple[ComplexArray, float]:
+    """Coefficients of z ≈ Σ c X by least squares, and the energy explained."""
+    gram, right = np.conj(columns) @ columns.T, np.conj(columns) @ z
+    scale = np.sqrt(np.maximum(np.diag(gram).real, 1e-300))
+    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
+    c = np.linalg.solve(gram, right / scale) / scale
+    return c, float((np.conj(c) @ right).real)
+
+
 def _searched(
-    scene: _Scene, y: FloatArray, order: int, *, most: int, within: tuple[float, float]
+    slow: _Slow, z: ComplexArray, *, most: int, within: tuple[float, float]
 ) -> tuple[tuple[float, float], ...]:
     """Modes that an order shakes: each added where it explains most, while it explains enough."""
     poles: tuple[tuple[float, float], ...] = ()
-    forces = scene.inputs(order)
-    # Every other sample tells inner products as well as all.
-    base, seen = _real(_columns(scene, order, ()))[:, ::2], y[::2]
+    base = slow.columns(())
     for _ in range(most):
         q, _ = np.linalg.qr(base.T)
-        left = seen - q @ (q.T @ seen)
-        whole = float(seen @ seen - left @ left)
+        left = z - q @ (np.conj(q.T) @ z)
+        whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
 
-        def gain(pole: tuple[float, float], q: FloatArray = q, left: FloatArray = left) -> float:
+        def gain(
+            pole: tuple[float, float], q: ComplexArray = q, left: ComplexArray = left
+        ) -> float:
             """Energy that the order through one more mode explains of what is left."""
-            rows = _real(np.stack([_through(u, pole, scene.rate)[::2] for u in forces]))
-            rows = rows - (rows @ q) @ q.T
-            gram, right = rows @ rows.T, rows @ left
-            scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-            gram = gram / np.outer(scale, scale) + 1e-6 * np.eye(scale.size)
-            return float((right / scale) @ np.linalg.solve(gram, right / scale))
+            rows = slow.through(pole)
+            rows = rows - (rows @ np.conj(q)) @ q.T
+            return _fitted(rows, left, ridge=1e-6)[1]
 
-        best, f, d = max((gain(pole), *pole) for pole in _likely(scene, left, order, within))
+        best, f, d = max((gain(pole), *pole) for pole in _likely(slow, left, within))
         log_step, damp_step, steps = 0.03, 0.5, 0
         while steps < 6:
             options = [
@@ -341,24 +438,23 @@ def _searched(
         if best < POLE * (whole + best):
             break
         poles = (*poles, (float(f), float(d)))
-        base = _real(_columns(scene, order, poles))[:, ::2]
+        base = slow.columns(poles)
     return poles
 
 
 def _likely(
-    scene: _Scene, left: FloatArray, order: int, within: tuple[float, float]
+    slow: _Slow, left: ComplexArray, within: tuple[float, float]
 ) -> list[tuple[float, float]]:
     """Modes to begin a search with: those that fit the response band by band, and some others.
 
     Bands know nothing of what a mode remembers, so they only say where to look.
     """
-    f = order * scene.speed[::2]
+    f, u = slow.speed / (2 * np.pi), slow.loads[0]
     band = (f / 1.5).astype(np.int64)
-    u = scene.inputs(order)[0][::2]
-    power = np.bincount(band, np.abs(u) ** 2) / 2
-    z = left * np.conj(u)
+    power = np.bincount(band, u**2)
     busy = np.flatnonzero(power > 1e-3 * power.sum())
-    h = (np.bincount(band, z.real) + 1j * np.bincount(band, z.imag))[busy] / power[busy]
+    h = (np.bincount(band, left.real * u) + 1j * np.bincount(band, left.imag * u))[busy]
+    h = h / power[busy]
     middle = (np.bincount(band, f) / np.maximum(np.bincount(band), 1))[busy]
     w = np.sqrt(power[busy])
     modes = np.geomspace(*within, 44)
@@ -394,23 +490,27 @@ def _line(scene: _Scene, y: FloatArray, order: int, *, most: int) -> _Line:
     driven = f[f > SLOWEST]
     top = min(float(np.quantile(driven, 0.995)) * 1.25, 0.45 * scene.rate) if driven.size else 20.0
     low = max(float(np.quantile(driven, 0.02)) * 0.6, 3.0) if driven.size else 3.0
-    poles = _searched(scene, y, order, most=most, within=(low, max(top, 1.5 * low)))
+    slow = _slow(scene, order)
+    poles = _searched(slow, slow.met(y), most=most, within=(low, max(top, 1.5 * low)))
     columns = _columns(scene, order, poles)
     c, _ = _solve(columns, y)
     fit = (c @ columns).real
     # Once more with the blows cut down, so that none of them is taken for a response.
     y = fit + _limited(y - fit, scene.rate)
     c, _ = _solve(columns, y)
-    rest = y - (c @ columns).real
+    rest = slow.met(y - (c @ columns).real)
     seconds = y.size / scene.rate
-    time = np.arange(y.size) / scene.rate
+    own = slow.columns(poles)
+    # What one of these columns is of those: they are scaled, and not followed, alike.
+    scale = np.array(
+        [_fitted(own[k : k + 1], slow.met(x.real))[0][0] for k, x in enumerate(columns)]
+    )
     taken: list[float] = []
     noise: list[ComplexArray] = []
     for k in (*PHANTOMS, *(-p for p in PHANTOMS)):
-        ghost = _columns(scene, order, poles, np.exp(2j * np.pi * k / seconds * time))
-        error, floor = _solve(ghost, rest)
-        taken.append(floor)
-        noise.append(error)
+        error, floor = _fitted(slow.columns(poles, shift=k / seconds), rest)
+        taken.append(floor * slow.every / 2)
+        noise.append(error / scale)
     strength = max(_foretold(columns, y, scene.rate), 0.0) / max(float(np.mean(taken)), 1e-30)
     return _Line(order, c @ columns, columns, np.stack(noise), strength, poles)
 
@@ -536,7 +636,7 @@ def identified(
     first = _punctual(options[0], most=angle.lag)
     best = scene(first)
     line = _line(best, y, 2, most=2)
-    doubts: list[str] = []
+    doubts: list[Said] = []
     if line.strength < FOUND:
         reach = [removed(line.wave.real)]
         for option in options[1:]:
@@ -586,7 +686,13 @@ def identified(
 
     mean = wave()
     middle = removed(mean)
-    drawn = np.array([removed(wave(draw=True)) for _ in range(DRAWS)])
+    # How far draws lie from it shows among the thinned samples as well as among all.
+    thin = damage(x)
+    if thin > 0:
+        among = [1 - damage(x - w) / thin for w in (mean, *(wave(draw=True) for _ in range(DRAWS)))]
+        drawn = middle + np.array(among[1:]) - among[0]
+    else:
+        drawn = np.array([removed(wave(draw=True)) for _ in range(DRAWS)])
     low, high = np.quantile(drawn, [0.05, 0.95])
     # What the model leaves out of a bracket: most where half of the damage is at stake.
     margin = 0.03 + 0.1 * max(middle * (1 - middle), 0.0)
@@ -595,13 +701,13 @@ def identified(
         low, high = low - 0.1, high + 0.1
         if middle > 0.3:  # an angle that slips loses some of what is theirs
             high = max(high, removed(_near(x, best, fine)) + 0.05)
-        doubts.append("little is locked to the shaft: the interval is wider by a tenth")
+        doubts.append(FAINT)
     if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
         high = max(high, removed(_near(x, best, fine)), 0.05)
-        doubts.append("what is locked does not explain the large cycles: the angle may slip")
+        doubts.append(SLIPPING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
-        doubts.append("order 6 is locked too, as of rattling contact: they may have done more")
+        doubts.append(RATTLING)
     if not angle.trusted:
         high = max(high, removed(_near(x, best, fine)))
         low = min(low, 0.5 * middle)
@@ -611,9 +717,7 @@ def identified(
         if apart is not None:
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
-            doubts.append(
-                "an engine order runs with order 2: phase and torque are the same, either did it"
-            )
+            doubts.append(ALIKE)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,

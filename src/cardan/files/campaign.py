@@ -34,12 +34,13 @@ _WORDS = ListOf(Text())
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A stretch of a recording, s, and how often it is driven in the mix."""
+    """A stretch of a recording, s or m of the way, and how often it is driven in the mix."""
 
     name: str
     first: float
     last: float
     times: float
+    by_way: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,28 +73,45 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Campaigned:
-    """A campaign's file as read: its title, its drives, and the options for all of them."""
+    """A campaign's file as read: title, drives, options for all of them, share of customers."""
 
     title: str
     drives: tuple[Drive, ...]
     options: Mapping[str, Any]
+    customer: float = 0.0
 
 
 class SegmentTable(Table):
-    """A stretch of a recording by time."""
+    """A stretch of a recording by time, or by place on the way."""
 
     name: str = key("what it is called: a route, a gear, a place")
-    from_s: Annotated[float, _TIME] = key("where it begins, s", default=0.0)
-    to_s: Annotated[float, _TIME] = key("where it ends, s")
+    from_s: Annotated[float, _TIME] | None = key("where it begins, s", default=None)
+    to_s: Annotated[float, _TIME] | None = key("where it ends, s", default=None)
+    from_km: Annotated[float, _TIME] | None = key("where it begins on the way, km", default=None)
+    to_km: Annotated[float, _TIME] | None = key("where it ends on the way, km", default=None)
     times: Annotated[float, Number(above=0, most=1e9)] = key(
         "how often it is driven in the mix", default=1.0
     )
 
     def build(self) -> Segment:
         """Return the stretch."""
-        if self.from_s >= self.to_s:
-            self.at("to_s").refuse("must be later than from_s", got=f"{self.to_s:g}")
-        return Segment(name=self.name, first=self.from_s, last=self.to_s, times=self.times)
+        times, ways = (self.from_s, self.to_s), (self.from_km, self.to_km)
+        if any(v is not None for v in times) and any(v is not None for v in ways):
+            self.at("from_km" if self.from_km is not None else "to_km").refuse(
+                "stands beside a time: a segment is by time or by place"
+            )
+        by_way = self.to_km is not None
+        first, last = ways if by_way else times
+        if last is None:
+            self.at("name").refuse("belongs to a segment without an end", "give to_s or to_km")
+        first, last = first or 0.0, last or 0.0
+        if first >= last:
+            unit = "km" if by_way else "s"
+            self.at(f"to_{unit}").refuse(f"must be later than from_{unit}", got=f"{last:g}")
+        scale = 1e3 if by_way else 1.0
+        return Segment(
+            name=self.name, first=scale * first, last=scale * last, times=self.times, by_way=by_way
+        )
 
 
 class BesideTable(Table):
@@ -228,24 +246,33 @@ class CampaignTable(Table):
     tyre_radius_m: Annotated[float, Number(above=0, most=5)] | None = key(
         "static radius of the tyre", default=None
     )
+    usage: bool = key("whether it is told when and where the damage came", default=False)
     mask: Annotated[tuple[str, ...], _WORDS] = key(
         "what is a hole in every recording: [CHANNEL=]KIND[@FROM..TO]", default=()
     )
     accept: Annotated[tuple[str, ...], _WORDS] = key("what the part felt", default=())
     limits: str | None = key("a profile, by name or as a file", default=None)
     target_hours: _Positive | None = key("what every gauge has to live of the mix", default=None)
+    customer: Annotated[float, Number(least=0.5, below=1)] | None = key(
+        "share of customers to tell the damage of, each recording taken for one", default=None
+    )
 
     def build(self) -> Campaigned:
         """Return the campaign."""
         if not self.recordings:
             self.at("recordings").refuse("is empty", "give one file at least")
         self.differ("recordings", (drive.name for drive in self.recordings))
-        plain = {"campaign", "recordings", "strength", "channels", "engine_orders"}
+        plain = {"campaign", "recordings", "strength", "channels", "engine_orders", "customer"}
         options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
         options |= self.strength
         options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
         options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
-        return Campaigned(title=self.campaign, drives=self.recordings, options=options)
+        return Campaigned(
+            title=self.campaign,
+            drives=self.recordings,
+            options=options,
+            customer=self.customer or 0.0,
+        )
 
 
 def read(path: Path, *, allow_outside: bool = False) -> Campaigned:

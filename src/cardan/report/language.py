@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import get_args
 
 from cardan.base.part import Occasion, Part
+from cardan.base.said import Said
 from cardan.model.vehicle import SuspensionState
 from cardan.quantity.quantities import QUANTITIES
 
@@ -84,6 +85,16 @@ class Language:
         if self.code != "en":
             said = catalogue(self.code)["", said]
         return said.format(**values) if values else said
+
+    def said(self, of: Said) -> str:
+        """Return a sentence that was made below, its words and sentences inside it too."""
+
+        def filled(value: object) -> object:
+            if isinstance(value, Said):
+                return self.said(value)
+            return self.given(value) if isinstance(value, str) else value
+
+        return self(of.text, **{name: filled(value) for name, value in of.values})
 
     def given(self, said: str) -> str:
         """Return a text that is ours or a publication's: translated where it is ours."""

@@ -9,22 +9,23 @@ import numpy as np
 from cardan import __version__
 from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
-from cardan.fatigue.cause import JOINTS, MEANING, Comparison
+from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.fault import FREEZE, HOLE, KINDS
-from cardan.fatigue.life import Causes, GaugeLife, Plan, verdict
+from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
-from cardan.fatigue.response import Evidence
+from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
+from cardan.report import identified, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
-from cardan.report.terminal import headline, table, without_answer
+from cardan.report.terminal import columns, headline, table, without_answer
 from cardan.report.wording import gaps, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.campaign import ASKED
 from cardan.study.finding import Finding
-from cardan.study.recording import Heard, Mix, verdict_on
+from cardan.study.recording import Heard, Mix, Mixed, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,6 +133,8 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     of = _heard(found)
     return {
         **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
+        **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
+        **({"identification": identified.document(of.identification)} if of.identification else {}),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         **plain(
@@ -181,6 +184,23 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
     return {
         "cardan": __version__,
         "campaign": of.title,
+        **(
+            {
+                "customer": {
+                    "share": of.customer,
+                    "gauges": [
+                        {
+                            "name": gauge,
+                            "damage_per_hour": rate * hour,
+                            "bound_per_hour": bound * hour,
+                        }
+                        for gauge, (rate, bound) in of.customers.items()
+                    ],
+                }
+            }
+            if of.customers
+            else {}
+        ),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         "gauges": gauges,
@@ -188,6 +208,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
             {
                 "times": times,
                 **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
+                **({"usage": {u.gauge: used.document(u) for u in h.used}} if h.used else {}),
             }
             for _, times, h in of.parts
         ],
@@ -209,37 +230,79 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
     """Yield the verdict on a campaign, its mix, and each recording as lines of text."""
     of = _mix(found)
     yield from _verdict(found, of.title, of.profile, say)
-    yield ""
-    heads = {"times": 10, "live h": 10, "damage": 12, "per h": 12, "per km": 12, "of the mix": 12}
     for one in of.lives:
-        whole = one.life.damage or math.nan
-        yield f"{one.name:<28}" + "".join(f"{name:>{width}}" for name, width in heads.items())
-        for (name, times, _), (part, _) in zip(of.parts, one.parts, strict=True):
-            life = part.life
-            per_km = life.damage / (life.distance / 1e3) if life.distance > 0 else math.nan
-            per_hour = life.damage / life.duration * hour if life.duration > 0 else math.nan
-            yield (
-                f"  {name[:26]:<26}{times:>10g}{life.duration / hour:>10.3g}"
-                f"{_known(life.damage, '.4g'):>12}{_known(per_hour, '.3g'):>12}"
-                f"{_known(per_km, '.3g'):>12}{_known(times * life.damage / whole, '.1%'):>12}"
-            )
-        yield f"  {'the mix':<26}{'':>10}{one.life.duration / hour:>10.3g}{whole:>12.4g}"
-        if one.vetoes:
-            kinds = " and ".join(one.vetoes)
-            yield f"{one.name}: VETOED: its damage hangs on {kinds} of some recording"
-        else:
-            hours = one.life.hours if one.heard else math.nan
-            yield f"{one.name}: lives {_long(hours)} h of the mix"
-        if evidence := of.evidence(one.name):
-            low, high = evidence.interval
-            yield (
-                f"{one.name}: {evidence.removed:.0%} of the mix's damage would go with the joints "
-                f"(90 % interval {low:.0%} to {high:.0%}): {evidence.finding.upper()}"
-            )
         yield ""
+        yield from columns(mix_rows(of, one, say))
+        yield from mix_says(of, one, say)
+    yield from customers(of, say)
     for _, _, heard in of.parts:
-        yield from lines(heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes)
         yield ""
+        yield from lines(
+            heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes, say=say
+        )
+        for one in heard.used:
+            yield from used.lines(one, say)
+
+
+def customers(of: Mix, say: Language) -> Iterator[str]:
+    """Yield what a share of customers does to each gauge, where the campaign asks for one."""
+    for gauge, (rate, bound) in of.customers.items():
+        yield say(
+            "{gauge}: {share} of customers do at most {rate} damage per hour (90 % bound {bound}), "
+            "each recording taken for one of them: {hours} h, at the bound {least} h",
+            gauge=gauge, share=say.pointed(f"{of.customer:.0%}"),
+            rate=say.short(rate * hour, 3), bound=say.short(bound * hour, 3),
+            hours=_long(of.allowed / (rate * hour), say),
+            least=_long(of.allowed / (bound * hour), say),
+        )  # fmt: skip
+
+
+def mix_rows(of: Mix, one: Mixed, say: Language) -> list[tuple[str, ...]]:
+    """Return what each recording does to a gauge of a mix as rows, their heads first."""
+    whole = one.life.damage or math.nan
+    rows = [
+        (one.name, say("times"), say("live h"), say("damage"), say("per h"), say("per km"),
+         say("of the mix")),
+    ]  # fmt: skip
+    for (name, times, _), (part, _) in zip(of.parts, one.parts, strict=True):
+        life = part.life
+        per_km = life.damage / (life.distance / 1e3) if life.distance > 0 else math.nan
+        per_hour = life.damage / life.duration * hour if life.duration > 0 else math.nan
+        rows.append(
+            (f"  {name}", say.short(times), say.short(life.duration / hour, 3),
+             _known(life.damage, ".4g", say), _known(per_hour, ".3g", say),
+             _known(per_km, ".3g", say), _known(times * life.damage / whole, ".1%", say))
+        )  # fmt: skip
+    rows.append(
+        (f"  {say('the mix')}", "", say.short(one.life.duration / hour, 3),
+         _known(whole, ".4g", say), "", "", "")
+    )  # fmt: skip
+    return rows
+
+
+def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
+    """Yield how long a gauge lives of a mix, and what of its damage is the joints'."""
+    if one.vetoes:
+        yield say(
+            "{gauge}: VETOED: its damage hangs on {kinds} of some recording",
+            gauge=one.name, kinds=say.list(*map(say, one.vetoes)),
+        )  # fmt: skip
+    else:
+        hours = one.life.hours if one.heard else math.nan
+        yield say("{gauge}: lives {hours} h of the mix", gauge=one.name, hours=_long(hours, say))
+    if evidence := of.evidence(one.name):
+        yield say(
+            "{gauge}: {share} of the mix's damage would go with the joints "
+            "(90 % interval {low} to {high}): {finding}",
+            gauge=one.name, finding=say(evidence.finding).upper(),
+            **_shares(evidence, say),
+        )  # fmt: skip
+
+
+def _shares(of: Evidence, say: Language) -> dict[str, str]:
+    low, high = of.interval
+    each = {"share": of.removed, "low": low, "high": high}
+    return {name: say.pointed(f"{value:.0%}") for name, value in each.items()}
 
 
 def _heard(found: Finding[Heard]) -> Heard:
@@ -287,7 +350,7 @@ def contract(
                 }
                 for cause in found.causes
             ]
-            entry["verdict"] = verdict(one.name, found, causes.evidence[k])
+            entry["verdict"] = blame(one.name, found, causes.evidence[k])
             entry["order2_by_speed"] = _cut(causes.speed, causes.order2[k])
             if causes.comparisons:
                 entry["order2"] = _compared(causes.comparisons[k])
@@ -312,13 +375,14 @@ def contract(
         "channels": [
             {
                 "name": name, "missing": h.missing, "spikes": h.spikes, "clipped": h.clipped,
-                "dead": h.dead, "drift": h.drift, "findings": h.findings(rate=recording.rate),
+                "dead": h.dead, "drift": h.drift,
+                "findings": [str(f) for f in h.findings(rate=recording.rate)],
                 "suspects": _suspects(h, recording.rate),
             }
             for name, h in channels.items()
         ],
         "gauges": gauges,
-        "doubts": [] if causes is None else causes.doubts,
+        "doubts": [] if causes is None else [str(d) for d in causes.doubts],
     }  # fmt: skip
 
 
@@ -329,14 +393,15 @@ def _ruled(rule: Rule) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _known(value: float, as_: str) -> str:
-    return "-" if math.isnan(value) else format(value, as_)
+def _known(value: float, as_: str, say: Language) -> str:
+    return "-" if math.isnan(value) else say.pointed(format(value, as_))
 
 
-def _long(value: float) -> str:
+def _long(value: float, say: Language) -> str:
+    """Return hours or kilometres, which may have no end."""
     if math.isnan(value):
-        return "not known"
-    return f"{value:,.4g}" if math.isfinite(value) else "no end"
+        return say("not known")
+    return say.short(value, 4) if math.isfinite(value) else say("no end")
 
 
 def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
@@ -344,7 +409,12 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     of = _heard(found)
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
-    yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes)
+    yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes, say=say)
+    for one in of.used:
+        yield from used.lines(one, say)
+    if of.identification is not None:
+        yield ""
+        yield from identified.lines(of.identification, say)
 
 
 def _verdict(
@@ -367,51 +437,24 @@ def _verdict(
 
 
 def lines(
-    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None
-) -> Iterator[str]:
+    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None,
+    say: Language = EN,
+) -> Iterator[str]:  # fmt: skip
     """Yield the report as lines of text."""
     duration = lives[0].quality.recorded
-    yield f"{recording.name}: {duration / hour:.4g} h at {recording.rate:g} Hz"
+    yield say(
+        "{recording}: {hours} h at {rate} Hz", recording=recording.name,
+        hours=say.short(duration / hour, 4), rate=say.short(recording.rate),
+    )  # fmt: skip
     for note in recording.notes:
-        yield f"  note: {note}"
-    for one in lives:
-        for name, health in one.health.items():
-            for said in health.findings(rate=recording.rate):
-                yield f"  {name}: {said}"
+        yield say("  note: {note}", note=say.given(note))
+    for line in channels(recording, lives, say):
+        yield f"  {line}"
     yield ""
-    heads = {"low": 8, "high": 8, "damage": 12, "hours": 12, "km": 12, "d ln D/d ln S": 15}
-    yield f"{'gauge':<12}" + "".join(f"{name:>{width}}" for name, width in heads.items())
-    yield f"{'':<12}{'MPa':>8}{'MPa':>8}"
-    for one in lives:
-        life, hours = one.life, one.life.hours if one.heard else math.nan
-        km = "" if math.isnan(life.kilometres * hours) else _long(life.kilometres)
-        told = "vetoed" if one.vetoed else _long(hours)
-        km = "" if one.vetoed else km
-        yield (
-            f"{one.name:<12}{_known(one.low / MPa, '.1f'):>8}{_known(one.high / MPa, '.1f'):>8}"
-            f"{_known(life.damage, '.4g'):>12}{told:>12}{km:>12}"
-            f"{_known(one.exponent, '.2f'):>15}"
-        )
+    yield from columns(gauges(lives, say))
     yield ""
     for one in lives:
-        if not one.heard:
-            yield f"{one.name}: said nothing, so its life is not known"
-            continue
-        yield from _trust(one, rate=recording.rate)
-        if one.vetoed:
-            continue
-        rate = ", ".join(
-            f"{f:.0%} failed {_long(n * one.life.duration / hour)} h"
-            for f, n in one.repeats.items()
-        )
-        yield f"{one.name}: {rate}"
-        if one.spectral:
-            beside = ", ".join(
-                f"{n.replace('_', '-').title()} {d / one.life.damage:.2f}"
-                for n, d in one.spectral.items()
-                if one.life.damage > 0
-            )
-            yield f"{one.name}: damage by spectrum over rainflow: {beside}"
+        yield from trust(one, rate=recording.rate, say=say)
     if causes is None:
         return
     places = _places(causes)
@@ -419,65 +462,173 @@ def lines(
         k = places.get(one.name)
         if k is None:
             continue
-        found = causes.attributions[k]
         yield ""
-        yield f"{one.name + ': cause':<24}{'share':>9}{'without it':>13}{'alone':>10}"
-        for cause in found.causes:
-            whole = found.whole or math.nan
-            yield (
-                f"  {cause:<22}{found.share(cause):>9.1%}{found.without(cause) / whole:>13.3f}"
-                f"{found.alone(cause) / whole:>10.3f}"
-            )
-        if causes.comparisons:
-            c = causes.comparisons[k]
-            yield (
-                f"  order 2 measured over predicted {c.ratio:.2f}, correlation with torque "
-                f"{c.correlation:.2f}"
-            )
-        yield verdict(one.name, found, causes.evidence[k])
+        yield from columns(shared(one.name, causes, k, say))
+        yield from told(one.name, causes, k, say)
     yield ""
-    yield "Shares are Shapley values; without it and alone are damages over that of all together."
-    for doubt in causes.doubts:
-        yield f"doubt: {doubt}"
-    yield (
-        f"Residue by {plan.rule.__name__.replace('_', ' ')}; failure at damage {plan.allowed:g}."
+    yield say(
+        "Shares are Shapley values; without it and alone are damages over that of all together."
     )
+    for doubt in causes.doubts:
+        yield say("doubt: {doubt}", doubt=say.said(doubt))
+    yield say(
+        "Residue: {rule}; failure at damage {allowed}.",
+        rule=say(plan.rule.__name__.replace("_", " ")), allowed=say.short(plan.allowed),
+    )  # fmt: skip
 
 
-def _trust(one: GaugeLife, *, rate: float) -> Iterator[str]:
-    """Yield how far a gauge's answer may be trusted, and why no farther."""
-    of = one.quality
+def channels(recording: Recording, lives: Sequence[GaugeLife], say: Language) -> Iterator[str]:
+    """Yield what looks wrong in the channels of gauges, a line each."""
+    healths = {name: health for one in lives for name, health in one.health.items()}
+    for name, health in healths.items():
+        for finding in health.findings(rate=recording.rate):
+            yield f"{name}: {say.said(finding)}"
+
+
+def gauges(lives: Sequence[GaugeLife], say: Language) -> list[tuple[str, ...]]:
+    """Return the gauges as rows, their heads first."""
+    rows = [
+        (say("gauge"), say("low, MPa"), say("high, MPa"), say("damage"), say("hours"), "km",
+         "d ln D/d ln S"),
+    ]  # fmt: skip
+    for one in lives:
+        life, hours = one.life, one.life.hours if one.heard else math.nan
+        km = "" if math.isnan(life.kilometres * hours) else _long(life.kilometres, say)
+        rows.append(
+            (one.name, _known(one.low / MPa, ".1f", say), _known(one.high / MPa, ".1f", say),
+             _known(life.damage, ".4g", say), say("vetoed") if one.vetoed else _long(hours, say),
+             "" if one.vetoed else km, _known(one.exponent, ".2f", say))
+        )  # fmt: skip
+    return rows
+
+
+def shared(name: str, causes: Causes, k: int, say: Language) -> list[tuple[str, ...]]:
+    """Return who did the damage at a gauge as rows, their heads first."""
+    found = causes.attributions[k]
+    whole = found.whole or math.nan
+    head = (say("{gauge}: cause", gauge=name), say("share"), say("without it"), say("alone"))
+    return [
+        head,
+        *(
+            (f"  {say(cause)}", say.pointed(f"{found.share(cause):.1%}"),
+             say.pointed(f"{found.without(cause) / whole:.3f}"),
+             say.pointed(f"{found.alone(cause) / whole:.3f}"))
+            for cause in found.causes
+        ),
+    ]  # fmt: skip
+
+
+def told(name: str, causes: Causes, k: int, say: Language) -> Iterator[str]:
+    """Yield what the joints had to do with a gauge's damage, in words."""
+    if causes.comparisons:
+        c = causes.comparisons[k]
+        yield say(
+            "  order 2 measured over predicted {ratio}, correlation with torque {correlation}",
+            ratio=_known(c.ratio, ".2f", say), correlation=_known(c.correlation, ".2f", say),
+        )  # fmt: skip
+    yield blame(name, causes.attributions[k], causes.evidence[k], say)
+
+
+def blame(
+    gauge: str, attribution: Attribution, evidence: Evidence | None = None, say: Language = EN
+) -> str:
+    """Say in a sentence or three how much the joints had to do with it, whichever way it falls."""
+    whole, without = attribution.whole, attribution.without(JOINTS)
+    if not whole > 0:
+        return say("{gauge}: no damage, so nobody did it.", gauge=gauge)
+    longer = whole / without if without > 0 else math.inf
+    own = say(
+        "the joints' orders answer for {share} of the damage; without them it would live {longer} "
+        "times as long.",
+        share=say.pointed(f"{attribution.share(JOINTS):.1%}"), longer=say.short(longer, 3),
+    )  # fmt: skip
+    parts = [f"{gauge}: {own}"]
+    if evidence is not None:
+        shares = _shares(evidence, say)
+        if evidence.strength < FOUND and evidence.finding == CANNOT_TELL:
+            # A share of nought beside "cannot tell" would be read as an acquittal.
+            return say(
+                "{gauge}: CANNOT TELL: nothing that could be followed is locked to the shaft; by "
+                "phase and torque {share} of the damage would go with the joints (90 % interval "
+                "{low} to {high}). In the shares above, where it counts as others', {own}",
+                gauge=gauge, own=own, **shares,
+            )  # fmt: skip
+        parts.append(
+            say(
+                "By phase and torque {share} of the damage would go with them (90 % interval {low} "
+                "to {high}): {finding}.",
+                finding=say(evidence.finding).upper(), **shares,
+            )
+        )  # fmt: skip
+    chief, most = max(attribution.shares.items(), key=lambda kv: kv[1])
+    if chief != JOINTS:
+        parts.append(
+            say("The largest share, {share}, is of {cause}.",
+                share=say.pointed(f"{most:.1%}"), cause=say(chief))
+        )  # fmt: skip
+    return " ".join(parts)
+
+
+def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
+    """Yield how far a gauge's answer may be trusted, why no farther, and when how many fail."""
+    of, name = one.quality, one.name
+    if not one.heard:
+        yield say("{gauge}: said nothing, so its life is not known", gauge=name)
+        return
     for e in of.effects:
-        if e.kind in (HOLE, FREEZE):
-            continue
-        state = "undecided" if e.undecided else "decided"
-        yield (
-            f"{one.name}: {e.kind} ({e.count}, {state}): damage {e.recorded:.4g} as recorded, "
-            f"{e.without:.4g} without"
-        )
+        if e.kind not in (HOLE, FREEZE):
+            yield say(
+                "{gauge}: {kind} ({count}, {state}): damage {recorded} as recorded, {without} "
+                "without",
+                gauge=name, kind=say(e.kind), count=e.count,
+                state=say("undecided") if e.undecided else say("decided"),
+                recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
+            )  # fmt: skip
     if of.share < 0.9999:
-        yield f"{one.name}: alive for {of.share:.1%} of the time; its life is told of that time"
+        yield say(
+            "{gauge}: alive for {share} of the time; its life is told of that time",
+            gauge=name, share=say.pointed(f"{of.share:.1%}"),
+        )  # fmt: skip
     if not math.isnan(of.samples_only):
-        yield (
-            f"{one.name}: its crests fall between samples and were looked for there: damage "
-            f"{of.samples_only:.4g} by the samples alone"
-        )
+        yield say(
+            "{gauge}: its crests fall between samples and were looked for there: damage {damage} "
+            "by the samples alone",
+            gauge=name, damage=_known(of.samples_only, ".4g", say),
+        )  # fmt: skip
     if of.fast > FAST:
-        yield (
-            f"{one.name}: undersampled: {of.fast:.0%} of its power lies above {0.4 * rate:g} Hz, "
-            "and what was faster still is folded in"
-        )
+        yield say(
+            "{gauge}: undersampled: {share} of its power lies above {frequency} Hz, and what was "
+            "faster still is folded in",
+            gauge=name, share=say.pointed(f"{of.fast:.0%}"), frequency=say.short(0.4 * rate),
+        )  # fmt: skip
     if of.sheared:
-        each = ", ".join(f"{name} {damage:.4g}" for name, damage in of.measures.items())
-        yield (
-            f"{one.name}: mostly shear (biaxiality {of.biaxiality:.2f}), so its measure decides: "
-            f"damage by {each}"
-        )
+        each = (f"{say.given(n)} {say.short(damage, 4)}" for n, damage in of.measures.items())
+        yield say(
+            "{gauge}: mostly shear (biaxiality {biaxiality}), so its measure decides: damage by "
+            "{measures}",
+            gauge=name, biaxiality=_known(of.biaxiality, ".2f", say), measures=say.list(*each),
+        )  # fmt: skip
     if of.vetoes:
-        yield (
-            f"{one.name}: VETOED: its damage hangs on {' and '.join(of.vetoes)}; say what it was "
-            "with --mask or --accept"
+        yield say(
+            "{gauge}: VETOED: its damage hangs on {kinds}; say what it was with --mask or --accept",
+            gauge=name, kinds=say.list(*map(say, of.vetoes)),
+        )  # fmt: skip
+        return
+    lasts = (
+        say("{share} failed {hours} h", share=say.pointed(f"{f:.0%}"),
+            hours=_long(n * one.life.duration / hour, say))
+        for f, n in one.repeats.items()
+    )  # fmt: skip
+    yield f"{name}: {say.list(*lasts)}"
+    if one.spectral and one.life.damage > 0:
+        beside = (
+            f"{n.replace('_', '-').title()} {say.pointed(f'{d / one.life.damage:.2f}')}"
+            for n, d in one.spectral.items()
         )
+        yield say(
+            "{gauge}: damage by spectrum over rainflow: {methods}",
+            gauge=name, methods=say.list(*beside),
+        )  # fmt: skip
 
 
 def _suspected(sheet: Any, *, recording: Recording, lives: Sequence[GaugeLife]) -> None:

@@ -102,7 +102,7 @@ def approval(
             (say("Checks"), counts(of, say)),
             (say("Limits"), of.application.profile),
             (say("States"), say.list(*(say.state(s.name) for s in of.application.states))),
-            *_signs(issue, say),
+            *signs(issue, say),
         ),
         chapters=tuple(chapters),
         summary=counts(of, say),
@@ -165,13 +165,13 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
         subtitle=say.list(*(v.approval.application.title for v in of)),
         grade=worst(grades),
         verdict="; ".join(f"{n} {say(g).upper()}" for n, g in zip(names, grades, strict=True)),
-        facts=tuple(_signs(issue, say)),
+        facts=tuple(signs(issue, say)),
         chapters=tuple(chapters),
         date=issue.date,
     )
 
 
-def _signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
+def signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
     """Yield what tells this report from another."""
     for file, print_ in zip(issue.files, issue.prints, strict=True):
         yield say("File"), f"{file} (SHA-256 {print_})"

@@ -274,3 +274,14 @@ def _bold(text: str) -> str:
 
 def _graded(grade: Verdict, text: str) -> str:
     return f"{COLOURS[grade]}{text}{PLAIN}"
+
+
+def columns(rows: Sequence[tuple[str, ...]], *, words: Sequence[int] = (0,)) -> Iterator[str]:
+    """Yield rows as lines of aligned cells: those of the places in `words` to the left."""
+    width = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))] if rows else []
+    for row in rows:
+        cells = (
+            f"{cell:<{w}}" if k in words else f"{cell:>{w}}"
+            for k, (cell, w) in enumerate(zip(row, width, strict=True))
+        )
+        yield "  ".join(cells).rstrip()

@@ -23,7 +23,7 @@ from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
 from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
-from cardan.fatigue.fault import DRIFT, KINDS, MASKABLE
+from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
 from cardan.fatigue.quality import Rule
@@ -145,6 +145,10 @@ class Campaign:
         `GAUGE=MPa_per_kNm` of order 2, to hold against the measured.
     application, unit_stress, state, bearing
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
+    usage
+        Whether it is told when and where the damage came.
+    identify
+        Whether the application's numbers are looked for in the recording.
     rate, time, group
         How the file is read.
     mask, accept
@@ -191,6 +195,8 @@ class Campaign:
     unit_stress: tuple[str, ...] = ()
     state: str = "gvw"
     bearing: int = 1
+    usage: bool = False
+    identify: bool = False
     rate: float | None = None
     time: str | None = None
     group: str = ""
@@ -243,6 +249,15 @@ class Campaign:
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
+        if self.identify and not self.unit_stress:
+            msg = (
+                "--identify needs the --application, and with --unit-stress what its bearing does "
+                "at a gauge"
+            )
+            raise DesignError(msg)
+        if self.identify and (self.torque is None or not (self.speed or self.tacho)):
+            msg = "--identify needs the shaft's --torque and a --tacho or --speed"
+            raise DesignError(msg)
 
     @property
     def line(self) -> str:
@@ -271,13 +286,8 @@ class Campaign:
     def predictions(self) -> dict[str, float]:
         """Return order-2 stress per shaft torque by gauge, Pa per N m: given, or predicted."""
         found: dict[str, float] = {}
-        for text in self.unit_stress:
+        for name, unit in self.unit_stresses().items():
             assert self.application is not None  # __post_init__ refuses
-            name, _, axes = text.rpartition("=")
-            unit = np.array(numbers(axes)) * MPa / 1e3
-            if unit.shape != (3,):
-                msg = f"a unit stress is GAUGE=X,Y,Z in MPa per kN, got {text!r}"
-                raise DesignError(msg)
             found[name] = predicted_stress(
                 self.application, unit_stress=unit, state=self.state, bearing=self.bearing
             )
@@ -289,6 +299,17 @@ class Campaign:
                 found[name] = math.nan
             if not 0 <= found[name] < math.inf:
                 msg = f"a prediction is GAUGE=MPa_per_kNm, got {text!r}"
+                raise DesignError(msg)
+        return found
+
+    def unit_stresses(self) -> dict[str, FloatArray]:
+        """Return what a unit force of the bearing does at gauges, (3,) Pa/N each."""
+        found: dict[str, FloatArray] = {}
+        for text in self.unit_stress:
+            name, _, axes = text.rpartition("=")
+            found[name] = np.array(numbers(axes)) * MPa / 1e3
+            if found[name].shape != (3,):
+                msg = f"a unit stress is GAUGE=X,Y,Z in MPa per kN, got {text!r}"
                 raise DesignError(msg)
         return found
 
@@ -450,6 +471,21 @@ class Campaign:
         channel, given = _named(self.torque)
         return channel, _unit(recording, channel, given, TORQUE)
 
+    def read_torque(self, recording: Recording) -> tuple[FloatArray, float]:
+        """Return the shaft torque (m,) N m as it was written, and how often it was looked at.
+
+        Raises
+        ------
+        DesignError
+            If no channel of it is named.
+        """
+        named = self.torque_of(recording)
+        if named is None:
+            msg = "no channel of the shaft's torque is named: --torque"
+            raise DesignError(msg)
+        values, rate = _every(recording, named[0])
+        return values * named[1], rate
+
     def _singles(self, recording: Recording) -> list[Gauge]:
         modulus = self.modulus_GPa * GPa
         units = STRESS | {u: modulus * v for u, v in STRAIN.items()}
@@ -538,9 +574,9 @@ def _rule(text: str, *, mask: bool) -> Rule:
     if kind and kind not in KINDS:
         msg = f"{text!r}: no kind of fault {kind!r}; there are: {', '.join(KINDS)}"
         raise DesignError(msg)
-    if mask and kind and kind not in MASKABLE:
+    if mask and kind and kind not in REMOVABLE:
         instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
-        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(MASKABLE)}"
+        msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(REMOVABLE)}"
         raise DesignError(msg)
     if not (kind or times):
         msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"
@@ -601,10 +637,16 @@ def _speeds(
         unit = DRIVEN[said] * wheel
     else:
         unit = _unit(recording, channel, given, SPEED)
+    values, rate = _every(recording, channel)
+    return values * unit, rate
+
+
+def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:
+    """Return a slow channel as it is looked at, and how often."""
     every = max(int(recording.rate / READ), 1)
     size = every * 4096
     read = [piece[0][::every] for piece in recording.pieces([channel], size=size)]
-    return np.concatenate(read or [np.empty(0)]) * unit, recording.rate / every
+    return np.concatenate(read or [np.empty(0)]), recording.rate / every
 
 
 def _worded(value: Any, *, several: bool) -> Any:

@@ -10,7 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from cardan.base.errors import NotInstalled
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
@@ -18,16 +21,22 @@ from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
+from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.response import Evidence, together
+from cardan.fatigue.response import FOUND, Evidence, together
+from cardan.fatigue.usage import customer, usage
+from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
+from cardan.study.identification import COUNTED, Identification, identify
+from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
@@ -37,10 +46,34 @@ DECIDE: Mapping[str, str] = {
     "spike": "a word on its spikes, which decide the damage: --mask or --accept spike",
     "dropout": "a word on its dropouts, which decide the damage: --mask or --accept dropout",
     "clip": "a recording that is not clipped, or --accept clip",
+    "zero-step": "a word on the steps of its zero, which decide the damage: --mask or --accept "
+    "zero-step",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
 }
 """What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pictures:
+    """What a report draws of the gauges that said something, in their order.
+
+    Attributes
+    ----------
+    gauges
+        Their names.
+    spectrograms
+        Power over time and frequency, Pa²/Hz.
+    order_maps
+        Amplitude over speed and order, Pa; none where nothing is known to turn.
+    cuts
+        Orders 1, 2 and 4 window by window, Pa.
+    """
+
+    gauges: tuple[str, ...]
+    spectrograms: tuple[Spectrogram, ...]
+    order_maps: tuple[OrderMap, ...]
+    cuts: Cuts | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +89,14 @@ class Heard:
         apart.
     profile
         The limits' name; "" where no profile was asked.
+    angle
+        How far the shaft has turned, as the stress has it; None where nobody knows.
+    identification
+        What the recording says of its application; None where it was not asked.
+    pictures
+        Its gauges as arrays to draw; None where nobody wants to.
+    used
+        When and where its gauges' damage came; none where it was not asked.
     """
 
     recording: Recording
@@ -63,6 +104,10 @@ class Heard:
     lives: tuple[GaugeLife, ...]
     causes: Causes | None
     profile: str
+    angle: Angle | None = None
+    identification: Identification | None = None
+    pictures: Pictures | None = None
+    used: tuple[Used, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -71,6 +116,8 @@ class RecordingStudy:
 
     campaign: Campaign
     name: str = NAME
+    draw: bool = False
+    """Whether the answer holds what a report draws: three more passes."""
 
     def run(self, recording: Recording, tell: Tell = silent) -> Finding[Heard]:
         """Ask.
@@ -103,17 +150,46 @@ class RecordingStudy:
                 predicted=predicted, progress=progress,
             )  # fmt: skip
         when = Occasion("recording", recording.name)
+        if angle is not None and causes is not None:
+            angle = _told_angle(angle, causes)
+        identified = None
+        if campaign.identify and angle is not None:
+            identified = _identified(
+                campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
+            )
+        told = ()
+        if campaign.usage and heard:
+            told = _used(
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                lives=[one for one in lives if one.heard], progress=progress,
+            )  # fmt: skip
+        pictures = None
+        if self.draw and heard:
+            pictures = _pictures(
+                recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                seconds=lives[0].quality.recorded, progress=progress,
+            )  # fmt: skip
         return Finding(
             study=NAME,
             answer=Heard(
-                recording=recording, plan=plan, lives=tuple(lives), causes=causes, profile=profile
+                recording=recording,
+                plan=plan,
+                lives=tuple(lives),
+                causes=causes,
+                profile=profile,
+                angle=angle,
+                identification=identified,
+                pictures=pictures,
+                used=told,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
         )
 
 
-def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard]:
+def listen(
+    path: Path, campaign: Campaign, tell: Tell = silent, *, draw: bool = False
+) -> Finding[Heard]:
     """Open a recording and ask it: what a command and the public face call.
 
     Raises
@@ -126,10 +202,14 @@ def listen(path: Path, campaign: Campaign, tell: Tell = silent) -> Finding[Heard
         recording = open_recording(
             path, rate=campaign.rate, time=campaign.time, group=campaign.group
         )
-        return RecordingStudy(campaign).run(recording, tell)
+        return RecordingStudy(campaign, draw=draw).run(recording, tell)
     except ImportError as error:
         msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"
         raise NotInstalled(msg) from error
+
+
+FEWEST_CUSTOMERS = 3
+"""Recordings from which anything is told of customers."""
 
 
 @dataclass(frozen=True)
@@ -184,12 +264,31 @@ class Mix:
         One a gauge.
     profile
         The limits' name; "" where no profile was asked.
+    customer
+        Share of customers that is asked for; 0 for none.
+    allowed
+        Damage at failure.
     """
 
     title: str
     parts: tuple[tuple[str, float, Heard], ...]
     lives: tuple[Mixed, ...]
     profile: str
+    customer: float = 0.0
+    allowed: float = 1.0
+
+    @property
+    def customers(self) -> dict[str, tuple[float, float]]:
+        """Damage a second that a share of customers stays below at each gauge, and its bound.
+
+        Each recording is taken for a customer; a gauge that some did no damage to has no answer.
+        """
+        found: dict[str, tuple[float, float]] = {}
+        for one in self.lives if self.customer else ():
+            rates = [p.life.damage / p.life.duration for p, _ in one.parts if p.life.duration > 0]
+            if len(rates) >= FEWEST_CUSTOMERS and min(rates) > 0 and not one.vetoes:
+                found[one.name] = customer(rates, quantile=self.customer)
+        return found
 
     def evidence(self, gauge: str) -> Evidence | None:
         """Return what the joints are answerable for at a gauge, of the mix's damage."""
@@ -203,7 +302,9 @@ class Mix:
         return together([e for e, _ in told], [w for _, w in told]) if told else None
 
 
-def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silent) -> Finding[Mix]:
+def listen_to_all(
+    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False
+) -> Finding[Mix]:
     """Ask every recording of a campaign's file, and hold the mix against its limits.
 
     Raises
@@ -229,8 +330,10 @@ def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silen
             name, times, recording = drive.name, drive.times, whole
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
-                recording = between(whole, segment.first, segment.last)
-            answer = RecordingStudy(campaign).run(replace(recording, name=name), tell).answer
+                recording = between(whole, *_times(campaign, whole, segment))
+            answer = (
+                RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
+            )
             assert answer is not None
             parts.append((name, times, answer))
     names = [one.name for one in parts[0][2].lives]
@@ -241,10 +344,47 @@ def listen_to_all(path: Path, *, allow_outside: bool = False, tell: Tell = silen
     when = Occasion("recording", written.title)
     return Finding(
         study=NAME,
-        answer=Mix(title=written.title, parts=tuple(parts), lives=lives, profile=profile),
+        answer=Mix(
+            title=written.title,
+            parts=tuple(parts),
+            lives=lives,
+            profile=profile,
+            customer=written.customer,
+            allowed=asked.allowed,
+        ),
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _times(campaign: Campaign, recording: Recording, segment: Segment) -> tuple[float, float]:
+    """Return from when to when a segment is, s.
+
+    Raises
+    ------
+    DesignError
+        If it is by place and nobody knows the way, or the way ends before it.
+    """
+    if not segment.by_way:
+        return segment.first, segment.last
+    angle = campaign.shaft(campaign.scaled(recording))
+    ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
+    if angle is None or ratio is None or radius is None:
+        msg = (
+            f"segment {segment.name} is by place: that needs the shaft's speed or tacho, "
+            "axle_ratio and tyre_radius_m"
+        )
+        raise DesignError(msg)
+    of = angle.rotation
+    way = (of.turns - of.turns[0]) / ratio * TURN * radius
+    if segment.first >= way[-1]:
+        msg = (
+            f"segment {segment.name} begins at {segment.first / 1e3:g} km, the way ends at "
+            f"{way[-1] / 1e3:.4g} km"
+        )
+        raise DesignError(msg)
+    first, last = (float(np.interp(v, way, of.time)) for v in (segment.first, segment.last))
+    return max(first, 0.0), last
 
 
 def _opened(path: Path, campaign: Campaign) -> Recording:
@@ -303,6 +443,91 @@ def _causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
     )  # fmt: skip
+
+
+def _told_angle(angle: Angle, causes: Causes) -> Angle:
+    """Return an angle with the ratio and lag that the surest gauge has found.
+
+    A tacho counts every turn as it comes, so nothing is found better than that.
+    """
+    if angle.lag <= COUNTED:
+        return angle
+    surest = max(causes.evidence, key=lambda e: e.strength)
+    if surest.strength < FOUND or (surest.ratio == 1 and surest.lag == 0):
+        return angle
+    of = angle.rotation
+    return replace(angle, rotation=Rotation(of.time + surest.lag, surest.ratio * of.turns))
+
+
+def _identified(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle, *,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+) -> Identification:  # fmt: skip
+    """Return what a recording says of the campaign's application."""
+    units = campaign.unit_stresses()
+    gauges = tuple(
+        g for g, one in zip(plan.gauges, lives, strict=True) if g.name in units and one.heard
+    )
+    if not gauges:
+        msg = "no gauge of --unit-stress says anything: nothing to identify the application from"
+        raise DesignError(msg)
+    assert campaign.application is not None  # `Campaign` refuses
+    stress = room.stresses(
+        recording, plan=replace(plan, gauges=gauges), healths=healths, name="identify",
+        progress=progress,
+    )  # fmt: skip
+    return identify(
+        campaign.application, stress, rate=recording.rate, gauges=[g.name for g in gauges],
+        units=np.stack([units[g.name] for g in gauges]), angle=angle,
+        torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
+        state=campaign.state, bearing=campaign.bearing,
+    )  # fmt: skip
+
+
+def _used(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+) -> tuple[Used, ...]:  # fmt: skip
+    """Return when and where the damage of a plan's gauges came."""
+    stress = room.stresses(recording, plan=plan, healths=healths, name="usage", progress=progress)
+    seconds = usage(
+        stress, rate=recording.rate, curve=plan.curve, correction=plan.correction, rule=plan.rule
+    )
+    ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
+    per_turn = math.nan if ratio is None or radius is None else TURN * radius / ratio
+    return used(
+        seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
+        engine=campaign.engine_of(recording) if angle is not None else None,
+        torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
+    )  # fmt: skip
+
+
+def _pictures(
+    recording: Recording, plan: Plan, angle: Angle | None, *, healths: dict[str, Health],
+    seconds: float, progress: room.Progress,
+) -> Pictures:  # fmt: skip
+    """Return what a report draws of a plan's gauges."""
+
+    def stress() -> Iterator[FloatArray]:
+        return room.stresses(recording, plan=plan, healths=healths, name="draw", progress=progress)
+
+    rate, maps, cuts = recording.rate, list[OrderMap](), None
+    top = HEARD
+    if angle is not None:
+        at = windows(angle.rotation, until=seconds)
+        if at.time.size:
+            top = max(HEARD, 6 * float(at.speed.max()))
+            maps = order_maps(stress(), rate=rate, rotation=angle.rotation, at=at)
+            cuts = order_cuts(stress(), rate=rate, rotation=angle.rotation, at=at)
+    return Pictures(
+        gauges=tuple(g.name for g in plan.gauges),
+        spectrograms=tuple(spectrograms(stress(), rate=rate, seconds=seconds, top=top)),
+        order_maps=tuple(maps), cuts=cuts,
+    )  # fmt: skip
+
+
+HEARD = 60.0
+"""Hz up to which a spectrogram shows a bracket's stress, unless its shaft's orders go higher."""
 
 
 class Lived(Protocol):

@@ -1,0 +1,24 @@
+"""A sentence kept apart from what is filled in, so that each medium says it in its language."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Said:
+    """A sentence in English, with {names} for its values."""
+
+    text: str
+    values: tuple[tuple[str, object], ...] = ()
+
+    def __str__(self) -> str:
+        """Return it in English."""
+        return self.text.format(**dict(self.values)) if self.values else self.text
+
+
+def said(text: str, /, **values: object) -> Said:
+    """Return a sentence with its values.
+
+    >>> str(said("{count} samples missing", count=8))
+    '8 samples missing'
+    """
+    return Said(text, tuple(values.items()))

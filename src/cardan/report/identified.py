@@ -1,0 +1,108 @@
+"""What a recording says of its application: terminal and JSON."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cardan.base.units import MPa
+from cardan.report.language import EN, Language
+from cardan.report.terminal import columns
+from cardan.study.identification import Identification, Parameter
+
+NAMES = {
+    "vertical": "vertical stiffness",
+    "lateral": "lateral stiffness",
+    "loss": "loss factor",
+    "phase": "yoke phase",
+    "gain": "measured over computed stress",
+    "mode": "mode of the bracket",
+    "mode damping": "damping of that mode",
+    "unbalance": "unbalance at the rear end",
+}
+"""What the numbers are called."""
+
+
+def parameter(of: Parameter, say: Language) -> tuple[str, ...]:
+    """Return a number as a row: name, part, as written, as found, its interval, what of it."""
+
+    def told(value: float) -> str:
+        return "-" if math.isnan(value) else say.short(of.told_in_unit(value), 4)
+
+    name = say(NAMES[of.name]) + (f" [{of.unit}]" if of.unit else "")
+    where = say("bracket") if of.name.startswith("mode") else say.part(of.part)
+    if not of.told:
+        return name, where, told(of.was), "-", "-", say("not told by this recording")
+    said = say("otherwise than written") if of.otherwise else (
+        say("as written") if not math.isnan(of.was) else ""
+    )  # fmt: skip
+    between = say("{low} to {high}", low=told(of.low), high=told(of.high))
+    return name, where, told(of.was), told(of.value), between, said
+
+
+def lines(of: Identification, say: Language = EN) -> Iterator[str]:
+    """Yield what a recording says of its application as lines of text."""
+    yield say(
+        "{application}, {state}: order 2 as recorded against computed",
+        application=of.application.title, state=say.state(of.state),
+    )  # fmt: skip
+    before, after = (say.number(100 * m) for m in of.misfit)
+    yield say(
+        "  unexplained of its energy: {before} % as written, {after} % as identified",
+        before=before, after=after,
+    )  # fmt: skip
+    head = (say("number"), say("of"), say("written"), say("found"), say("90 % interval"), "")
+    rows = [head, *(parameter(p, say) for p in of.parameters)]
+    yield from (f"  {line}" for line in columns(rows, words=(0, 1, 5)))
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def document(of: Identification) -> dict[str, Any]:
+    """Return what was found as the JSON contract has it; null is not known."""
+    at = of.cuts.windows
+    return {
+        "application": of.application.title,
+        "state": of.state,
+        "centre_bearing": of.bearing,
+        "unexplained": {"written": of.misfit[0], "found": of.misfit[1]},
+        "parameters": [
+            {
+                "name": NAMES[p.name],
+                "part": str(p.part),
+                "unit": p.unit or None,
+                "written": _number(p.told_in_unit(p.was)),
+                "found": _number(p.told_in_unit(p.value)) if p.told else None,
+                "interval": [p.told_in_unit(p.low), p.told_in_unit(p.high)] if p.told else None,
+                "otherwise": p.otherwise,
+                "address": p.address or None,
+            }
+            for p in of.parameters
+        ],
+        "orders": [
+            {
+                "gauge": gauge,
+                "order": order,
+                "windows": [
+                    {
+                        "time_s": at.time[w],
+                        "rpm": at.speed[w] * 60,
+                        "torque_Nm": of.torque[w],
+                        "measured_MPa": _number(abs(of.cuts.amplitude[g, k, w]) / MPa),
+                        "measured_deg": _number(np.angle(of.cuts.amplitude[g, k, w], deg=True)),
+                        "noise_MPa": _number(of.cuts.noise[g, k, w] / MPa),
+                        "written_MPa": _number(abs(of.written[g, k, w]) / MPa),
+                        "written_deg": _number(np.angle(of.written[g, k, w], deg=True)),
+                        "found_MPa": _number(abs(of.found[g, k, w]) / MPa),
+                        "found_deg": _number(np.angle(of.found[g, k, w], deg=True)),
+                    }
+                    for w in range(at.time.size)
+                ],
+            }
+            for g, gauge in enumerate(of.gauges)
+            for k, order in enumerate(of.cuts.orders)
+        ],
+    }

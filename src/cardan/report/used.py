@@ -1,0 +1,149 @@
+"""When and where a recording did its damage: terminal, JSON and tables."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from cardan.base.units import MPa, hour
+from cardan.report.blocks import Block, Table, Text
+from cardan.report.language import EN, Language
+from cardan.report.terminal import columns
+from cardan.study.usage import KEPT, Used
+
+SORTS = {
+    "gear": "gear, engine turns a shaft turn",
+    "speed": "shaft speed, rpm",
+    "torque": "shaft torque, N m",
+}
+"""What damage is told by."""
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def document(of: Used) -> dict[str, Any]:
+    """Return it as the JSON contract has it; null is not known."""
+    run = of.long_run
+    return {
+        "damage_by": {
+            sort: [
+                {
+                    "band": g.name,
+                    "damage": g.damage,
+                    "share": _number(g.share),
+                    "live_s": g.time,
+                    "km": _number(g.distance / 1e3),
+                    "damage_per_km": _number(g.damage / (g.distance / 1e3))
+                    if g.distance > 0
+                    else None,
+                }
+                for g in groups
+            ]
+            for sort, groups in of.groups.items()
+        },
+        "open_share": of.open,
+        "peaks": [
+            {
+                "MPa": p.stress / MPa,
+                "time_s": p.time,
+                "km": _number(p.way / 1e3),
+                "rpm": _number(p.speed * 60),
+                "torque_Nm": _number(p.torque),
+                "gear": p.gear or None,
+            }
+            for p in of.places
+        ],
+        "damage_per_hour": {
+            "recorded": run.rate * hour,
+            "long_run": run.long_run * hour,
+            "interval": [run.interval[0] * hour, run.interval[1] * hour],
+        },
+        "shortened": {"damage": KEPT, "time": of.shortened},
+        "test_amplitude_MPa": of.amplitude / MPa,
+    }
+
+
+def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
+    """Return the damage by a sort as rows, their heads first."""
+    known = any(g.distance > 0 for g in of.groups[sort])
+    head = (say(SORTS[sort]), say("damage"), say("share"), say("time, min"))
+    found = [(*head, say("km"), say("per km")) if known else head]
+    for g in sorted(of.groups[sort], key=lambda g: -g.damage):
+        row = (
+            g.name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
+            say.short(g.time / 60, 3),
+        )  # fmt: skip
+        per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
+        way = (say.short(g.distance / 1e3, 3), "-" if math.isnan(per) else say.short(per, 3))
+        found.append((*row, *way) if known else row)
+    return found
+
+
+def places(of: Used, say: Language) -> list[tuple[str, ...]]:
+    """Return the largest stresses as rows, their heads first."""
+
+    def told(value: float, digits: int = 4) -> str:
+        return "-" if math.isnan(value) else say.short(value, digits)
+
+    head = (say("largest stresses, MPa"), say("time, s"), say("km"), say("shaft speed, rpm"),
+            say("shaft torque, N m"), say("gear, engine turns a shaft turn"))  # fmt: skip
+    return [
+        head,
+        *(
+            (told(p.stress / MPa), told(p.time, 6), told(p.way / 1e3), told(p.speed * 60),
+             told(p.torque), p.gear or "-")
+            for p in of.places
+        ),
+    ]  # fmt: skip
+
+
+def says(of: Used, say: Language) -> Iterator[str]:
+    """Yield what it comes to in the long run, and how short a test can be."""
+    run = of.long_run
+    low, high = (say.short(v * hour, 3) for v in run.interval)
+    yield say(
+        "{gauge}: damage per hour {recorded} as recorded, {long_run} in the long run (90 % "
+        "interval {low} to {high})",
+        gauge=of.gauge, recorded=say.short(run.rate * hour, 3),
+        long_run=say.short(run.long_run * hour, 3), low=low, high=high,
+    )  # fmt: skip
+    yield say(
+        "{gauge}: {damage} of the damage came in {time} of the time: a test cut to that is so much "
+        "shorter",
+        gauge=of.gauge, damage=say.pointed(f"{KEPT:.0%}"), time=say.pointed(f"{of.shortened:.1%}"),
+    )  # fmt: skip
+    yield say(
+        "{gauge}: the recording's damage is that of the S-N knee's cycles at an amplitude of "
+        "{amplitude} MPa; {open} of it is of the open residue, of no second",
+        gauge=of.gauge, amplitude=say.short(of.amplitude / MPa, 4),
+        open=say.pointed(f"{of.open:.1%}"),
+    )  # fmt: skip
+
+
+def lines(of: Used, say: Language = EN) -> Iterator[str]:
+    """Yield it as lines of text."""
+    for sort in of.groups:
+        yield ""
+        head, *body = rows(of, sort, say)
+        yield f"{of.gauge}:"
+        yield from (f"  {line}" for line in columns([head, *body]))
+    yield ""
+    yield from (f"  {line}" for line in columns(places(of, say), words=()))
+    yield from says(of, say)
+
+
+def blocks(of: Used, say: Language) -> Iterator[Block]:
+    """Yield it as tables of a report."""
+    for sort in of.groups:
+        head, *body = rows(of, sort, say)
+        yield Table(
+            caption=say("{gauge}: damage by {sort}", gauge=of.gauge, sort=say(SORTS[sort])),
+            head=head, rows=tuple(body),
+        )  # fmt: skip
+    head, *body = places(of, say)
+    yield Table(
+        caption=say("{gauge}: largest stresses", gauge=of.gauge), head=head, rows=tuple(body),
+        words=0,
+    )  # fmt: skip
+    yield Text(paragraphs=tuple(says(of, say)))

@@ -1,0 +1,925 @@
+r"""From a recording to the model and back: what of an application a gauge says is otherwise.
+
+The order cuts of a gauge are held against what its application computes for the same torques
+and speeds: the line on its rubber (`loads.running`), through the stress that a unit force on
+the bearing makes at the gauge. What makes them agree is found by least squares,
+
+$$\min_p \sum \frac{|a_k - g\, s\, H(k Ω)\, F_k(T, Ω; p) e^{i k θ_0}|^2}{σ^2}$$
+
+over the orders k = 1, 2, 4: stiffness and loss of the rubber, yoke phases, the scale g of
+each gauge, a mode H of the bracket, what is unbalanced. θ₀ is where the tacho's mark stands;
+where the angle comes from a channel of speed it is free every 10 s.
+
+A resonance that is passed remembers. F is of a steady speed; what its modes remember of a
+changing one is added by their poles, so a quick run-up bends no stiffness.
+
+Intervals are of 90 %: what the noise and whatever the model leaves out do to the answer,
+taken from blocks of windows together, for neighbours err alike.
+Source: METHOD sections 15 and 17 of this project; Ljung, System Identification (1999), ch. 7;
+Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015).
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.base.errors import DesignError
+from cardan.base.part import LINE, Part
+from cardan.base.units import deg, mm
+from cardan.demand.states import demand, demand_under, resolve
+from cardan.fatigue.angle import Angle
+from cardan.fatigue.cuts import Cuts, Windows, order_cuts, windows
+from cardan.fatigue.orders import Rotation
+from cardan.files.application import understood
+from cardan.files.manuscript import Manuscript
+from cardan.files.placing import line_address
+from cardan.kinematics.chain import cross
+from cardan.loads.rubber import LOSS, Suspended
+from cardan.loads.running import running
+from cardan.model.application import Application
+from cardan.model.layout import Layout, unit
+from cardan.quantity.response import Response, respond
+
+ORDERS = (1.0, 2.0, 4.0)
+"""Orders that are held against each other."""
+
+PRIOR = {"stiffness": 0.5, "loss": 0.7, "gain": 0.1, "mode damping": 0.7}
+"""How far the truth may lie from the file, one standard deviation of its logarithm, assumed."""
+
+LEFT_OUT = 0.02
+"""Share of an amplitude that the model leaves out, assumed: sets weights, not the interval."""
+
+LEAST = {"vertical": 0.015, "lateral": 0.015, "loss": 0.06, "gain": 0.025, "mode damping": 0.03}
+"""Half of the narrowest interval that is told, relative: rubber whose loss goes with frequency,
+where the model's is constant, moves the answers by as much (`tests/verify/shaken.py`)."""
+
+SURE = 1.645
+"""Standard deviations to either side of a 90 % interval."""
+
+STRETCH = 10.0
+"""Seconds over which an angle from a channel of speed is trusted to keep its zero."""
+
+LONGEST = 900.0
+"""Seconds of a recording that are looked at, in stretches spread over all of it."""
+
+NARROWED = 0.5
+"""A parameter is told where its interval is narrower than this share of what was assumed."""
+
+FINE = 250.0
+"""Samples a second at which a mode's memory is stepped: of waves that turn one way."""
+
+GOOD = 1.5
+"""Misfit of a number, in variances, up to which the file's own parts explain a recording."""
+
+UNLIKELY = 3.0
+"""Standard deviations from what was assumed from which something else is looked for."""
+
+BETTER = 0.3
+"""Share of the misfit that another yoke phase or a mode of the bracket has to take away."""
+
+
+# --------------------------------------------------------------------------- answers
+
+
+UNIT = {
+    "vertical": ("N/mm", 1 / mm), "lateral": ("N/mm", 1 / mm), "loss": ("", 1.0),
+    "phase": ("deg", deg), "gain": ("", 1.0), "mode": ("Hz", 1.0), "mode damping": ("", 1.0),
+    "unbalance": ("g mm", 1e-6),
+}  # fmt: skip
+"""What numbers are told in, and what one of it is in SI."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One number that a recording says something of, SI.
+
+    Attributes
+    ----------
+    name
+        vertical, lateral, loss, phase, gain, mode, mode damping or unbalance.
+    part
+        What it belongs to.
+    was
+        In the application's file; nan where it says nothing.
+    value, low, high
+        As found, and the 90 % interval.
+    told
+        Whether the recording says it; otherwise it is what was assumed.
+    address
+        Of its number in the application's file; "" where there is none.
+    """
+
+    name: str
+    part: Part
+    was: float
+    value: float
+    low: float
+    high: float
+    told: bool = True
+    address: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Unit that it is told in, that of its key in the file."""
+        return UNIT[self.name][0]
+
+    def told_in_unit(self, value: float) -> float:
+        """Return a value of it in that unit."""
+        return value / UNIT[self.name][1]
+
+    @property
+    def otherwise(self) -> bool:
+        """Whether the recording contradicts the file."""
+        known = not np.isnan(self.was)
+        return self.told and known and not self.low <= self.was <= self.high
+
+    @property
+    def rewritten(self) -> bool:
+        """Whether the file has to say it anew: it says otherwise, or nothing."""
+        return bool(self.address) and (self.otherwise or (self.told and bool(np.isnan(self.was))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """What a recording says of its application.
+
+    Attributes
+    ----------
+    application, identified
+        As written, and with the numbers that the recording tells.
+    state, bearing
+        Which geometry, and whose force the gauges feel.
+    parameters
+        What was found.
+    gauges
+        Their names.
+    cuts
+        Measured at each gauge, Pa.
+    torque : (W,) N m
+        Mean in each window.
+    written, found : (gauges, K, W) Pa, complex
+        Computed by the file, and by what was found, with the tacho's mark where it is.
+    mean : (gauges, W) Pa
+        Stress of the mean force, as found.
+    mark : (W,) rad
+        How far the gearbox's yoke is ahead of the tacho's mark, to half a turn.
+    misfit : before and after
+        Share of the measured order 2's energy that is not explained.
+    """
+
+    application: Application
+    identified: Application
+    state: str
+    bearing: int
+    parameters: tuple[Parameter, ...]
+    gauges: tuple[str, ...]
+    cuts: Cuts
+    torque: FloatArray
+    written: ComplexArray
+    found: ComplexArray
+    mean: FloatArray
+    mark: FloatArray
+    misfit: tuple[float, float]
+
+    def changes(self) -> dict[str, float | str | list[float]]:
+        """Return what the file would say instead, by address, in its keys' units."""
+        return {
+            p.address: float(f"{p.told_in_unit(p.value):.4g}")
+            for p in self.parameters
+            if p.rewritten
+        }
+
+    def text(self) -> str:
+        """Return the application's file with the numbers found; comments stay.
+
+        Raises
+        ------
+        BadFile
+            If a number cannot be written where it would stand.
+        """
+        written = self.application.written
+        assert written is not None  # `identify` refuses one without
+        return Manuscript(written.text, written.name).with_(self.changes())
+
+
+# --------------------------------------------------------------------------- the model
+
+
+@dataclass(frozen=True)
+class _Free:
+    """One number that may move: as a logarithm where it cannot be nought."""
+
+    name: str
+    part: Part
+    start: float
+    prior: float  # standard deviation; inf where nothing is known
+    log: bool = True
+    address: str = ""
+    was: float = np.nan
+
+    def value(self, x: float) -> float:
+        return self.start * float(np.exp(x)) if self.log else self.start + x
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """The recording as the model sees it: windows, and the fine clock between them."""
+
+    at: Windows
+    torque: FloatArray  # (W,)
+    block: IntArray  # (W,), of one angle's zero
+    fine_angle: FloatArray  # turns on the fine clock
+    fine_speed: FloatArray
+    fine_torque: FloatArray
+    place: IntArray  # fine samples of all windows, one after the other
+    start: IntArray  # where each window begins in `place`
+    weight: FloatArray  # of each, sum 1 a window
+
+    def met(self, z: ComplexArray, order: float) -> ComplexArray:
+        """Amplitude (W,) of an order in a turning signal (fine,), as the cuts meet it."""
+        return np.add.reduceat(z[self.place] * self._against[order], self.start)
+
+    @cached_property
+    def _against(self) -> dict[float, Any]:
+        """What an order is met with: windows' weights that turn back."""
+        angle = self.fine_angle[self.place]
+        return {k: self.weight * np.exp(-2j * np.pi * k * angle) for k in ORDERS}
+
+    @cached_property
+    def waves(self) -> dict[float, Any]:
+        """The load of each order on the fine clock: of unbalance, the speed's square."""
+        loads = {k: self.fine_speed**2 if k == 1 else self.fine_torque for k in ORDERS}
+        return {k: v * np.exp(2j * np.pi * k * self.fine_angle) for k, v in loads.items()}
+
+    def load(self, order: float) -> FloatArray:
+        """Return the load of an order in each window, (W,)."""
+        return self.at.speed**2 if order == 1 else self.torque
+
+
+class _Model:
+    """An application's bearing in one state, at the torques and speeds of a recording."""
+
+    def __init__(
+        self, application: Application, *, state: str, bearing: int, scene: _Scene
+    ) -> None:
+        alone = replace(
+            application,
+            states=tuple(s for s in application.states if s.name == state),
+        )
+        if not alone.states:
+            names = ", ".join(s.name for s in application.states)
+            msg = f"no state {state!r}; there are: {names}"
+            raise DesignError(msg)
+        asked = demand(resolve(alone, alone.lines[0]))
+        self.response: Response = respond(alone, asked)
+        held = self.response.held
+        if held is None:
+            msg = (
+                "a recording is held against a line on its rubber: the application has to give "
+                "tubes and the stiffness of a centre bearing"
+            )
+            raise DesignError(msg)
+        self.held: Suspended = held
+        if not 1 <= bearing <= held.stiffness.shape[-2]:
+            count = held.stiffness.shape[-2]
+            msg = f"line {alone.lines[0].line.name} has {count} centre bearings, not a {bearing}."
+            raise DesignError(msg)
+        self.bearing, self.scene = bearing - 1, scene
+        torque = scene.torque[:, None]
+        speed = 2 * np.pi * scene.at.speed[:, None]
+        under = demand_under(asked, torque=torque, speed=speed, coasts=torque < 0)
+        self.layout: Layout = self.response.lay(under)
+        self.torque, self.speed = torque, speed
+        self.shaft = [k for k, s in enumerate(self.response.line.shafts) if s.centre_bearing][
+            self.bearing
+        ]
+
+    def forces(self, held: Suspended, phases: FloatArray) -> ComplexArray:
+        """Force (W, K, 3) N on the bearing; order 1 of 1 kg m at the rear of its shaft."""
+        r = self.response
+        run = running(
+            self.layout, r.line, phases, torque=self.torque, speed=self.speed, held=held,
+            inertias=r.inertias,
+        )  # fmt: skip
+        waves = run.waves[:, 0, self.bearing]
+        self.mean = run.mean[:, 0, self.bearing]
+        side = unit(cross(held.along, np.array([0.0, 0.0, 1.0])))
+        turning = (side - 1j * cross(held.along, side))[..., self.shaft, :]
+        push = (turning[..., None, :] @ held.rear[..., self.shaft, :, :])[..., 0, :]
+        once = held.moved(
+            push * self.speed[..., None] ** 2, frequency=self.speed, speed=self.speed,
+            torque=self.torque,
+        )  # fmt: skip
+        return np.stack([once.bearing_forces[:, 0, self.bearing], waves[:, 0], waves[:, 1]], axis=1)
+
+    def poles(self, held: Suspended, mode: tuple[float, float] | None) -> ComplexArray:
+        """Return the poles that a drive through its speeds can shake, 1/s."""
+        mean = float(np.sqrt(np.mean(self.torque**2)))
+        modes = held.modes(torque=mean)
+        f, d = modes.frequency[0], modes.damping[0]
+        top = 1.3 * 4 * float(self.speed.max())
+        near = f < top
+        found = [
+            complex(w * (-z + 1j * np.sqrt(1 - z * z)))
+            for w, z in zip(f[near], d[near], strict=True)
+        ]
+        if mode is not None:
+            w, z = 2 * np.pi * mode[0], mode[1]
+            found.append(complex(w * (-z + 1j * np.sqrt(1 - z * z))))
+        return np.array(found)
+
+
+def _gain_of(mode: tuple[float, float] | None, W: FloatArray) -> ComplexArray:
+    """Response (...) of a bracket's mode at W rad/s, 1 where it stands."""
+    if mode is None:
+        return np.ones_like(W, dtype=complex)
+    r = W / (2 * np.pi * mode[0])
+    return 1 / (1 - r * r + 2j * mode[1] * r)
+
+
+def _shares(scene: _Scene, steady: ComplexArray, poles: ComplexArray, order: float) -> ComplexArray:
+    """Return what each pole has in an order's steady amplitude per load, (C, W) to (C, poles)."""
+    W, load = 2 * np.pi * order * scene.at.speed, scene.load(order)
+    basis = 1 / (1j * W - poles[:, None])  # (poles, W)
+    scale = np.abs(basis).max(-1)
+    top = float(np.abs(W).max())
+    rest = np.stack([np.ones_like(W), (W / top) ** 2, 1j * W / top])
+    rows = np.concatenate([basis / scale[:, None], rest]) * load
+    gram = rows @ np.conj(rows).T
+    gram += 1e-8 * np.trace(gram).real * np.eye(len(rows))
+    right = steady @ np.conj(rows).T
+    return np.linalg.solve(gram.T, right.T).T[:, : poles.size] / scale
+
+
+def _stepped(scene: _Scene, pole: complex, order: float) -> ComplexArray:
+    """Return how one pole follows the load of an order on the fine clock, (fine,).
+
+    Stepped so that a steady load is followed exactly.
+    """
+    from scipy.signal import lfilter
+
+    W = 2j * np.pi * order * scene.fine_speed
+    force = scene.waves[order] * (1 - np.exp((pole - W) / FINE)) / (W - pole)
+    return lfilter([1], [1, -np.exp(pole / FINE)], force)
+
+
+def _remembered(
+    scene: _Scene, steady: ComplexArray, poles: ComplexArray, order: float
+) -> ComplexArray:
+    """Return what modes add to an order's steady amplitude (C, W), as its speed and load change.
+
+    The steady response per load is a sum over poles; each of them is stepped through the
+    drive, met like the signal, and its steady part is taken off.
+    """
+    load = scene.load(order)
+    if not poles.size or not np.abs(load).max() > 0:
+        return np.zeros_like(steady)
+    basis = 1 / (2j * np.pi * order * scene.at.speed - poles[:, None])
+    met = np.stack([scene.met(_stepped(scene, complex(p), order), order) for p in poles])
+    return _shares(scene, steady, poles, order) @ (met - basis * load)
+
+
+class _Fit:
+    """Least squares of a model against cuts."""
+
+    def __init__(
+        self, model: _Model, cuts: Cuts, units: FloatArray, gauges: Sequence[str],
+        *, noise: FloatArray,
+    ) -> None:  # fmt: skip
+        self.model, self.scene, self.cuts = model, model.scene, cuts
+        self.units, self.gauges, self.noise = units, gauges, noise
+        self.blocks = int(model.scene.block.max(initial=0)) + 1
+
+    def free(
+        self, *, turned: tuple[int, float] | None, mode: tuple[float, float] | None
+    ) -> list[_Free]:
+        """Return what may move from the file: with one shaft turned by rad, and with a mode."""
+        r = self.model.response
+        at = _address(r)
+        found: list[_Free] = []
+        for k, s in enumerate(r.line.shafts):
+            b = s.centre_bearing
+            if b is None or b.stiffness is None:
+                continue
+            where, part = f"{at}.shafts[{k + 1}]", Part("centre bearing", _nth(r, k))
+            for name, value in zip(("vertical", "lateral"), b.stiffness, strict=True):
+                found.append(
+                    _Free(name, part, float(value), PRIOR["stiffness"],
+                          address=f"{where}.centre_bearing.{name}_stiffness_N_mm",
+                          was=float(value))
+                )  # fmt: skip
+            loss = LOSS if b.loss_factor is None else float(b.loss_factor)
+            found.append(
+                _Free("loss", part, loss, PRIOR["loss"],
+                      address=f"{where}.centre_bearing.loss_factor",
+                      was=np.nan if b.loss_factor is None else loss)
+            )  # fmt: skip
+        if turned is not None:
+            k, by = turned
+            own = float(r.line.shafts[k].phase)
+            found.append(
+                _Free("phase", Part("shaft", k + 1), own + by, np.inf, log=False,
+                      address=f"{at}.shafts[{k + 1}].phase_deg", was=own)
+            )  # fmt: skip
+        found += [
+            _Free("gain", Part("gauge", 0, g), 1.0, PRIOR["gain"], was=1.0) for g in self.gauges
+        ]
+        if self.blocks > 1:
+            found.append(_Free("lag", LINE, 0.0, LATE, log=False))
+        if mode is not None:
+            part = Part("gauge", 0, "bracket")
+            found += [
+                _Free("mode", part, mode[0], np.inf),
+                _Free("mode damping", part, mode[1], PRIOR["mode damping"]),
+            ]
+        return found
+
+    def said(self, free: Sequence[_Free], x: FloatArray) -> "_Said":
+        """Return the numbers of the model at a place."""
+        r = self.model.response
+        values: dict[tuple[str, Part], float] = {
+            (f.name, f.part): f.value(v) for f, v in zip(free, x, strict=True)
+        }
+        stiffness, loss = self.model.held.stiffness.copy(), self.model.held.loss.copy()
+        nth = 0
+        for s in r.line.shafts:
+            if s.centre_bearing is None:
+                continue
+            part = Part("centre bearing", nth + 1)
+            for k, name in enumerate(("vertical", "lateral")):
+                stiffness[..., nth, k] = values.get((name, part), stiffness[..., nth, k])
+            loss[..., nth] = values.get(("loss", part), loss[..., nth])
+            nth += 1
+        phases = np.array(
+            [
+                values.get(("phase", Part("shaft", k + 1)), float(s.phase))
+                for k, s in enumerate(r.line.shafts)
+            ]
+        )
+        bracket = Part("gauge", 0, "bracket")
+        mode = (
+            (values["mode", bracket], values["mode damping", bracket])
+            if ("mode", bracket) in values
+            else None
+        )
+        gain = np.array([values.get(("gain", Part("gauge", 0, g)), 1.0) for g in self.gauges])
+        held = replace(self.model.held, stiffness=stiffness, loss=loss)
+        return _Said(held, phases, mode, gain, values.get(("lag", LINE), 0.0))
+
+    def stress(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
+        """Return computed cuts (gauges, K, W) Pa, order 1 of 1 kg m, the mark at the yoke."""
+        scene = self.scene
+        forces = self.model.forces(said.held, said.phases)
+        W = 2 * np.pi * np.multiply.outer(ORDERS, scene.at.speed)
+        out = np.einsum("wkc,gc->gkw", forces, self.units) * _gain_of(said.mode, W)
+        if memory:
+            poles = self.model.poles(said.held, said.mode)
+            for k, order in enumerate(ORDERS):
+                out[:, k] += _remembered(scene, out[:, k], poles, order)
+        late = np.exp(2j * np.pi * said.lag * np.multiply.outer(ORDERS, scene.at.speed))
+        return out * said.gain[:, None, None] * late
+
+    def turned(self, computed: ComplexArray) -> tuple[ComplexArray, complex, FloatArray]:
+        """Return computed cuts as the tacho sees them, the unbalance that fits order 1, and marks.
+
+        Where the mark stands follows from order 2, block by block; of order 1, whose mark may
+        be half a turn off by that, the half turn that fits.
+        """
+        cuts, w = self.cuts.amplitude, 1 / self.noise**2
+        w = np.where(np.isnan(cuts), 0.0, w)
+        cuts = np.nan_to_num(cuts)
+        out = computed.copy()
+        marks = np.zeros(self.blocks)
+        for b in range(self.blocks):
+            here = self.scene.block == b
+            z = (np.conj(computed[:, 1, here]) * cuts[:, 1, here] * w[:, 1, here]).sum()
+            marks[b] = np.angle(z) / 2
+        mark = np.exp(1j * marks)[self.scene.block]
+        out[:, 1:] = computed[:, 1:] * np.stack([mark**2, mark**4])
+        one = computed[:, 0] * mark
+        heavy = 0j
+        signs = np.ones(self.blocks)
+        for _ in range(4 if self.blocks > 1 else 1):
+            sign = signs[self.scene.block]
+            power = (np.abs(one) ** 2 * w[:, 0]).sum()
+            heavy = complex((np.conj(one * sign) * cuts[:, 0] * w[:, 0]).sum() / max(power, 1e-300))
+            for b in range(self.blocks):
+                here = self.scene.block == b
+                fit = (np.conj(one[:, here] * heavy) * cuts[:, 0, here] * w[:, 0, here]).sum()
+                signs[b] = 1.0 if fit.real >= 0 else -1.0
+        out[:, 0] = one * signs[self.scene.block] * heavy
+        return out, heavy, marks[self.scene.block]
+
+    def off(self, computed: ComplexArray) -> ComplexArray:
+        """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
+        return np.nan_to_num((self.cuts.amplitude - self.turned(computed)[0]) / self.noise)
+
+    def rows(self, free: Sequence[_Free], x: FloatArray, *, memory: bool = True) -> FloatArray:
+        """Return what is left over, real and imaginary, blows cut down, and what priors say."""
+        off = self.off(self.stress(self.said(free, x), memory=memory)).ravel()
+        size = np.abs(off)
+        blow = np.maximum(size, 3.0)
+        off = off * np.sqrt(3 * (2 * blow - 3)) / blow
+        prior = x / np.array([f.prior for f in free])
+        return np.concatenate([off.real, off.imag, prior])
+
+
+@dataclass(frozen=True)
+class _Said:
+    """Numbers of the model."""
+
+    held: Suspended
+    phases: FloatArray
+    mode: tuple[float, float] | None
+    gain: FloatArray
+    lag: float
+
+
+def _address(r: Response) -> str:
+    written = r.application.written
+    assert written is not None
+    return line_address(r.demand.installed, Manuscript(written.text, written.name))
+
+
+def _nth(r: Response, shaft: int) -> int:
+    """Return which centre bearing a shaft's is, from 1."""
+    return sum(s.centre_bearing is not None for s in r.line.shafts[: shaft + 1])
+
+
+def _least(
+    rows: Callable[[FloatArray], FloatArray], start: FloatArray, *, steps: int = 12
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Least squares by Levenberg and Marquardt: place (p,), what is left (m,), slopes (m, p)."""
+    x, left = start.copy(), rows(start)
+    damp = 1e-3
+    slope = _slopes(rows, x, left)
+    for _ in range(steps):
+        gram, right = slope.T @ slope, -slope.T @ left
+        scale = np.diag(gram) + 1e-12 * np.trace(gram)
+        for _ in range(6):
+            step = np.linalg.solve(gram + damp * np.diag(scale), right)
+            step = np.clip(step, -0.5, 0.5)
+            tried = rows(x + step)
+            if tried @ tried < left @ left:
+                break
+            damp *= 6
+        else:
+            break
+        gone = 1 - (tried @ tried) / (left @ left)
+        x, left, damp = x + step, tried, damp / 5
+        slope = _slopes(rows, x, left)
+        if gone < 1e-4:
+            break
+    return x, left, slope
+
+
+def _slopes(rows: Callable[[FloatArray], FloatArray], x: FloatArray, at: FloatArray) -> FloatArray:
+    h = 1e-4
+    return np.stack([(rows(x + h * e) - at) / h for e in np.eye(x.size)], axis=-1)
+
+
+# --------------------------------------------------------------------------- the question
+
+
+def identify(
+    application: Application,
+    pieces: Iterator[FloatArray],
+    *,
+    rate: float,
+    gauges: Sequence[str],
+    units: FloatArray,
+    angle: Angle,
+    torque: tuple[FloatArray, float],
+    seconds: float,
+    state: str = "gvw",
+    bearing: int = 1,
+    phases: bool = True,
+) -> Identification:
+    """Ask a recording what of its application is otherwise.
+
+    Parameters
+    ----------
+    application
+        As read from a file.
+    pieces : (gauges, n) Pa
+        Stress of the gauges from the start.
+    rate : Hz
+        Of its samples.
+    gauges, units : (gauges, 3) Pa/N
+        Their names, and what a unit force of the bearing does at each.
+    angle
+        Of the shaft.
+    torque : (m,) N m and Hz
+        Of the gearbox output, and how often it was read.
+    seconds
+        Length of the recording.
+    state, bearing
+        Whose geometry, and which centre bearing.
+    phases
+        Whether the shafts may be put together otherwise than the file says.
+
+    Raises
+    ------
+    DesignError
+        If the application has no line on rubber, no such state or bearing, or the shaft hardly
+        turns.
+    """
+    if application.written is None:
+        msg = "what a recording says can be held against an application from a file alone"
+        raise DesignError(msg)
+    scene = _scene(angle, torque, seconds)
+    cuts = order_cuts(pieces, rate=rate, rotation=angle.rotation, at=scene.at, orders=ORDERS)
+    model = _Model(application, state=state, bearing=bearing, scene=scene)
+    level = _smoothed(cuts.noise)
+    # What is small beside the rest of its order is told no better than that.
+    size = np.abs(cuts.amplitude)
+    rough = size**2 + np.nanmean(size[:, 1:2] ** 2, axis=-1, keepdims=True)
+    noise = np.nan_to_num(np.sqrt(level**2 + LEFT_OUT**2 * rough), nan=1.0)
+    fit = _Fit(model, cuts, units, gauges, noise=noise)
+    found = _best(fit, phases=phases)
+    return _told(fit, found, application, state=state, bearing=bearing)
+
+
+def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _Scene:
+    """Return windows of a recording, of a long one those in stretches spread over it."""
+    at = windows(angle.rotation, until=seconds)
+    if at.time.size < 12:
+        msg = (
+            "the shaft turns too little to be held against a model: 12 windows of 8 turns at least"
+        )
+        raise DesignError(msg)
+    stretch = (at.start / STRETCH).astype(int)
+    if seconds > LONGEST:
+        every = np.unique(stretch)
+        wanted = every[:: int(np.ceil(seconds / LONGEST))]
+        keep = np.isin(stretch, wanted)
+        at = Windows(*(getattr(at, n)[keep] for n in ("start", "stop", "first", "turns")))
+        stretch = stretch[keep]
+    read, often = torque
+    known = np.flatnonzero(~np.isnan(read))
+    if not known.size:
+        msg = "the torque says nothing: no value in all the recording"
+        raise DesignError(msg)
+    clock = np.arange(int(seconds * FINE)) / FINE
+    load = np.interp(clock, known / often, read[known])
+    angles, speed = angle.rotation.at(clock), angle.rotation.speed(clock)
+    first = np.floor(at.start * FINE).astype(int)
+    last = np.minimum(np.ceil(at.stop * FINE).astype(int) + 1, clock.size)
+    place = np.concatenate([np.arange(a, b) for a, b in zip(first, last, strict=True)])
+    start = np.concatenate([[0], np.cumsum(last - first)[:-1]])
+    each = np.repeat(np.arange(at.time.size), last - first)
+    share = (angles[place] - at.first[each]) / at.turns[each]
+    weight = np.where((share >= 0) & (share <= 1), 1 - np.cos(2 * np.pi * share), 0.0)
+    weight = weight * speed[place]
+    weight = weight / np.add.reduceat(weight, start)[each]
+    mean = np.add.reduceat(load[place] * weight, start)
+    # A tacho counts every turn; a channel of speed loses its zero sooner or later.
+    counted = angle.trusted and angle.lag <= COUNTED
+    block = np.zeros(at.time.size, int) if counted else np.unique(stretch, return_inverse=True)[1]
+    return _Scene(at, mean, block, angles, speed, load, place, start, weight)
+
+
+LATE = 0.005
+"""What is left of a bus's lag once the stress has told it, s, one standard deviation, assumed."""
+
+COUNTED = 0.05
+"""Largest lag, s, of an angle that was counted by a tacho and not integrated."""
+
+
+def _smoothed(noise: FloatArray) -> FloatArray:
+    """Return the median (..., W) of fifteen windows: a resonance that is passed is no noise."""
+    from scipy.ndimage import median_filter
+
+    known = np.where(np.isnan(noise), np.nanmedian(noise, axis=-1, keepdims=True), noise)
+    size = min(15, known.shape[-1])
+    return median_filter(known, size=(*[1] * (known.ndim - 1), size), mode="nearest")
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Where least squares ended: what moved, where to, what is left, and its slopes."""
+
+    free: list[_Free]
+    x: FloatArray
+    left: FloatArray
+    slope: FloatArray
+
+    @property
+    def misfit(self) -> float:
+        """In variances, all of it."""
+        return float(self.left @ self.left)
+
+    @property
+    def worth(self) -> float:
+        """In variances, of a number."""
+        return self.misfit / max(self.left.size - self.x.size, 1)
+
+    @property
+    def strain(self) -> float:
+        """Largest departure from what was assumed, in standard deviations."""
+        return float(np.abs(self.left[-self.x.size :]).max())
+
+    def beginning(self, free: Sequence[_Free]) -> FloatArray:
+        """Return where others would begin: here, as far as they are the same."""
+        here = {(f.name, f.part): v for f, v in zip(self.free, self.x, strict=True)}
+        return np.array([here.get((f.name, f.part), 0.0) for f in free])
+
+
+def _best(fit: _Fit, *, phases: bool) -> _Found:
+    """Return the fit that is best.
+
+    Where the numbers of the file's own parts explain what was measured, nothing else is looked
+    for. Else one shaft may have been put together otherwise than drawn, or the bracket may have
+    a mode of its own.
+    """
+    best = _solved(fit, None, None)
+    if best.worth < GOOD and best.strain < UNLIKELY:
+        return best
+    options: list[_Found] = []
+    if phases:
+        options += [_solved(fit, turned, None) for turned in _otherwise(fit, best)]
+    options += [_solved(fit, None, mode, best) for mode in _modes(fit, best)]
+    better = min(options, key=lambda o: o.misfit)
+    return better if better.misfit < (1 - BETTER) * best.misfit else best
+
+
+def _solved(
+    fit: _Fit, turned: tuple[int, float] | None, mode: tuple[float, float] | None,
+    since: _Found | None = None,
+) -> _Found:  # fmt: skip
+    """Return the least squares with a shaft turned and a mode, from `since` or from the file."""
+    free = fit.free(turned=turned, mode=mode)
+    x = _start(fit, free) if since is None else since.beginning(free)
+    return _Found(free, *_least(lambda at: fit.rows(free, at), x))
+
+
+def _otherwise(fit: _Fit, best: _Found) -> list[tuple[int, float]]:
+    """Return which shaft might be turned by how much, rad, the two that fit best first.
+
+    A tooth of a spline is some 20 degrees, half a turn is none.
+    """
+    shafts = range(1, len(fit.model.response.line.shafts))
+    options = [(k, float(a)) for k in shafts for a in np.arange(1, 8) * np.pi / 8]
+    # The first shaft's phase and the tacho's mark are one where the others follow it.
+    ranked = sorted(options, key=lambda o: _rough(fit, fit.free(turned=o, mode=None), best))
+    return ranked[:2]
+
+
+def _modes(fit: _Fit, best: _Found) -> list[tuple[float, float]]:
+    """Return modes of a bracket that might explain what is left, Hz and damping, two."""
+    speed = fit.scene.at.speed
+    options = [
+        (float(f), d)
+        for f in np.geomspace(max(2.5 * speed.min(), 4.0), 5 * speed.max(), 18)
+        for d in (0.02, 0.06)
+    ]
+    return sorted(options, key=lambda o: _rough(fit, fit.free(turned=None, mode=o), best))[:2]
+
+
+def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
+    """Return the misfit of other shafts or modes where the rest stays, without its memory."""
+    left = fit.rows(free, best.beginning(free), memory=False)
+    return float(left @ left)
+
+
+def _start(fit: _Fit, free: list[_Free]) -> FloatArray:
+    """Return where to begin: stiffness up and down by a third, whichever fits best."""
+    names = [f.name for f in free]
+    steps = np.log([0.7, 1.0, 1.4])
+    options: list[tuple[float, FloatArray]] = []
+    for up, side in product(steps, steps):
+        x = np.array([up if n == "vertical" else side if n == "lateral" else 0.0 for n in names])
+        left = fit.rows(free, x, memory=False)
+        options.append((float(left @ left), x))
+    return min(options, key=lambda o: o[0])[1]
+
+
+def _told(
+    fit: _Fit, found: _Found, application: Application, *, state: str, bearing: int
+) -> Identification:
+    """Return what was found with its intervals."""
+    sigma = _spread(fit, found)
+    free, x = found.free, found.x
+    said = fit.said(free, x)
+    computed, U, mark = fit.turned(fit.stress(said))
+    file = fit.free(turned=None, mode=None)
+    written, *_ = fit.turned(fit.stress(fit.said(file, np.zeros(len(file)))))
+    mean = said.gain[:, None] * (fit.units @ fit.model.mean.T)
+    parameters: list[Parameter] = []
+    for f, at, s in zip(free, x, sigma, strict=True):
+        if f.name == "lag":
+            continue
+        floor = LEAST.get(f.name, 0.01 if f.log else 0.5 * deg)
+        half = max(SURE * float(s), floor)
+        low, high = f.value(at - half), f.value(at + half)
+        told = not np.isfinite(f.prior) or s < NARROWED * f.prior
+        parameters.append(
+            Parameter(
+                name=f.name, part=f.part, was=f.was, value=f.value(at), low=low, high=high,
+                told=bool(told), address=f.address,
+            )
+        )  # fmt: skip
+    parameters += _unbalance(fit, said, U)
+    result = Identification(
+        application=application, identified=application, state=state, bearing=bearing,
+        parameters=tuple(parameters), gauges=tuple(fit.gauges), cuts=fit.cuts,
+        torque=fit.scene.torque, written=written, found=computed, mean=mean, mark=mark,
+        misfit=(_share(fit, written), _share(fit, computed)),
+    )  # fmt: skip
+    assert application.written is not None
+    changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}
+    written_ = application.written
+    made: Mapping[str, Any] = dict(written_.changes) | changes
+    return replace(result, identified=understood(replace(written_, changes=made)))
+
+
+def _spread(fit: _Fit, found: _Found) -> FloatArray:
+    """Return standard deviations (p,), by blocks of windows: neighbours err alike."""
+    p = found.x.size
+    body, prior = found.slope[:-p], found.slope[-p:]
+    left = found.left[:-p]
+    G, K, W = fit.cuts.amplitude.shape
+    windows_of = np.tile(np.arange(W), G * K * 2)
+    block = windows_of // 12
+    count = int(block.max()) + 1
+    score = np.stack([body[block == b].T @ left[block == b] for b in range(count)])
+    gram = body.T @ body + prior.T @ prior
+    inverse = np.linalg.pinv(gram, hermitian=True)
+    middle = score.T @ score * (count / max(count - 1, 1)) + prior.T @ prior
+    robust = inverse @ middle @ inverse
+    noise = max(float(left @ left) / max(left.size - p, 1), 0.0)
+    plain = inverse * max(noise, 1.0) * 1.5  # windows overlap by half
+    return np.sqrt(np.maximum(np.diag(robust), np.diag(plain)))
+
+
+def _unbalance(fit: _Fit, said: _Said, U: complex) -> list[Parameter]:
+    """Return what is unbalanced at the rear of the bearing's shaft, kg m."""
+    one = np.abs(fit.stress(said, memory=False)[:, 0])
+    w = np.where(np.isnan(fit.cuts.amplitude[:, 0]), 0.0, 1 / fit.noise[:, 0] ** 2)
+    # Windows overlap by half; what the model leaves out of an order is in the noise.
+    sigma = float(np.sqrt(1.5 / max(float((one**2 * w).sum()), 1e-300)))
+    half = SURE * sigma + 0.03 * abs(U)
+    size = abs(U)
+    part = Part("shaft", fit.model.shaft + 1)
+    return [
+        Parameter(
+            name="unbalance", part=part, was=np.nan, value=size, low=max(size - half, 0.0),
+            high=size + half, told=size > half,
+        )
+    ]  # fmt: skip
+
+
+def _share(fit: _Fit, computed: ComplexArray) -> float:
+    """Share of the measured order 2's energy that is not explained."""
+    a = fit.cuts.amplitude[:, 1]
+    known = ~np.isnan(a)
+    return float((np.abs(a - computed[:, 1])[known] ** 2).sum() / (np.abs(a[known]) ** 2).sum())
+
+
+def load_history(
+    of: Identification, rotation: Rotation, torque: tuple[FloatArray, float], *, seconds: float,
+    rate: float = FINE,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Force on the bearing over the recording's drive, (n,) s and (n, 3) N, vehicle axes.
+
+    Of the application as it was identified: mean and orders at each window's torque and speed,
+    with what modes remember where they are passed, straight between windows; what is
+    unbalanced is not in it. For the bracket's damage.
+    """
+    scene = _scene(Angle(rotation, lag=0.0), torque, seconds)
+    r = _Model(of.identified, state=of.state, bearing=of.bearing, scene=scene)
+    phases = np.array([float(s.phase) for s in r.response.line.shafts])
+    run = running(
+        r.layout, r.response.line, phases, torque=r.torque, speed=r.speed, held=r.held,
+        inertias=r.response.inertias,
+    )  # fmt: skip
+    time = np.arange(int(seconds * rate)) / rate
+    near = np.searchsorted(scene.at.time[:-1], time)
+    turns = rotation.at(time) + of.mark[near] / (2 * np.pi)
+    mean, waves = run.mean[:, 0, r.bearing].T, run.waves[:, 0, r.bearing]
+    force = np.stack([np.interp(time, scene.at.time, m) for m in mean], axis=-1)
+    poles = r.poles(r.held, None)
+    clock = np.arange(scene.fine_angle.size) / FINE
+
+    def between(at: FloatArray, z: ComplexArray) -> ComplexArray:
+        return np.interp(time, at, z.real) + 1j * np.interp(time, at, z.imag)
+
+    for k, order in enumerate((2.0, 4.0, 6.0)):
+        steady, turning = waves[:, k].T, np.exp(2j * np.pi * order * turns)
+        slow = steady
+        if order in ORDERS and poles.size:
+            # What is left beside the poles is slow; they themselves go through the drive.
+            share = _shares(scene, steady, poles, order)
+            basis = 1 / (2j * np.pi * order * scene.at.speed - poles[:, None])
+            slow = steady - share @ (basis * scene.load(order))
+            back = np.exp(-2j * np.pi * order * scene.fine_angle)
+            for r_, pole in enumerate(poles):
+                z = between(clock, _stepped(scene, complex(pole), order) * back) * turning
+                force += (z[:, None] * share[:, r_]).real
+        force += np.stack([(between(scene.at.time, z) * turning).real for z in slow], axis=-1)
+    return time, force

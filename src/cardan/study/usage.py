@@ -1,0 +1,157 @@
+"""Where and when a recording did its damage, and what it comes to in the long run."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.units import rpm
+from cardan.fatigue.angle import gear_ratios
+from cardan.fatigue.life import GaugeLife, Plan
+from cardan.fatigue.orders import Rotation
+from cardan.fatigue.usage import (
+    Extrapolated,
+    Group,
+    Usage,
+    bands,
+    equal_amplitude,
+    extrapolated,
+    grouped,
+    peaks,
+    shortened,
+)
+
+SPEED, TORQUE = 250 * rpm / (2 * np.pi), 500.0
+"""Width of the bands that damage is told in, turns/s and N m."""
+
+KEPT = 0.95
+"""Share of the damage that a shortened test keeps."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A largest stress: Pa, s, m since the start, turns/s, N m, ratio of the gear; nan unknown."""
+
+    stress: float
+    time: float
+    way: float
+    speed: float
+    torque: float
+    gear: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Used:
+    """One gauge's damage by what was driven.
+
+    Attributes
+    ----------
+    gauge
+        Its name.
+    groups
+        Damage by "gear", "speed" and "torque", where these are known.
+    open
+        Share of the damage that is of the open residue, of no second.
+    places
+        The largest stresses.
+    long_run
+        The damage rate as recorded and extrapolated.
+    shortened
+        Share of the time in which `KEPT` of the damage came.
+    amplitude : Pa
+        Of a test of as many cycles as the S-N curve's knee that does a recording's damage.
+    """
+
+    gauge: str
+    groups: Mapping[str, list[Group]]
+    open: float
+    places: list[Place]
+    long_run: Extrapolated
+    shortened: float
+    amplitude: float
+
+
+def used(
+    found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, shaft: Rotation | None,
+    engine: Rotation | None, torque: tuple[FloatArray, float] | None, per_turn: float,
+) -> tuple[Used, ...]:  # fmt: skip
+    """Return the damage of gauges by what was driven.
+
+    Parameters
+    ----------
+    found, lives
+        Of the gauges that said something.
+    shaft, engine
+        What turns, where it is known.
+    torque : (n,) N m and Hz
+        As it was read.
+    per_turn : m
+        Way of the vehicle for a turn of the shaft; nan where nobody knows.
+    """
+    count = max((u.damage.size for u in found), default=0)
+    middle = np.arange(count) + 0.5
+    speed = np.full(count, np.nan) if shaft is None else shaft.speed(middle)
+    turns = None if shaft is None else np.diff(shaft.at(np.arange(count + 1.0)))
+    metres = None if turns is None or np.isnan(per_turn) else turns * per_turn
+    load = np.full(count, np.nan)
+    if torque is not None:
+        read, often = torque
+        known = ~np.isnan(read)
+        if known.any():
+            at = np.arange(read.size) / often
+            load = np.interp(middle, at[known], read[known])
+    gear = [""] * count
+    if shaft is not None and engine is not None:
+        gear = ["" if np.isnan(r) else f"{r:.3g}" for r in gear_ratios(shaft, engine, middle)]
+    sorts: dict[str, list[str]] = {}
+    if any(gear):
+        sorts["gear"] = gear
+    if shaft is not None:
+        sorts["speed"] = [_scaled(b, 60.0) for b in bands(speed, step=SPEED)]
+    if not np.isnan(load).all():
+        sorts["torque"] = bands(load, step=TORQUE)
+    way = None if metres is None else np.append(0.0, np.cumsum(metres))
+    answers: list[Used] = []
+    for one, life in zip(found, lives, strict=True):
+        n = one.damage.size
+        whole = float(one.damage.sum()) + one.open
+
+        def gone(time: float) -> float:
+            return np.nan if way is None else float(np.interp(time, np.arange(count + 1), way))
+
+        def placed(time: float, n: int = n) -> int:
+            return min(int(time), n - 1)
+
+        answers.append(
+            Used(
+                gauge=life.name,
+                groups={
+                    name: grouped(one, sort[:n], metres=None if metres is None else metres[:n])
+                    for name, sort in sorts.items()
+                },
+                open=one.open / whole if whole else 0.0,
+                places=[
+                    Place(
+                        p.stress, p.time,
+                        gone(p.time),
+                        float(speed[placed(p.time)]), float(load[placed(p.time)]),
+                        gear[placed(p.time)],
+                    )
+                    for p in peaks(one)
+                ],
+                long_run=extrapolated(one, curve=plan.curve),
+                shortened=shortened(one, keep=KEPT),
+                amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
+                if whole > 0 else 0.0,
+            )
+        )  # fmt: skip
+    return tuple(answers)
+
+
+def _scaled(band: str, factor: float) -> str:
+    """Return a band's name in another unit."""
+    if not band:
+        return ""
+    low, high = (float(v) * factor for v in band.split(" .. "))
+    return f"{low:.4g} .. {high:.4g}"

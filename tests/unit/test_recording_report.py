@@ -1,0 +1,154 @@
+"""A recording's report: the same numbers on every medium, in every language."""
+
+import json
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.units import MPa
+from cardan.cli.life import life as command
+from cardan.fatigue import conditioning, response
+from cardan.fatigue import life as room
+from cardan.fatigue.correction import fkm, goodman, uncorrected
+from cardan.fatigue.cuts import windows
+from cardan.fatigue.fault import KINDS
+from cardan.fatigue.maps import order_maps, spectrograms
+from cardan.fatigue.orders import Rotation
+from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report import recording_story
+from cardan.report.blocks import Figures, Issue, Picture
+from cardan.report.html import page
+from cardan.report.identified import NAMES
+from cardan.report.language import CODES, Language, catalogue
+from cardan.report.pdf import document
+from cardan.report.recording_chapter import haigh
+from cardan.study.campaign import Campaign
+from cardan.study.recording import RecordingStudy
+
+
+@pytest.fixture(scope="module")
+def found():
+    gains = {"S1": Gains(joints=40 * MPa, events=25 * MPa), "S<2>": Gains(joints=3 * MPa)}
+    drive = synthetic(seconds=60, rate=400.0, gains=gains, seed=5).recording
+    campaign = Campaign.of(
+        sn=(30, 2e6, 5), gauges=["S1", "S<2>"], speed="shaft_speed", torque="torque",
+        mean_stress="goodman", ultimate_MPa=500.0, target_hours=1e5,
+    )  # fmt: skip
+    return RecordingStudy(campaign, draw=True).run(drive)
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
+    say = Language(code)
+    story = recording_story.recording(found, say=say, issue=Issue())
+    shown = page(story)
+    for text in ("Haigh", "S1", "S&lt;2&gt;", say("Gauges"), say("What goes with the joints")):
+        assert text in shown
+    assert "<2>" not in shown
+    hours = say.short(found.answer.lives[0].life.hours, 4)
+    assert hours in shown
+    pictures = [b for c in story.chapters for b in c.blocks if isinstance(b, Picture)]
+    assert [p.title for p in pictures] == [
+        say("{gauge} in {recording}", gauge=g, recording=found.answer.recording.name)
+        for g in ("S1", "S<2>")
+    ]
+    drawn = [
+        f for c in story.chapters for b in c.blocks if isinstance(b, Figures) for f in b.figures
+    ]
+    assert sum(say("Order {order}", order=k) in f.title for f in drawn for k in (1, 2, 4)) == 6
+    assert story.grade == "fail"
+    if code == "en" or not shutil.which("pdftotext"):
+        return
+    path = tmp_path / "told.pdf"
+    path.write_bytes(document(story))
+    read = subprocess.run(["pdftotext", str(path), "-"], capture_output=True, text=True, check=True)
+    assert hours in read.stdout
+    assert say(found.answer.causes.evidence[0].finding).upper() in read.stdout
+
+
+def test_every_sentence_from_below_is_translated():
+    """Those that are made where no report is: by their English text."""
+    below = {
+        *NAMES.values(), *map(str, response.DOUBTS), *room.DOUBTS, conditioning.DEAD, *KINDS,
+        conditioning.MISSING, conditioning.DRIFTS, *conditioning.SUSPECTED.values(),
+        response.GUILTY, response.INNOCENT, response.CANNOT_TELL,
+        "half cycles", "repeating", "discarded",
+    }  # fmt: skip
+    assert set(conditioning.SUSPECTED) | {"hole", "drift"} == set(KINDS)
+    for code in CODES[1:]:
+        assert sorted(below - {text for _, text in catalogue(code)}) == []
+
+
+def test_what_the_part_bears_is_the_correction_backwards():
+    mean = np.linspace(-100, 300, 9) * MPa
+    line = haigh(
+        mean, amplitude=30 * MPa, correction=lambda a, m: goodman(a, m, ultimate=500 * MPa)
+    )
+    assert line == pytest.approx(30 * MPa * (1 - np.maximum(mean, 0) / (500 * MPa)), rel=1e-9)
+    assert haigh(mean, amplitude=30 * MPa, correction=uncorrected) == pytest.approx(30 * MPa)
+    bent = haigh(mean, amplitude=30 * MPa, correction=lambda a, m: fkm(a, m, sensitivity=0.2))
+    assert fkm(bent, mean, sensitivity=0.2) == pytest.approx(30 * MPa, rel=1e-9)
+
+
+def test_maps_show_a_tone_where_it_is():
+    """12 Hz beside order 3 of a run-up: one stays in frequency, the other in order."""
+    rate, n = 500.0, 60_000
+    t = np.arange(n) / rate
+    turns = 5 * t + 0.05 * t**2
+    rotation = Rotation(t[::10], turns[::10])
+    x = 2 * np.cos(2 * np.pi * 12 * t) + 5 * np.cos(2 * np.pi * 3 * turns)
+    (power,) = spectrograms([x[None, :1000], x[None, 1000:]], rate=rate, seconds=120.0, top=60.0)
+    row = int(np.searchsorted(power.frequency, 12.0, side="right")) - 1
+    width = power.frequency[1]
+    # A sine of 2 has power 2; its column holds most of it wherever order 3 is elsewhere.
+    late = power.time[:-1] > 30
+    assert np.nansum(power.density[row - 1 : row + 2, late], axis=0) * width == pytest.approx(
+        2.0, rel=0.1
+    )
+    (orders,) = order_maps([x[None]], rate=rate, rotation=rotation, at=windows(rotation, until=120))
+    third = int(np.searchsorted(orders.order, 3.0, side="right")) - 1
+    fast = orders.speed[:-1] > 7
+    heard = orders.amplitude[third, fast]
+    assert heard[~np.isnan(heard)] == pytest.approx(5.0, rel=0.02)
+
+
+def test_pictures_take_holes_for_holes():
+    x = np.sin(np.arange(20_000) / 9)
+    x[4000:9000] = np.nan
+    (power,) = spectrograms([x[None]], rate=500.0, seconds=40.0)
+    known = ~np.isnan(power.density).any(axis=0)
+    assert not known[5:8].any()
+    assert known[:3].all()
+
+
+def test_the_command_writes_reports(tmp_path):
+    drive = synthetic(seconds=20, rate=200.0, seed=3).recording
+    path = tmp_path / "run.csv"
+    names = ["S1", "shaft_speed"]
+    t = np.arange(4000) / 200.0
+    np.savetxt(
+        path, np.vstack([t, drive.whole(names)]).T, delimiter=",", comments="",
+        header="time,S1 [MPa],shaft_speed [rpm]",
+    )  # fmt: skip
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(
+        "campaign: Two laps\nrecordings: [{file: run.csv, times: 2}]\ngauges: [S1]\n"
+        "strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+    )
+    out = tmp_path / "out.html"
+    done = CliRunner().invoke(
+        command,
+        [str(path), "--gauge", "S1", "--sn", "30,2e6,5", "--html", str(out), "--lang", "it"],
+    )
+    assert done.exit_code == 0, done.output
+    assert "Estensimetri" in out.read_text()
+    both = tmp_path / "both.html"
+    done = CliRunner().invoke(
+        command, [str(plan), "--html", str(both), "--json", str(tmp_path / "a.json")]
+    )
+    assert done.exit_code == 0, done.output
+    assert "Two laps" in both.read_text()
+    assert json.loads((tmp_path / "a.json").read_text())["campaign"] == "Two laps"

@@ -1,0 +1,198 @@
+"""When and where damage came: seconds that add up, and what they come to in the long run."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.stats import norm
+
+from cardan.base.units import MPa
+from cardan.cli.life import life as command
+from cardan.fatigue.angle import gear_ratios
+from cardan.fatigue.correction import uncorrected
+from cardan.fatigue.damage import miner
+from cardan.fatigue.orders import Rotation
+from cardan.fatigue.rainflow import half_cycles, rainflow
+from cardan.fatigue.strength import SNCurve
+from cardan.fatigue.usage import (
+    bands,
+    customer,
+    equal_amplitude,
+    extrapolated,
+    grouped,
+    peaks,
+    shortened,
+    usage,
+)
+
+CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
+RATE = 200.0
+
+
+def told(x):
+    pieces = (x[None, k : k + 5000] for k in range(0, x.size, 5000))
+    return usage(pieces, rate=RATE, curve=CURVE, correction=uncorrected, rule=half_cycles)[0]
+
+
+@pytest.fixture(scope="module")
+def rough():
+    """Ten minutes, loud in the fourth and the eighth."""
+    rng = np.random.default_rng(3)
+    t = np.arange(int(600 * RATE)) / RATE
+    loud = np.where((t // 60 == 3) | (t // 60 == 7), 4.0, 1.0)
+    return 10 * MPa * loud * rng.normal(size=t.size)
+
+
+def test_seconds_add_up_to_the_whole(rough):
+    of = told(rough)
+    whole = miner(rainflow(rough), curve=CURVE)
+    assert of.damage.sum() + of.open == pytest.approx(whole, rel=1e-9)
+    assert of.damage.size == 600
+    assert of.live.sum() == pytest.approx(600)
+    minutes = grouped(of, [f"{k // 60}" for k in range(600)], metres=np.full(600, 10.0))
+    assert sum(g.damage for g in minutes) == pytest.approx(of.damage.sum())
+    assert {g.name for g in minutes if g.share > 0.1} == {"3", "7"}
+    assert all(g.time == pytest.approx(60) and g.distance == pytest.approx(600) for g in minutes)
+    assert of.high.max() == rough.max()
+    # Four times the stress to the fifth power: two minutes of ten are all of it but a per mille.
+    assert 0.05 < shortened(of, keep=0.95) < 0.2
+    assert shortened(of, keep=0.5) < shortened(of, keep=0.95)
+
+
+def test_peaks_are_the_largest_and_apart(rough):
+    found = peaks(told(rough), count=5, apart=5.0)
+    assert abs(found[0].stress) == np.abs(rough).max()
+    at = int(np.argmax(np.abs(rough))) / RATE
+    assert found[0].time == pytest.approx(at)
+    times = sorted(p.time for p in found)
+    assert np.diff(times).min() >= 5
+    assert [abs(p.stress) for p in found] == sorted((abs(p.stress) for p in found), reverse=True)
+
+
+def blown(seed, seconds):
+    """A rough road with blows of no largest size."""
+    rng = np.random.default_rng(seed)
+    x = 5 * MPa * rng.normal(size=int(seconds * RATE))
+    blows = rng.random(x.size) < 0.002
+    x[blows] += MPa * 20 * rng.exponential(size=int(blows.sum())) + 20 * MPa
+    return told(x)
+
+
+def test_the_long_run_of_many_recordings_lies_in_the_interval():
+    """Five minutes against four hours: the few largest blows are most of the damage.
+
+    Of 20 intervals of 90 % fewer than 15 hold the truth once in three hundred times.
+    """
+    truth = extrapolated(blown(1000, 4 * 3600), curve=CURVE).rate
+    found = [extrapolated(blown(seed, 300), curve=CURVE) for seed in range(20)]
+    assert sum(f.interval[0] <= truth <= f.interval[1] for f in found) >= 15
+    assert all(f.interval[0] <= f.long_run <= f.interval[1] for f in found)
+    assert np.mean([f.long_run for f in found]) == pytest.approx(truth, rel=0.35)
+    # Saying nothing would hold the truth too.
+    assert np.median([f.interval[1] / f.interval[0] for f in found]) < 6
+
+
+def test_the_long_run_of_what_has_no_large_cycles_is_the_recording(rough):
+    """Gaussian, so small cycles do most of the damage and no tail is to come."""
+    one = extrapolated(told(rough[: int(180 * RATE)]), curve=CURVE)
+    assert one.long_run == pytest.approx(one.rate, rel=0.05)
+    assert one.interval[0] > 0.8 * one.rate
+
+
+def test_a_customer_s_rate_is_that_of_the_lognormal():
+    """Of very many customers the quantile is the population's, its bound beside it."""
+    rng = np.random.default_rng(0)
+    rates = np.exp(-12 + 0.7 * rng.normal(size=20_000))
+    rate, bound = customer(rates, quantile=0.95)
+    true = np.exp(-12 + 0.7 * norm.ppf(0.95))
+    assert rate == pytest.approx(true, rel=0.03)
+    assert rate < bound < 1.05 * rate
+    # Four customers: 3.957 standard deviations (Hahn & Meeker, table A.12b, 0.95 at 90 %).
+    few = rates[:4]
+    _, above = customer(few, quantile=0.95)
+    logs = np.log(few)
+    assert (np.log(above) - logs.mean()) / logs.std(ddof=1) == pytest.approx(3.957, abs=5e-4)
+
+
+def test_an_equal_test_does_the_same():
+    amplitude = equal_amplitude(0.037, cycles=2e5, curve=CURVE)
+    assert 2e5 * CURVE.damage(amplitude) == pytest.approx(0.037, rel=1e-9)
+
+
+def test_bands_leave_out_what_is_not_known():
+    assert bands([120.0, np.nan, -10.0], step=100) == ["100 .. 200", "", "-100 .. 0"]
+
+
+def test_gears_are_what_the_engine_makes_of_the_shaft():
+    t = np.arange(0, 120, 0.01)
+    ratio = np.where(t < 40, 3.6, np.where(t < 80, 2.1, 1.0))
+    shaft = np.full(t.size, 12.0)
+    own = Rotation(t, np.cumsum(shaft) * 0.01)
+    motor = Rotation(t, np.cumsum(shaft * ratio) * 0.01)
+    found = gear_ratios(own, motor, np.arange(120) + 0.5)
+    for at, want in ((10, 3.6), (60, 2.1), (100, 1.0)):
+        assert found[at] == pytest.approx(want, rel=1e-3)
+
+
+def test_the_command_tells_it(tmp_path):
+    """By speed and torque, with the largest stress where it was put."""
+    rng = np.random.default_rng(1)
+    n = int(120 * RATE)
+    t = np.arange(n) / RATE
+    speed = np.where(t < 60, 600.0, 1500.0) + 0.2 * rng.normal(size=n)
+    x = np.where(t < 60, 5.0, 20.0) * rng.normal(size=n)
+    x[int(30 * RATE)] = 150.0
+    torque = np.where(t < 60, 0.4, 2.2)
+    path = tmp_path / "a.csv"
+    np.savetxt(
+        path, np.stack([t, x, speed, torque], -1), delimiter=",", comments="", fmt="%.6g",
+        header="time,S1 [MPa],n [rpm],T [kNm]",
+    )  # fmt: skip
+    options = [
+        "--gauge", "S1", "--sn", "30,2e6,5", "--speed", "n", "--torque", "T", "--axle-ratio", "4",
+        "--tyre-radius-m", "0.5", "--usage", "--accept", "spike",
+    ]  # fmt: skip
+    out = tmp_path / "a.json"
+    done = CliRunner().invoke(command, [str(path), *options, "--json", str(out), "--lang", "pt"])
+    assert done.exit_code == 0, done.output
+    assert "maiores tensões" in done.output
+    found = json.loads(out.read_text())["usage"]["S1"]
+    assert found["peaks"][0]["MPa"] == 150
+    assert found["peaks"][0]["time_s"] == pytest.approx(30, abs=0.01)
+    assert found["peaks"][0]["rpm"] == pytest.approx(600, rel=1e-3)
+    assert found["peaks"][0]["km"] == pytest.approx(30 * 10 / 4 * 2 * np.pi * 0.5 / 1e3, rel=0.02)
+    loud = next(g for g in found["damage_by"]["torque"] if g["band"] == "2000 .. 2500")
+    assert loud["live_s"] == pytest.approx(60, abs=2)
+    assert loud["share"] > 0.5
+    low, high = found["damage_per_hour"]["interval"]
+    assert 0 < low <= high
+
+
+def test_a_campaign_tells_of_customers(tmp_path):
+    rng = np.random.default_rng(2)
+    names = []
+    for k, size in enumerate((10.0, 14.0, 20.0)):
+        t = np.arange(4000) / RATE
+        name = f"v{k}.csv"
+        np.savetxt(
+            tmp_path / name, np.stack([t, size * rng.normal(size=t.size)], -1), delimiter=",",
+            comments="", header="time,S1 [MPa]",
+        )  # fmt: skip
+        names.append(name)
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(
+        f"campaign: Three vehicles\nrecordings: [{', '.join(f'{{file: {n}}}' for n in names)}]\n"
+        "gauges: [S1]\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5, miner: elementary}\n"
+        "customer: 0.95\nusage: true\n"
+    )
+    out = tmp_path / "out.json"
+    done = CliRunner().invoke(command, [str(plan), "--json", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "95% of customers" in done.output
+    found = json.loads(out.read_text())
+    rates = [r["damage_per_hour"] for r in found["gauges"][0]["recordings"]]
+    (one,) = found["customer"]["gauges"]
+    want = customer(rates, quantile=0.95)
+    assert (one["damage_per_hour"], one["bound_per_hour"]) == pytest.approx(want, rel=1e-6)
+    assert all("usage" in r for r in found["recordings"])
