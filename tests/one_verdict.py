@@ -43,6 +43,15 @@ CATALOGUE = HERE / "verify/by_hand.csv"
 JOINT = {"peak_kNm": 38, "reversing_kNm": 13, "pulsating_kNm": 21.5, "bearing_Td_kNm": 3.1}
 """A joint without limits of its own on angle and speed: what is asked is asked by one limit."""
 
+OF_KINDS = ("joint_swing", "joint_orbit", "tube_buckling_utilisation")
+"""What crosses and steel tubes have not."""
+KINDS = [
+    {**JOINT, "kind": "double cardan", "centre_distance_mm": 80, "ball_from_rear_mm": 44},
+    JOINT, JOINT,
+    {**JOINT, "kind": "tripod", "pitch_circle_mm": 90},
+]  # fmt: skip
+PLIES = {"outer_mm": 120, "layup": [{"ply": "T300/5208", "angle_deg": [45, -45], "times": 6}]}
+
 LITTLE = 1e-6
 """How far beyond a value its limit lies, as a share: a thousand times what counts as equal,
 and a thousandth of what AE-7 and the small angle are off."""
@@ -66,21 +75,30 @@ GIVEN = {
 """What a study needs that the driveline does not."""
 
 
+def shape(quantity: str) -> str:
+    """Which truck has a quantity: its main line, the odd one, or one of other joints and tubes."""
+    return "odd" if quantity == "odd_joint_angle" else "kinds" if quantity in OF_KINDS else "main"
+
+
 @cache
-def base(odd: bool = False) -> dict:
-    """The truck as data; `odd` is its line with an odd number of joints."""
+def base(which: str = "main") -> dict:
+    """The truck as data, with one of its lines."""
+    odd = which == "odd"
     found = yaml.safe_load((HERE / "verify/by_hand.yaml").read_text(encoding="utf-8"))
     keep, drop = ("inter-axle", "main") if odd else ("main", "inter-axle")
     found["drivelines"] = {keep: found["drivelines"][keep]}
     found["obstacles"] = [o for o in found["obstacles"] if o.get("line", "main") != drop]
-    found["drivelines"][keep]["joints"] = [JOINT] * (3 if odd else 4)
+    line = found["drivelines"][keep]
+    line["joints"] = KINDS if which == "kinds" else [JOINT] * (3 if odd else 4)
+    if which == "kinds":
+        line["shafts"][0] = {**line["shafts"][0], "tube": PLIES}
     found["states"] = ["gvw", "jounce"]
     return found
 
 
-def truck(limits: list[dict], *, odd: bool = False, **more: object) -> str:
+def truck(limits: list[dict], *, which: str = "main", **more: object) -> str:
     """The truck as text, held against these limits; `more` keys replace its own, None drops."""
-    found = {**base(odd), "limits": limits, **more}
+    found = {**base(which), "limits": limits, **more}
     return yaml.safe_dump({k: v for k, v in found.items() if v is not None}, sort_keys=False)
 
 
@@ -112,12 +130,12 @@ class Case:
 
 
 @cache
-def values(odd: bool, study: str) -> dict[str, float]:
+def values(which: str, study: str) -> dict[str, float]:
     """The worst value of each quantity, in the unit that limits of it are given in."""
     import tempfile
 
     asked = _answered_by(study) if study else DRIVELINE
-    text = truck([limit(q, maximum=1.0) for q in asked], odd=odd, **GIVEN.get(study, {}))
+    text = truck([limit(q, maximum=1.0) for q in asked], which=which, **GIVEN.get(study, {}))
     with tempfile.TemporaryDirectory() as folder, made_up_bracket():
         return worst_of(read(put(Path(folder), "all", text), hangs=study == "bracket"))
 
@@ -171,14 +189,14 @@ def made_up_bracket() -> Iterator[None]:
 
 def made(quantity: str, verdict: str, **bounds: float) -> Case:
     """A truck with one limit, and what it comes to."""
-    odd, study = quantity == "odd_joint_angle", QUANTITIES[quantity].study
-    text = truck([limit(quantity, **bounds)], odd=odd, **GIVEN.get(study, {}))
+    study = QUANTITIES[quantity].study
+    text = truck([limit(quantity, **bounds)], which=shape(quantity), **GIVEN.get(study, {}))
     return Case(f"{quantity}-{verdict}", text, verdict, quantity)
 
 
 def bound(quantity: str, share: float) -> float:
     """A bound that the worst value of a quantity is past, by a share of itself."""
-    found = values(quantity == "odd_joint_angle", QUANTITIES[quantity].study)
+    found = values(shape(quantity), QUANTITIES[quantity].study)
     return past(quantity, found[quantity], share)
 
 
@@ -202,7 +220,7 @@ def passing(quantity: str) -> Case:
 
 def equal() -> Case:
     """Every quantity of the line exactly at its limit."""
-    asked = [q for q in DRIVELINE if q != "odd_joint_angle"]
+    asked = [q for q in DRIVELINE if shape(q) == "main"]
     text = truck([limit(q, maximum=bound(q, 0.0)) for q in asked])
     return Case("equal", text, "pass", "")
 

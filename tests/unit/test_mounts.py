@@ -20,7 +20,7 @@ from cardan.report.wording import moves_that_help
 from cardan.study.approval import assess
 from cardan.study.fix import fix
 from cardan.study.moves import adjustables, corrected, fitted, tried
-from cardan.study.sensitivity import sensitivities
+from cardan.study.sensitivity import _deciding, sensitivities
 
 TRUCK = Path(__file__).parents[2] / "examples" / "medium-truck-4x2.yaml"
 BEARING = "driveline.shafts[1].centre_bearing"
@@ -166,3 +166,16 @@ def test_duty_speeds_are_told_by_how_far_they_stay_off_a_mode(truck):
         if c.quantity == "resonance_distance"
     }.values()
     assert check.grade == "warn"
+
+
+def test_things_are_moved_in_the_states_that_others_are_measured_by(truck):
+    """Shafts are balanced for the top speed of all states: a slow one alone would not know it."""
+    speed = truck.demand.speed
+    slow, fast = int(speed.argmin()), float(speed.max())
+    assert speed[slow] < fast
+    within = _deciding(truck, {slow})
+    assert slow in within
+    assert speed[within].max() == fast
+    lasting = np.flatnonzero(truck.lasting)
+    torque = np.abs(truck.demand.torque)
+    assert torque[[s for s in within if s in lasting]].max() == torque[lasting].max()

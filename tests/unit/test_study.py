@@ -16,7 +16,7 @@ from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyP
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.study.approval import assess, held_to
-from cardan.study.fix import fix, margins
+from cardan.study.fix import PLENTY, fix, margins
 from cardan.study.moves import adjustables, tried
 from cardan.study.sensitivity import sensitivities
 
@@ -351,9 +351,24 @@ def test_bearings_behind_the_flanges_carry_what_statics_asks(truck):
     # About A, 0.3 m behind the joint: near bearing 0.2 m ahead of A.
     near = np.cross(moment + np.cross(0.3 * out, force), out) / 0.2
     far = across - near
-    assert found.end_bearings["B"] == pytest.approx(np.linalg.norm(near, axis=-1).max(-1), rel=1e-2)
-    assert found.end_bearings["A"] == pytest.approx(np.linalg.norm(far, axis=-1).max(-1), rel=1e-2)
-    assert np.isnan(found.end_bearings["E"]).all()
+    assert found.static_end_bearings["B"] == pytest.approx(
+        np.linalg.norm(near, axis=-1).max(-1), rel=1e-2
+    )
+    assert found.static_end_bearings["A"] == pytest.approx(
+        np.linalg.norm(far, axis=-1).max(-1), rel=1e-2
+    )
+    assert np.isnan(found.static_end_bearings["E"]).all()
+
+
+def test_what_can_only_warn_has_plenty_to_its_maximum(truck):
+    def left(**bounds: float) -> float:
+        limit = Limit(quantity="joint_angle", source=HOUSE, **bounds)
+        one = replace(truck, limits=(limit,))
+        response = respond(one, demand(resolve(one, one.lines[0])))
+        return float(margins(response, to="maximum").min())
+
+    assert left(normal=1e-3) == PLENTY
+    assert left(maximum=1e-3) < 0
 
 
 def test_limits_of_a_recording_are_not_dropped_by_a_check():

@@ -16,7 +16,7 @@ PRINTED = {
     "N": 1, "kN": 1e3, "lbf": 4.448222, "kgf": 9.80665,
     "Nm": 1, "kNm": 1e3, "lbft": 1.355818,
     "N_m": 1, "N_mm": 1e3, "kN_m": 1e3, "lbf_in": 1.751268e2,
-    "Nm_deg": 57.29578, "kNm_deg": 5.729578e4, "Nm_rad": 1,
+    "Nm_deg": 57.29578, "kNm_deg": 5.729578e4, "Nm_rad": 1, "kNm_rad": 1e3, "Nms_rad": 1, "l": 1e-3,
     "Pa": 1, "MPa": 1e6, "GPa": 1e9, "psi": 6.894757e3, "kg_m3": 1,
     "rad": 1, "deg": 1.745329e-2, "deg_mm": 17.45329, "gmm": 1e-6,
     "rpm": 1.047198e-1, "rad_s": 1, "rad_s2": 1, "per_s": 1,
