@@ -49,8 +49,8 @@ class Copy:
             "OPENBLAS_NUM_THREADS": "1",
             "HYPOTHESIS_STORAGE_DIRECTORY": str(self.folder / "hypothesis"),
         }
-        # A bracket's tests too, where its extra is installed: some mutants nobody else can see.
-        also = ("-m", "not oracle and not office and not browser and not slow")
+        # A bracket's tests too, where its extra is installed, and slow ones: nobody else sees some.
+        also = ("-m", "not oracle and not office and not browser")
         quietly = ("-q", "--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", *also)
         return subprocess.run(
             [sys.executable, "-B", "-m", "pytest", *quietly, *options, *tests],

@@ -9,8 +9,9 @@ PAGES = sorted((Path(__file__).parents[2] / "docs" / "gallery").glob("*.py"))
 
 
 def needs(page):
-    """Pages that solve a bracket need its extra."""
-    return [pytest.mark.bracket] if "study.bracket" in page.read_text(encoding="utf-8") else []
+    """Pages that solve a bracket need its extra; a run-up from many angles takes its time."""
+    marks = [pytest.mark.bracket] if "study.bracket" in page.read_text(encoding="utf-8") else []
+    return [*marks, *([pytest.mark.slow] if page.stem == "run_up" else [])]
 
 
 @pytest.mark.parametrize("page", [pytest.param(p, marks=needs(p), id=p.stem) for p in PAGES])

@@ -79,6 +79,7 @@ def blown(seed, seconds):
     return told(x)
 
 
+@pytest.mark.slow
 def test_the_long_run_of_many_recordings_lies_in_the_interval():
     """Five minutes against four hours: the few largest blows are most of the damage.
 

@@ -21,6 +21,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.study.identification import identify
 
 TRUE = Truth()
+QUICK = "rubber"
 CASES = {
     "rubber": (TRUE, 1),
     "a mode of the bracket": (replace(TRUE, mode=(24.0, 0.02)), 2),
@@ -65,7 +66,9 @@ def true(truth):
     return found
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [n if n == QUICK else pytest.param(n, marks=pytest.mark.slow) for n in CASES]
+)
 def test_the_truth_lies_inside_every_interval(application, name):
     truth, seed = CASES[name]
     found = asked(application, truth, seed)

@@ -64,6 +64,7 @@ def test_a_weak_motor_is_captured_at_half_the_torsional_frequency():
     assert limited_power(line(120, beta=2), duration=40).mean_speed > 1.2 * weak.frequency / 2
 
 
+@pytest.mark.slow
 def test_whether_a_motor_gets_through_depends_on_where_it_starts():
     """120 W: caught at half, from everywhere; 400 W: at the frequency itself, from 7 of 8.
 
