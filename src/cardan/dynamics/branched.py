@@ -266,7 +266,7 @@ def forced(
 
     The torques of one motion, taken at instants of half a turn, move the line with its joints
     straight at each order by itself; the motion that comes of it gives them anew. The first
-    round is METHOD's first order: the lead of each joint as a displacement in series, and the
+    round is first order: the lead of each joint as a displacement in series, and the
     mean torque times its slope as a torque on what is ahead.
 
     Raises

@@ -10,7 +10,7 @@ in one linear fit over the whole recording, h the bracket's response: static, an
 modes that remember. What decides is F, the energy of that fit over what the same fit takes
 from the rest at phantoms a few resolution cells away, where nothing is locked. The answer is
 the share of damage removed, 1 - D(without j)/D, with an interval.
-Source: METHOD section 17 of this project; Ljung, System Identification (1999), ch. 4 and 9.
+Source: derived from first principles; Ljung, System Identification (1999), ch. 4 and 9.
 """
 
 from collections.abc import Callable, Sequence

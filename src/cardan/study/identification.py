@@ -15,7 +15,7 @@ changing one is added by their poles, so a quick run-up bends no stiffness.
 
 Intervals are of 90 %: what the noise and whatever the model leaves out do to the answer,
 taken from blocks of windows together, for neighbours err alike.
-Source: METHOD sections 15 and 17 of this project; Ljung, System Identification (1999), ch. 7;
+Source: derived from first principles; Ljung, System Identification (1999), ch. 7;
 Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015).
 """
 

@@ -99,7 +99,7 @@ class Started:
 def default_launches(application: Application) -> tuple[Launch, ...]:
     """Return the launches of a file; where it has none a smooth one and a dropped clutch.
 
-    METHOD's two: half a second up to the engine's largest torque; a twentieth of a second up to
+    Two: half a second up to the engine's largest torque; a twentieth of a second up to
     1.8 times that, which is what clutches hold.
     """
     return application.launches or (Launch(), Launch(ramp=0.05, capacity=1.8))
