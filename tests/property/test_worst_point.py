@@ -20,8 +20,8 @@ from cardan.quantity.response import Response, respond
 from cardan.study.driveline import asked
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SHORT = 0.985
-"""Share of the sweep's largest that is found at least: on 36 random lines 0.99 was reached."""
+SHORT = 0.99
+"""Share of the sweep's largest that is found at least: on 48 random lines 0.992 was reached."""
 TRUCKS = ("refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4")
 
 
@@ -57,12 +57,13 @@ def test_no_point_is_worse_than_the_worst(name):
             assert (worst > 0).all()
 
 
-@pytest.mark.parametrize("seed", [3, 6, 10, 12, 20])
+@pytest.mark.parametrize("seed", [3, 6, 10, 12, 20, 22, 46])
 def test_nor_on_any_rubber(seed):
     """Random rubber, losses and torque stiffness: modes that meet, cross and lie far apart.
 
     Among them a line that order 4 shakes most (20), one whose torque moves its modes (12),
-    two crests of a height (3, 6), and a mean that is largest beside a crest (10).
+    two crests of a height (3, 6), a mean that is largest beside a crest (10), and means that
+    are alike in two gears (22, 46).
     """
     random = np.random.default_rng(seed)
     (r, *_) = responses(TRUCKS[seed % 3])

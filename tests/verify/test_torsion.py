@@ -287,16 +287,26 @@ def test_the_first_mode_is_damped_as_asked(ratio):
     assert shape @ C @ shape == pytest.approx(2 * ratio * w, rel=1e-9)
 
 
-def test_a_zone_of_one_mode_is_no_difference():
-    """Half the modes' difference, 0.936, lies beside mode 1's own zone, 0.925 to 0.931.
+def test_zones_are_told_apart_by_what_their_multipliers_do():
+    """Three of them lie within 8 %: mode 1's own, a sum at second order, and a shut difference.
 
-    That was called a difference, which is stable to first order and stays shut.
+    Half the modes' difference is 0.936, a quarter of their sum 0.930. The growth over speed
+    itself, swept finely, has two humps; in mode 1's own a multiplier is real and below -1, in
+    the other all are complex.
     """
     line = TorsionLine(
         beta=np.array([35 * deg, 0.0]), stiffness=np.ones(2), driving=np.array([1.0, 0.15]),
         driven=np.zeros(2),
     )  # fmt: skip
-    found = {(z.kind, z.modes): z for z in zones(line)}
-    own, difference = found["principal", (1, 1)], found["difference", (1, 2)]
-    assert own.open
-    assert not difference.open
+    found = {(z.kind, z.modes, z.order): z for z in zones(line, orders=2)}
+    own, twice = found["principal", (1, 1), 1], found["sum", (1, 2), 2]
+    assert not found["difference", (1, 2), 1].open
+    speed = np.arange(0.84, 0.96, 2e-4)
+    grows = speed[growth(about_rigid_rotation(line, speed), tolerance=1e-12) > 1e-6]
+    first, second = np.split(grows, np.flatnonzero(np.diff(grows) > 3e-4) + 1)
+    for zone, hump, real in ((own, first, True), (twice, second, False)):
+        assert (zone.low, zone.high) == pytest.approx((hump[0], hump[-1]), abs=3e-4)
+        middle = about_rigid_rotation(line, hump[len(hump) // 2][None])
+        largest = max(np.linalg.eigvals(monodromy(middle)[0]), key=abs)
+        assert (abs(largest.imag) < 1e-6) == real
+        assert real == (largest.real < -1)

@@ -47,6 +47,12 @@ HOPELESS = 0.05
 ROUNDINGS = 64
 """Ways to round a correction that are tried at most; of more things each goes to its nearest."""
 
+BLUNT = 0.02
+"""Share of a range below which the search takes a move to cost as its square."""
+
+ROUGH = 1e-3
+"""How far into the reserve the search may end: rounding to steps is held to the bounds anyway."""
+
 STEPS = np.linspace(0.0, 1.0, 17)[:, None]
 """Places that are tried on the way back from a correction to the least one."""
 
@@ -242,24 +248,25 @@ class _Search:
         return top, reached, min(kept, key=lambda x: float(x @ x), default=top)
 
     def least(self, start: FloatArray, *, to: Bound) -> FloatArray:
-        """Return the position nearest to 0 that keeps every margin in reserve.
+        """Return the cheapest position found that keeps every margin in reserve.
 
         `start` keeps them. Where the search goes astray, as which point is worst changes from
-        place to place, it is the nearest on the straight ways there and to 0.
+        place to place, it is the cheapest on the straight ways there and to 0.
         """
 
-        def way(x: FloatArray) -> tuple[float, FloatArray]:
-            return float(x @ x), 2 * x
+        def cost(x: FloatArray) -> tuple[float, FloatArray]:
+            size = np.sqrt(x**2 + BLUNT**2)  # without the edge that a share has at 0
+            return float(size.sum()), x / size
 
         def kept(x: FloatArray) -> tuple[FloatArray, FloatArray]:
             margin, slope = self._smooth(x, to=to)
             return margin - RESERVE, slope
 
-        end = self._solve(start, cost=way, needed=kept)
-        tried = np.concatenate([start + STEPS * (to_ - start) for to_ in (end, 0 * start)])
-        kept_ = self.margins(tried, to=to).min(-1) >= RESERVE - 1e-3
-        kept_[0] = True
-        return tried[kept_][np.argmin((tried[kept_] ** 2).sum(-1))]
+        end = self._solve(start, cost=cost, needed=kept)
+        ways = np.concatenate([start + STEPS * (goal - start) for goal in (end, 0 * start)])
+        keeps = self.margins(ways, to=to).min(-1) >= RESERVE - ROUGH
+        keeps[0] = True
+        return ways[keeps][np.abs(ways[keeps]).sum(-1).argmin()]
 
     def _smooth(self, at: FloatArray, *, to: Bound) -> tuple[FloatArray, FloatArray]:
         """Return margins and their slopes at a position, from one batch of neighbours."""
