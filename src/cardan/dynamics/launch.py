@@ -131,6 +131,7 @@ def launch(
     h, gamma = step, GAMMA
     beta = (gamma + 0.5) ** 2 / 4
     count = round(duration / h)
+    settled = 1e-3 * h * h  # rad: what is left of an acceleration is 4e-3 rad/s²
     held = list(holding.springs)
     loose = play[0] if play else -1
     stiffness = np.broadcast_to(line.stiffness, (B, S))
@@ -149,7 +150,7 @@ def launch(
         delta, slope, bend = _leads(leads(q[:, follows]), q[:, joints])
         z = np.concatenate([q, q[:, joints] + delta - begun], axis=-1)
         turning = np.concatenate([a, slope * a[:, joints] + bend * v[:, joints] ** 2], axis=-1)
-        pulled = np.einsum("bij,bj->bi", mass, turning) + np.einsum("bij,bj->bi", K, z)
+        pulled = (mass @ turning[..., None] + K @ z[..., None])[..., 0]
         torque = stiffness * (z @ Y.T)
         twist = z @ Yh.T
         way = np.abs(v[:, rolls[0]])[:, None] * rolls[1] * h
@@ -160,7 +161,7 @@ def launch(
         torque[:, held] = kh * now
         pulled += torque[:, held] @ Yh
         gives = (np.abs(elastic) <= bound) | stuck
-        tangent = inner + np.einsum("bs,si,sj->bij", np.where(gives, kh * forgets, 0.0), Yq, Yq)
+        tangent = inner + (Yq.T * np.where(gives, kh * forgets, 0.0)[:, None]) @ Yq
         if play:
             gap = z @ Y[loose]
             over = gap - np.clip(gap, -play[1] / 2, play[1] / 2)
@@ -192,7 +193,7 @@ def launch(
             now = tried(q, v, a, begins, stuck=attempt > 6)
             change = np.linalg.solve(now.tangent, (now.left - force)[..., None])[..., 0]
             q = q - change
-            if np.abs(change).max() < (1e-10 if attempt < TRIES // 2 else 1e-7):
+            if np.abs(change).max() < (settled if attempt < TRIES // 2 else 100 * settled):
                 break
         else:
             msg = f"the launch does not settle at {t:.3f} s: try a shorter step"
