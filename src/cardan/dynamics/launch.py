@@ -15,7 +15,7 @@ Steps by Newmark's method with a little damping of what is too fast for them, an
 each: stiff springs cost nothing. Derived; held against an adaptive integration in the tests.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,16 +69,23 @@ class Travel:
     rate: FloatArray
 
 
-def modal_damping(line: Branched, found: Modes) -> FloatArray:
-    """Return a damping matrix (..., n, n) N m s/rad that damps each mode as its parts do.
+def part_damping(line: Branched, found: Modes, *, slide: Sequence[int]) -> FloatArray:
+    """Return a damping matrix (n, n) N m s/rad of dampers beside the springs of one case.
 
-    C = M Φ diag(2 ζ w) Φᵀ M: what hysteresis comes to in time, mode by mode.
+    As strong as to damp each mode as nearly as its parts do; none beside springs that `slide`,
+    whose torque is what they hold and no more.
     """
+    from scipy.optimize import nnls
+
     _, zeta = damped(line, found)
-    E = line.straight
-    weighed = (E.T @ line.mass @ E) @ found.shape
-    lost = 2 * zeta * found.frequency
-    return np.einsum("...im,...m,...jm->...ij", weighed, lost, weighed, optimize=True)
+    turns = line.springs @ line.straight
+    own = [k for k in range(len(turns)) if k not in slide]
+    lost = 2 * zeta[1:] * found.frequency[1:]
+    share = (turns[own] @ found.shape[:, 1:]).T ** 2
+    # A ramp shakes a mode the less the faster it is.
+    weight = found.frequency[1] / found.frequency[1:] / np.where(lost > 0, lost, np.inf)
+    dampers = nnls(share * weight[:, None], lost * weight)[0]
+    return (turns[own].T * dampers) @ turns[own]
 
 
 @single_threaded()
@@ -103,7 +110,7 @@ def launch(
     line
         B cases, (B, ...).
     damping : (n, n) N m s/rad
-        Of the motion about the mean one: `modal_damping`.
+        On rates: `part_damping`.
     leads
         Takes how far the freedom `follows` has turned, (B,) rad, and gives each joint's
         tan²(β/2) e^{2i·place}, (B, J).
