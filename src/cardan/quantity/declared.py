@@ -58,6 +58,12 @@ class Need:
     idle: Callable[[Response], BoolArray] | None = None
 
 
+RUBBER = Need(
+    gives="the stiffness of a centre bearing, and the tube of each shaft",
+    met=lambda r: np.array([[r.held is not None]]),
+)
+
+
 def _rated(gives: str, name: str) -> Need:
     return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
 
