@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.base.errors import BadFile, DesignError, Problem
-from cardan.base.source import Source
+from cardan.base.source import HOW_READ, Source
 from cardan.base.units import deg
 from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
@@ -56,6 +56,7 @@ from cardan.border.table import (
     nearest,
 )
 from cardan.fatigue.detail import at_knee
+from cardan.files.how_read import HowRead, with_reading
 from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.laminate import CompositeTube, Layer, Ply, metal
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
@@ -85,11 +86,13 @@ class Named(Text):
             here.refuse(message, hint)
 
 
-def _source(said: str | None) -> Source:
-    return ASSUMED if said is None else Source(said)
+def _source(said: str | None, read: HowRead | None) -> Source:
+    return with_reading(ASSUMED if said is None else Source(said), read)
 
 
 Prose: TypeAlias = Annotated[str, Text(PROSE)]
+
+READ_AS = f"{', '.join(HOW_READ)}; values that differ behind a semicolon"
 
 
 class MaterialTable(Table):
@@ -103,6 +106,7 @@ class MaterialTable(Table):
     ultimate: Strength | None = key("ultimate strength", default=None)
     fatigue_shear: Strength | None = key("fatigue limit in alternating shear", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Material:
@@ -115,7 +119,7 @@ class MaterialTable(Table):
             yield_strength=self.yield_,
             ultimate_strength=self.ultimate,
             fatigue_shear=self.fatigue_shear,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
         )
 
 
@@ -137,6 +141,7 @@ class PlyTable(Table):
     thickness: PlyThickness = key("of one ply")
     density: Density = key("density")
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Ply:
@@ -154,7 +159,7 @@ class PlyTable(Table):
             shear_strength=self.shear_strength,
             thickness=self.thickness,
             density=self.density,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
         )
 
 
@@ -211,19 +216,24 @@ class TubeTable(Table):
         | None
     ) = key("plies from the inside out, in place of a wall of one material", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Tube | CompositeTube:
         """Return the tube in SI."""
+        source = _source(self.source, self.how_read)
         if self.layup is not None:
             layers = tuple(layer for group in self.layup for layer in group)
             if len(layers) > PLIES:
                 self.at("layup").refuse(
                     f"a tube may have up to {PLIES} plies", got=f"{len(layers)}"
                 )
-            return CompositeTube(outer=self.outer, layers=layers)
+            return CompositeTube(outer=self.outer, layers=layers, source=source)
         assert self.wall is not None  # one of the two is there
-        return Tube(outer=self.outer, wall=self.wall, material=self.material)
+        return Tube(
+            outer=self.outer, wall=self.wall, material=self.material,
+            name=self.name or "", source=source,
+        )  # fmt: skip
 
 
 _OF_KINDS = {
@@ -273,14 +283,21 @@ class JointTable(Table):
     plunge: SplineTravel | None = key("how far it slides, either way", default=None)
     centre_distance: Size | None = key("between the crosses of a double cardan", default=None)
     ball_from_rear: Size | None = key("from its centring ball to the rear cross", default=None)
+    nominal: Rating | None = key(
+        "nominal or reference torque: to compare catalogues by, no limit of anything", default=None
+    )
+    industrial: Rating | None = key("Spicer's T-Ind, no limit either", default=None)
     angle_max: Angle | None = key("largest joint angle", default=None)
     n_beta_max: SpeedAngle | None = key("largest speed times joint angle, rpm deg", default=None)
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
     cross_width: Size | None = key("width over the cross's bearings", default=None)
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
+    swing_diameter: Size | None = key("of the circle the yokes turn in", default=None)
+    tube_outer: Size | None = key("outside diameter of the tube it is made for", default=None)
     mass: Mass | None = key("mass of the cross with its bearings", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> JointSize:
@@ -315,7 +332,7 @@ class JointTable(Table):
             cup_diameter=self.cup_diameter,
             needle_circle=self.needle_circle,
             mass=self.mass,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
             note=self.note or "",
         )
 
@@ -331,6 +348,7 @@ class DetailTable(Table):
         "how a mean stress counts: none; ratio, by IIW's f(R); goodman", default="none"
     )
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> FatigueCurve:
@@ -338,7 +356,7 @@ class DetailTable(Table):
         knee = at_knee(self.range_, cycles=self.cycles, slope=self.slope)
         return FatigueCurve(
             amplitude=knee, cycles=self.cycles, slope=self.slope, mean=self.mean,  # type: ignore[arg-type]
-            name=self.name, source=_source(self.source),
+            name=self.name, source=_source(self.source, self.how_read),
         )  # fmt: skip
 
 

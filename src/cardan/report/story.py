@@ -26,6 +26,7 @@ from cardan.report.blocks import (
     figures,
 )
 from cardan.report.compare import Compared, Variant, differences, effects
+from cardan.report.data import blocks as data_used
 from cardan.report.drawing import drawings
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
@@ -183,7 +184,7 @@ def signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
 def verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
-    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     several = len(of.responses) > 1
 
     def row(c: Check) -> tuple[str, ...]:
@@ -196,7 +197,7 @@ def verdict(of: Approval, say: Language) -> Iterator[Block]:
             f"{sense(c, say)} {say.number(c.bound / q.factor)}",
             q.unit_name,
             say.percent(c.margin),
-            f"[{sources.index(str(c.limit.source)) + 1}]",
+            f"[{sources.index(cited(c.limit.source, say)) + 1}]",
         )
 
     yield Table(
@@ -307,6 +308,7 @@ def _inputs(of: Approval, say: Language) -> Iterator[Block]:
             rows=tuple((i.name, i.value) for i in every if i.group == group),
             words=2,
         )
+    yield from data_used(of, say)
 
 
 def _line(

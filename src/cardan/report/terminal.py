@@ -84,6 +84,14 @@ def verdict(of: Approval, say: Language = EN, *, every: bool = False) -> Iterato
     yield from checks(of, say, every=every)
     yield from without_answer(unanswered(of, say), of.coverage, say)
     yield from notes(of, say)
+    if of.data:
+        from cardan.report import data
+
+        yield ""
+        yield _bold(
+            say("Data it stands on, and how it was read (`cardan catalogue` has its sources)")
+        )
+        yield from (f"  {line}" for line in data.lines(of, say))
 
 
 def block(of: "Table") -> Iterator[str]:

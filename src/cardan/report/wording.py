@@ -252,6 +252,22 @@ def notes(of: Approval, say: Language) -> list[str]:
 
 
 def cited(source: Source, say: Language) -> str:
-    """Return a source, in the language where it is no publication."""
+    """Return a source and how it was read, in the language where it is no publication."""
     title = say.given(source.title)
-    return f"{title}, {source.place}" if source.place else title
+    said = f"{title}, {source.place}" if source.place else title
+    read = how_read(source, say)
+    return f"{said} ({read})" if read else said
+
+
+def how_read(source: Source, say: Language) -> str:
+    """Return how the values of a source were read, those that differ behind; empty if nobody said.
+
+    Values are called what files call them.
+    """
+    if not source.how_read:
+        return ""
+    words = dict.fromkeys(word for _, word in source.apart)
+    differ = (
+        f"{', '.join(name for name, w in source.apart if w == word)}: {say(word)}" for word in words
+    )
+    return "; ".join((say(source.how_read), *differ))
