@@ -144,6 +144,16 @@ def understood(written: Written) -> Application:
     )
 
 
+def catalogue_of(application: Application) -> Catalogue:
+    """Return the catalogues an application takes its parts from, its own before those shipped."""
+    written = application.written
+    if written is None:
+        return Catalogue()
+    root, problems = parse(written.text, written.name)
+    reading = Reading(problems=problems, folder=written.folder, allow_outside=written.allow_outside)
+    return Catalogue(tuple(_sheets(root, reading)))
+
+
 def _warnings(application: Application, reading: Reading) -> tuple[Problem, ...]:
     """Return what looks wrong, by itself or beside other numbers, in the file's order."""
     odd = {w.key for w in reading.warnings}  # by itself: enough said

@@ -385,7 +385,7 @@ class Sheet:
         comma = ";" if ";" in text.partition("\n")[0] else ","  # spreadsheets write both
         rows = csv.reader(io.StringIO(text, newline=""), delimiter=comma)
         try:
-            self._header = [c.strip() or f"column {k}" for k, c in enumerate(next(rows, []), 1)]
+            self.header = [c.strip() or f"column {k}" for k, c in enumerate(next(rows, []), 1)]
             self._rows = [(rows.line_num, row) for row in rows if any(c.strip() for c in row)]
         except csv.Error as error:
             problem = Problem(message=f"this is no CSV: {error}", line=rows.line_num, column=1)
@@ -396,23 +396,23 @@ class Sheet:
         """What it lists, by its columns."""
 
         def known(kind: Kind) -> int:
-            return sum(column in TABLES[kind].keys() for column in self._header)  # noqa: SIM118
+            return sum(column in TABLES[kind].keys() for column in self.header)  # noqa: SIM118
 
         return max(TABLES, key=known)
 
     @cached_property
     def rows(self) -> dict[str, tuple[int, list[str]]]:
         """Line and cells by name."""
-        if "name" not in self._header:
+        if "name" not in self.header:
             return {}
-        column = self._header.index("name")
+        column = self.header.index("name")
         named = ((row[column].strip(), (n, row)) for n, row in self._rows if len(row) > column)
         return {name: row for name, row in named if name}
 
     def _table(self, line: int, cells: list[str]) -> Mapping:
         """Return a row as a table of the cells that are filled; columns count from 1."""
         entries: dict[str, tuple[Scalar, Node]] = {}
-        for k, (name, cell) in enumerate(zip(self._header, cells, strict=False), 1):
+        for k, (name, cell) in enumerate(zip(self.header, cells, strict=False), 1):
             if cell.strip() and name in TABLES[self.kind].keys():  # noqa: SIM118
                 entries[name] = Scalar(name, line, k), Scalar(cell.strip(), line, k)
         return Mapping(line, 1, entries)
@@ -438,21 +438,21 @@ class Sheet:
 
     def check(self, reading: Reading, above: Sequence["Sheet"] = ()) -> None:
         """Note whatever is wrong in the sheet, also beside those read before it."""
-        if "name" not in self._header:
+        if "name" not in self.header:
             message = "the first line must name the columns, and one of them is name"
             Here(Mapping(1, 1), "", reading).note(message)
             return
-        for k, column in enumerate(self._header):
+        for k, column in enumerate(self.header):
             here = Here(Mapping(1, k + 1), column, reading)
             if column not in TABLES[self.kind].keys():  # noqa: SIM118
                 here.note("unknown column", nearest(column, TABLES[self.kind].keys()))
-            elif column in self._header[:k]:
+            elif column in self.header[:k]:
                 here.note("this column stands here twice")
         lines: dict[str, int] = {}
         for line, cells in self._rows:
             row = self._table(line, cells)
-            if any(c.strip() for c in cells[len(self._header) :]):
-                message = f"this row has {len(cells)} cells, the header {len(self._header)}"
+            if any(c.strip() for c in cells[len(self.header) :]):
+                message = f"this row has {len(cells)} cells, the header {len(self.header)}"
                 hint = "write a decimal point, and put text with a comma in quotes"
                 Here(row, "", reading).note(message, hint)
             if len(lines) >= ROWS:
@@ -461,7 +461,7 @@ class Sheet:
             if "name" not in row.entries:
                 Here(row, "", reading).note("this row has no name")
                 continue
-            name = cells[self._header.index("name")].strip()
+            name = cells[self.header.index("name")].strip()
             if name in lines:
                 Here(row, name, reading).note(f"this name is in line {lines[name]} already")
             same = (s for s in above if s.kind == self.kind and name in s.rows)
@@ -480,13 +480,20 @@ class Catalogue:
     def __init__(self, own: Sequence[Sheet] = ()) -> None:
         self.own = own
 
-    def _sheets(self, kind: Kind) -> Iterator[Sheet]:
+    def sheets(self, kind: Kind) -> Iterator[Sheet]:
+        """Yield the sheets that list a kind of part, the user's own first."""
         yield from (s for s in self.own if s.kind == kind)
         yield shipped(kind)
 
     def names(self, kind: Kind) -> list[str]:
         """Return every name of a kind of part, the user's own first."""
-        return [name for sheet in self._sheets(kind) for name in sheet.rows]
+        return list(dict.fromkeys(name for sheet in self.sheets(kind) for name in sheet.rows))
+
+    def every(self, kind: Kind) -> Iterator[Any]:
+        """Yield every part of a kind, the user's own first."""
+        own = dict.fromkeys(n for s in self.own if s.kind == kind for n in s.rows)
+        yield from (self.find(name, kind) for name in own)
+        yield from (part for name, part in _parts(kind).items() if name not in own)
 
     def find(self, name: str, kind: Kind, here: Here | None = None) -> Any:
         """Return the part of that name, for a place in a file where it stands.
@@ -499,10 +506,10 @@ class Catalogue:
             If no catalogue has it; the message names what comes nearest.
         """
         here = here or Here(Scalar(name, 0, 0), name, Reading(self))
-        for sheet in self._sheets(kind):
+        for sheet in self.sheets(kind):
             if name in sheet.rows:
                 return sheet.part(name, here)
-        for sheet in self._sheets(kind):
+        for sheet in self.sheets(kind):
             for known in sheet.rows:
                 if _loose(known) == _loose(name):
                     return sheet.part(known, here)
@@ -527,6 +534,12 @@ def shipped(kind: Kind) -> Sheet:
     name = "plies" if kind == "ply" else f"{kind}s"
     path = Path(__file__).with_name("catalogues") / f"{name}.csv"
     return Sheet(path.read_text(encoding="utf-8"), path.name)
+
+
+@cache
+def _parts(kind: Kind) -> dict[str, Any]:
+    """Return the shipped parts of a kind by their names."""
+    return {name: find(name, kind) for name in shipped(kind).rows}
 
 
 def find(name: str, kind: Kind) -> Any:

@@ -32,6 +32,7 @@ from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
 from cardan.report.sheet import Row, line_title, sections, shown_as
+from cardan.report.terminal import instead
 from cardan.report.wording import (
     STUDY_TITLES,
     badness,
@@ -42,6 +43,7 @@ from cardan.report.wording import (
     move,
     moves_that_help,
     notes,
+    out_of_reach,
     place,
     problem,
     sense,
@@ -53,6 +55,7 @@ from cardan.study.approval import Approval
 from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding
 from cardan.study.fix import Proposal, fix
 from cardan.study.sensitivity import Sensitivity, sensitivities
+from cardan.study.sizing import next_sizes
 
 __all__ = ["Issue", "Story", "approval", "comparison", "figures", "verdict", "whole"]
 
@@ -238,6 +241,7 @@ def _changes(
 ) -> Iterator[Block]:
     """Yield corrections, what each move would do, and what no move of a line answers."""
     several = len(of.responses) > 1
+    sizes = next_sizes(of.application, out_of_reach(helps))
     if of.verdict == "pass":
         yield Text(
             paragraphs=(
@@ -259,7 +263,8 @@ def _changes(
             points=tuple(
                 (
                     problem(one, say, several=several),
-                    tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),),
+                    tuple(moves_that_help(one, say))
+                    or (instead(sizes.get((one.check.line, one.check.quantity)), say),),
                 )
                 for one in helps
             ),

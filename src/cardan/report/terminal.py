@@ -34,6 +34,9 @@ if TYPE_CHECKING:  # one check of one design is not to wait for these
     from cardan.report.compare import Variant
     from cardan.study.fix import Proposal
     from cardan.study.published import Published
+    from cardan.study.sizing import Remedy
+
+    Sizes = dict[tuple[str, str], Remedy]
 
 LABEL = 48
 """Width of the names of rows."""
@@ -65,14 +68,20 @@ def headline(
 
 
 def approval(
-    of: Approval, *, helps: Iterable[Sensitivity], every: bool = False, say: Language = EN
+    of: Approval,
+    *,
+    helps: Iterable[Sensitivity],
+    sizes: "Sizes | None" = None,
+    every: bool = False,
+    say: Language = EN,
 ) -> Iterator[str]:
     """Yield everything an approval has to say, line by line of text.
 
-    With `every` each check has its row; without, each limit has one, the worst.
+    With `every` each check has its row; without, each limit has one, the worst. `sizes` are
+    other parts, for what nothing moved answers.
     """
     yield from verdict(of, say, every=every)
-    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
+    yield from _helps(tuple(helps), sizes or {}, say, several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response, say)
 
@@ -233,7 +242,9 @@ def _sense(c: Check, say: Language) -> str:
     return say("outside") if c.limit.band else c.limit.sense
 
 
-def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
+def _helps(
+    of: tuple[Sensitivity, ...], sizes: "Sizes", say: Language, *, several: bool
+) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
@@ -246,7 +257,16 @@ def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iter
             continue  # said of the part that is worst
         hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves) or say('nothing that can be moved')}"
+        yield f"      {'; '.join(moves) or instead(sizes.get(what), say)}"
+
+
+def instead(remedy: "Remedy | None", say: Language) -> str:
+    """Return what there is where nothing can be moved."""
+    if remedy is None:
+        return say("nothing that can be moved")
+    from cardan.report.sizing import instead as other_part
+
+    return other_part(remedy, say)
 
 
 def _line(r: Response, say: Language) -> Iterator[str]:

@@ -152,13 +152,19 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
 
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
-    """Return the three moves that win most, each with the value it gives.
+    """Return the three moves that win most, each with the value it gives."""
+    return [_effect(one, e, say) for e in _helpful(one)[:3]]
 
-    Those that close less than `WORTHWHILE` of the gap help nobody.
-    """
+
+def _helpful(one: Sensitivity) -> list[Effect]:
+    """Return the moves that close at least `WORTHWHILE` of the gap: others help nobody."""
     gap = max(-one.check.margin, 0.0)
-    found = [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
-    return [_effect(one, e, say) for e in found[:3]]
+    return [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
+
+
+def out_of_reach(of: Iterable[Sensitivity]) -> list[Check]:
+    """Return the checks that no move helps."""
+    return [one.check for one in of if not _helpful(one)]
 
 
 def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
