@@ -170,6 +170,7 @@ def published(of: tuple[Published, ...]) -> list[dict[str, Any]]:
         [
             {
                 "case": c.title,
+                "kind": c.kind,
                 "source": str(c.source),
                 "published": c.expected,
                 "computed": c.computed,

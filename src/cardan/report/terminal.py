@@ -195,10 +195,23 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     yield f"  Key: {q.key}; {others}"
 
 
+KINDS = {
+    "published": "Published where a reader can look",
+    "untraced": "Printed somewhere that nobody found again",
+    "derived": "Computed by other means, printed nowhere",
+}
+"""Heads of `cardan verify`."""
+
+
 def published(cases: "Iterable[Published]") -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
     yield f"{'':6}{'case':<66}{'published':>13}{'computed':>13}{'difference':>12}"
+    kind = ""
     for c in cases:
+        if c.kind != kind:
+            kind = c.kind
+            yield ""
+            yield _bold(KINDS[kind])
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
         yield (
             f"{word}{_fit(c.title, 66)}{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
