@@ -89,6 +89,8 @@ def test_what_the_reader_accepts_the_schema_accepts(old, new):
 def test_every_key_says_what_it_is_and_in_which_unit():
     for name, table in SCHEMA["$defs"].items():
         assert table["description"], name
+        if "enum" in table:  # the names of a catalogue
+            continue
         for key, entry in table["properties"].items():
             assert entry["description"], f"{name}.{key}"
     shaft = SCHEMA["$defs"]["Shaft"]["properties"]
@@ -96,3 +98,31 @@ def test_every_key_says_what_it_is_and_in_which_unit():
     assert shaft["phase_rad"]["maximum"] == pytest.approx(2 * 3.141592653589793)
     efficiency = SCHEMA["$defs"]["Gearbox"]["properties"]["efficiency"]
     assert efficiency["description"] == "of the gearbox (default 1.0)"
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        ("joint", ["1810", "2040", "SWP 160"]), ("tube", ["120x4"]), ("material", ["E355-SR"]),
+        ("ply", ["T300/5208"]), ("tyre", ["315/80 R22.5"]),
+    ],
+)  # fmt: skip
+def test_the_schema_names_what_catalogues_have(kind, names):
+    """An editor completes them; a file's own catalogue may bring others."""
+    listed = SCHEMA["$defs"][f"{kind}_names"]["enum"]
+    assert set(names) <= set(listed)
+    assert len(listed) == len(set(listed))
+
+
+def test_the_schema_names_the_profiles():
+    """And refuses one that is neither shipped nor a file, as the reader does."""
+    assert "heavy-truck" in str(SCHEMA["$defs"]["Application"]["properties"]["limits"])
+    assert accepted(SMALL)
+    for wrong in ("heavy-trucks", "protractors"):
+        text = SMALL.replace("limits: protractor", f"limits: {wrong}")
+        assert not accepted(text)
+        with pytest.raises(BadFile):
+            loads(text)
+    assert accepted(SMALL.replace("limits: protractor", "limits: ours.yaml"))
+    with_joints = SMALL.replace("  shafts:", "  joints: of-our-own-catalogue\n  shafts:")
+    assert accepted(with_joints)

@@ -24,6 +24,7 @@ from cardan.border.measure import (  # fmt: skip
     Travel,
 )
 from cardan.border.table import (
+    NAME,
     Choice,
     Enough,
     Here,
@@ -33,6 +34,7 @@ from cardan.border.table import (
     Number,
     OneOf,
     Reading,
+    Schema,
     Spoilt,
     Table,
     TableRule,
@@ -44,7 +46,7 @@ from cardan.demand.axles import driven_axles
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
-from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits
+from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits, names
 from cardan.files.line import AdjustTable, LineTable
 from cardan.files.plausible import doubts
 from cardan.files.vehicle import (
@@ -205,6 +207,12 @@ class ProfileName(Text):
     """A profile that comes with this package, or the file of one beside the application."""
 
     one, many = "a limit profile", "limit profiles"
+
+    def schema(self, defs: Schema, unit: str) -> Schema:
+        """Return the shipped names, or that of a file."""
+        del defs, unit
+        beside = {"type": "string", "pattern": r"\.ya?ml$", "maxLength": NAME}
+        return {"anyOf": [{"enum": list(names())}, beside]}
 
     def read(self, here: Here) -> Profile:
         """Return its name and limits."""

@@ -47,6 +47,7 @@ from cardan.border.table import (
     Number,
     OneOf,
     Reading,
+    Schema,
     Spoilt,
     Table,
     TableRule,
@@ -84,6 +85,15 @@ class Named(Text):
         except DesignError as error:
             message, _, hint = str(error).partition("; ")
             here.refuse(message, hint)
+
+    def schema(self, defs: Schema, unit: str) -> Schema:
+        """Return the shipped names for editors to complete, or any: a file may bring its own."""
+        name = f"{self.kind}_names"
+        defs[name] = {
+            "description": f"what the shipped catalogue of {self.many.partition(' ')[0]} has",
+            "enum": list(shipped(self.kind).rows),
+        }
+        return {"anyOf": [{"$ref": f"#/$defs/{name}"}, super().schema(defs, unit)]}
 
 
 def _source(said: str | None, read: HowRead | None) -> Source:
