@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -20,6 +21,20 @@ ROOT = Path(__file__).parents[2]
 TRUCK = (ROOT / "examples/medium-truck-4x2.yaml").read_text(encoding="utf-8")
 WEAK = TRUCK.replace("- tube: 100x3    ", "- tube: 3.000x0.065in ", 1).replace('"2035"', '"2025"')
 """Its first tube twists beyond yield, and its joints are too small."""
+
+
+LONG = """
+title: Long shaft
+speed_rpm: 3300
+torque_Nm: 1500
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 2.5, 1.5]}
+  joints: "2025"
+  shafts:
+    - {length_mm: 1300, tube: 3.500x0.083in, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1950, tube: 3.500x0.083in}
+limits: spicer
+"""
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +115,42 @@ def test_the_joint_proposed_is_the_smallest_of_all_that_do(weak):
     assert (found.offer.part, found.offer.parts) == (smallest, (1, 2, 3))
 
 
+def test_a_joint_that_leaves_a_limit_without_an_answer_is_not_proposed(weak):
+    """Smaller ones would carry the torque, but nobody rates their life or their fatigue."""
+    one = problem(weak, "joint_torque_utilisation", 1)
+    needed = one.value * find("2025", "joint").peak_torque
+    (found,) = answers(weak, one)
+    joint = found.offer.part
+    assert joint.peak_torque >= needed
+    assert joint.reversing_torque
+    assert life_rating(joint)
+    passed_over = [
+        j for j in Catalogue().every("joint")
+        if j.peak_torque and needed <= j.peak_torque < joint.peak_torque
+    ]  # fmt: skip
+    assert passed_over
+    assert all(not j.reversing_torque or not life_rating(j) for j in passed_over)
+
+
+def test_a_tube_that_the_line_has_no_room_for_is_not_proposed():
+    """A beam 62 mm below the line leaves room for tubes of 92 mm: the heavier 89x2.4 steps in."""
+    beam = """
+obstacles:
+  - {name: beam, start_mm: [2200, -400, ROOM], end_mm: [2200, 400, ROOM], radius_mm: 10}
+"""
+    free = files.loads(LONG)
+    (tube, _) = answers(free, problem(free, "critical_speed_ratio", 2))
+    z = float(free.lines[0].layout.points[..., 1, 2]) * 1e3
+    drop = (2200 - 1300) * np.tan(np.radians(2.5))
+    room = z - drop - tube.offer.part.outer / mm / 2 - 10 - 14
+    tight = files.loads(LONG + beam.replace("ROOM", f"{room:.1f}"))
+    found = answers(tight, problem(tight, "critical_speed_ratio", 2))[0]
+    assert isinstance(found, Hopeless) or found.offer.part != tube.offer.part
+    if isinstance(found, Hopeless):
+        assert found.fails is not None
+        assert found.fails.quantity == "clearance"
+
+
 @pytest.fixture(scope="module")
 def sized(weak):
     return sizing(weak)
@@ -131,20 +182,6 @@ def test_what_no_part_answers_is_said(sized):
     missed = {h.problem.quantity for h in sized.hopeless}
     failing = {c.quantity for c in sized.approval.checks if c.grade == "fail"}
     assert missed == failing == {"centre_bearing_dynamic", "centre_bearing_peak"}
-
-
-LONG = """
-title: Long shaft
-speed_rpm: 3300
-torque_Nm: 1500
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 2.5, 1.5]}
-  joints: "2025"
-  shafts:
-    - {length_mm: 1300, tube: 3.500x0.083in, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1950, tube: 3.500x0.083in}
-limits: spicer
-"""
 
 
 def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
