@@ -133,7 +133,7 @@ def keys() -> str:
     from cardan import files
 
     schema = files.schema()
-    tables = {name: t for name, t in schema["$defs"].items() if "enum" not in t}
+    tables = schema["$defs"]
     first = schema["$ref"].rpartition("/")[2]
     return "\n\n".join(
         _table(name, tables[name]) for name in [first, *(t for t in tables if t != first)]
@@ -295,7 +295,7 @@ def _table(name: str, schema: dict[str, Any]) -> str:
 def _kind(entry: dict[str, Any]) -> str:
     """Return which object an entry holds, if it holds one."""
     found = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
-    names = dict.fromkeys(name for name in found if not name.endswith("_names"))
+    names = dict.fromkeys(found)
     return "".join(f" → [{name}](#{name.lower()})" for name in names)
 
 

@@ -162,3 +162,43 @@ def test_a_files_own_catalogues_are_on_the_shelf(tmp_path):
     result = run("joints", "--for", "1200Nm", "--file", str(tmp_path / "truck.yaml"))
     assert result.output.splitlines()[1].startswith("ours")
     assert "drawing 4 (re-read)" in result.output
+
+
+def test_explain_says_what_limits_a_quantity_and_how_that_was_read():
+    told = CliRunner().invoke(cli, ["explain", "tube_shear_utilisation"]).output
+    assert "Limits (heavy-truck): normal <= 0.6700, maximum <= 1.000" in told
+    assert "House practice (by definition; normal: assumed)" in told
+    band = CliRunner().invoke(cli, ["explain", "half_critical_band"]).output
+    assert "outside 0.4200 … 0.5800" in band
+
+
+def test_a_check_says_how_its_bound_was_read_and_what_it_stands_on():
+    file = Path(__file__).parents[2] / "examples/refuse-collector-6x2.yaml"
+    document = json.loads(CliRunner().invoke(cli, ["check", "--json", "-", str(file)]).stdout)
+    shear = [c for c in document["checks"] if c["quantity"] == "tube_shear_utilisation"]
+    assert {(c["verdict"], c["how_read"]) for c in shear} == {("pass", "assumed")}  # its normal
+    speed = [c for c in document["checks"] if c["quantity"] == "joint_speed"]
+    assert {c["how_read"] for c in speed} == {"re-read"}  # the joint's own, read apart
+    rows = {(d["kind"], d["name"]): d for d in document["data"]}
+    assert rows["joint", "2040"]["how_read"] == "from memory"
+    assert rows["joint", "2040"]["apart"]["speed_max"] == "re-read"
+    assert rows["tube", "120x4"]["parts"] == [1, 2, 3]
+    printed = CliRunner().invoke(cli, ["check", str(file), "--lang", "pt"]).output
+    assert "tubo 120x4 (eixo 1, eixo 2, eixo 3): relido; material: suposto" in printed
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [("remembered", "must be re-read"), ("re-read; assumed", "behind a semicolon")],
+)
+def test_a_word_nobody_knows_is_refused(tmp_path, said, message):
+    (tmp_path / "ours.csv").write_text(f"name,peak_Nm,how_read\nours,900,{said}\n", "utf-8")
+    file = tmp_path / "truck.yaml"
+    file.write_text(
+        "title: x\ncatalogues: ours.csv\nspeed_rpm: 1000\ntorque_Nm: 100\ndriveline:\n"
+        "  slopes: {side_deg: [1, 2, 1]}\n  joints: ours\n  shafts: [{length_mm: 900}]\n",
+        encoding="utf-8",
+    )
+    result = CliRunner().invoke(cli, ["check", str(file)])
+    assert result.exit_code == 2
+    assert message in result.output

@@ -24,7 +24,6 @@ from cardan.border.measure import (  # fmt: skip
     Travel,
 )
 from cardan.border.table import (
-    NAME,
     Choice,
     Enough,
     Here,
@@ -34,7 +33,6 @@ from cardan.border.table import (
     Number,
     OneOf,
     Reading,
-    Schema,
     Spoilt,
     Table,
     TableRule,
@@ -46,7 +44,8 @@ from cardan.demand.axles import driven_axles
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
-from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits, names
+from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits
+from cardan.files.limit import names as profiles
 from cardan.files.line import AdjustTable, LineTable
 from cardan.files.plausible import doubts
 from cardan.files.vehicle import (
@@ -208,12 +207,6 @@ class ProfileName(Text):
 
     one, many = "a limit profile", "limit profiles"
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        """Return the shipped names, or that of a file."""
-        del defs, unit
-        beside = {"type": "string", "pattern": r"\.ya?ml$", "maxLength": NAME}
-        return {"anyOf": [{"enum": list(names())}, beside]}
-
     def read(self, here: Here) -> Profile:
         """Return its name and limits."""
         name = self.text(here)
@@ -223,6 +216,10 @@ class ProfileName(Text):
         except BadFile as error:
             _note(error, here)
             raise Spoilt from None
+
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a shipped profile, which editors offer, or the file of one's own."""
+        return {"anyOf": [{"enum": list(profiles())}, super().schema(defs, unit)]}
 
 
 class InlineLimits(ListOf):

@@ -47,7 +47,6 @@ from cardan.border.table import (
     Number,
     OneOf,
     Reading,
-    Schema,
     Spoilt,
     Table,
     TableRule,
@@ -86,14 +85,9 @@ class Named(Text):
             message, _, hint = str(error).partition("; ")
             here.refuse(message, hint)
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        """Return the shipped names for editors to complete, or any: a file may bring its own."""
-        name = f"{self.kind}_names"
-        defs[name] = {
-            "description": f"what the shipped catalogue of {self.many.partition(' ')[0]} has",
-            "enum": list(shipped(self.kind).rows),
-        }
-        return {"anyOf": [{"$ref": f"#/$defs/{name}"}, super().schema(defs, unit)]}
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a name of the shipped catalogue, which editors offer, or any of one's own."""
+        return {"anyOf": [{"enum": list(shipped(self.kind).rows)}, super().schema(defs, unit)]}
 
 
 def _source(said: str | None, read: HowRead | None) -> Source:

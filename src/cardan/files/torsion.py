@@ -1,6 +1,6 @@
 """What turns and springs between engine and road in a file, each part at its own speed."""
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from cardan.border.measure import (
     TorsionDamping,
     TorsionStiffness,
 )  # fmt: skip
-from cardan.border.table import ListOf, Number, Schema, Table, Text, Whole, key
+from cardan.border.table import ListOf, Number, Table, Text, Whole, key
 from cardan.files.typical import find_row, rows
 from cardan.model.parts import STEEL
 from cardan.model.turning import (
@@ -158,13 +158,10 @@ class InterAxleTable(Table):
 class TyreName(Text):
     """The size of a tyre, as the catalogue has it, blanks and case aside."""
 
-    def schema(self, defs: Schema, unit: str) -> Schema:
-        """Return the shipped sizes for editors to complete, or any spelling of one."""
-        defs["tyre_names"] = {
-            "description": "what the shipped catalogue of tyres has",
-            "enum": [row["name"] for row in rows("tyres.csv")],
-        }
-        return {"anyOf": [{"$ref": "#/$defs/tyre_names"}, super().schema(defs, unit)]}
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a shipped size, which editors offer, or any spelling of one."""
+        sizes = [row["name"] for row in rows("tyres.csv")]
+        return {"anyOf": [{"enum": sizes}, super().schema(defs, unit)]}
 
 
 class WheelsTable(Table):

@@ -191,8 +191,31 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
     yield f"  {say('Source')}: {q.source}"
+    yield from _limits_on(q, say)
     others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
     yield f"  Key: {q.key}; {others}"
+
+
+def _limits_on(q: Quantity, say: Language) -> Iterator[str]:
+    """Yield what the default profile asks of a quantity, who says so and how that was read."""
+    from cardan.files.limit import DEFAULT, limits
+
+    for limit in limits(DEFAULT)[1]:
+        if limit.quantity != q.key:
+            continue
+        low, high = limit.band or (None, None)
+        bounds = (("normal", limit.normal), ("maximum", limit.maximum))
+        said = [
+            f"{say(name)} {limit.sense} {say.number(bound / q.factor)}"
+            for name, bound in bounds
+            if bound is not None
+        ]
+        if low is not None and high is not None:
+            edges = (say.number(edge / q.factor) for edge in (low, high))
+            said.append(f"{say('outside')} {' … '.join(edges)}")
+        asks = " ".join((", ".join(said), q.unit_name)).rstrip()
+        yield f"  {say('Limits')} ({DEFAULT}): {asks}"
+        yield f"      {cited(limit.source, say)}"
 
 
 KINDS = {
