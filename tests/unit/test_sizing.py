@@ -220,6 +220,7 @@ def test_a_check_names_the_next_size_where_nothing_can_be_moved(weak, tmp_path):
     file.write_text(WEAK, encoding="utf-8")
     printed = CliRunner().invoke(cli, ["check", str(file)]).output
     assert "shaft 1: tube 5.000x0.083in in place of 3.000x0.065in gives 0.6326" in printed
+    assert "nothing that can be moved; `cardan size` tries other parts" in printed  # of a warning
     sizes = next_sizes(weak, problems(weak))
     assert {k[1] for k in sizes} >= {"tube_shear_utilisation", "joint_life"}
     assert all(isinstance(r.offer.part, Tube | JointSize) for r in sizes.values())
@@ -235,3 +236,12 @@ def test_the_command_fits_a_terminal_and_speaks_json(tmp_path):
     bad = CliRunner().invoke(cli, ["size", str(file), "--line", "rear"])
     assert bad.exit_code == 2
     assert "no line rear" in bad.output
+
+
+def test_a_line_without_joints_hears_where_they_are(tmp_path):
+    file = tmp_path / "truck.yaml"
+    file.write_text(LONG.replace('  joints: "2025"\n', "").replace("3300", "1500"), "utf-8")
+    result = CliRunner().invoke(cli, ["size", str(file)])
+    assert result.exit_code == 1  # what is required has no answer
+    assert "cardan catalogue joints --for" in result.output
+    assert "a joint size with its peak torque" in result.output

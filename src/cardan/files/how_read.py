@@ -1,11 +1,10 @@
 """How the numbers of a row were read: one word for all, and for those that differ."""
 
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Annotated, TypeAlias
 
 from cardan.base.source import HOW_READ, Source
-from cardan.border.table import PROSE, Here, Text
+from cardan.border.table import PROSE, Here, Text, nearest
 
 
 class _HowRead(Text):
@@ -29,8 +28,7 @@ class _HowRead(Text):
 
     def _word(self, word: str, here: Here) -> str:
         if word not in HOW_READ:
-            near = get_close_matches(word, HOW_READ, n=1)
-            self.refuse(here, f"did you mean {near[0]}?" if near else "")
+            self.refuse(here, nearest(word, HOW_READ))
         return word
 
 

@@ -10,8 +10,8 @@ from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import contract
 from cardan.report.language import EN, Language
-from cardan.report.wording import how_read, sentence
-from cardan.study.sizing import Hopeless, Offer, Remedy, Sizing
+from cardan.report.wording import gaps, how_read, sentence
+from cardan.study.sizing import WAYS, Hopeless, Offer, Remedy, Sizing
 
 WIDTH = 80
 
@@ -78,7 +78,8 @@ def instead(of: Remedy, say: Language) -> str:
 def lines(of: Sizing, say: Language = EN) -> Iterator[str]:
     """Yield a sizing as lines of at most 80 columns."""
     title, was, now = of.before.application.title, of.before.verdict, of.approval.verdict
-    if not of.remedies and not of.hopeless:
+    missed = [u for u in of.before.coverage.missed if u.quantity in WAYS]
+    if not of.remedies and not of.hopeless and not missed:
         yield say("{title}: no limit that another part could answer is passed.", title=title)
         return
     several = len(of.before.application.lines) > 1
@@ -104,6 +105,13 @@ def lines(of: Sizing, say: Language = EN) -> Iterator[str]:
         yield say("Nothing on offer answers")
         for one in of.hopeless:
             yield from _wrapped(hopeless(one, say, several=several), first="  ", then="    ")
+    if missed:
+        yield ""
+        yield from _wrapped(
+            say("No part, no size: `cardan catalogue joints --for TORQUE` lists what carries it")
+        )
+        for gap in gaps(missed, say, several=several):
+            yield from _wrapped(gap, first="  ", then="    ")
 
 
 def _remedy(of: Remedy, say: Language, *, lead: str, several: bool) -> Iterator[str]:

@@ -264,7 +264,7 @@ def _changes(
                 (
                     problem(one, say, several=several),
                     tuple(moves_that_help(one, say))
-                    or (instead(sizes.get((one.check.line, one.check.quantity)), say),),
+                    or (instead(one.check, sizes.get((one.check.line, one.check.quantity)), say),),
                 )
                 for one in helps
             ),

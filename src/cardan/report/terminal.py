@@ -293,12 +293,16 @@ def _helps(
             continue  # said of the part that is worst
         hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves) or instead(sizes.get(what), say)}"
+        yield f"      {'; '.join(moves) or instead(one.check, sizes.get(what), say)}"
 
 
-def instead(remedy: "Remedy | None", say: Language) -> str:
-    """Return what there is where nothing can be moved."""
+def instead(check: Check, remedy: "Remedy | None", say: Language) -> str:
+    """Return what there is where nothing can be moved: another part, or who looks for one."""
     if remedy is None:
+        from cardan.study.sizing import WAYS
+
+        if check.quantity in WAYS:
+            return say("nothing that can be moved; `cardan size` tries other parts")
         return say("nothing that can be moved")
     from cardan.report.sizing import instead as other_part
 

@@ -214,14 +214,16 @@ def _together(application: Application, remedies: list[Remedy]) -> Iterator[Reme
 
 
 def next_sizes(application: Application, checks: Iterable[Check]) -> dict[tuple[str, str], Remedy]:
-    """Return the tube or joint that answers each of some checks, by line and quantity.
+    """Return the tube or joint that answers each of some failures, by line and quantity.
 
-    For whoever has no time for all of `sizing`: one of each, asked by itself.
+    For whoever has no time for all of `sizing`: one of each, asked by itself; what only warns
+    is not.
     """
     found: dict[tuple[str, str], Remedy] = {}
     for one in checks:
         kind = next(iter(WAYS.get(one.quantity, ())), None)
-        if kind in ("tube", "joint") and (one.line, one.quantity) not in found:
+        known = (one.line, one.quantity) in found
+        if kind in ("tube", "joint") and one.grade == "fail" and not known:
             (answer,) = answers(application, one, kinds=(kind,))
             if isinstance(answer, Remedy):
                 found[one.line, one.quantity] = answer
