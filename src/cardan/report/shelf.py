@@ -75,7 +75,7 @@ def fitting(found: Sequence[Fit], asked: Asked, count: int, say: Language = EN) 
         keys = dict.fromkeys(k for f in shown for k in f.used)
         used = [
             (
-                USED[key],
+                say(USED[key]),
                 [
                     say.pointed(f"{100 * f.used[key]:.0f} %") if key in f.used else "-"
                     for f in shown
@@ -100,7 +100,7 @@ def fitting(found: Sequence[Fit], asked: Asked, count: int, say: Language = EN) 
         key, most = max(best.used.items(), key=lambda item: item[1])
         yield say(
             "{name} comes nearest: {share} % of what is allowed in {what}", name=best.row.name,
-            share=say.short(round(100 * most)), what=USED[key],
+            share=say.short(round(100 * most)), what=say(USED[key]),
         )  # fmt: skip
     if asked.whole and found[0].row.shelf == "joints":
         name = smallest((f.row for f in found), asked) or say("none")
