@@ -214,7 +214,9 @@ class Quantity:
             msg = f"{self.rating} of a joint is a limit, and limits have no variants"
             raise DesignError(msg)
         return tuple(
-            Limit(quantity=self.key, maximum=value, source=size.source) if size and value else None
+            Limit(quantity=self.key, maximum=value, source=size.source_of(self.rating))
+            if size and value
+            else None
             for size, value in rated
         )
 
