@@ -90,9 +90,7 @@ def sections(response: Response) -> tuple[Section, ...]:
 def _told(rows: list[Row]) -> Iterator[Row]:
     """Yield what something is known of: an approximation stands under its quantity's own row."""
     for row in rows:
-        beside = (
-            r for r in rows if r.method and (r.quantity, r.part) == (row.quantity, row.part)
-        )
+        beside = (r for r in rows if r.method and (r.quantity, r.part) == (row.quantity, row.part))
         if not _unknown(row) or (not row.method and not all(_unknown(r) for r in beside)):
             yield row
 
