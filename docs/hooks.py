@@ -7,13 +7,22 @@ A marker [[name]] stands for something declared in the package. [[cardan check F
 what that command prints; [[cardan check FILE :: this ... that]] for its lines from the first that
 starts with "this" until one that starts with "that". Formulas become MathML, which browsers draw
 without any script.
+
+What takes time is kept in build/docs, by what it was made of: its own text and the package. When
+either changes it is made anew.
 """
 
+import hashlib
 import json
 import re
 import shlex
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
+
+KEPT = Path("build/docs")
+"""What was made before, each in a file named after what it was made of."""
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -22,8 +31,14 @@ def on_page_markdown(markdown: str, **_: object) -> str:
         if marker in markdown:
             markdown = markdown.replace(marker, write())
     if "[[executed]]" in markdown:
-        markdown = executed(markdown)
-    return re.sub(r"^\[\[cardan ([^\]]*)\]\]$", _printed, markdown, flags=re.MULTILINE)
+        page = markdown
+        markdown = _kept(page, lambda: executed(page))
+    return re.sub(
+        r"^\[\[cardan ([^\]]*)\]\]$",
+        lambda found: _kept(found[0], lambda: _printed(found)),
+        markdown,
+        flags=re.MULTILINE,
+    )
 
 
 def on_page_content(html: str, **_: object) -> str:
@@ -94,29 +109,65 @@ def gallery() -> str:
         tree = ast.parse(text)
         headline, _, rest = (ast.get_docstring(tree) or "").partition("\n")
         code = "\n".join(text.splitlines()[tree.body[0].end_lineno :]).strip()
-        pages += [f"## {headline}", rest.strip(), _figure(file), '??? example "The code"']
+        pages += [
+            f"## {headline}",
+            rest.strip(),
+            _kept(text, lambda file=file: _figure(file)),
+            '??? example "The code"',
+        ]
         pages.append(_indented(f"```python\n{code}\n```"))
     return "\n\n".join(pages)
 
 
+def _kept(text: str, make: Callable[[], str]) -> str:
+    """Return what was made of a text by this package, from before where it is there."""
+    made = KEPT / f"{hashlib.sha256((text + _package()).encode()).hexdigest()}.txt"
+    if not made.exists():
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.write_text(make(), encoding="utf-8")
+    return made.read_text(encoding="utf-8")
+
+
+@cache
+def _package() -> str:
+    """Return a digest of all that a page is made with: package, examples, this file."""
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    for folder in ("src/cardan", "examples", "docs"):
+        for file in sorted(Path(folder).rglob("*")):
+            if file.suffix in (".py", ".yaml", ".csv", ".po", ".json"):
+                digest.update(str(file).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
 def _figure(file: Path) -> str:
-    """Return what a page draws, as an image inside the text."""
+    """Return what a page draws, as an image inside the text, or what it prints.
+
+    A page that solves a bracket and draws nothing takes minutes for a few lines of text: it says
+    how to run it.
+    """
     import base64
     import io
     import runpy
+    from contextlib import redirect_stdout
 
     import matplotlib.pyplot as plt
 
     from cardan.base.errors import NotInstalled
 
+    text = file.read_text(encoding="utf-8")
+    draws = "matplotlib" in text
+    if "study.bracket" in text and not draws:
+        return f"*Solved when it is run: `python docs/gallery/{file.name}`, a minute or two.*"
     plt.switch_backend("agg")
+    printed = io.StringIO()
     plt.show = lambda: None  # type: ignore[assignment]
     try:
-        runpy.run_path(str(file))
+        with redirect_stdout(printed):
+            runpy.run_path(str(file))
     except NotInstalled as needed:
         return f"*Not drawn here: {needed}.*"
-    if not plt.get_fignums():
-        return ""
+    if not draws:
+        return f"```text\n{printed.getvalue().rstrip()}\n```" if printed.getvalue() else ""
     drawn = io.BytesIO()
     plt.gcf().savefig(drawn, format="png", dpi=100, bbox_inches="tight")
     plt.close("all")

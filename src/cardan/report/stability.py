@@ -223,7 +223,7 @@ def _assumed(of: Stability, say: Language) -> TableOf:
                 f"{say.number(a.typical.value / unit)} {name}".strip(),
                 f"{say.number(a.typical.low / unit)}-{say.number(a.typical.high / unit)}",
                 _moved(moved.get(a.quantity), of, say),
-                a.typical.how_read,
+                say.source(a.typical.how_read),
             )
         )
     head = (say("value"), say("assumed"), say("range"), say("modes that move by 2 % or more"),

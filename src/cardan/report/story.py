@@ -183,7 +183,7 @@ def signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
 def verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
-    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     several = len(of.responses) > 1
 
     def row(c: Check) -> tuple[str, ...]:
@@ -196,7 +196,7 @@ def verdict(of: Approval, say: Language) -> Iterator[Block]:
             f"{sense(c, say)} {say.number(c.bound / q.factor)}",
             q.unit_name,
             say.percent(c.margin),
-            f"[{sources.index(str(c.limit.source)) + 1}]",
+            f"[{sources.index(cited(c.limit.source, say)) + 1}]",
         )
 
     yield Table(

@@ -34,9 +34,13 @@ def counts(of: Approval, say: Language) -> str:
 def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] = ()) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""
     grades = [c.grade for c in checks]
-    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
+    said = [
+        say.count("{count} fail", "{count} fail", grades.count("fail")),
+        say.count("{count} warn", "{count} warn", grades.count("warn")),
+        say.count("{count} pass", "{count} pass", grades.count("pass")),
+    ]
     if missed:
-        said.append(say("{count} unanswered", count=len(missed)))
+        said.append(say.count("{count} unanswered", "{count} unanswered", len(missed)))
     return ", ".join(said)
 
 
@@ -148,7 +152,7 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
     said = f"{one.check.line}: {said}" if several else said
     if len(one.states) < 2:
         return said
-    return said + " (" + say("{count} states", count=len(one.states)) + ")"
+    return said + " (" + say.count("{count} state", "{count} states", len(one.states)) + ")"
 
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
@@ -253,5 +257,4 @@ def notes(of: Approval, say: Language) -> list[str]:
 
 def cited(source: Source, say: Language) -> str:
     """Return a source, in the language where it is no publication."""
-    title = say.given(source.title)
-    return f"{title}, {source.place}" if source.place else title
+    return say.source(str(source))

@@ -1,0 +1,99 @@
+"""What is said in other languages: nothing is missing, numbers agree, one word for one thing."""
+
+import re
+
+import pytest
+
+from cardan.files import limit
+from cardan.files.cycle import cycle
+from cardan.files.cycle import names as cycles
+from cardan.quantity.quantities import QUANTITIES
+from cardan.report import language
+from cardan.report.language import CODES, EN, Language, catalogue
+
+OTHERS = CODES[1:]
+
+
+def test_what_a_catalogue_lacks_is_said_in_english():
+    assert Language("it")("nobody ever wrote this {n}", n=2) == "nobody ever wrote this 2"
+    assert Language("pt").count("{count} moose", "{count} mooses", 2) == "2 mooses"
+
+
+@pytest.mark.parametrize(
+    ("code", "count", "said"),
+    [
+        ("en", 1, "1 shaft"), ("en", 2, "2 shafts"), ("en", 0, "0 shafts"),
+        ("pt", 0, "0 árvore"), ("pt", 1, "1 árvore"), ("pt", 2, "2 árvores"),
+        ("it", 0, "0 alberi"), ("it", 1, "1 albero"), ("it", 3, "3 alberi"),
+    ],
+)  # fmt: skip
+def test_words_agree_with_their_number(code, count, said):
+    """Portuguese counts nought with one, Italian with many."""
+    assert Language(code).count("{count} shaft", "{count} shafts", count) == said
+
+
+def test_a_text_with_forms_asked_without_a_count_is_one_text():
+    assert Language("it")("{count} shaft", count=7) == "7 alberi"
+
+
+def sources():
+    """Every source and note that a report may print."""
+    for name in limit.names():
+        yield from (str(one.source) for one in limit.limits(name)[1])
+    yield from (str(cycle(name).source) for name in cycles())
+    yield from (str(q.source) for q in QUANTITIES.values())
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_we_say_about_a_source_is_translated(code):
+    """Titles of publications begin with a capital or a digit; what does not is ours to say."""
+    said = set(sources())
+    assert len(said) > 60
+    pieces = {
+        piece
+        for text in said if ("", text) not in catalogue(code)
+        for piece in language._PIECES.split(text)[::2]
+    }  # fmt: skip
+    ours = {
+        p for p in pieces
+        if re.match("[a-z]|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
+    }  # fmt: skip
+    assert len(ours) > 25
+    assert sorted(p for p in ours if ("", p) not in catalogue(code)) == []
+
+
+def test_a_source_is_said_in_its_pieces():
+    say = Language("pt")
+    said = "normal 0.67 (safety 1.5): House practice, assumed; maximum 1: Dana, Rating, table 2"
+    assert say.source(said) == (
+        "normal 0,67 (segurança 1,5): Prática da casa, suposta; máximo 1: Dana, Rating, tabela 2"
+    )
+    assert EN.source(said) == said
+
+
+def words(text):
+    return set(re.findall(r"[^\W\d_]+", text.lower()))
+
+
+@pytest.mark.parametrize(
+    ("code", "english", "unless", "asked", "never"),
+    [
+        # The shaft is the árvore, the axle the eixo; semieixos are half shafts.
+        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"eixo", "eixos"}),
+        ("pt", {"coast", "coasting"}, set(), "reten", {"arrasto"}),
+        ("pt", {"pitch"}, set(), "inclina", {"rotação"}),
+        ("pt", {"recording"}, set(), "", {"gravação"}),
+        ("pt", {"gearbox"}, set(), "", {"caixa"}),
+        ("it", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"ponte", "assale"}),
+        ("it", {"coast", "coasting"}, set(), "rilasci", set()),
+        ("it", {"needle", "needles"}, set(), "rullini", {"aghi"}),
+        ("it", {"assumed"}, set(), "potizzat", {"supposto", "assunto"}),
+        ("it", {"rpm"}, set(), "rpm", {"giri"}),
+    ],
+)  # fmt: skip
+def test_one_word_for_one_thing(code, english, unless, asked, never):
+    about = {e: t for (_, e), t in catalogue(code).items() if words(e) & english - unless}
+    about = {e: t for e, t in about.items() if not words(e) & unless and "`" not in e}
+    assert about
+    wrong = {e: t for e, t in about.items() if asked not in t.lower() or words(t) & never}
+    assert wrong == {}
