@@ -13,6 +13,7 @@ import click
 from cardan.base.errors import DesignError
 
 _TEXTS = Path(__file__).parents[1] / "report" / "text"
+_STARTERS = Path(__file__).parents[1] / "files" / "starters"
 
 
 class Languages(click.Choice[str]):
@@ -20,6 +21,13 @@ class Languages(click.Choice[str]):
 
     def __init__(self) -> None:
         super().__init__(("en", *sorted(p.stem for p in _TEXTS.glob("*.po"))))
+
+
+class Kinds(click.Choice[str]):
+    """The files there are to start from."""
+
+    def __init__(self) -> None:
+        super().__init__(tuple(sorted(p.stem for p in _STARTERS.glob("*.yaml"))))
 
 
 OUT = click.Path(path_type=Path)
