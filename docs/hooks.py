@@ -17,6 +17,7 @@ import json
 import re
 import shlex
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -180,15 +181,149 @@ def _indented(text: str) -> str:
 
 
 def keys() -> str:
-    """Return every key of the application file, table by table."""
+    """Return every key of the application file, table by table, with an example of each."""
     from cardan import files
 
     schema = files.schema()
     tables = schema["$defs"]
     first = schema["$ref"].rpartition("/")[2]
+    examples = _examples(tables, first)
     return "\n\n".join(
-        _table(name, tables[name]) for name in [first, *(t for t in tables if t != first)]
+        _keys_of(name, tables[name], examples.get(name, {}))
+        for name in [first, *(t for t in tables if t != first)]
     )
+
+
+def _keys_of(name: str, schema: dict[str, Any], examples: dict[str, str]) -> str:
+    """Return the keys of a table: those that differ in their unit alone share a row."""
+    rows = [f"### {name}", "", schema.get("description", ""), ""]
+    rows += [
+        "| key | required | range | default | example | what it is |",
+        "|---|---|---|---|---|---|",
+    ]
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for key, entry in schema["properties"].items():
+        said, _, unit = entry.get("description", "").rpartition(", ")
+        measured = bool(unit) and key.endswith(f"_{unit}")
+        base = key.removesuffix(f"_{unit}") if measured else key
+        groups.setdefault(base, []).append(
+            (key, said if measured else entry.get("description", ""))
+        )
+    for base, group in groups.items():
+        (key, said), *others = group
+        said, _, default = said.partition(" (default ")
+        entry = schema["properties"][key]
+        shown = [f"`{key}`", *(f"`{other.removeprefix(base)}`" for other, _ in others)]
+        example = next((f"{k}: {examples[k]}" for k, _ in group if k in examples), "")
+        if not example and "enum" in entry:
+            example = f"{key}: {entry['enum'][-1]}"
+        rows.append(
+            f"| {', '.join(shown)} | {_required(schema, [k for k, _ in group], groups)} "
+            f"| {_cell(_range(entry))} | {default.removesuffix(')')} "
+            f"| {f'`{_cell(example)}`' if example else ''} | {_cell(said)}{_kind(entry)} |"
+        )
+    return "\n".join(rows)
+
+
+def _required(
+    schema: dict[str, Any], mine: list[str], groups: dict[str, list[tuple[str, str]]]
+) -> str:
+    """Return whether a table cannot do without a key, or which other keys may stand for it."""
+    if mine[0] in schema.get("required", []):
+        return "yes"
+    bases = {key: base for base, group in groups.items() for key, _ in group}
+    for one in schema.get("allOf", []):
+        choices = [k for c in one.get("oneOf", []) for k in c.get("required", [])]
+        if mine[0] not in choices or any("not" in c for c in one["oneOf"]):
+            continue
+        others = dict.fromkeys(bases[k] for k in choices if k not in mine)
+        return f"or {', '.join(f'`{o}`' for o in others)}" if others else "yes"
+    return ""
+
+
+def _range(entry: dict[str, Any]) -> str:
+    """Return what may stand at a key, as people write it."""
+    if "enum" in entry:
+        return ", ".join(str(v) for v in entry["enum"])
+    if "anyOf" in entry:
+        kinds = dict.fromkeys(_range(e) for e in entry["anyOf"])
+        return " or ".join(k for k in kinds if k)
+    match entry.get("type"):
+        case "boolean":
+            return "true, false"
+        case "array":
+            few, many = entry.get("minItems", 0), entry.get("maxItems", 0)
+            each = _range(entry.get("items", {}))
+            size = f"{many}" if few == many else f"{few} to {many}" if few else f"up to {many}"
+            return f"{size} × ({each})" if each else f"a list of {size}"
+        case "number" | "integer":
+            above, low = entry.get("exclusiveMinimum"), entry.get("minimum")
+            below, high = entry.get("exclusiveMaximum"), entry.get("maximum")
+            lower = f"> {above:g}" if above is not None else "" if low is None else f"≥ {low:g}"
+            upper = f"< {below:g}" if below is not None else "" if high is None else f"≤ {high:g}"
+            if low is not None and high is not None:
+                return f"{low:g} … {high:g}"
+            return ", ".join(filter(None, (lower, upper))) or "number"
+        case "object":
+            return "by name"
+        case None:
+            return "table" if "$ref" in entry else ""
+        case _:
+            return "text"
+
+
+def _examples(tables: dict[str, Any], first: str) -> dict[str, dict[str, str]]:
+    """Return how starters, examples and these pages write each key of each table."""
+    import csv
+    import io
+
+    import yaml
+
+    found: dict[str, dict[str, str]] = {}
+
+    def take(node: Any, names: list[str]) -> None:
+        if isinstance(node, list):
+            for item in node:
+                take(item, names)
+        if not isinstance(node, dict):
+            return
+        fitting = [n for n in names if set(node) <= set(tables[n]["properties"])]
+        if not fitting:  # a table of names: of loads, of lines
+            for item in node.values():
+                take(item, names)
+        for name in fitting[:1]:
+            for key, value in node.items():
+                entry = tables[name]["properties"][key]
+                inside = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
+                take(value, inside)
+                written = yaml.safe_dump(
+                    value, default_flow_style=True, width=200, allow_unicode=True
+                )
+                text = written.removesuffix("...\n").strip()
+                mine = found.setdefault(name, {})
+                if len(text) <= 40 and "..." not in text and not isinstance(value, dict):
+                    mine.setdefault(key, text)
+
+    sources = ("src/cardan/files/starters", "examples", "docs/gallery", "tests/verify")
+    for folder in sources:
+        for file in sorted(Path(folder).glob("*.yaml")):
+            read = yaml.safe_load(file.read_text(encoding="utf-8"))
+            if isinstance(read, dict) and set(read) <= set(tables[first]["properties"]):
+                take(read, [first])
+    sheets = {"joints": "Joint", "materials": "Material", "plies": "Ply", "details": "Detail"}
+    for stem, name in sheets.items():
+        text = Path(f"src/cardan/files/catalogues/{stem}.csv").read_text(encoding="utf-8")
+        for row in csv.DictReader(io.StringIO(text)):
+            for key, value in row.items():
+                if value and len(value) <= 40 and key in tables[name]["properties"]:
+                    found.setdefault(name, {}).setdefault(key, value)
+    for page in sorted(Path("docs").glob("*.md")):
+        for block in re.findall(
+            r"^```yaml\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        ):
+            with suppress(yaml.YAMLError):  # some show a part of a file, with dots
+                take(yaml.safe_load(block), [first, *tables])
+    return found
 
 
 def contract() -> str:
@@ -314,7 +449,26 @@ def over_speed() -> str:
     return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
 
 
+def seeds() -> str:
+    """Return what the first documents show, and what shows it here."""
+    import yaml
+
+    listed = yaml.safe_load(Path("docs/seeds.yaml").read_text(encoding="utf-8"))
+    pages: list[str] = []
+    for document, entries in listed.items():
+        rows = ["| there | here | how |", "|---|---|---|"]
+        for e in entries:
+            run = e.get("run", "")
+            if run and not run.startswith(("cardan ", "python ")):
+                run = f'python -c "{run}"'.replace("\n", "\\n")
+            how = f"`{run.replace('|', chr(92) + '|')}`" if run else "not reproduced"
+            rows.append(f"| {_cell(e['item'])} | {_cell(e['shows'])} | {how} |")
+        pages.append(f"## {document}\n\n" + "\n".join(rows))
+    return "\n\n".join(pages)
+
+
 WRITERS = {
+    "[[seeds]]": seeds,
     "[[bearing over speed]]": over_speed,
     "[[floors]]": floors,
     "[[reports]]": reports,
