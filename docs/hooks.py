@@ -48,6 +48,34 @@ def on_page_content(html: str, **_: object) -> str:
                   flags=re.DOTALL)  # fmt: skip
 
 
+SAMPLE = Path("examples/van.yaml")
+"""The example whose whole reports can be opened on the page about reports."""
+
+
+def on_post_build(config: Any, **_: object) -> None:
+    """Write the sample reports beside the pages."""
+    import cardan
+
+    found = cardan.check(cardan.read(SAMPLE))
+    for code in {"en": "", **_languages()}:
+        for ending in ("html", "pdf", "xlsx"):
+            at = Path(config["site_dir"]) / "reports" / f"{SAMPLE.stem}.{code}.{ending}"
+            at.parent.mkdir(parents=True, exist_ok=True)
+            found.report(at, lang=code)
+
+
+def samples() -> str:
+    """Return links to the sample reports, a row for each language."""
+    rows = ["| | page | document | workbook |", "|---|---|---|---|"]
+    for code, name in {"en": "English", **_languages()}.items():
+        links = [
+            f'<a href="{SAMPLE.stem}.{code}.{ending}">{ending.upper()}</a>'
+            for ending in ("html", "pdf", "xlsx")
+        ]
+        rows.append(f"| {name} | {' | '.join(links)} |")
+    return "\n".join(rows)
+
+
 def nomenclature() -> str:
     """Return the table of declared quantities."""
     from cardan.quantity.quantities import QUANTITIES
@@ -469,6 +497,7 @@ def seeds() -> str:
 
 WRITERS = {
     "[[seeds]]": seeds,
+    "[[samples]]": samples,
     "[[bearing over speed]]": over_speed,
     "[[floors]]": floors,
     "[[reports]]": reports,

@@ -1,9 +1,14 @@
 """What is said in other languages: nothing is missing, numbers agree, one word for one thing."""
 
+import ast
 import re
+from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from cardan import files
+from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.cycle import cycle
 from cardan.files.cycle import names as cycles
@@ -12,6 +17,7 @@ from cardan.report import language
 from cardan.report.language import CODES, EN, Language, catalogue
 
 OTHERS = CODES[1:]
+ROOT = Path(__file__).parents[2]
 
 
 def test_what_a_catalogue_lacks_is_said_in_english():
@@ -92,8 +98,81 @@ def words(text):
     ],
 )  # fmt: skip
 def test_one_word_for_one_thing(code, english, unless, asked, never):
-    about = {e: t for (_, e), t in catalogue(code).items() if words(e) & english - unless}
+    texts = {e: t for (context, e), t in catalogue(code).items() if context != "error"}
+    about = {e: t for e, t in texts.items() if words(e) & english - unless}
     about = {e: t for e, t in about.items() if not words(e) & unless and "`" not in e}
     assert about
     wrong = {e: t for e, t in about.items() if asked not in t.lower() or words(t) & never}
     assert wrong == {}
+
+
+def refusals():
+    """Sentences that readers write out where they refuse something; {0} is what is named."""
+    for room in ("border", "files"):
+        for module in sorted((ROOT / "src/cardan" / room).glob("*.py")):
+            for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+                name = (
+                    ast.unparse(node.func).rpartition(".")[2] if isinstance(node, ast.Call) else ""
+                )
+                if name in ("note", "refuse", "warn"):
+                    yield from filter(None, map(sentence, node.args))
+
+
+def sentence(node):
+    """A text as a pattern, or nothing where it is none or says too little."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value if " " in node.value.strip() else ""
+    if isinstance(node, ast.JoinedStr):
+        parts, named = [], 0
+        for part in node.values:
+            if isinstance(part, ast.Constant):
+                parts.append(part.value)
+            else:
+                parts.append(f"{{{named}}}")
+                named += 1
+        said = "".join(parts)
+        return said if len(re.findall(r"[a-z]{3,}", said)) > 1 else ""
+    return ""
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_readers_refuse_is_translated(code):
+    said = set(refusals())
+    assert len(said) > 80
+    missing = sorted(s for s in said if ("error", s) not in catalogue(code))
+    # What is missing is said in English. New sentences come faster than translations; not too many.
+    assert len(missing) <= 0.1 * len(said), missing
+
+
+@pytest.mark.parametrize(
+    ("code", "refused", "said"),
+    [
+        ("pt", "unknown key", "chave desconhecida"),
+        ("it", "did you mean torque_Nm?", "si intendeva torque_Nm?"),
+        ("pt", "must be a number of 0 or more", "deve ser um número de 0 ou mais"),
+        ("it", "no catalogue has a tube 100x33", "nessun catalogo ha un tubo 100x33"),
+        ("pt", "nobody ever refused this", "nobody ever refused this"),
+        ("en", "unknown key", "unknown key"),
+    ],
+)  # fmt: skip
+def test_a_refusal_is_known_by_its_pattern(code, refused, said):
+    assert Language(code).error(refused) == said
+
+
+def test_a_bad_file_is_told_in_the_language_asked_for(tmp_path):
+    file = tmp_path / "t.yaml"
+    file.write_text("title: x\nsped_rpm: 2,5\n", encoding="utf-8")
+    result = CliRunner().invoke(cli, ["check", str(file), "--lang", "pt"])
+    assert result.exit_code == 2
+    assert f"erro: {file}:2:1: sped_rpm: chave desconhecida; quis dizer speed_rpm?" in result.output
+
+
+def test_what_looks_odd_is_told_in_the_language_asked_for(tmp_path):
+    file = tmp_path / "t.yaml"
+    text = files.starter("small").replace(
+        "outer_mm: 101.6, wall_mm: 3.2", "outer_mm: 101.6, wall_mm: 30"
+    )
+    file.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(cli, ["check", str(file), "--lang", "it", "--quiet"])
+    assert "avviso: " in result.output
+    assert "insolitamente grande" in result.output

@@ -85,8 +85,21 @@ def read(file: Path, limits: str | None, *, allow_outside: bool, outputs: Output
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
     for warning in application.warnings:
-        note(f"warning: {warning.located(str(file))}")
+        note(_doubt(warning, str(file)))
     return application
+
+
+def _doubt(warning: Any, file: str) -> str:
+    """Return what looks odd in a file, in the language that the command is asked for."""
+    context = click.get_current_context(silent=True)
+    lang = context.params.get("lang", "en") if context else "en"
+    if lang == "en":
+        return f"warning: {warning.located(file)}"
+    from cardan.report.language import Language
+    from cardan.report.wording import located
+
+    say = Language(lang)
+    return f"{say('warning')}: {located(warning, file, say)}"
 
 
 def approved(

@@ -89,6 +89,21 @@ def _form(code: str) -> Callable[[int], int]:
     return gettext.c2py(rule.strip(" ;") or "n != 1")
 
 
+_NAMED = re.compile(r"\{(\d)\}")
+"""What a refusal names, by its place in the sentence."""
+
+
+@cache
+def _refusals(code: str) -> tuple[tuple[re.Pattern[str], str], ...]:
+    """Return what readers refuse, as patterns with their translation, those that say most first."""
+    found = {e: t for (context, e), t in catalogue(code).items() if context == "error"}
+    said = sorted(found, key=lambda e: -len(_NAMED.sub("", e)))
+    return tuple(
+        (re.compile(_NAMED.sub("(.+?)", re.sub(r"([^\w\s{}])", r"\\\1", e)), re.DOTALL), found[e])
+        for e in said
+    )
+
+
 @dataclass(frozen=True)
 class Language:
     """Says in its language what it is given in English."""
@@ -155,6 +170,18 @@ class Language:
         if ("", said) in catalogue(self.code):
             return self(said)
         return _PLACES.sub(lambda found: self(found[0]), said)
+
+    def error(self, said: str) -> str:
+        """Return what a reader refuses, in the language where the catalogue has its sentence.
+
+        Errors are made in English where they are found, far below; here their sentences are
+        known by their pattern, and what they name is put where the language has it.
+        """
+        tries = ((pattern.fullmatch(said), other) for pattern, other in _refusals(self.code))
+        found, other = next(((f, o) for f, o in tries if f), (None, said))
+        if found is None:
+            return said
+        return _NAMED.sub(lambda at: self.error(found[int(at[1]) + 1]), other)
 
     def name(self, quantity: str) -> str:
         """Return the name of a quantity."""

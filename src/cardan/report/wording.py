@@ -1,8 +1,10 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cardan.base.errors import BadFile, Problem
 from cardan.base.part import LINE
 from cardan.base.source import Source
 from cardan.base.units import mm, rpm
@@ -253,6 +255,21 @@ def notes(of: Approval, say: Language) -> list[str]:
         )
         found.append(say("Note: {note}.", note=note))
     return found
+
+
+def located(of: Problem, file: str, say: Language) -> str:
+    """Return what is wrong in a file as one line, in the language."""
+    told = replace(of, message=say.error(of.message), hint=say.error(of.hint))
+    if of.value:
+        told = replace(told, message=f"{told.message} ({say.error(f'got {of.value}')})", value="")
+    return told.located(file)
+
+
+def refused(error: Exception, say: Language) -> str:
+    """Return why something was refused, in the language; a bad file problem by problem."""
+    if isinstance(error, BadFile):
+        return "\n".join(located(p, error.file, say) for p in error.problems)
+    return say.error(str(error))
 
 
 def cited(source: Source, say: Language) -> str:
