@@ -28,6 +28,17 @@ def test_a_sample_report_becomes_a_picture():
     assert len(read.getcolors(make["COLOURS"] + 1)) > 8  # something is drawn on them
 
 
+def test_a_check_of_the_driveline_is_no_other_studys():
+    """Its rows stood a second time under what other studies found, as `warn ()`."""
+    found = assess(files.read(ROOT / "examples/three-joint-chain.yaml"))
+    assert found.verdict == "warn"
+    for code in CODES:
+        issue = story.Issue(date="2026-11-20", files=("a.yaml",), prints=("",))
+        told = story.approval(found, helps=(), fixes=(), say=Language(code), issue=issue)
+        assert "()" not in str(told)
+        assert "MIME-Version" not in str(told)
+
+
 def test_pictures_are_of_examples_in_every_language():
     examples = {p.stem for p in (ROOT / "examples").glob("*.yaml")}
     shown: dict[str, set[str]] = {}

@@ -120,7 +120,7 @@ class Language:
 
         Of a text that has plural forms, the last.
         """
-        said = catalogue(self.code).get(("", said), said).rpartition(_BETWEEN)[2]
+        said = self.given(said).rpartition(_BETWEEN)[2]
         return said.format(**values) if values else said
 
     def count(self, one: str, many: str, count: int, /, **values: object) -> str:
@@ -144,7 +144,7 @@ class Language:
 
     def given(self, said: str) -> str:
         """Return a text that is ours or a publication's: translated where it is ours."""
-        return catalogue(self.code).get(("", said), said)
+        return catalogue(self.code).get(("", said), said) if said else said
 
     def source(self, said: str) -> str:
         """Return what a source says in our words; titles of publications stay as they are.
@@ -162,12 +162,10 @@ class Language:
 
     def _piece(self, said: str) -> str:
         """Return a piece of a source: ours, or one of a bound like `normal 300`."""
-        if not said:
-            return said
         bound = re.fullmatch(r"(normal|maximum) (\S+)", said)
         if bound:
             return f"{self(bound[1])} {self.pointed(bound[2])}"
-        if ("", said) in catalogue(self.code):
+        if said and ("", said) in catalogue(self.code):
             return self(said)
         return _PLACES.sub(lambda found: self(found[0]), said)
 
