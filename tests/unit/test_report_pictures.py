@@ -35,7 +35,7 @@ def test_a_check_of_the_driveline_is_no_other_studys():
     for code in CODES:
         issue = story.Issue(date="2026-11-20", files=("a.yaml",), prints=("",))
         told = story.approval(found, helps=(), fixes=(), say=Language(code), issue=issue)
-        assert "()" not in str(told)
+        assert "(): " not in str(told)
         assert "MIME-Version" not in str(told)
 
 
