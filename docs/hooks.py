@@ -9,11 +9,13 @@ starts with "this" until one that starts with "that". Formulas become MathML, wh
 without any script.
 
 What takes time is kept in build/docs, by what it was made of: its own text and the package. When
-either changes it is made anew.
+either changes it is made anew, ahead of the pages and on all cores: `python docs/hooks.py FILE...`
+makes what these files of the gallery and pages need.
 """
 
 import hashlib
 import json
+import os
 import re
 import shlex
 from collections.abc import Callable
@@ -24,6 +26,35 @@ from typing import Any
 
 KEPT = Path("build/docs")
 """What was made before, each in a file named after what it was made of."""
+
+
+def on_pre_build(**_: object) -> None:
+    """Make what takes time, each file in a process of its own."""
+    import subprocess
+    import sys
+    from concurrent.futures import ThreadPoolExecutor
+
+    def make(file: Path) -> None:
+        subprocess.run([sys.executable, __file__, str(file)], check=True)
+
+    slow = sorted(Path("docs/gallery").glob("*.py"), reverse=True)  # the longest are not the last
+    slow += [p for p in sorted(Path("docs").glob("*.md")) if _slow(p.read_text(encoding="utf-8"))]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(make, slow))
+
+
+def _slow(page: str) -> bool:
+    """Return whether a page runs something."""
+    return "[[executed]]" in page or "[[cardan " in page
+
+
+def _made(file: Path) -> None:
+    """Make and keep what a page of the gallery draws, or what a page runs."""
+    text = file.read_text(encoding="utf-8")
+    if file.suffix == ".py":
+        _kept(text, lambda: _figure(file))
+    else:
+        on_page_markdown(text)
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -153,7 +184,9 @@ def _kept(text: str, make: Callable[[], str]) -> str:
     made = KEPT / f"{hashlib.sha256((text + _package()).encode()).hexdigest()}.txt"
     if not made.exists():
         made.parent.mkdir(parents=True, exist_ok=True)
-        made.write_text(make(), encoding="utf-8")
+        part = made.with_suffix(f".{os.getpid()}")  # another process may make the same
+        part.write_text(make(), encoding="utf-8")
+        part.replace(made)
     return made.read_text(encoding="utf-8")
 
 
@@ -594,3 +627,10 @@ def _drawn(found: re.Match[str]) -> str:
 
     display = "block" if found[2] == "[" else "inline"
     return convert(unescape(found[3]), display=display)
+
+
+if __name__ == "__main__":
+    import sys
+
+    for name in sys.argv[1:]:
+        _made(Path(name))
