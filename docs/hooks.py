@@ -246,7 +246,7 @@ def keys() -> str:
     from cardan import files
 
     schema = files.schema()
-    tables = schema["$defs"]
+    tables = {name: table for name, table in schema["$defs"].items() if "properties" in table}
     first = schema["$ref"].rpartition("/")[2]
     examples = _examples(tables, first)
     return "\n\n".join(
@@ -358,7 +358,7 @@ def _examples(tables: dict[str, Any], first: str) -> dict[str, dict[str, str]]:
             for key, value in node.items():
                 entry = tables[name]["properties"][key]
                 inside = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
-                take(value, inside)
+                take(value, [n for n in inside if n in tables])
                 written = yaml.safe_dump(
                     value, default_flow_style=True, width=200, allow_unicode=True
                 )
@@ -560,7 +560,7 @@ def _table(name: str, schema: dict[str, Any]) -> str:
 def _kind(entry: dict[str, Any]) -> str:
     """Return which object an entry holds, if it holds one."""
     found = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
-    names = dict.fromkeys(found)
+    names = dict.fromkeys(n for n in found if not n.endswith("_names"))
     return "".join(f" → [{name}](#{name.lower()})" for name in names)
 
 

@@ -85,7 +85,7 @@ def words(text):
     ("code", "english", "unless", "asked", "never"),
     [
         # The shaft is the árvore, the axle the eixo; semieixos are half shafts.
-        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"eixo", "eixos"}),
+        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles", "axis"}, "", {"eixo", "eixos"}),
         ("pt", {"coast", "coasting"}, set(), "reten", {"arrasto"}),
         ("pt", {"pitch"}, set(), "inclina", {"rotação"}),
         ("pt", {"recording"}, set(), "", {"gravação"}),
@@ -93,7 +93,7 @@ def words(text):
         ("it", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"ponte", "assale"}),
         ("it", {"coast", "coasting"}, set(), "rilasci", set()),
         ("it", {"needle", "needles"}, set(), "rullini", {"aghi"}),
-        ("it", {"assumed"}, set(), "potizzat", {"supposto", "assunto"}),
+        ("it", {"assumed"}, set(), "", {"supposto", "supposti", "assunto", "assunta"}),
         ("it", {"rpm"}, set(), "rpm", {"giri"}),
     ],
 )  # fmt: skip

@@ -45,7 +45,6 @@ from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
 from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits
-from cardan.files.limit import names as profiles
 from cardan.files.line import AdjustTable, LineTable
 from cardan.files.plausible import doubts
 from cardan.files.vehicle import (
@@ -206,10 +205,6 @@ class ProfileName(Text):
         except BadFile as error:
             _note(error, here)
             raise Spoilt from None
-
-    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
-        """Return a shipped profile, which editors offer, or the file of one's own."""
-        return {"anyOf": [{"enum": list(profiles())}, super().schema(defs, unit)]}
 
 
 class InlineLimits(ListOf):

@@ -84,10 +84,6 @@ class Named(Text):
             message, _, hint = str(error).partition("; ")
             here.refuse(message, hint)
 
-    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
-        """Return a name of the shipped catalogue, which editors offer, or any of one's own."""
-        return {"anyOf": [{"enum": list(shipped(self.kind).rows)}, super().schema(defs, unit)]}
-
 
 def _source(said: str | None) -> Source:
     return ASSUMED if said is None else Source(said)
