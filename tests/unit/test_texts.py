@@ -21,7 +21,9 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_what_a_catalogue_lacks_is_said_in_english():
+    language.LACKED.clear()
     assert Language("it")("nobody ever wrote this {n}", n=2) == "nobody ever wrote this 2"
+    assert {("it", "nobody ever wrote this {n}")} == language.LACKED
     assert Language("pt").count("{count} moose", "{count} mooses", 2) == "2 mooses"
 
 

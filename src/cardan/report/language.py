@@ -26,6 +26,9 @@ _FOLDER = Path(__file__).with_name("text")
 CODES = ("en", *sorted(p.stem for p in _FOLDER.glob("*.po")))
 """The languages by code: English, and one for each catalogue."""
 
+LACKED: set[tuple[str, str]] = set()
+"""What was asked of a catalogue that lacks it, and was said in English: code and text."""
+
 _STATES = frozenset(get_args(SuspensionState))
 
 _PIECES = re.compile(r"(; |: |, (?=citing )| \(|\))")
@@ -120,6 +123,8 @@ class Language:
 
         Of a text that has plural forms, the last.
         """
+        if self.code != "en" and said and ("", said) not in catalogue(self.code):
+            LACKED.add((self.code, said))
         said = self.given(said).rpartition(_BETWEEN)[2]
         return said.format(**values) if values else said
 
