@@ -98,12 +98,11 @@ def _told(rows: list[Row]) -> Iterator[Row]:
 def line_title(response: Response, say: Language) -> str:
     """Return the heading of a line: its name, its shafts and joints."""
     shafts = len(response.line.shafts)
-    said = (
-        "Line {line}: {shafts} shaft, {joints} joints"
-        if shafts == 1
-        else "Line {line}: {shafts} shafts, {joints} joints"
-    )
-    return say(said, line=response.line.name, shafts=shafts, joints=shafts + 1)
+    return say(
+        "Line {line}: {shafts}, {joints}", line=response.line.name,
+        shafts=say.count("{count} shaft", "{count} shafts", shafts),
+        joints=say.count("{count} joint", "{count} joints", shafts + 1),
+    )  # fmt: skip
 
 
 def _unknown(row: Row) -> bool:
