@@ -18,6 +18,7 @@ from cardan.cli.common import (
     progress,
     publish,
     put_lines,
+    screen,
     write_json,
     written,
 )
@@ -41,7 +42,8 @@ from cardan.cli.ending import kindly, leave
 @LIMITS
 @OUTSIDE
 @LANG
-@click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
+@click.option("--all", "every", is_flag=True, help="Every check and the numbers of every state.")
+@click.option("--states", is_flag=True, help="The numbers of every state.")
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -57,6 +59,7 @@ def check(
     allow_outside: bool,
     lang: str,
     every: bool,
+    states: bool,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -97,10 +100,13 @@ def check(
             put_lines(terminal.summary(one, say))
     elif json_out != "-":
         if len(found) > 1:
-            put_lines(terminal.comparison(_variants(files, found), say))
+            put_lines(terminal.comparison(_variants(files, found), say, width=screen()))
         else:
             helps = sensitivities(found[0])
-            put_lines(terminal.approval(found[0], helps=helps, every=every, say=say))
+            shown = terminal.approval(
+                found[0], helps=helps, every=every, states=states, say=say, width=screen()
+            )
+            put_lines(shown)
     leave(*(a.verdict for a in found))
 
 
