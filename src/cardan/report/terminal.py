@@ -120,17 +120,21 @@ def facts(of: Approval, say: Language) -> Iterator[str]:
 
 
 def block(of: "Table") -> Iterator[str]:
-    """Yield a table of a story, columns as wide as they need to be."""
-    rows = [of.head, *of.rows]
-    wide = [max(len(row[k]) for row in rows) for k in range(len(of.head))]
+    """Yield a table of a story, columns as wide as they need to be, heads in several lines."""
+    cells = [max([0, *(len(row[k]) for row in of.rows)]) for k in range(len(of.head))]
+    wide = [max(c, *map(len, h.split() or [""])) for c, h in zip(cells, of.head, strict=True)]
+    heads = [wrapped(h, w) for h, w in zip(of.head, wide, strict=True)]
+    high = max(map(len, heads), default=1)
+    rows = [tuple(([""] * (high - len(h)) + h)[k] for h in heads) for k in range(high)]
+    wide = [max(w, *map(len, h)) for w, h in zip(wide, heads, strict=True)]
     yield ""
     yield _bold(of.caption)
-    for row in rows:
-        cells = [
+    for row in (*rows, *of.rows):
+        line = [
             f"{cell:<{w}}" if k < of.words else f"{cell:>{w}}"
             for k, (cell, w) in enumerate(zip(row, wide, strict=True))
         ]
-        yield "  " + "  ".join(cells).rstrip()
+        yield "  " + "  ".join(line).rstrip()
 
 
 def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:
