@@ -117,7 +117,7 @@ def _numbers(of: OneJoint, say: Language) -> Iterator[tuple[str, ...]]:
 def round_the_turn(of: OneJoint, say: Language) -> Table:
     """Return a joint over half a turn; the other half is the same."""
     at = np.arange(0, 181, STEP)
-    c = of.round(at * deg)
+    c = of.round(np.asarray(at * deg, dtype=np.float64))
     columns: list[tuple[str, FloatArray]] = [
         (say("ahead [min]"), c.lead / arcmin),
         (say("speed [rpm]"), c.speed / rpm),
