@@ -16,7 +16,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError, about
-from cardan.demand.axles import LineLoads, driven_axles, line_loads
+from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
 from cardan.demand.suspension import (
@@ -45,6 +45,7 @@ __all__ = [
     "Standing",
     "demand",
     "demand_under",
+    "each_axle_load",
     "moved",
     "resolve",
     "said_speed",
@@ -315,6 +316,36 @@ def _first(*values: ArrayLike | None) -> ArrayLike | None:
 
 
 # --------------------------------------------------------------------------- loads
+
+
+def each_axle_load(line: ResolvedLine) -> tuple[FloatArray, FloatArray]:
+    """Return the load of every axle of the vehicle in each state, at rest and at slip.
+
+    Returns
+    -------
+    (..., S, axles) N twice
+        In the order of `cardan.demand.axles.each_axle`; nan where a state's load is not given,
+        no axles at all without a vehicle.
+    """
+    vehicle = line.vehicle
+    if vehicle is None:
+        none = np.zeros((len(line.states), 0))
+        return none, none
+    friction = line.tyre.friction if line.tyre else 0.0
+    unknown = np.full((1, vehicle.axle_count), np.nan)
+    found = [
+        (unknown, unknown)
+        if loading.load is None
+        else axle_by_axle(vehicle, loading.load, friction=friction, times=loading.times)
+        for loading in line.loadings
+    ]
+    return _side_by_side(rest for rest, _ in found), _side_by_side(slip for _, slip in found)
+
+
+def _side_by_side(each: Iterable[FloatArray]) -> FloatArray:
+    """Return loads of the states one by one, (..., 1, A) or (A,), as (..., S, A)."""
+    rows = [row if row.ndim > 1 else row[None] for row in each]
+    return np.concatenate(np.broadcast_arrays(*rows), axis=-2)
 
 
 def _each_loading(line: ResolvedLine) -> dict[tuple[str, float], LineLoads]:

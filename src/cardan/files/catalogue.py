@@ -237,6 +237,7 @@ _OF_KINDS = {
     "bearing_Lc": ("cross", "double cardan"),
     "cross_width": ("cross", "double cardan"),
     "cup_diameter": ("cross", "double cardan"),
+    "cup_length": ("cross", "double cardan"),
     "needle_circle": ("cross", "double cardan"),
 }
 """Which kinds of joint a key belongs to, of those that not all have."""
@@ -278,6 +279,7 @@ class JointTable(Table):
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
     cross_width: Size | None = key("width over the cross's bearings", default=None)
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
+    cup_length: Size | None = key("of a bearing cup, in its yoke", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
     mass: Mass | None = key("mass of the cross with its bearings", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
@@ -313,6 +315,7 @@ class JointTable(Table):
             speed_max=self.speed_max,
             cross_width=self.cross_width,
             cup_diameter=self.cup_diameter,
+            cup_length=self.cup_length,
             needle_circle=self.needle_circle,
             mass=self.mass,
             source=_source(self.source),

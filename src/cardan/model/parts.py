@@ -154,10 +154,18 @@ class JointSize:
     speed_max: float | None = None
     cross_width: Metre | None = None
     cup_diameter: Metre | None = None
+    cup_length: Metre | None = None
     needle_circle: Metre | None = None
     mass: Kilogram | None = None
     source: Source = ASSUMED
     note: str = ""
+
+    @property
+    def across(self) -> Metre | None:
+        """Between the middles of opposite cups, which carry the torque; None if not known."""
+        if self.cross_width is None or self.cup_length is None:
+            return None
+        return self.cross_width - self.cup_length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

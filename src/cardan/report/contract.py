@@ -210,6 +210,9 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
     return {
         "points": _points(r, s),
         "joints": [{"force_N": peak} for peak in peaks],
+        "members": [{"member": str(part)} for part in QUANTITIES["side_slope"].of_parts(r)],
+        "shafts": [{"shaft": k + 1} for k in range(r.line.joint_count - 1)],
+        "axles": [{"axle": str(part)} for part in QUANTITIES["axle_load_rest"].of_parts(r)],
         **_angles(r.excitation, s),
         "approximations": {n: _excitation(e, s) for n, e in r.approximations.items()},
         "centre_bearings": [

@@ -1,0 +1,104 @@
+"""What a line does beside its limits: axle loads, slopes, couples, forks, bending."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.units import MPa, deg, mm
+from cardan.report import contract
+from cardan.study.approval import assess
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TRUCK = assess(files.read(EXAMPLES / "refuse-collector-6x2.yaml"))
+
+
+def test_axles_at_rest_carry_the_truck_and_slip_moves_load_rearward():
+    (response,) = TRUCK.responses
+    rest, slip = response.axle_loads
+    vehicle = response.application.vehicle
+    assert vehicle is not None
+    load = next(x for x in vehicle.loads if x.name == "gvw")
+    assert rest[2].sum() == pytest.approx(load.front_load + load.rear_load, rel=1e-12)
+    assert slip.sum(-1) == pytest.approx(rest.sum(-1), rel=1e-12)  # on the level nothing is lost
+    assert (slip[:, 0] < rest[:, 0]).all()
+    # What the driven axle gains comes from μ N h / L of its own load, N the load it slips with.
+    driven, mu = slip[2, 1], 0.8
+    moved = mu * driven * load.cg_height / vehicle.wheelbase
+    assert rest[2, 0] - slip[2, 0] == pytest.approx(moved, rel=1e-9)
+
+
+def test_slopes_and_lengths_are_those_of_the_points():
+    (response,) = TRUCK.responses
+    state = contract.approval(TRUCK)["states"][0]
+    steps = np.diff(response.layout.points[0], axis=0)
+    assert [s["length_mm"] for s in state["shafts"]] == pytest.approx(
+        np.linalg.norm(steps, axis=1) / mm, rel=1e-11
+    )
+    slopes = [m["side_slope_deg"] for m in state["members"]]
+    assert slopes[1:-1] == pytest.approx(np.arctan2(-steps[:, 2], steps[:, 0]) / deg, rel=1e-9)
+    assert [m["member"] for m in state["members"]] == [
+        "gearbox", "shaft 1", "shaft 2", "shaft 3", "pinion",
+    ]  # fmt: skip
+    assert [a["axle"] for a in state["axles"]] == ["front axle", "driven rear axle", "rear axle"]
+
+
+ONE = """
+title: One shaft
+speed_rpm: 1000
+torque_Nm: 1000
+driveline:
+  slopes: {side_deg: [0, 20, 20.0001]}
+  joints: [{cross_width_mm: 100, cup_length_mm: 20, cup_diameter_mm: 30}, {}]
+  shafts: [{length_mm: 1000, tube: {outer_mm: 60, wall_mm: 3, material: {youngs_modulus_GPa: 206,
+            density_kg_m3: 7850, yield_MPa: 400}}}]
+limits: protractor
+"""
+
+
+def test_one_joint_gives_what_books_give():
+    (response,) = assess(files.loads(ONE)).responses
+    ahead, behind = response.couples
+    beta = 20 * deg
+    assert ahead[0, 0] == pytest.approx(1000 * np.tan(beta), rel=1e-9)
+    assert behind[0, 0] == pytest.approx(1000 * np.sin(beta), rel=1e-9)
+    assert response.bending[0, 0] == pytest.approx(1000 * np.sin(beta), rel=1e-9)
+    force = 1000 / (0.08 * np.cos(beta))
+    assert response.journal_force[0, 0] == pytest.approx(force, rel=1e-9)
+    assert response.cup_pressure[0, 0] == pytest.approx(force / (0.03 * 0.02), rel=1e-9)
+    # Thin walls by hand: I = π (D⁴ - d⁴)/64, σ = M D/2I, τ = T D/4I.
+    second = np.pi * (0.06**4 - 0.054**4) / 64
+    sigma, tau = 1000 * np.sin(beta) * 0.03 / second, 1000 * 0.015 / second
+    used = np.sqrt(sigma**2 + 3 * tau**2) / (400 * MPa)
+    assert response.tube_stress_utilisation[0, 0] == pytest.approx(used, rel=1e-9)
+
+
+def test_the_moment_at_a_bearing_is_the_same_from_ahead():
+    text = (EXAMPLES / "refuse-collector-6x2.yaml").read_text(encoding="utf-8")
+    (response,) = assess(files.loads(text.replace("include: [gravity, unbalance]", ""))).responses
+    line, layout, loads = response.line, response.layout, response.loads
+    assert response.bending == pytest.approx(TRUCK.responses[0].bending, rel=1e-9)
+    for k, shaft in enumerate(line.shafts[:-1]):
+        assert shaft.centre_bearing is not None
+        d = layout.directions[:, k + 1]
+        lever = (shaft.length - shaft.centre_bearing.from_rear_joint) * d
+        moment = loads.joint_moments.values()[:, k] - np.cross(
+            lever[:, None], loads.joint_forces.values()[:, k]
+        )
+        across = moment - (moment * d[:, None]).sum(-1, keepdims=True) * d[:, None]
+        size = np.linalg.norm(across, axis=-1).max(-1)
+        # Samples of a turn miss a peak; bending is at least that and no less than at the ends.
+        assert (response.bending[:, k] >= size * (1 - 1e-9)).all()
+        ends = np.maximum(response.couples[1][:, k], response.couples[0][:, k + 1])
+        assert response.bending[:, k] == pytest.approx(np.maximum(size, ends), rel=0.02)
+
+
+def test_the_axle_s_centre_comes_nearer_the_frame_as_it_rises():
+    text = (EXAMPLES / "refuse-collector-6x2.yaml").read_text(encoding="utf-8")
+    text = text.replace("suspension:", "suspension:\n  axle_to_frame_mm: 300", 1)
+    (response,) = assess(files.loads(text)).responses
+    state = contract.approval(assess(files.loads(text)))["states"]
+    for one, travel in zip(state, response.demand.travel, strict=True):
+        assert one["axle_to_frame_mm"] == pytest.approx(300 - travel / mm, rel=1e-9)
+    assert np.isnan(TRUCK.responses[0].axle_to_frame).all()
