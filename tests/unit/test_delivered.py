@@ -1,5 +1,6 @@
 """What a line does beside its limits: axle loads, slopes, couples, forks, bending."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from cardan import files
 from cardan.base.units import MPa, deg, mm
 from cardan.report import contract
 from cardan.study.approval import assess
+from cardan.study.phasings import phasings
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = assess(files.read(EXAMPLES / "refuse-collector-6x2.yaml"))
@@ -102,3 +104,29 @@ def test_the_axle_s_centre_comes_nearer_the_frame_as_it_rises():
     for one, travel in zip(state, response.demand.travel, strict=True):
         assert one["axle_to_frame_mm"] == pytest.approx(300 - travel / mm, rel=1e-9)
     assert np.isnan(TRUCK.responses[0].axle_to_frame).all()
+
+
+def test_four_phasings_are_the_files_that_say_so():
+    """Souza's figure 36 without editing the file: each is what a file with those phases gives."""
+    text = (EXAMPLES / "three-joint-chain.yaml").read_text(encoding="utf-8")
+    app = files.loads(text)
+    found = phasings(assess(app).responses[0])
+    assert [tuple(round(p / deg) for p in one.phases) for one in found] == [
+        (0, 0), (0, 90), (90, 0), (90, 90),
+    ]  # fmt: skip
+    assert [one.installed for one in found] == [True, False, False, False]
+    for one in found:
+        line = app.lines[0].line
+        shafts = tuple(replace(s, phase=p) for s, p in zip(line.shafts, one.phases, strict=True))
+        other = replace(app, lines=(replace(app.lines[0], line=replace(line, shafts=shafts)),))
+        exact = assess(other).responses[0].excitation
+        for kind in ("torsional", "drive", "coast"):
+            now, then = getattr(one.exact, kind), getattr(exact, kind)
+            assert now.angle == pytest.approx(then.angle, rel=1e-9)
+            assert now.acceleration == pytest.approx(then.acceleration, rel=1e-9)
+    document = contract.approval(assess(app))["phasings"]["main"]
+    assert document[1]["phases_deg"] == pytest.approx([0, 90])
+    # β² = β1² - β2² + β3² of its view angles in one plane, squares added as complex numbers.
+    assert document[0]["states"][0]["ae7"]["torsional"]["equivalent_angle_deg"] == pytest.approx(
+        3.587, abs=5e-4
+    )

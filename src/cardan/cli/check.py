@@ -44,6 +44,7 @@ from cardan.cli.ending import kindly, leave
 @LANG
 @click.option("--all", "every", is_flag=True, help="Every check and the numbers of every state.")
 @click.option("--states", is_flag=True, help="The numbers of every state.")
+@click.option("--phasings", is_flag=True, help="The line with its yokes in every way.")
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -60,6 +61,7 @@ def check(
     lang: str,
     every: bool,
     states: bool,
+    phasings: bool,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -104,7 +106,13 @@ def check(
         else:
             helps = sensitivities(found[0])
             shown = terminal.approval(
-                found[0], helps=helps, every=every, states=states, say=say, width=screen()
+                found[0],
+                helps=helps,
+                every=every,
+                states=states,
+                phasings=phasings,
+                say=say,
+                width=screen(),
             )
             put_lines(shown)
     leave(*(a.verdict for a in found))

@@ -18,6 +18,7 @@ from cardan.kinematics.equivalent import EquivalentJoint, Excitation
 from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import phased
 from cardan.study.approval import Approval, Coverage
 from cardan.study.finding import VIBRATION
 from cardan.study.fix import Proposal
@@ -45,6 +46,7 @@ def approval(of: Approval) -> dict[str, Any]:
         "verdict": of.verdict,
         "profile": of.application.profile,
         "states": states,
+        "phasings": {r.line.name: phased.document(r) for r in of.responses},
         "checks": [check(c) for c in of.checks],
         "coverage": coverage(of.coverage),
         "studies": list(of.studies),

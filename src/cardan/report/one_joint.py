@@ -34,8 +34,8 @@ APPROXIMATIONS = {
 def terminal(of: OneJoint, say: Language = EN, *, width: int = WIDTH) -> Iterator[str]:
     """Yield a joint line by line of text."""
     yield from folded([title(of, say), origin(of, say)], width)
-    yield from block(numbers(of, say))
-    yield from block(round_the_turn(of, say))
+    yield from block(numbers(of, say), width)
+    yield from block(round_the_turn(of, say), width)
 
 
 def story(of: OneJoint, say: Language) -> Story:

@@ -3,7 +3,9 @@
 Text is marked with colours; whoever prints it takes them out where there is no terminal.
 """
 
+import sys
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
@@ -11,6 +13,7 @@ from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import phased
 from cardan.report.language import CODES, EN, Language
 from cardan.report.screen import WIDTH, beside, folded, headings, wrapped
 from cardan.report.screen import bare as bare  # for whoever prints
@@ -69,6 +72,7 @@ def approval(
     helps: Iterable[Sensitivity],
     every: bool = False,
     states: bool = False,
+    phasings: bool = False,
     say: Language = EN,
     width: int = WIDTH,
 ) -> Iterator[str]:
@@ -81,10 +85,13 @@ def approval(
     yield from verdict(of, say, every=every, brief=not every, width=width)
     several = len(of.responses) > 1
     yield from folded(_helps(tuple(helps), say, several=several), width)
+    if every or phasings:
+        for response in of.responses:
+            yield from _phased(response, say, width, several=several)
     if every or states:
         for response in of.responses:
             yield from _line(response, say, width)
-    else:
+    elif not phasings:
         yield ""
         yield from folded([say("--states shows the numbers of every state, --all every check.")],
                           width)  # fmt: skip
@@ -119,22 +126,39 @@ def facts(of: Approval, say: Language) -> Iterator[str]:
               margin=say.percent(of.smallest_margin))  # fmt: skip
 
 
-def block(of: "Table") -> Iterator[str]:
-    """Yield a table of a story, columns as wide as they need to be, heads in several lines."""
+def block(of: "Table", width: int | None = None) -> Iterator[str]:
+    """Yield a table of a story, columns as wide as they need to be, heads in several lines.
+
+    On a screen of a width, columns that have no room stand below, beside the first again.
+    """
     cells = [max([0, *(len(row[k]) for row in of.rows)]) for k in range(len(of.head))]
     wide = [max(c, *map(len, h.split() or [""])) for c, h in zip(cells, of.head, strict=True)]
     heads = [wrapped(h, w) for h, w in zip(of.head, wide, strict=True)]
-    high = max(map(len, heads), default=1)
-    rows = [tuple(([""] * (high - len(h)) + h)[k] for h in heads) for k in range(high)]
     wide = [max(w, *map(len, h)) for w, h in zip(wide, heads, strict=True)]
     yield ""
     yield _bold(of.caption)
-    for row in (*rows, *of.rows):
-        line = [
-            f"{cell:<{w}}" if k < of.words else f"{cell:>{w}}"
-            for k, (cell, w) in enumerate(zip(row, wide, strict=True))
-        ]
-        yield "  " + "  ".join(line).rstrip()
+    lead = max(of.words, 1)
+    for some in _fitting(wide, lead, width):
+        high = max(len(heads[k]) for k in some)
+        rows = [tuple(([""] * (high - len(h)) + h)[-high:][k] for h in heads) for k in range(high)]
+        for row in (*rows, *of.rows):
+            line = (
+                f"{row[k]:<{wide[k]}}" if k < of.words else f"{row[k]:>{wide[k]}}" for k in some
+            )
+            yield "  " + "  ".join(line).rstrip()
+
+
+def _fitting(wide: Sequence[int], lead: int, width: int | None) -> Iterator[list[int]]:
+    """Yield places of columns that fit beside the first ones."""
+    rest = list(range(lead, len(wide)))
+    while rest or lead == len(wide):
+        some, room = list(range(lead)), (width or sys.maxsize) - sum(2 + w for w in wide[:lead])
+        while rest and (len(some) == lead or 2 + wide[rest[0]] <= room):
+            room -= 2 + wide[rest[0]]
+            some.append(rest.pop(0))
+        yield some
+        if not rest:
+            return
 
 
 def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:
@@ -322,6 +346,13 @@ def _two(first: str, second: str, split: int, room: int) -> list[str]:
 def _sense(c: Check, say: Language) -> str:
     """Return how a value stands to its limit, in characters of any terminal."""
     return say("outside") if c.limit.band else c.limit.sense
+
+
+def _phased(r: Response, say: Language, width: int, *, several: bool) -> Iterator[str]:
+    """Yield a line with its yokes in every way."""
+    for one in phased.table(r, say):
+        caption = f"{r.line.name}: {one.caption}" if several else one.caption
+        yield from block(replace(one, caption=caption), width)
 
 
 def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
