@@ -45,6 +45,7 @@ from cardan.cli.ending import kindly, leave
 @click.option("--all", "every", is_flag=True, help="Every check and the numbers of every state.")
 @click.option("--states", is_flag=True, help="The numbers of every state.")
 @click.option("--phasings", is_flag=True, help="The line with its yokes in every way.")
+@click.option("--state", metavar="NAME", help="The state that reports draw; by default the worst.")
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -62,6 +63,7 @@ def check(
     every: bool,
     states: bool,
     phasings: bool,
+    state: str | None,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -91,7 +93,7 @@ def check(
         documents = [contract.approval(a) for a in found]
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
-        told = _story(files, found, say=say, quiet=quiet)
+        told = _story(files, found, say=say, quiet=quiet, state=state)
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -125,7 +127,9 @@ def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
     return [Variant(name=p.stem, approval=a) for p, a in zip(paths, found, strict=True)]
 
 
-def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) -> Any:
+def _story(
+    paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool, state: str | None
+) -> Any:
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
 
@@ -133,7 +137,7 @@ def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) 
     if len(found) > 1:
         return story.comparison(_variants(paths, found), say=say, issue=issue)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
-        return story.whole(found[0], say=say, issue=issue, tell=tell)
+        return story.whole(found[0], say=say, issue=issue, state=state, tell=tell)
 
 
 def _issue(paths: tuple[Path, ...]) -> Any:
