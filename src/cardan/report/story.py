@@ -361,7 +361,7 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
     won = say(
-        "smallest margin {margin}, cost {cost}",
+        "{margin} from a warning, cost {cost}",
         margin=say.percent(p.margin),
         cost=say.short(round(p.cost, 2)),
     )

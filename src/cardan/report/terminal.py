@@ -225,12 +225,15 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         )
         return
     before = say.percent(of[0].before)
-    yield say("Line {line}, smallest margin as installed {margin}.", line=of[0].line, margin=before)
+    yield say(
+        "Line {line}: the limits that moving changes are {margin} from a warning as installed.",
+        line=of[0].line, margin=before,
+    )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
     for k, p in enumerate(of, 1):
         yield ""
         margin, cost = say.percent(p.margin), say.short(round(p.cost, 2))
-        won = say("smallest margin {margin}, cost {cost}", margin=margin, cost=cost)
+        won = say("{margin} from a warning, cost {cost}", margin=margin, cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
