@@ -7,10 +7,15 @@ import numpy as np
 import pytest
 
 from cardan import files
+from cardan.base.errors import CardanError
 from cardan.base.units import MPa, deg, mm
-from cardan.report import contract
+from cardan.report import contract, story, terminal
+from cardan.report.blocks import figures
+from cardan.report.language import Language
+from cardan.report.screen import bare as bare_text
 from cardan.study.approval import assess
 from cardan.study.phasings import phasings
+from cardan.study.sensitivity import sensitivities
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = assess(files.read(EXAMPLES / "refuse-collector-6x2.yaml"))
@@ -130,3 +135,87 @@ def test_four_phasings_are_the_files_that_say_so():
     assert document[0]["states"][0]["ae7"]["torsional"]["equivalent_angle_deg"] == pytest.approx(
         3.587, abs=5e-4
     )
+
+
+PROTRACTOR = """
+title: Protractor alone
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0, 1.5, -0.8, 0.6]}
+  shafts: [LENGTHS]
+limits: protractor
+"""
+
+
+def test_a_protractor_alone_gives_the_angles_and_what_follows_from_them(recwarn):
+    """What turns does not ask how long the shafts are; what does is left open."""
+    bare = assess(files.loads(PROTRACTOR.replace("LENGTHS", "{}, {phase_deg: 30}")))
+    hung = "{length_mm: 1200, centre_bearing: {from_rear_joint_mm: 100}}"
+    full = f"{hung}, {{length_mm: 1500, phase_deg: 30}}"
+    known = assess(files.loads(PROTRACTOR.replace("LENGTHS", full)))
+    assert bare.verdict == known.verdict
+    assert [c.value for c in bare.checks] == pytest.approx(
+        [c.value for c in known.checks], rel=1e-12
+    )
+    (one,), (other,) = contract.approval(bare)["states"], contract.approval(known)["states"]
+    assert one["torsional"] == pytest.approx(other["torsional"], rel=1e-12)
+    assert one["joints"][1]["couple_ahead_Nm"] == pytest.approx(
+        other["joints"][1]["couple_ahead_Nm"], rel=1e-9
+    )
+    assert one["shafts"][0]["length_mm"] is None
+    assert one["joint_forces"][0]["peak_N"] is None
+    assert one["centre_bearings"][0]["peak_N"] is None
+    said = bare_text(terminal.approval(bare, helps=sensitivities(bare), states=True))
+    assert "nan" not in said
+    assert "Bounce" not in said
+    whole = story.whole(bare, say=Language("en"), issue=story.Issue())
+    assert "nan" not in "".join(f.svg for f in figures(whole))
+    assert not [str(w.message) for w in recwarn]
+
+
+def test_what_moves_an_axle_needs_lengths():
+    text = PROTRACTOR.replace("LENGTHS", "{}, {}") + "states: [{name: up, travel_mm: 10}]\n"
+    with pytest.raises(CardanError, match="length_mm of every shaft"):
+        assess(files.loads(text))
+
+
+def test_articulation_moves_the_shaft_from_axle_to_axle():
+    """Forward axle up, the other down: only the heights of two axles tell the shaft's slope."""
+    text = (EXAMPLES / "tandem-6x4.yaml").read_text(encoding="utf-8")
+    states = "  - {name: level, kind: gvw}\n  - {name: rocked, kind: gvw, articulation_mm: 50}\n"
+    found = assess(files.loads(text.replace("  - jounce\n", states)))
+    main, between = found.responses
+    level, rocked = (main.demand.states.index(name) for name in ("level", "rocked"))
+    risen, moved = (r.layout.points[rocked] - r.layout.points[level] for r in found.responses)
+    assert risen[-1] == pytest.approx([0, 0, 50 * mm], abs=1e-9)
+    assert moved[0] == pytest.approx([0, 0, 50 * mm], abs=1e-9)
+    assert moved[-1] == pytest.approx([0, 0, -50 * mm], abs=1e-9)
+    start, end = between.layout.points[level][[0, -1]]
+    slope = np.arctan2(start[2] - end[2] + 100 * mm, end[0] - start[0])
+    assert between.layout.side[rocked, 1] == pytest.approx(slope, rel=1e-6)
+    with pytest.raises(CardanError, match="no line runs from axle to axle"):
+        files.loads(ONE + "states: [{name: gvw, articulation_mm: 10}]\n")
+
+
+def test_a_report_draws_the_state_it_is_asked_for_and_else_the_one_that_decides():
+    say = Language("en")
+    helps = sensitivities(TRUCK)
+
+    def drawn(state: str | None) -> str:
+        told = story.approval(
+            TRUCK, helps=helps, fixes=(), say=say, issue=story.Issue(), state=state
+        )
+        return next(figures(told)).title
+
+    worst = min((c for c in TRUCK.checks if c.grade == "fail"), key=lambda c: c.margin)
+    assert drawn(None) == f"The line in {worst.state}, from the left, true to scale"
+    assert drawn("gvw") == "The line in gvw, from the left, true to scale"
+    with pytest.raises(CardanError, match="there is no state gw to draw; there are: full rebound"):
+        drawn("gw")
+    told = story.approval(TRUCK, helps=helps, fixes=(), say=say, issue=story.Issue())
+    first, *_, inputs, _ = told.chapters
+    table = first.blocks[0]
+    assert len(table.rows) == 3
+    assert table.rows[0][6] == say.percent(worst.margin)
+    assert inputs.title == "Inputs"

@@ -497,7 +497,13 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     for k, (s, loading) in enumerate(zip(line.states, line.loadings, strict=True)):
         with about(f"states[{k + 1}]"):
             risen.append(rise(s, loading, free=bool(line.free[k])))
-    return _by_state(risen)
+    # A tandem's forward axle is behind its main line, the other behind that from axle to axle.
+    sign = 1.0 if line.installed.output_joint is None else -1.0
+    rocked = (
+        sign * s.articulation if f and line.installed.drives == "rear" else 0.0
+        for s, f in zip(line.states, line.free, strict=True)
+    )
+    return _by_state(risen) + _by_state(rocked)
 
 
 def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
@@ -517,6 +523,9 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             shift=stacked((line.ahead * dx, 0.0, travel)),
             pitch=line.ahead * np.where(yields, pitch, turned),
             arm=stacked((x, 0.0, z)),
+            lead=_by_state(
+                2 * s.articulation if f else 0.0 for s, f in zip(states, free, strict=True)
+            ),
         ),
         yields=yields,
         slip_back=slip_back,
@@ -629,5 +638,5 @@ def _ridden(
         last_shift=ride.shift,
         pinion_pitch=np.asarray(ride.pitch) + np.asarray(shim),
         pinion_arm=ride.arm,
-        first=None if first is None else replace(ride, arm=stacked((first[0], 0.0, first[1]))),
+        first=None if first is None else ride.ahead(stacked((first[0], 0.0, first[1]))),
     )

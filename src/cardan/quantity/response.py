@@ -483,7 +483,8 @@ class Response:
 
         Weight, where it is asked for, is added as it is: it knows no small angles.
         """
-        cycle = small_angle(self.layout, self.line, torque=self.demand.torque)
+        with np.errstate() if self.line.measured else np.errstate(invalid="ignore"):
+            cycle = small_angle(self.layout, self.line, torque=self.demand.torque)
         weight = loads(self.layout, self.turn, self.line, torque=0.0, gravity=self.gravity)
         return cycle.static + weight.bearing_forces.static, cycle.dynamic
 
@@ -718,7 +719,7 @@ def _alone(tube: Tube | CompositeTube, length: FloatArray) -> FloatArray:
 
 def _line_modes(line: Line, lengths: FloatArray) -> whirl.Modes | None:
     """Return a line's critical modes; None without tubes."""
-    if any(s.tube is None for s in line.shafts):
+    if any(s.tube is None for s in line.shafts) or not np.isfinite(lengths).all():
         return None
     return whirl.critical_modes(beams.line_beams(line, lengths=lengths))
 

@@ -109,11 +109,16 @@ def _lifted(o: Obstacle, rise: float) -> Obstacle:
     return replace(o, start=(x1, y1, z1 + up), end=(x2, y2, z2 + up))
 
 
+def drawable(response: Response) -> bool:
+    """Return whether somebody knows where the line runs, and not its slopes alone."""
+    return response.line.measured
+
+
 def drawings(response: Response, say: Language) -> tuple[Figure, ...]:
-    """Return every drawing of a line."""
+    """Return every drawing of a line; without lengths it has no views."""
+    names = ("side", "top") if drawable(response) else ()
     return (
-        view(response, say, name="side"),
-        view(response, say, name="top"),
+        *(view(response, say, name=name) for name in names),
         phasing(response, say),
         joint_planes(response, say),
         phasors(response, say),

@@ -9,7 +9,7 @@ from cardan.base.errors import NotInstalled
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.book import Book, Sheet, column
-from cardan.report.drawing import in_state, state_to_show
+from cardan.report.drawing import drawable, in_state, state_to_show
 from cardan.report.judged import Judged, verdict
 from cardan.report.wording import place, sense, tally, worst_of_each
 from cardan.study.approval import Approval
@@ -70,7 +70,7 @@ def fill(sheet: Sheet, of: Approval, judged: Sequence[Judged]) -> None:
     named = {c.line for c in rows}
     shown = next((r for r in of.responses if r.line.name in named), None)
     shown = shown or next(iter(of.responses), None)
-    if shown is not None:
+    if shown is not None and drawable(shown):
         _drawn(sheet, shown, state_to_show(shown, rows))
     for r in of.responses:
         _charts(sheet, r, several=several)

@@ -26,7 +26,7 @@ from cardan.report.blocks import (
     figures,
 )
 from cardan.report.compare import Compared, Variant, differences, effects
-from cardan.report.drawing import drawings, in_state, state_to_show
+from cardan.report.drawing import drawable, drawings, in_state, state_to_show
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
@@ -165,7 +165,7 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
                     title=title,
                     blocks=(
                         *_states(r, v.approval.checks, say),
-                        Figures(figures=drawings(r, say)[:2], wide=True),
+                        Figures(figures=drawings(r, say)[: 2 if drawable(r) else 1], wide=True),
                     ),
                 )
             )
@@ -225,12 +225,13 @@ def _first_page(
     names = [r.line.name for r in of.responses]
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
     for r in of.responses:
-        if r.line.name == line:
+        if r.line.name == line and drawable(r):
             s = state_to_show(r, rows if state is None else (), state)
             yield Figures(figures=(in_state(r, say, s),), wide=True)
     said: list[tuple[str, tuple[str, ...]]] = []
     if fixes:
-        said.append(_proposal(1, fixes[0], say))
+        title, moves = _proposal(1, fixes[0], say)
+        said.append((title, moves[: len(fixes[0].moves)]))
     for one in helps[:DECIDING]:
         moves = tuple(moves_that_help(one, say)[:1]) or (say("nothing that can be moved"),)
         said.append((problem(one, say, several=several), moves))
@@ -337,7 +338,9 @@ def _changes(
         )
     # Moves are tried on what the driveline answers: nobody knows one against what others find.
     beyond = [
-        c for c in of.checks if c.grade != "pass" and QUANTITIES[c.quantity].study != DRIVELINE
+        c
+        for c in of.checks
+        if c.grade != "pass" and QUANTITIES[c.quantity].study not in ("", DRIVELINE)
     ]
     if beyond:
         yield Points(
@@ -386,7 +389,7 @@ def _line(
 ) -> Iterator[Chapter]:
     """Yield results, drawings and plots of one line."""
     end = f": {r.line.name}" if several else ""
-    first, second, *others = drawings(r, say)
+    *views, phases, planes, sums = drawings(r, say)
     yield Chapter(
         title=say("Results by state") + end,
         blocks=(
@@ -398,8 +401,8 @@ def _line(
     yield Chapter(
         title=say("Drawings") + end,
         blocks=(
-            Figures(figures=(first, second, others[0]), wide=True),
-            Figures(figures=tuple(others[1:])),
+            Figures(figures=(*views, phases), wide=True),
+            Figures(figures=(planes, sums)),
         ),
     )
     yield Chapter(title=say("Plots") + end, blocks=(Figures(figures=plots(r, say)),))

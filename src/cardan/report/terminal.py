@@ -275,8 +275,12 @@ def checks(
         shown = rows[: max(bad, FEW)]
     yield from table(shown, say, several=len(of.responses) > 1, width=width)
     if rest := rows[len(shown) :]:
-        said = say("{count} more limits pass, the nearest by {margin}; --all shows them.",
-                   count=len(rest), margin=say.percent(rest[0].margin))  # fmt: skip
+        means = (
+            "One more limit passes, by {margin}; --all shows it."
+            if len(rest) == 1
+            else "{count} more limits pass, the nearest by {margin}; --all shows them."
+        )
+        said = say(means, count=len(rest), margin=say.percent(rest[0].margin))
         yield from folded([said], width)
 
 
@@ -381,7 +385,7 @@ def _line(r: Response, say: Language, width: int) -> Iterator[str]:
     for section in sections(r):
         labels = [row.label(say) for row in section.rows]
         unit = 2 + max(len(row.unit) for row in section.rows)
-        room = min(max(map(len, labels)), max(30, width * 3 // 8)) + 1
+        room = min(max(map(len, labels)) + 3, max(32, width * 3 // 8))
         cells = [[say.number(v) for v in row.values] for row in section.rows]
         column = 2 + max(7, *(len(cell) for row in cells for cell in row))
         most = max(1, (width - room - unit) // column)
