@@ -188,12 +188,13 @@ def test_articulation_moves_the_shaft_from_axle_to_axle():
     main, between = found.responses
     level, rocked = (main.demand.states.index(name) for name in ("level", "rocked"))
     risen, moved = (r.layout.points[rocked] - r.layout.points[level] for r in found.responses)
-    assert risen[-1] == pytest.approx([0, 0, 50 * mm], abs=1e-9)
-    assert moved[0] == pytest.approx([0, 0, 50 * mm], abs=1e-9)
-    assert moved[-1] == pytest.approx([0, 0, -50 * mm], abs=1e-9)
+    # The links pitch an axle on its way by some hundredths of a degree: 1 mm at its joints.
+    heights = [risen[-1, 2], moved[0, 2], moved[-1, 2]]
+    assert heights == pytest.approx([50 * mm, 50 * mm, -50 * mm], abs=1.5 * mm)
     start, end = between.layout.points[level][[0, -1]]
     slope = np.arctan2(start[2] - end[2] + 100 * mm, end[0] - start[0])
-    assert between.layout.side[rocked, 1] == pytest.approx(slope, rel=1e-6)
+    assert between.layout.side[rocked, 1] == pytest.approx(slope, rel=0.02)
+    assert main.layout.side[rocked, 1:-2] == pytest.approx(main.layout.side[level, 1:-2])
     with pytest.raises(CardanError, match="no line runs from axle to axle"):
         files.loads(ONE + "states: [{name: gvw, articulation_mm: 10}]\n")
 

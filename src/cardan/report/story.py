@@ -395,13 +395,13 @@ def _line(
         blocks=(
             Text(paragraphs=(line_title(r, say) + ".",)),
             *_states(r, checks, say),
-            *phased.table(r, say),
         ),
     )
     yield Chapter(
         title=say("Drawings") + end,
         blocks=(
             Figures(figures=(*views, phases), wide=True),
+            *phased.table(r, say),
             Figures(figures=(planes, sums)),
         ),
     )
