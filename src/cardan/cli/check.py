@@ -107,9 +107,11 @@ def check(
             put_lines(terminal.comparison(_variants(files, found), say, width=screen()))
         else:
             helps = sensitivities(found[0])
+            sizes = _sizes(found[0], helps)
             shown = terminal.approval(
                 found[0],
                 helps=helps,
+                sizes=sizes,
                 every=every,
                 states=states,
                 phasings=phasings,
@@ -118,6 +120,18 @@ def check(
             )
             put_lines(shown)
     leave(*(a.verdict for a in found))
+
+
+def _sizes(of: Any, helps: Any) -> Any:
+    """Return other parts for what nothing moved answers."""
+    from cardan.report.wording import out_of_reach
+
+    stuck = out_of_reach(helps)
+    if not stuck:
+        return None
+    from cardan.study.sizing import next_sizes
+
+    return next_sizes(of.application, stuck)
 
 
 def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:

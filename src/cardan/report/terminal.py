@@ -39,6 +39,9 @@ if TYPE_CHECKING:  # one check of one design is not to wait for these
     from cardan.report.compare import Variant
     from cardan.study.fix import Proposal
     from cardan.study.published import Published
+    from cardan.study.sizing import Remedy
+
+    Sizes = dict[tuple[str, str], Remedy]
 
 FEW = 5
 """Limits that are shown at least, though they pass."""
@@ -70,6 +73,7 @@ def approval(
     of: Approval,
     *,
     helps: Iterable[Sensitivity],
+    sizes: "Sizes | None" = None,
     every: bool = False,
     states: bool = False,
     phasings: bool = False,
@@ -80,11 +84,11 @@ def approval(
 
     Without `every` each limit that does not pass has one row, where it is worst, and where
     they are few the nearest of the others; with it each check has its row. `states` adds the
-    numbers of every state.
+    numbers of every state; `sizes` are other parts, for what nothing moved answers.
     """
     yield from verdict(of, say, every=every, brief=not every, width=width)
     several = len(of.responses) > 1
-    yield from folded(_helps(tuple(helps), say, several=several), width)
+    yield from folded(_helps(tuple(helps), sizes or {}, say, several=several), width)
     if every or phasings:
         for response in of.responses:
             yield from _phased(response, say, width, several=several)
@@ -114,6 +118,12 @@ def verdict(
     yield from checks(of, say, every=every, brief=brief, width=width)
     yield from folded(without_answer(unanswered(of, say), of.coverage, say), width)
     yield from folded(notes(of, say), width)
+    if of.data:
+        from cardan.report import data
+
+        title = say("Data it stands on, and how it was read (`cardan catalogue` has its sources)")
+        yield ""
+        yield from folded([_bold(title), *(f"  {line}" for line in data.lines(of, say))], width)
 
 
 def facts(of: Approval, say: Language) -> Iterator[str]:
@@ -247,15 +257,51 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
     yield f"  {say('Source')}: {q.source}"
+    yield from _limits_on(q, say)
     others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
     yield f"  Key: {q.key}; {others}"
+
+
+def _limits_on(q: Quantity, say: Language) -> Iterator[str]:
+    """Yield what the default profile asks of a quantity, who says so and how that was read."""
+    from cardan.files.limit import DEFAULT, limits
+
+    for limit in limits(DEFAULT)[1]:
+        if limit.quantity != q.key:
+            continue
+        low, high = limit.band or (None, None)
+        bounds = (("normal", limit.normal), ("maximum", limit.maximum))
+        said = [
+            f"{say(name)} {limit.sense} {say.number(bound / q.factor)}"
+            for name, bound in bounds
+            if bound is not None
+        ]
+        if low is not None and high is not None:
+            edges = (say.number(edge / q.factor) for edge in (low, high))
+            said.append(f"{say('outside')} {' … '.join(edges)}")
+        asks = " ".join((", ".join(said), q.unit_name)).rstrip()
+        yield f"  {say('Limits')} ({DEFAULT}): {asks}"
+        yield f"      {cited(limit.source, say)}"
+
+
+KINDS = {
+    "published": "Published where a reader can look",
+    "untraced": "Printed somewhere that nobody found again",
+    "derived": "Computed by other means, printed nowhere",
+}
+"""Heads of `cardan verify`."""
 
 
 def published(cases: "Iterable[Published]", *, width: int = WIDTH) -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
     room = width - 6 - 13 - 13 - 11
     yield f"{'':6}{'case':<{room}}{'published':>13}{'computed':>13}{'difference':>11}"
+    kind = ""
     for c in cases:
+        if c.kind != kind:
+            kind = c.kind
+            yield ""
+            yield _bold(KINDS[kind])
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
         numbers = f"{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
         first, *others = beside(c.title, numbers, room)
@@ -362,7 +408,9 @@ def _phased(r: Response, say: Language, width: int, *, several: bool) -> Iterato
         yield from block(replace(one, caption=caption), width)
 
 
-def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
+def _helps(
+    of: tuple[Sensitivity, ...], sizes: "Sizes", say: Language, *, several: bool
+) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
@@ -375,7 +423,20 @@ def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iter
             continue  # said of the part that is worst
         hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves) or say('nothing that can be moved')}"
+        yield f"      {'; '.join(moves) or instead(one.check, sizes.get(what), say)}"
+
+
+def instead(check: Check, remedy: "Remedy | None", say: Language) -> str:
+    """Return what there is where nothing can be moved: another part, or who looks for one."""
+    if remedy is None:
+        from cardan.study.sizing import WAYS
+
+        if check.quantity in WAYS:
+            return say("nothing that can be moved; `cardan size` tries other parts")
+        return say("nothing that can be moved")
+    from cardan.report.sizing import instead as other_part
+
+    return other_part(remedy, say)
 
 
 def _line(r: Response, say: Language, width: int) -> Iterator[str]:
