@@ -157,7 +157,7 @@ def test_every_example_is_told_in_every_language(path, code):
     shown = page(whole)
     assert len(shown) > 50_000
     assert not any(f" {w} " in shown[: shown.index("<pre")] for w in ("gear", "mode", "zone of"))
-    lines = list(terminal.approval(found, helps=sensitivities(found), say=say))
+    lines = list(terminal.approval(found, helps=sensitivities(found), states=True, say=say))
     assert len(lines) > 60
     assert sorted(LACKED) == []
     # Publications keep the language they are written in.

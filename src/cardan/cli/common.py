@@ -1,6 +1,8 @@
 """What commands share: their options, how files are read, how far a run is, what is printed."""
 
 import json
+import os
+import shutil
 import sys
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
@@ -179,9 +181,22 @@ def progress(doing: str, *, quiet: bool = False) -> Generator[Progress, None, No
 # --------------------------------------------------------------------------- printing
 
 
+def screen() -> int:
+    """Return how many columns what is printed may take: the terminal's, or what COLUMNS says."""
+    from cardan.report.screen import WIDTH
+
+    wide = shutil.get_terminal_size((WIDTH, 24)).columns
+    return max(wide, 60)
+
+
 def put(text: str, *, nl: bool = True) -> None:
-    """Print an answer on standard output."""
-    click.echo(text, nl=nl, file=sys.stdout)
+    """Print an answer on standard output, in colours where a terminal shows them.
+
+    NO_COLOR and a dumb terminal take them away, FORCE_COLOR brings them into a pipe.
+    """
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    coloured = False if plain else True if os.environ.get("FORCE_COLOR") else None
+    click.echo(text, nl=nl, file=sys.stdout, color=coloured)
 
 
 def put_lines(lines: Iterable[str]) -> None:

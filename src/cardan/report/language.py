@@ -245,7 +245,8 @@ class Language:
         return self.pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
 
     def short(self, value: float, digits: int = 6) -> str:
-        """Return a number without the zeros that say nothing."""
+        """Return a number without the zeros that say nothing; what is left of nothing is 0."""
+        value = 0.0 if abs(value) < 5e-10 else value
         return self.pointed(f"{value:.{digits}g}")
 
     def percent(self, margin: float) -> str:
