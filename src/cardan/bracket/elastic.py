@@ -229,6 +229,13 @@ class Elastic:
         r.data = self.stiffness * u
         return np.array(r.FV().NumPy())
 
+    def inert(self, displacement: ArrayLike) -> FloatArray:
+        """Return the mass times a displacement vector, M u (unknowns,)."""
+        u, r = self.mass.CreateColVector(), self.mass.CreateColVector()
+        u.FV().NumPy()[:] = displacement
+        r.data = self.mass * u
+        return np.array(r.FV().NumPy())
+
     @cached_property
     def rigid(self) -> FloatArray:
         """Displacement vectors (6, unknowns) of unit motions and turns about the origin.

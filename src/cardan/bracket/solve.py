@@ -22,8 +22,11 @@ from cardan.bracket.unit import Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
+from cardan.model.seat import Seat
 
 MODES = 6
+OWN = 3
+"""Modes by which a bracket swings beyond statics: orders of the shaft reach none of them."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -52,6 +55,25 @@ class Task:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Swing:
+    """How a bracket swings in modes of its own, of unit modal mass, k of them.
+
+    Attributes
+    ----------
+    seat : Seat
+        What it gives under the bearing; made of unit forces and of these modes.
+    unit : (places, k, 6) Pa kg^-1/2
+    reactions : (bolts, k, 3) N kg^-1/2
+    influence : (gauges, k) kg^-1/2
+    """
+
+    seat: Seat
+    unit: FloatArray
+    reactions: FloatArray
+    influence: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
 class Held:
     """A bracket held in one of two ways, under its unit loads (`cardan.bracket.unit.UNITS`).
 
@@ -64,10 +86,12 @@ class Held:
     reactions : (bolts, 9, 3) N
         Force each bolt takes from the frame; where the whole plane is held, its share alone.
     frequencies, carried : Hz
-        Natural frequencies by itself, three where something rides on it, and six with what it
-        carries; two of each of the clamped flange.
+        Natural frequencies, six by itself and with what it carries; of the clamped flange
+        three and two.
     influence : (gauges, 9)
         Strain of each gauge.
+    swing : Swing
+        What comes on top where it is shaken.
     """
 
     hold: Hold
@@ -78,6 +102,7 @@ class Held:
     frequencies: FloatArray
     carried: FloatArray
     influence: FloatArray
+    swing: Swing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,17 +254,37 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     """Return what is left of a solution."""
     units = _units(body, found, size)
     # The clamped flange's frequencies only say how far the first ones may be off.
-    count = MODES if hold == "sliding" else 2
-    rides = task.carried_mass > 0
-    alone, _ = units.modes(min(count, 3) if rides else count)
+    many = hold == "sliding"
+    alone, shapes = units.modes(MODES if many else OWN)
     carried = alone
-    if rides:
-        carried, _ = units.modes(count, mass=task.carried_mass, rubber=task.rubber)
+    if task.carried_mass > 0:
+        carried, _ = units.modes(MODES if many else 2, mass=task.carried_mass, rubber=task.rubber)
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
         influence=influence(units, task.gauges),
+        swing=_swing(units, found, alone[:OWN], shapes[:OWN], task.gauges),
     )  # fmt: skip
+
+
+def _swing(
+    units: Units,
+    found: Solution,
+    frequencies: FloatArray,
+    shapes: FloatArray,
+    gauges: tuple[Gauge, ...],
+) -> Swing:
+    """Return how a bracket swings in modes (k,) Hz, (k, unknowns)."""
+    body = found.elastic
+    inert = np.stack([
+        (2 * np.pi * f) ** 2 * body.inert(u) for f, u in zip(frequencies, shapes, strict=True)
+    ])  # fmt: skip
+    return Swing(
+        seat=units.seat(frequencies, shapes),
+        unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
+        reactions=units.borne(shapes, inert),
+        influence=influence(replace(units, displacements=shapes), gauges),
+    )
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:

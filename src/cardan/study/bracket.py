@@ -1,9 +1,9 @@
 """Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, life, a variant.
 
 Everything follows from the unit solutions by adding them up, so a load case costs no solve.
-What the bearing hands to its bracket follows the line on its rubber where the stiffness of
-that is known. The bracket itself bears it quasi-statically: the load of an order is right
-below its natural frequencies, which stand beside it.
+What the bearing hands to its bracket follows the line on its rubber, in series with the
+bracket itself, where the masses of the line are known; and the bracket answers as it swings.
+Loads of a state on rigid bearings, and those by hand, it bears quasi-statically.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,10 +22,12 @@ from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
-from cardan.model.bracket import Bracket
+from cardan.model.bracket import Bracket, Shape
+from cardan.model.seat import Seat
 from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
-from cardan.study.bracket_judge import Case, Judged, judge
+from cardan.study.bracket_forced import hung, on_rubber, swept
+from cardan.study.bracket_judge import Case, Judged, Mounted, judge
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
@@ -77,20 +79,35 @@ def study(
     installed = next(i for i in application.lines if i.line.name == bracket.line)
     response = respond(application, demand(resolve(application, installed)))
     cases = (*cases_of(bracket, response), *extra)
+
+    def mounted(seat: Seat) -> Mounted:
+        """Return the loads of the line hung in a bracket that gives."""
+        on = hung(response, bracket, seat)
+        return Mounted(
+            cases=(*cases_of(bracket, on), *extra),
+            duty=duty_of(bracket, on),
+            swept=swept(on, bracket.bearing - 1),
+        )
+
+    hangs = on_rubber(response, bracket)
     speeds = response.demand.speed
     top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
     shapes = {"original": bracket.shape}
     if bracket.reinforced is not None:
         shapes["reinforced"] = bracket.reinforced
     duty = duty_of(bracket, response)
+
+    def variant(name: str, shape: Shape) -> Judged:
+        return judge(
+            bracket, shape, cases, duty=duty, mounted=mounted if hangs else None, name=name,
+            top_speed=top, tell=tell,
+        )  # fmt: skip
+
     return BracketAnswer(
         title=application.title,
         bracket=bracket,
         top_speed=top,
-        variants=tuple(
-            judge(bracket, shape, cases, duty=duty, name=name, top_speed=top, tell=tell)
-            for name, shape in shapes.items()
-        ),
+        variants=tuple(variant(name, shape) for name, shape in shapes.items()),
     )
 
 
@@ -197,7 +214,8 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
                 state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
                 speed=point.speed, once=float(worst.running.order1[at]) if once else None,
             )  # fmt: skip
-            yield replace(case, what="worst point", point=point)
+            shakes = bool(response.seats)
+            yield replace(case, what="worst point", point=point, shakes=shakes)
 
 
 def _round_the_turn(
@@ -252,7 +270,9 @@ def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[f
                 gravity=response.gravity, speed=point.speed,
             )  # fmt: skip
             if state.counts_as in RIDING:
-                found[Occasion("duty", state.name)].append((point.share, case))
+                found[Occasion("duty", state.name)].append(
+                    (point.share, replace(case, shakes=bool(response.seats)))
+                )
     return found
 
 
