@@ -3,6 +3,8 @@
 from dataclasses import replace
 from typing import Annotated, Any, TypeAlias
 
+import numpy as np
+
 from cardan.base.units import g, mm
 from cardan.border.measure import (
     FORCES,
@@ -33,6 +35,7 @@ from cardan.model.application import Installed
 from cardan.model.bracket import (
     Bracket,
     BracketCase,
+    BracketRecording,
     FatigueCurve,
     Gauge,
     LShape,
@@ -61,6 +64,9 @@ Rubber: TypeAlias = Annotated[
     tuple[float, float, float], ListOf(Number(*STIFFNESSES, least=1, most=1e12), *AXES)
 ]
 Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most=1e-3)]
+FORCE_CHANNELS = ("x_N", "y_N", "z_N")
+MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
+_SHORTEST = 4
 DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
@@ -206,14 +212,71 @@ class CaseTable(Table):
         "of the frame, felt by bracket and carried mass; standing still is [0, 0, 1] g",
         default=(0.0, 0.0, 0.0),
     )
+    state: str | None = key(
+        "the state whose driveline loads it comes on top of, where the bearing carries most",
+        default=None,
+    )
 
     def build(self) -> BracketCase:
         """Return the case in SI."""
         if not any((*self.force, *self.moment, *self.acceleration)):
             self.at().refuse("loads nothing", "give force_N, moment_Nm or acceleration_g")
         return BracketCase(
-            name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration
-        )
+            name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration,
+            state=self.state or "",
+        )  # fmt: skip
+
+
+class RecordingTable(Table):
+    """What was measured: forces on the bearing, or strains of the bracket's gauges."""
+
+    name: str = key("what reports call it")
+    file: str = key(
+        "a recording beside this file: channels x_N, y_N, z_N, as `cardan life --load-history` "
+        "writes them, or one named after each gauge"
+    )
+
+    def recording(self, gauges: tuple[Gauge, ...]) -> BracketRecording:
+        """Return the recording in SI."""
+        from cardan.files.recordings import open_recording
+
+        path = self.at("file").beside(self.file)
+        if not path.is_file():
+            self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
+        found = open_recording(path)
+        names = [c.name for c in found.channels]
+        forces = [n for n in FORCE_CHANNELS if n in names]
+        wanted = FORCE_CHANNELS if forces else tuple(g.name for g in gauges)
+        missing = [n for n in wanted if n not in names]
+        if missing or not wanted:
+            self.at("file").refuse(
+                f"has no channel {', '.join(missing) or 'of a force'}; it has {', '.join(names)}",
+                "forces are x_N, y_N, z_N; strains are named after the bracket's gauges",
+                got=self.file,
+            )  # fmt: skip
+        values = found.whole(wanted).T
+        if len(values) < _SHORTEST:
+            self.at("file").refuse("holds fewer than 4 samples", got=self.file)
+        holes = int((~np.isfinite(values)).any(axis=1).sum())
+        if holes:
+            self.at("file").refuse(
+                f"has {holes} samples that are no numbers", "mend it first: cardan life",
+                got=self.file,
+            )  # fmt: skip
+        if forces:
+            return BracketRecording(name=self.name, rate=found.rate, force=values)
+        for name in wanted:
+            unit = found.channel(name).unit
+            if unit not in ("", *MICROSTRAIN):
+                self.at("file").refuse(
+                    f"channel {name} is in {unit}; strains are in um/m", got=self.file
+                )
+        return BracketRecording(name=self.name, rate=found.rate, strain=values * 1e-6)
+
+
+Recordings: TypeAlias = Annotated[
+    tuple[RecordingTable, ...], ListOf(TableRule(RecordingTable), most=20)
+]
 
 
 class FatigueTable(Table):
@@ -286,15 +349,24 @@ class BracketTable(Table):
     cases: Annotated[tuple[BracketCase, ...], ListOf(TableRule(CaseTable), most=100)] = key(
         "loads given by hand", default=()
     )
+    recordings: Annotated[
+        tuple[RecordingTable, ...], ListOf(TableRule(RecordingTable), most=20)
+    ] = key("what was measured on it", default=())
     fatigue: FatigueTable | None = key("S-N curves, for damage and life", default=None)
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
 
-    def bracket(self, lines: tuple[Installed, ...]) -> Bracket:
+    def bracket(self, lines: tuple[Installed, ...], states: tuple[str, ...]) -> Bracket:
         """Return the bracket in SI."""
         for what, parts in (("gauges", self.gauges), ("cases", self.cases)):
             self.differ(what, [part.name for part in parts])
+        taken = [part.name for part in (*self.cases, *self.recordings)]
+        self.differ("recordings", taken if self.recordings else [])
+        for k, case in enumerate(self.cases, 1):
+            if case.state and case.state not in states:
+                hint = nearest(case.state, list(states))
+                self.at("cases", k).refuse("no state of this name", hint, got=case.state)
         known = {installed.line.name: installed.line for installed in lines}
         line = self.line or next(iter(known))
         if line not in known:
@@ -315,6 +387,7 @@ class BracketTable(Table):
                 rubber=self.rubber,
                 gauges=self.gauges,
                 cases=self.cases,
+                recordings=tuple(r.recording(self.gauges) for r in self.recordings),
                 reinforced=self.reinforced.shape(shape) if self.reinforced else None,
                 element=self.element,
                 order=self.order,

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
@@ -234,6 +235,27 @@ class BracketCase:
     force: Vector = (0.0, 0.0, 0.0)
     moment: Vector = (0.0, 0.0, 0.0)
     acceleration: Vector = (0.0, 0.0, 0.0)
+    state: str = ""
+    """The state whose driveline loads it comes on top of; none where it comes alone."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BracketRecording:
+    """What was measured on a bracket: the force on its bearing, or what its gauges read.
+
+    Attributes
+    ----------
+    rate : Hz
+    force : (t, 3) N
+        Along the vehicle's axes; None where it follows from the gauges.
+    strain : (t, g)
+        Of the bracket's gauges; None where the force is known.
+    """
+
+    name: str
+    rate: float
+    force: FloatArray | None = None
+    strain: FloatArray | None = None
 
 
 Mean: TypeAlias = Literal["goodman", "ratio", "none"]
@@ -281,6 +303,7 @@ class Bracket:
     rubber: Vector | None = None
     gauges: tuple[Gauge, ...] = ()
     cases: tuple[BracketCase, ...] = ()
+    recordings: tuple[BracketRecording, ...] = ()
     reinforced: Shape | None = None
     element: Metre | None = None
     """Largest edge of an element; by default the shape's thickness."""

@@ -18,16 +18,18 @@ from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.gauges import recover
+from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
-from cardan.model.bracket import Bracket, Shape
-from cardan.model.seat import Seat
+from cardan.model.bracket import Bracket, BracketCase, Shape
 from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_forced import hung, on_rubber, swept
 from cardan.study.bracket_judge import Case, Judged, Mounted, judge
+from cardan.study.bracket_life import loads_of
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
@@ -78,18 +80,21 @@ def study(
     bracket = _bracket(application)
     installed = next(i for i in application.lines if i.line.name == bracket.line)
     response = respond(application, demand(resolve(application, installed)))
-    cases = (*cases_of(bracket, response), *extra)
-
-    def mounted(seat: Seat) -> Mounted:
-        """Return the loads of the line hung in a bracket that gives."""
-        on = hung(response, bracket, seat)
-        return Mounted(
-            cases=(*cases_of(bracket, on), *extra),
-            duty=duty_of(bracket, on),
-            swept=swept(on, bracket.bearing - 1),
-        )
+    cases = (*cases_of(bracket, response), *recorded(bracket, None), *extra)
+    if not cases and bracket.recordings:  # of strains, which no mesh can be made for
+        cases = tuple(Case(UNITS[k], 1e3 * np.eye(3, len(UNITS))[[k]]) for k in range(3))
 
     hangs = on_rubber(response, bracket)
+
+    def mounted(held: Held) -> Mounted:
+        """Return the loads of the line hung in a bracket that gives, and those measured on it."""
+        on = hung(response, bracket, held.swing.seat) if hangs else response
+        return Mounted(
+            cases=(*cases_of(bracket, on), *recorded(bracket, held.influence), *extra),
+            duty=duty_of(bracket, on),
+            swept=swept(on, bracket.bearing - 1) if hangs else None,
+        )
+
     speeds = response.demand.speed
     top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
     shapes = {"original": bracket.shape}
@@ -99,7 +104,7 @@ def study(
 
     def variant(name: str, shape: Shape) -> Judged:
         return judge(
-            bracket, shape, cases, duty=duty, mounted=mounted if hangs else None, name=name,
+            bracket, shape, cases, duty=duty, mounted=mounted, name=name,
             top_speed=top, tell=tell,
         )  # fmt: skip
 
@@ -192,30 +197,76 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     turn; the part of order 2 by itself; both together over the turn; and, where unbalance
     counts, with that on top. Then where the bearing carries most, on its rubber.
     """
-    for case in bracket.cases:
-        a = np.asarray(case.acceleration)
-        force = np.asarray(case.force) - bracket.carried_mass * a
-        yield Case(case.name, np.concatenate([force, case.moment, a])[None])
+    yield from (Case(c.name, _by_hand(bracket, c)[None]) for c in bracket.cases if not c.state)
     if response.line.joint_count < 3:
         return
-    forces, once = response.loads.bearing_forces, response.unbalance
-    speeds, gravity = response.demand.speed.tolist(), response.gravity
-    worst = response.worst.get("peak")
     for s, state in enumerate(response.demand.states):
-        at = s, bracket.bearing - 1
-        if np.isfinite(response.demand.torque[s]):
-            yield from _round_the_turn(
-                state, forces=Cycle(forces.waves[at]), gravity=gravity, speed=speeds[s],
-                once=float(once.bearing_forces[at]) if once else None,
-            )  # fmt: skip
-        point = worst.named(at) if worst else None
-        if worst and point:
-            *_, case = _round_the_turn(
-                state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
-                speed=point.speed, once=float(worst.running.order1[at]) if once else None,
-            )  # fmt: skip
-            shakes = bool(response.seats)
-            yield replace(case, what="worst point", point=point, shakes=shakes)
+        worst: Case | None = None
+        for worst in _of_state(bracket, response, s):
+            yield worst
+        for c in bracket.cases:
+            if c.state == state:
+                if worst is None:
+                    msg = (
+                        f"case {c.name} of the bracket comes on top of {state}, whose torque "
+                        "nobody knows: give torque_Nm or an engine"
+                    )
+                    raise DesignError(msg, about="bracket.cases")
+                own = _by_hand(bracket, c, standing=response.gravity)
+                yield Case(c.name, worst.loads + own, point=worst.point)
+
+
+def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> FloatArray:
+    """Return the loads (9,) of a case given by hand.
+
+    What stands still feels `standing` m/s², which is not counted twice where loads that the
+    case comes on top of have it.
+    """
+    a = np.asarray(case.acceleration)
+    if any(case.acceleration):
+        a = a - np.array([0.0, 0.0, standing])
+    force = np.asarray(case.force) - bracket.carried_mass * a
+    return np.concatenate([force, case.moment, a])
+
+
+def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
+    """Yield the cases of one state, that of its worst point last."""
+    state, at = response.demand.states[s], (s, bracket.bearing - 1)
+    forces, once = response.loads.bearing_forces, response.unbalance
+    speed, gravity = float(response.demand.speed[s]), response.gravity
+    if np.isfinite(response.demand.torque[s]):
+        yield from _round_the_turn(
+            state, forces=Cycle(forces.waves[at]), gravity=gravity, speed=speed,
+            once=float(once.bearing_forces[at]) if once else None,
+        )  # fmt: skip
+    worst = response.worst.get("peak")
+    point = worst.named(at) if worst else None
+    if worst and point:
+        *_, case = _round_the_turn(
+            state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
+            speed=point.speed, once=float(worst.running.order1[at]) if once else None,
+        )  # fmt: skip
+        shakes = bool(response.seats)
+        yield replace(case, what="worst point", point=point, shakes=shakes)
+
+
+def recorded(bracket: Bracket, influence: FloatArray | None) -> Iterator[Case]:
+    """Yield a case of each recording; strains become forces by the gauges' influence (g, 9).
+
+    Without that, of each recording of forces.
+    """
+    for one in bracket.recordings:
+        force = one.force
+        if one.strain is not None:
+            if influence is None:
+                continue
+            force = recover(influence[:, :3], one.strain).loads
+        assert force is not None  # one of the two
+        # Forces are those on the bearing: the bracket swings on top of them. What gauges read
+        # has its swing in it.
+        yield Case(
+            one.name, loads_of(force), duration=len(force) / one.rate, shakes=one.strain is None
+        )
 
 
 def _round_the_turn(

@@ -8,6 +8,7 @@ a feature is the worse of the two.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -22,8 +23,8 @@ from cardan.bracket.solve import Held, Solved, Task, solved_apart
 from cardan.bracket.stress import extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
+from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bracket, Shape, Zone
-from cardan.model.seat import Seat
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -31,6 +32,8 @@ ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 _FEW = 24
 """Moments of a history by which the places are told where a feature may be worst."""
+_LONG, _TURN = 2000, 0.01
+"""Moments beyond which a history is thinned, and the share of its range that turns must have."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 
@@ -283,11 +286,30 @@ class _Way:
         swings = self.held.swing.unit.shape[1]
         found = np.pad(case.loads, ((0, 0), (0, swings)))
         if not (case.shakes and np.isfinite(case.duration)):
-            return found
+            return found if case.places > 1 else self._telling(found)
         columns = [*range(3), *range(len(UNITS), len(UNITS) + swings)]
+        time = case.duration
         for one in np.split(found, case.places):  # views: what is added stays
-            one[:, columns] += self.held.swing.seat.shaken(one[:, :3], case.duration)
-        return found
+            one[:, columns] += self.held.swing.seat.shaken(one[:, :3], time)
+        return found if case.places > 1 else self._telling(found)
+
+    def _telling(self, loads: FloatArray) -> FloatArray:
+        """Return the moments of a long history that any stress turns at, the others left out.
+
+        Loads count by what they stress. A stress is nearly one of a few sums of the three
+        ways in which they vary most, along an axis or between: kept is where any of these
+        turns by more than a hundredth of its range, which no cycle that does harm is below.
+        """
+        if len(loads) <= _LONG:
+            return loads
+        worth = np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
+        weighed = (loads - loads.mean(axis=0)) * worth
+        _, axes = np.linalg.eigh(weighed.T @ weighed)
+        three = weighed @ axes[:, -3:]
+        three = three / np.maximum(three.std(axis=0), 1e-300)
+        ways = [w for w in product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
+        kept = [turns(three @ np.array(way), gate=_TURN) for way in ways]
+        return loads[np.unique(np.concatenate(kept))]
 
     def places(self, loads: FloatArray) -> IntArray:
         """Return the places (features, k) where loads may be worst, a feature's own repeated."""
@@ -360,7 +382,7 @@ def judge(
     cases: Sequence[Case],
     *,
     duty: Duty | None = None,
-    mounted: Callable[[Seat], Mounted] | None = None,
+    mounted: Callable[[Held], Mounted] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
     tell: Progress = hushed,
@@ -398,7 +420,7 @@ def judge(
     swept: Swept | None = None
     if mounted is not None:
         told("the line on this bracket")
-        on = mounted(solved.sliding.swing.seat)
+        on = mounted(solved.sliding)
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
