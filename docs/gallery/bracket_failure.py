@@ -125,7 +125,7 @@ picture(answer, drawn)
 drawn.seek(0)
 seen.imshow(plt.imread(drawn))
 seen.set_axis_off()
-seen.set_title("54, 55, 57, 61: the ninth case, original and ribbed; x rearward, z up")
+seen.set_title("54, 55, 57, 61: where it is worst, original and ribbed; z up")
 place, labels = np.arange(9), [f"{k}" for k in range(1, 10)]
 for k, axis in enumerate("xyz"):
     each = [np.abs(of(original, c).case.loads[:, k]).max() / kN for c in nine]
@@ -181,5 +181,5 @@ assert abs(side / true_side - 1) < 0.05  # the gauges find the force that did it
 assert sheet["ribbed"] < sheet["original"]  # the rib relieves the sheet,
 assert hours["8 mm sheet"] > 10 * hours["original"]  # but it is the thicker sheet that lasts
 assert hours["8 mm sheet"] > 10 * hours["ribbed"]
-crest = original.forced.stress[curve, :, worst].max()
+crest = np.nanmax(original.forced.stress[curve, :, worst])
 assert crest > 5 * still * MPa  # what a rigid support tells is a fraction of what arrives

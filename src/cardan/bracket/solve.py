@@ -4,7 +4,7 @@ The work is done in a process of its own (`cardan.bracket.apart`), after an esti
 it takes, and with smaller welds and fillets where the CAD kernel breaks on those drawn.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,10 +13,10 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.apart import Crashed, apart
-from cardan.bracket.elastic import Nodes, Progress
+from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
+from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, refined, solution
 from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -52,6 +52,8 @@ class Task:
     gauges: tuple[Gauge, ...] = ()
     carried_mass: float = 0.0
     rubber: Vector | None = None
+    levels: int = LEVELS
+    """Meshes at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,6 +181,32 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
     raise DesignError(msg, about="bracket")
 
 
+def weighed_apart(shapes: Sequence[Shape], material: Material) -> FloatArray:
+    """Return what shapes weigh, (k,) kg, in a process of its own; nan where one cannot be built."""
+    try:
+        masses: list[float] = apart(
+            weigh, tuple(shapes), material.density, tell=silent, memory=MEMORY, seconds=60 * MINUTES
+        )
+    except Crashed:
+        if len(shapes) == 1:
+            return np.array([np.nan])
+        half = len(shapes) // 2
+        parts = [weighed_apart(shapes[:half], material), weighed_apart(shapes[half:], material)]
+        return np.concatenate(parts)
+    return np.array(masses)
+
+
+def weigh(shapes: tuple[Shape, ...], density: float, _: Progress) -> list[float]:
+    """Return what shapes weigh, kg; nan where one cannot be built."""
+    found: list[float] = []
+    for shape in shapes:
+        try:
+            found.append(solid(shape).volume * density)
+        except DesignError:
+            found.append(float("nan"))
+    return found
+
+
 def _ways(shape: Shape) -> Iterator[Shape]:
     """Yield the shape as it is drawn, then with smaller fillets."""
     yield shape
@@ -215,8 +243,9 @@ def solve(task: Task, tell: Progress) -> Solved:
 
     grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in task.gauges]
     done = refined(
-        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen
-    )
+        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen,
+        levels=task.levels,
+    )  # fmt: skip
     tell("natural frequencies")
     sliding = _held("sliding", body, done.last, task, size)
     firm = body.held("clamped")

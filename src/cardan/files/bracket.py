@@ -1,7 +1,8 @@
 """A bracket of a file: shape, what it carries, gauges on it, loads given by hand."""
 
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from math import prod
+from typing import Annotated, Any, TypeAlias, get_args
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from cardan.border.measure import (
     Cycles,
     Diameter,
     Distance,
+    Hours,
     Mass,
     Point,
     Size,
@@ -40,6 +42,7 @@ from cardan.model.bracket import (
     Gauge,
     LShape,
     Pick,
+    Search,
     Shape,
     StepShape,
     UShape,
@@ -67,6 +70,7 @@ Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most
 FORCE_CHANNELS = ("x_N", "y_N", "z_N")
 MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
 _SHORTEST = 4
+_MOST = 400
 DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
@@ -327,6 +331,41 @@ class FatigueTable(Table):
         return {zone: curve for zone, curve in given.items() if curve is not None}
 
 
+SIZE, WALL, DISTANCE = (get_args(kind)[1] for kind in (Size, Wall, Distance))
+Walls: TypeAlias = Annotated[tuple[float, ...], ListOf(WALL, least=1, most=20)]
+Sizes: TypeAlias = Annotated[tuple[float, ...], ListOf(SIZE, least=1, most=20)]
+Distances: TypeAlias = Annotated[tuple[float, ...], ListOf(DISTANCE, least=1, most=20)]
+
+
+class OptimiseTable(Table):
+    """Sizes that `cardan bracket --optimise` may choose from, for the lightest that lives."""
+
+    life: Hours = key("to live at least, over the duty cycle")
+    thickness: Walls | None = key("of sheet, or of plate and wall", default=None)
+    width: Sizes | None = key("of the sheet or plate", default=None)
+    flange: Sizes | None = key("of a U", default=None)
+    bend_radius: Sizes | None = key("of a U", default=None)
+    gusset: Distances | None = key("thickness of the ribs or braces; 0 is none", default=None)
+    gusset_height: Distances | None = key("how far they reach down", default=None)
+    wall_width: Sizes | None = key("of an L's wall", default=None)
+    depth: Sizes | None = key("of an L's plate", default=None)
+    rim: Sizes | None = key("of an L below the bore", default=None)
+    fillet: Sizes | None = key("of a U's welds or an L's root", default=None)
+
+    def search(self, shape: Shape) -> Search:
+        """Return what may be chosen of a shape, in SI."""
+        sizes = {n: tuple(v) for n, v in _given(self).items() if v is not None and n != "life"}
+        if not sizes:
+            self.at().refuse("gives nothing to choose from", "thickness_mm: [4, 5, 6, 8]")
+        for name in sizes:
+            if isinstance(shape, StepShape) or not hasattr(shape, name):
+                self.at(name).refuse(f"the shape above has no {name} that can be chosen")
+        count = prod(len(v) for v in sizes.values())
+        if count > _MOST:
+            self.at().refuse(f"makes {count} sets of sizes, more than {_MOST}", "give fewer")
+        return Search(life=self.life, sizes=sizes)
+
+
 class BracketTable(Table):
     """The bracket a centre bearing hangs in. Its origin is the bearing's centre."""
 
@@ -354,6 +393,7 @@ class BracketTable(Table):
     ] = key("what was measured on it", default=())
     fatigue: FatigueTable | None = key("S-N curves, for damage and life", default=None)
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
+    optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
 
@@ -393,5 +433,6 @@ class BracketTable(Table):
                 order=self.order,
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
                 details=self.fatigue.details() if self.fatigue else {},
+                search=self.optimise.search(shape) if self.optimise else None,
             )
         )

@@ -287,6 +287,17 @@ class FatigueCurve:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """Sizes to choose from, and the life in s over the duty cycle that is wanted.
+
+    `sizes` are those of the shape by name, each a list in m.
+    """
+
+    life: float
+    sizes: Mapping[str, tuple[Metre, ...]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Bracket:
     """A bracket to be judged: shape, material, what it carries, what is asked of it.
 
@@ -313,6 +324,8 @@ class Bracket:
     """What its sheet bears; without one no damage is counted."""
     details: Mapping[Zone, FatigueCurve] = field(default_factory=dict[Zone, FatigueCurve])
     """What its cut edges, weld toes and bolt borders bear, where the file says it."""
+    search: Search | None = None
+    """What `--optimise` may choose."""
 
     def __post_init__(self) -> None:
         if not self.carried_mass >= 0:

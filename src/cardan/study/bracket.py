@@ -19,6 +19,7 @@ from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.gauges import recover
+from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
@@ -78,42 +79,72 @@ def study(
 ) -> BracketAnswer:
     """Return what an application's bracket bears, and its reinforced variant beside it."""
     bracket = _bracket(application)
-    installed = next(i for i in application.lines if i.line.name == bracket.line)
-    response = respond(application, demand(resolve(application, installed)))
-    cases = (*cases_of(bracket, response), *recorded(bracket, None), *extra)
-    if not cases and bracket.recordings:  # of strains, which no mesh can be made for
-        cases = tuple(Case(UNITS[k], 1e3 * np.eye(3, len(UNITS))[[k]]) for k in range(3))
+    bench = Bench.of(application, extra=extra)
+    variants = [bench.judged(bracket.shape, name="original", tell=tell)]
+    if bracket.reinforced is not None:
+        # What gauges read, they read on the bracket that is installed.
+        bench = replace(bench, influence=variants[0].influence)
+        variants.append(bench.judged(bracket.reinforced, name="reinforced", tell=tell))
+    return BracketAnswer(
+        title=application.title,
+        bracket=bracket,
+        top_speed=bench.top_speed,
+        variants=tuple(variants),
+    )
 
-    hangs = on_rubber(response, bracket)
 
-    def mounted(held: Held) -> Mounted:
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """An application's line, ready to be hung in one shape of its bracket after the other.
+
+    `influence` (g, 9) is that of the gauges where recordings were made, known once the installed
+    shape is judged.
+    """
+
+    bracket: Bracket
+    response: Response
+    extra: tuple[Case, ...] = ()
+    influence: FloatArray | None = None
+
+    @classmethod
+    def of(cls, application: Application, *, extra: Sequence[Case] = ()) -> "Bench":
+        """Return the bench of an application."""
+        bracket = _bracket(application)
+        installed = next(i for i in application.lines if i.line.name == bracket.line)
+        response = respond(application, demand(resolve(application, installed)))
+        return cls(bracket=bracket, response=response, extra=tuple(extra))
+
+    @property
+    def top_speed(self) -> RadianPerSecond:
+        """The highest speed of all states; nan where nobody knows."""
+        speeds = self.response.demand.speed
+        return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+
+    def mounted(self, held: Held) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
-        on = hung(response, bracket, held.swing.seat) if hangs else response
+        bracket, on = self.bracket, self.response
+        influence = held.influence if self.influence is None else self.influence
+        hangs = on_rubber(on, bracket)
+        if hangs:
+            on = hung(on, bracket, held.swing.seat)
         return Mounted(
-            cases=(*cases_of(bracket, on), *recorded(bracket, held.influence), *extra),
+            cases=(*cases_of(bracket, on), *recorded(bracket, influence), *self.extra),
             duty=duty_of(bracket, on),
             swept=swept(on, bracket.bearing - 1) if hangs else None,
         )
 
-    speeds = response.demand.speed
-    top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
-    shapes = {"original": bracket.shape}
-    if bracket.reinforced is not None:
-        shapes["reinforced"] = bracket.reinforced
-    duty = duty_of(bracket, response)
-
-    def variant(name: str, shape: Shape) -> Judged:
+    def judged(
+        self, shape: Shape, *, name: str, levels: int = LEVELS, tell: Progress = hushed
+    ) -> Judged:
+        """Judge one shape, on as many meshes at most; the first is made for a rigid bracket."""
+        bracket, response = self.bracket, self.response
+        cases = (*cases_of(bracket, response), *recorded(bracket, None), *self.extra)
+        if not cases and bracket.recordings:  # of strains, which no mesh can be made for
+            cases = tuple(Case(UNITS[k], 1e3 * np.eye(3, len(UNITS))[[k]]) for k in range(3))
         return judge(
-            bracket, shape, cases, duty=duty, mounted=mounted, name=name,
-            top_speed=top, tell=tell,
+            bracket, shape, cases, duty=duty_of(bracket, response), mounted=self.mounted,
+            name=name, top_speed=self.top_speed, levels=levels, tell=tell,
         )  # fmt: skip
-
-    return BracketAnswer(
-        title=application.title,
-        bracket=bracket,
-        top_speed=top,
-        variants=tuple(variant(name, shape) for name, shape in shapes.items()),
-    )
 
 
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:

@@ -19,6 +19,7 @@ from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
 from cardan.bracket.elastic import IntArray, Progress
 from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
 from cardan.bracket.stress import extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
@@ -385,13 +386,14 @@ def judge(
     mounted: Callable[[Held], Mounted] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
+    levels: int = LEVELS,
     tell: Progress = hushed,
 ) -> Judged:
     """Judge one shape of a bracket under load cases, and over a duty cycle's.
 
     Damage is counted where the bracket states what it bears in fatigue. `mounted` says what
     the cases and the cycle become on a bracket that gives; those given are what the mesh is
-    made for.
+    made for, in as many `levels` at most.
 
     Raises
     ------
@@ -411,6 +413,7 @@ def judge(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
         cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
+        levels=levels,
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
