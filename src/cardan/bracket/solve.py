@@ -18,7 +18,7 @@ from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
 from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, refined, solution
 from cardan.bracket.shape import Picked, Solid, solid
-from cardan.bracket.unit import Units, unit_loads
+from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
@@ -285,14 +285,17 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     # The clamped flange's frequencies only say how far the first ones may be off.
     many = hold == "sliding"
     alone, shapes = units.modes(MODES if many else OWN)
+    own = shapes[:OWN]
+    every = replace(units, displacements=np.concatenate([units.displacements, own]))
+    read = influence(every, task.gauges)
     carried = alone
     if task.carried_mass > 0:
         carried, _ = units.modes(MODES if many else 2, mass=task.carried_mass, rubber=task.rubber)
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
-        influence=influence(units, task.gauges),
-        swing=_swing(units, found, alone[:OWN], shapes[:OWN], task.gauges),
+        influence=read[:, : len(UNITS)],
+        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :]),
     )  # fmt: skip
 
 
@@ -301,9 +304,9 @@ def _swing(
     found: Solution,
     frequencies: FloatArray,
     shapes: FloatArray,
-    gauges: tuple[Gauge, ...],
+    read: FloatArray,
 ) -> Swing:
-    """Return how a bracket swings in modes (k,) Hz, (k, unknowns)."""
+    """Return how a bracket swings in modes (k,) Hz, (k, unknowns), which gauges read (g, k)."""
     body = found.elastic
     inert = np.stack([
         (2 * np.pi * f) ** 2 * body.inert(u) for f, u in zip(frequencies, shapes, strict=True)
@@ -312,7 +315,7 @@ def _swing(
         seat=units.seat(frequencies, shapes),
         unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
         reactions=units.borne(shapes, inert),
-        influence=influence(replace(units, displacements=shapes), gauges),
+        influence=read,
     )
 
 
