@@ -13,6 +13,7 @@ import click
 from cardan.base.errors import DesignError
 
 _TEXTS = Path(__file__).parents[1] / "report" / "text"
+_STARTERS = Path(__file__).parents[1] / "files" / "starters"
 
 
 class Languages(click.Choice[str]):
@@ -20,6 +21,13 @@ class Languages(click.Choice[str]):
 
     def __init__(self) -> None:
         super().__init__(("en", *sorted(p.stem for p in _TEXTS.glob("*.po"))))
+
+
+class Kinds(click.Choice[str]):
+    """The files there are to start from."""
+
+    def __init__(self) -> None:
+        super().__init__(tuple(sorted(p.stem for p in _STARTERS.glob("*.yaml"))))
 
 
 OUT = click.Path(path_type=Path)
@@ -77,8 +85,21 @@ def read(file: Path, limits: str | None, *, allow_outside: bool, outputs: Output
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
     for warning in application.warnings:
-        note(f"warning: {warning.located(str(file))}")
+        note(_doubt(warning, str(file)))
     return application
+
+
+def _doubt(warning: Any, file: str) -> str:
+    """Return what looks odd in a file, in the language that the command is asked for."""
+    context = click.get_current_context(silent=True)
+    lang = context.params.get("lang", "en") if context else "en"
+    if lang == "en":
+        return f"warning: {warning.located(file)}"
+    from cardan.report.language import Language
+    from cardan.report.wording import located
+
+    say = Language(lang)
+    return f"{say('warning')}: {located(warning, file, say)}"
 
 
 def approved(

@@ -590,7 +590,8 @@ class Response:
             modes = modes[..., : 2 * (self.line.joint_count - 2)]  # the rest bends tubes
             speed = np.asarray(p.speed, dtype=float)[..., None]
             for k in orders:
-                found = np.fmin(found, np.abs(k * speed / modes - 1).min(axis=-1))
+                ratio = k * speed / np.where(modes > 0, modes, 1e-300)  # torque may buckle a line
+                found = np.fmin(found, np.abs(ratio - 1).min(axis=-1))
         return np.where(self.lasting, found, np.nan)
 
     @cached_property

@@ -271,7 +271,9 @@ def _changes(
         )
     # Moves are tried on what the driveline answers: nobody knows one against what others find.
     beyond = [
-        c for c in of.checks if c.grade != "pass" and QUANTITIES[c.quantity].study != DRIVELINE
+        c
+        for c in of.checks
+        if c.grade != "pass" and (QUANTITIES[c.quantity].study or DRIVELINE) != DRIVELINE
     ]
     if beyond:
         yield Points(

@@ -190,10 +190,10 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     yield from (f"      {symbol}: {say.given(meaning)}" for symbol, meaning in q.where.items())
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
-    yield f"  {say('Source')}: {q.source}"
+    yield f"  {say('Source')}: {cited(q.source, say)}"
     yield from _limits_on(q, say)
     others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
-    yield f"  Key: {q.key}; {others}"
+    yield f"  {say('Key')}: {q.key}; {others}"
 
 
 def _limits_on(q: Quantity, say: Language) -> Iterator[str]:

@@ -47,13 +47,14 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
 
 def fitted(response: Response) -> tuple[Adjustable, ...]:
     """Return what other parts would move of a line, whoever allows it."""
-    name = response.line.name
-    return tuple(
-        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
-        for m in MOVABLES.values()
-        if m.fitted
-        for k in range(1, m.count(response.line) + 1)
-    )
+    line = response.line
+    found: list[Adjustable] = []
+    for m in MOVABLES.values():
+        parts = range(1, m.count(line) + 1) if m.fitted else ()
+        for k in parts:
+            low, high = np.clip(m.reach, *m.room(line)).tolist()
+            found.append(Adjustable(what=m.key, part=k, low=low, high=high, line=line.name))
+    return tuple(found)
 
 
 def in_states(response: Response, states: Sequence[int]) -> Response:
