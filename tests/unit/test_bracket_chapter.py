@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.bracket.solve import Held
 from cardan.cli import cli
 from cardan.report import bracket as shown
 from cardan.report.blocks import Figures, Picture, Table
@@ -16,6 +17,7 @@ from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
 from cardan.study.approval import Approval, assess
 from cardan.study.bracket import BracketAnswer, duty_of, study
+from cardan.study.bracket_judge import judge
 from cardan.study.finding import Finding
 
 pytestmark = pytest.mark.bracket
@@ -88,6 +90,85 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     # A gauge on the leg reads half a range of strain: times E, its amplitude.
     read = np.ptp(second.strain[0]) / 2 * found.bracket.material.youngs_modulus / 2e6
     assert second.life.gauges == pytest.approx([read ** (5 if read >= 1 else 9) / 1e6])
+
+
+@pytest.fixture(scope="module")
+def hung(found) -> BracketAnswer:
+    """The same bracket under a line on rubber: the solution is the same."""
+    softly = FILE.replace("element_mm", "rubber_N_mm: [150, 120, 200]\n  element_mm")
+    solved = found.variants[0].solved
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+        return study(files.loads(softly))
+
+
+def test_a_line_on_rubber_shakes_its_bracket(found, hung):
+    """Force and stress are those of the line in series with what the finite elements give."""
+    v = hung.variants[0]
+    assert found.variants[0].forced is None
+    of = v.forced.swept
+    assert of.names[:2] == ("lateral", "bounce")
+    assert "bracket" in of.names
+    # One mass on rubber and bracket in series, by hand: what hangs on the bearing of a two-piece
+    # line does, to the tilt of its shafts.
+    give = v.compliance[1, 1], v.compliance[2, 2]
+    hung_, free = of.frequencies[:2], np.sqrt([120e3, 200e3])
+    series = np.sqrt([1 / (1 / 120e3 + give[0]), 1 / (1 / 200e3 + give[1])])
+    assert hung_[0] / hung_[1] == pytest.approx(series[0] / series[1], rel=0.01)
+    assert hung_[0] / hung_[1] != pytest.approx(free[0] / free[1], rel=0.01)
+    # The worst point is the crest of a curve: speeds stand 1.2 % apart, the rubber loses 0.1.
+    worst = next(o for o in v.outcomes if o.case.shakes)
+    acts = np.abs(of.waves).sum(axis=-2)[:, :, 1]
+    c, q = np.unravel_index(int(np.nan_to_num(acts).argmax()), acts.shape)
+    assert np.ptp(worst.case.loads[:, 1]) / 2 == pytest.approx(acts[c, q], rel=0.02)
+    assert worst.case.point.speed == pytest.approx(of.speed[q], rel=0.015)
+    c, q, k = v.forced.worst
+    # Below every mode a bracket that gives is none: 2 % from the stiffness's own share.
+    slow = v.forced.stress[c, 0, k], v.forced.rigid[c, 0, k]
+    assert slow[0] == pytest.approx(slow[1], rel=0.02)
+    assert not np.allclose(v.forced.stress[c, q], v.forced.rigid[c, q], rtol=0.05)
+
+
+def test_the_bracket_s_own_swing_counts(hung, found):
+    """With modes eight times as slow, and as stiff, the same loads stress it more."""
+    solved = hung.variants[0].solved
+
+    def slower(held: Held) -> Held:
+        own = held.swing.seat
+        seat = replace(own, frequencies=own.frequencies / 8, motion=own.motion / 8)
+        assert seat.compliance == pytest.approx(own.compliance)
+        return replace(held, swing=replace(held.swing, seat=seat))
+
+    made = replace(solved, sliding=slower(solved.sliding), clamped=slower(solved.clamped))
+    case = hung.variants[0].outcomes[-1].case
+    assert case.shakes
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: made)
+        shaken, still = (
+            judge(found.bracket, found.bracket.shape, [replace(case, shakes=s)]).outcomes[0]
+            for s in (True, False)
+        )
+    assert shaken.amplitude.max() > 1.001 * still.amplitude.max()
+    assert shaken.bolts.max() != pytest.approx(still.bolts.max(), rel=1e-6)
+    assert shaken.strain != pytest.approx(still.strain, rel=1e-6)
+
+
+def test_the_response_is_told(hung):
+    text = "\n".join(shown.terminal(approved(hung)))
+    assert "on rubber and bracket the line swings at lateral" in text
+    told = json.loads(json.dumps(shown.contract(approved(hung)), allow_nan=False))["variants"][0]
+    response = told["response"]
+    assert response["modes"][0]["name"] == "lateral"
+    (curve,) = (c for c in response["curves"] if c["direction"] == "drive")
+    assert len(curve["stress_MPa"][0]) == len(response["speed_rpm"]) == len(curve["force_N"])
+    assert len(told["frequencies_Hz"]) == 6
+    figures = [
+        f for b in chapter(Finding(study="bracket", answer=hung), Language("en"))
+        if isinstance(b, Figures) for f in b.figures
+    ]  # fmt: skip
+    assert len(figures) == 4
+    assert "rigid bracket" in figures[0].svg
+    assert "lateral" in figures[1].svg
 
 
 def test_a_variant_is_better_only_where_its_worst_zone_is(found):

@@ -53,12 +53,13 @@ class Swinging:
     Points (n, 3) m of the joint centres, directions (n+1, 3), phases (n-1,) rad, the shafts
     (n-1,), overhangs (n-2,) m of the bearings ahead of the rear joints, stiffness (vertical,
     lateral) N/m, torque N m and speed rad/s. The dampers are loss k / 2 speed: at order 2, and
-    only there, that is rubber of this loss.
+    only there, that is rubber of this loss. The first bearing may hang in a bracket: kg, the
+    N/m that hold it along x, y, z, and its loss.
     """
 
     def __init__(
         self, points: Any, directions: Any, phases: Any, shafts: list[Rigid], overhangs: Any, *,
-        stiffness: Any, loss: float, torque: float, speed: float,
+        stiffness: Any, loss: float, torque: float, speed: float, bracket: Any = None,
     ) -> None:  # fmt: skip
         self.speed = speed
         d = np.asarray(directions)
@@ -69,9 +70,12 @@ class Swinging:
         for k, over in enumerate(overhangs, 1):
             at, inside, axes = self._hung(k, over)
             self._axes.append(axes)
+            frame, held_at = self.ground, at
+            if bracket is not None and k == 1:
+                frame, held_at = self._bracket(at, *bracket), np.zeros(3)
             for axis, k_ in zip(axes, stiffness, strict=True):
                 spring = self._spring(
-                    [(self.ground, at), (self.tubes[k - 1], inside)], axis, k_,
+                    [(frame, held_at), (self.tubes[k - 1], inside)], axis, k_,
                     loss * k_ / (2 * speed),
                 )  # fmt: skip
                 self._springs.append(
@@ -123,6 +127,15 @@ class Swinging:
         level /= np.linalg.norm(level)
         at = P[k] - over * d[k]
         return at, at - P[k - 1] - self._shafts[k - 1].centre * d[k], [np.cross(d[k], level), level]
+
+    def _bracket(self, at: Any, mass: float, stiffness: Any, loss: float) -> Any:
+        """Add a mass on three springs, too heavy to turn; its axes stay those of the vehicle."""
+        body = self._body([0, 0, 1], at, [0, 0, 0], mass=mass, transverse=1e3, polar=1e3)
+        for axis, k in zip(np.eye(3), stiffness, strict=True):
+            self._spring(
+                [(self.ground, at), (body, [0, 0, 0])], axis, k, loss * k / (2 * self.speed)
+            )
+        return body
 
     def _body(
         self, axis: Any, at: Any, spin: Any, *, mass: float, transverse: float, polar: float

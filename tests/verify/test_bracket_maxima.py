@@ -80,6 +80,62 @@ def shaft():
     return problem(shape, held, "pull", 1.0, size=1.0), (1.0, 0.5, 2.0), ZZ, 1.0
 
 
+def bent():
+    """A bar under a linear pull on its ends, M y / I exactly: 1 at its top."""
+    occ, ngs = engine().occ, engine().ngs
+    shape = occ.Box((0, -0.5, 0), (0.5, 0.5, 3))
+    held = named(shape, lambda c: {"x0": c.x, "z0": c.z, "pull": c.z - 3})
+    for edge in shape.edges:
+        c = edge.center
+        if abs(c.z) < 1e-7 and abs(c.y - 0.5) < 1e-7:
+            edge.name = "top"
+    made = problem(shape, {"x0": held["x0"], "z0": "z"}, "pull", 2 * ngs.y, size=0.7,
+                   held_edges={"top": "y"})  # fmt: skip
+    return made, (0.25, 0.5, 1.5), ZZ, 1.0
+
+
+def sphere():
+    """Lame's thick sphere under pressure inside: hoop p (b3 + 2 a3) / (2 (b3 - a3))."""
+    occ = engine().occ
+    a, b = 1.0, 2.0
+    shape = (occ.Sphere((0, 0, 0), b) - occ.Sphere((0, 0, 0), a)) * occ.Box((0, 0, 0), (3, 3, 3))
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z})
+    for face in shape.faces:
+        c = face.center
+        if face.name == "free" and np.hypot(np.hypot(c.x, c.y), c.z) < 1.5:
+            face.name = "inner"
+    return problem(shape, held, "inner", -1.0, size=0.7), (a, 0.0, 0.0), YY, 10 / 14
+
+
+def ellipse():
+    """An elliptic hole, twice as wide across the pull as along it: 1 + 2 a / b; Inglis (1913).
+
+    Of an infinite plate; this is square and twelve times as wide as its hole, which adds 1.6 %:
+    5.079 on a mesh of cubic elements, a fiftieth of the hole at its tip.
+    """
+    occ = engine().occ
+    W = 12.0
+    plate = occ.MoveTo(0, 0).Rectangle(W, W).Face() - occ.WorkPlane().Ellipse(1.0, 0.5).Face()
+    shape = plate.Extrude(0.02 * occ.Z)
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z, "pull": c.y - W})
+    return problem(shape, held, "pull", 1.0, size=2.5), (1.0, 0.0, 0.0), YY, 5.079
+
+
+def pulled_both_ways():
+    """A hole in a sheet pulled alike both ways: 2 (1 + d2 / W2 ...); Kirsch, as Lame's ring."""
+    occ = engine().occ
+    a, b = 1.0, 8.0
+    disc = occ.WorkPlane().Circle(b).Face() - occ.WorkPlane().Circle(a).Face()
+    shape = (disc * occ.MoveTo(0, 0).Rectangle(9, 9).Face()).Extrude(0.05 * occ.Z)
+    held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z})
+    for face in shape.faces:
+        c = face.center
+        if face.name == "free" and np.hypot(c.x, c.y) > 3.5:
+            face.name = "rim"
+    want = 2 * b**2 / (b**2 - a**2)
+    return problem(shape, held, "rim", 1.0, size=2.0), (a, 0.0, 0.0), YY, want
+
+
 def named(shape, of, *, inner=0.0):
     """Name faces by which of some numbers is nil at their centre; return those of symmetry."""
     for face in shape.faces:
@@ -102,7 +158,15 @@ def problem(shape, held, loaded, pressure, *, size, held_edges=None):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("case", [le1, le10, hole, cylinder, cavity, shaft])
+# A sheet fifty times as thin as its hole: elements grow at once beyond the tip, and what they
+# miss there no neighbour disagrees on. 4.63 is found, and believed to 0.9 %.
+MISSED = pytest.mark.xfail(strict=True, reason="8 % off where 0.9 % is estimated")
+
+
+@pytest.mark.parametrize("case", [
+    le1, le10, hole, cylinder, cavity, shaft, bent, sphere, pulled_both_ways,
+    pytest.param(ellipse, marks=MISSED),
+])  # fmt: skip
 def test_the_default_way_finds_what_is_known(case):
     made, point, component, want = case()
     found = refined(made, cases=[np.ones((1, 1))], watch=[point])

@@ -10,6 +10,7 @@ torque the geometry moves, and is itself shaken twice a turn.
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from cardan.loads.rubber import Suspended, suspended
 from cardan.loads.running import running
 from cardan.model.layout import Layout
 from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
+from cardan.model.seat import seat
 
 pytestmark = [
     pytest.mark.oracle,
@@ -94,20 +96,25 @@ def rigid(shaft: Shaft) -> Rigid:
     )
 
 
-def engine(name: str, torque: float, speed: float, *, steps: int) -> Steady:
+def engine(name: str, torque: float, speed: float, *, steps: int, bracket: Any = None) -> Steady:
     of_line, where, _ = of(name)
     bearings = [s.centre_bearing for s in of_line.shafts if s.centre_bearing]
     return Swinging(
         where.points, where.directions, of_line.phases, [rigid(s) for s in of_line.shafts],
         [b.from_rear_joint for b in bearings],
         stiffness=LINES[name][2], loss=LOSS, torque=torque, speed=speed,
+        bracket=bracket,
     ).run(steps=steps)  # fmt: skip
 
 
-def odd(name: str, torque: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
+def odd(
+    name: str, torque: float, speed: float, bracket: Any = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the part odd in torque of the engine's order 2: forces, and speeds."""
     # The trapezoidal rule errs by (2 pi / steps)² / (6 loss) at resonance: 2e-4.
-    drive, coast = (engine(name, sign * torque, speed, steps=600) for sign in (1, -1))
+    drive, coast = (
+        engine(name, sign * torque, speed, steps=600, bracket=bracket) for sign in (1, -1)
+    )
     return (drive.force - coast.force) / 2, (drive.velocity - coast.velocity) / 2
 
 
@@ -134,6 +141,27 @@ def test_the_part_odd_in_torque(name, speed):
     fed = speed * np.imag(np.conj(found.coordinates) @ push)
     lost = np.real(force * np.conj(velocity)).sum() / 2
     assert fed == pytest.approx(lost, rel=2e-3)
+
+
+@pytest.mark.parametrize(("name", "speed"), [("one", 390.0), ("one", 1010.0), ("two", 428.0)])
+def test_a_bearing_in_a_bracket_that_gives(name, speed):
+    """A mass on springs, in series with the rubber: at the line's resonance and at its own."""
+    of_line, where, held = of(name)
+    torque, speed = 200.0, speed * rpm
+    mass, stiffness, loss = 15.0, np.array([3e6, 0.7e6, 1.1e6]), 0.06
+    force, _ = odd(name, torque, speed, (mass, stiffness, loss))
+    turned = turn(where.directions, phases=of_line.phases, samples=16)
+    couple = loads(where, turned, of_line, torque=torque).joint_moments.order(2)
+    give = seat(
+        np.diag(1 / stiffness), frequencies=np.sqrt(stiffness / mass),
+        motion=np.eye(3) / np.sqrt(mass), inertia=np.diag(mass / stiffness**2), loss=loss,
+    )  # fmt: skip
+    hung = held.mounted(0, give)
+    found = hung.moved(hung.pushed(couple), frequency=2 * speed, speed=speed)
+    apart = np.linalg.norm(force - found.bearing_forces, axis=-1)
+    assert (apart < 1e-3 * np.linalg.norm(force, axis=-1)).all()
+    rigid_ = held.moved(held.pushed(couple), frequency=2 * speed, speed=speed).bearing_forces
+    assert np.abs(rigid_ - found.bearing_forces)[0].max() > 0.1 * np.abs(found.bearing_forces).max()
 
 
 @pytest.mark.parametrize(

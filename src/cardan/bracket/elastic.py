@@ -32,6 +32,8 @@ _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK an
 
 _BALANCED = 1e-8
 """Equilibrium that is missed by less, as a share of the load: displacements are right to 1e-9."""
+_CLOSEST = 6
+"""Elements of those round a point that are searched closely."""
 _FLAT = 0.3
 """Smallest over largest Jacobian of an element that is trusted at a node."""
 
@@ -229,6 +231,13 @@ class Elastic:
         r.data = self.stiffness * u
         return np.array(r.FV().NumPy())
 
+    def inert(self, displacement: ArrayLike) -> FloatArray:
+        """Return the mass times a displacement vector, M u (unknowns,)."""
+        u, r = self.mass.CreateColVector(), self.mass.CreateColVector()
+        u.FV().NumPy()[:] = displacement
+        r.data = self.mass * u
+        return np.array(r.FV().NumPy())
+
     @cached_property
     def rigid(self) -> FloatArray:
         """Displacement vectors (6, unknowns) of unit motions and turns about the origin.
@@ -351,26 +360,40 @@ class Elastic:
         ngs = engine().ngs
         nodes, touching = self.nodes, self._touching
         close = np.argsort(np.sum((nodes.points - point) ** 2, axis=-1))[:6]
+        elements = list(dict.fromkeys(int(e) for n in close for e in touching(n)))
+        maps = [self.mesh.GetTrafo(ngs.ElementId(ngs.VOL, e)) for e in elements]
+        # Which it lies in, or nearly: a step that may leave the element tells, and costs little.
+        outside = [_beyond(self._stepped(t, point, np.full(3, 0.25), free=True)) for t in maps]
         best: Place | None = None
-        for e in dict.fromkeys(int(e) for n in close for e in touching(n)):
-            trafo = self.mesh.GetTrafo(ngs.ElementId(ngs.VOL, e))
-            xi: FloatArray = np.full(3, 0.25)
-            for _ in range(12):
-                here = trafo(*xi)
-                J = np.array([[here.jacobi[i, j] for j in range(3)] for i in range(3)])
-                gap = point - np.array([here.point[i] for i in range(3)])
-                new = _into_tetrahedron(xi + np.linalg.solve(J, gap), J)
-                done = np.abs(new - xi).max() < 1e-12
-                xi = new
-                if done:
-                    break
-            here = trafo(*xi)
+        for k in np.argsort(outside, kind="stable")[:_CLOSEST].tolist():
+            xi = self._stepped(maps[k], point, np.full(3, 0.25), free=False)
+            here = maps[k](*xi)
             found = np.array([here.point[i] for i in range(3)])
             away = float(np.linalg.norm(point - found))
             if best is None or away < best.distance:
-                best = Place(e, (float(xi[0]), float(xi[1]), float(xi[2])), found, away)
+                best = Place(elements[k], (float(xi[0]), float(xi[1]), float(xi[2])), found, away)
+            if outside[k] == 0:
+                break
         assert best is not None  # a mesh has elements
         return best
+
+    @staticmethod
+    def _stepped(trafo: Any, point: FloatArray, xi: FloatArray, *, free: bool) -> FloatArray:
+        """Return the reference coordinates of the point of an element nearest to another.
+
+        Or, where they are free to leave it, of the point itself as its shape goes on.
+        """
+        for _ in range(3 if free else 12):
+            here = trafo(*xi)
+            J = np.array([[here.jacobi[i, j] for j in range(3)] for i in range(3)])
+            gap = point - np.array([here.point[i] for i in range(3)])
+            step = xi + np.linalg.solve(J, gap)
+            new = np.clip(step, -1.0, 2.0) if free else _into_tetrahedron(step, J)
+            done = np.abs(new - xi).max() < 1e-12
+            xi = new
+            if done:
+                break
+        return xi
 
     @cached_property
     def _touching(self) -> Callable[[int], IntArray]:
@@ -466,6 +489,11 @@ class Rider:
     seat: FloatArray
     compliance: FloatArray
     mass: float
+
+
+def _beyond(xi: FloatArray) -> float:
+    """Return how far reference coordinates lie outside the tetrahedron, 0 inside."""
+    return max(-float(xi.min()), float(xi.sum()) - 1, 0.0)
 
 
 def _into_tetrahedron(xi: FloatArray, J: FloatArray) -> FloatArray:

@@ -139,6 +139,7 @@ def refined(
     watch: ArrayLike = (),
     finer: Sequence[tuple[ArrayLike, Metre]] = (),
     most: int = 400_000,
+    levels: int = LEVELS,
     tell: Progress = silent,
     seen: Callable[[Solution], None] | None = None,
 ) -> Refined:
@@ -156,6 +157,8 @@ def refined(
         Points with the edge wanted there from the start.
     most
         Unknowns; a mesh that would have more is not made.
+    levels
+        Meshes at most.
     seen
         Is shown the first solution.
     """
@@ -168,7 +171,7 @@ def refined(
     found: Solution | None = None
     off: FloatArray = np.zeros((0, 0))
     off_seen: FloatArray = off
-    for level in range(LEVELS):
+    for level in range(levels):
         tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
         made = mesh(
             problem.shape, size=problem.size, degree=problem.degree, finer=wanted,

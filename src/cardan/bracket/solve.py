@@ -4,7 +4,7 @@ The work is done in a process of its own (`cardan.bracket.apart`), after an esti
 it takes, and with smaller welds and fillets where the CAD kernel breaks on those drawn.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,17 +13,20 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.apart import Crashed, apart
-from cardan.bracket.elastic import Nodes, Progress
+from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import Problem, Refined, Solution, refined, solution
+from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, refined, solution
 from cardan.bracket.shape import Picked, Solid, solid
-from cardan.bracket.unit import Units, unit_loads
+from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
+from cardan.model.seat import Seat
 
 MODES = 6
+OWN = 3
+"""Modes by which a bracket swings beyond statics: orders of the shaft reach none of them."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -49,6 +52,27 @@ class Task:
     gauges: tuple[Gauge, ...] = ()
     carried_mass: float = 0.0
     rubber: Vector | None = None
+    levels: int = LEVELS
+    """Meshes at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swing:
+    """How a bracket swings in modes of its own, of unit modal mass, k of them.
+
+    Attributes
+    ----------
+    seat : Seat
+        What it gives under the bearing; made of unit forces and of these modes.
+    unit : (places, k, 6) Pa kg^-1/2
+    reactions : (bolts, k, 3) N kg^-1/2
+    influence : (gauges, k) kg^-1/2
+    """
+
+    seat: Seat
+    unit: FloatArray
+    reactions: FloatArray
+    influence: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,10 +88,12 @@ class Held:
     reactions : (bolts, 9, 3) N
         Force each bolt takes from the frame; where the whole plane is held, its share alone.
     frequencies, carried : Hz
-        Natural frequencies by itself, three where something rides on it, and six with what it
-        carries; two of each of the clamped flange.
+        Natural frequencies, six by itself and with what it carries; of the clamped flange
+        three and two.
     influence : (gauges, 9)
         Strain of each gauge.
+    swing : Swing
+        What comes on top where it is shaken.
     """
 
     hold: Hold
@@ -78,6 +104,7 @@ class Held:
     frequencies: FloatArray
     carried: FloatArray
     influence: FloatArray
+    swing: Swing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,6 +181,32 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
     raise DesignError(msg, about="bracket")
 
 
+def weighed_apart(shapes: Sequence[Shape], material: Material) -> FloatArray:
+    """Return what shapes weigh, (k,) kg, in a process of its own; nan where one cannot be built."""
+    try:
+        masses: list[float] = apart(
+            weigh, tuple(shapes), material.density, tell=silent, memory=MEMORY, seconds=60 * MINUTES
+        )
+    except Crashed:
+        if len(shapes) == 1:
+            return np.array([np.nan])
+        half = len(shapes) // 2
+        parts = [weighed_apart(shapes[:half], material), weighed_apart(shapes[half:], material)]
+        return np.concatenate(parts)
+    return np.array(masses)
+
+
+def weigh(shapes: tuple[Shape, ...], density: float, _: Progress) -> list[float]:
+    """Return what shapes weigh, kg; nan where one cannot be built."""
+    found: list[float] = []
+    for shape in shapes:
+        try:
+            found.append(solid(shape).volume * density)
+        except DesignError:
+            found.append(float("nan"))
+    return found
+
+
 def _ways(shape: Shape) -> Iterator[Shape]:
     """Yield the shape as it is drawn, then with smaller fillets."""
     yield shape
@@ -190,8 +243,9 @@ def solve(task: Task, tell: Progress) -> Solved:
 
     grids = [(gauge.point, max(gauge.length, body.thickness / 3)) for gauge in task.gauges]
     done = refined(
-        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen
-    )
+        problem, cases=task.cases, weights=task.weights, finer=grids, tell=tell, seen=seen,
+        levels=task.levels,
+    )  # fmt: skip
     tell("natural frequencies")
     sliding = _held("sliding", body, done.last, task, size)
     firm = body.held("clamped")
@@ -229,17 +283,40 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     """Return what is left of a solution."""
     units = _units(body, found, size)
     # The clamped flange's frequencies only say how far the first ones may be off.
-    count = MODES if hold == "sliding" else 2
-    rides = task.carried_mass > 0
-    alone, _ = units.modes(min(count, 3) if rides else count)
+    many = hold == "sliding"
+    alone, shapes = units.modes(MODES if many else OWN)
+    own = shapes[:OWN]
+    every = replace(units, displacements=np.concatenate([units.displacements, own]))
+    read = influence(every, task.gauges)
     carried = alone
-    if rides:
-        carried, _ = units.modes(count, mass=task.carried_mass, rubber=task.rubber)
+    if task.carried_mass > 0:
+        carried, _ = units.modes(MODES if many else 2, mass=task.carried_mass, rubber=task.rubber)
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
-        influence=influence(units, task.gauges),
+        influence=read[:, : len(UNITS)],
+        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :]),
     )  # fmt: skip
+
+
+def _swing(
+    units: Units,
+    found: Solution,
+    frequencies: FloatArray,
+    shapes: FloatArray,
+    read: FloatArray,
+) -> Swing:
+    """Return how a bracket swings in modes (k,) Hz, (k, unknowns), which gauges read (g, k)."""
+    body = found.elastic
+    inert = np.stack([
+        (2 * np.pi * f) ** 2 * body.inert(u) for f, u in zip(frequencies, shapes, strict=True)
+    ])  # fmt: skip
+    return Swing(
+        seat=units.seat(frequencies, shapes),
+        unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
+        reactions=units.borne(shapes, inert),
+        influence=read,
+    )
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:

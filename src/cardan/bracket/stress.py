@@ -68,7 +68,7 @@ def signed_von_mises(stress: ArrayLike) -> FloatArray:
 
 def superpose(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
     """Results (..., t, k) of load histories (t, u) from unit results (..., u, k)."""
-    return np.einsum("tu,...uk->...tk", np.asarray(loads, float), np.asarray(unit, float))
+    return np.asarray(loads, dtype=float) @ np.asarray(unit, dtype=float)
 
 
 _DIRECTIONS = 2000

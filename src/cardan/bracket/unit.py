@@ -17,6 +17,7 @@ from cardan.bracket.engine import engine
 from cardan.bracket.shape import SEAT, WALL, Solid
 from cardan.model.bracket import Hold
 from cardan.model.parts import Material
+from cardan.model.seat import Seat, seat
 
 UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")
 """Forces in N and moments in N m on the bearing, accelerations of the frame in m/s²."""
@@ -54,10 +55,14 @@ class Units:
         """
         return self.loads[:6] @ self.displacements[:6].T
 
-    @cached_property
+    @property
     def reactions(self) -> FloatArray:
         """Force each bolt takes from the frame, (bolts, 9, 3) N."""
-        left = np.stack([self.elastic.residual(u) for u in self.displacements]) - self.loads
+        return self.borne(self.displacements, self.loads)
+
+    def borne(self, displacements: FloatArray, loads: FloatArray) -> FloatArray:
+        """Return the force each bolt takes, (bolts, c, 3) N, where loads (c, unknowns) act."""
+        left = np.stack([self.elastic.residual(u) for u in displacements]) - loads
         rigid = self.elastic.rigid[:3]
         # A bolt's share is that of its ring and of its hole's wall.
         known = set(self.elastic.mesh.GetBoundaries())
@@ -76,6 +81,19 @@ class Units:
         From the means at the nodes, which are nearer the truth than any one element.
         """
         return self.elastic.between_nodes(self.elastic.locate(points), self.at_nodes[1])
+
+    def seat(self, frequencies: FloatArray, shapes: FloatArray) -> Seat:
+        """Return how the seat gives, by modes (k,) Hz, (k, unknowns) and what they leave.
+
+        Its parts are unit forces along x, y, z, then those modes.
+        """
+        forced = self.displacements[:3]
+        return seat(
+            self.compliance[:3, :3],
+            frequencies=2 * np.pi * frequencies,
+            motion=shapes @ self.loads[:3].T,
+            inertia=np.stack([self.elastic.inert(u) for u in forced]) @ forced.T,
+        )
 
     def modes(
         self, count: int = 6, *, mass: float = 0.0, rubber: ArrayLike | None = None

@@ -33,6 +33,9 @@ REINFORCED = "reinforced"
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
 @click.option("--png", type=OUT, help="A picture of the worst case.")
 @click.option("--html", type=OUT, help="A page to turn it about in.")
+@click.option(
+    "--optimise", is_flag=True, help="Search the lightest that lives as long as `optimise` asks."
+)
 @LIMITS
 @OUTSIDE
 @LANG
@@ -45,6 +48,7 @@ def bracket(
     vtu: Path | None,
     png: Path | None,
     html: Path | None,
+    optimise: bool,
     limits: str | None,
     allow_outside: bool,
     lang: str,
@@ -55,16 +59,34 @@ def bracket(
     Under the driveline's own loads in every state and those given by hand; a reinforced
     variant stands beside the original. Needs the extra cardan[bracket]. Exit code 0 where
     the original passes or warns, 1 where it fails a limit, 2 for a bad file.
+
+    With --optimise sizes are chosen instead: 0 where some live long enough, else 1.
     """
+    from cardan.base.errors import DesignError
     from cardan.report import bracket as shown
+    from cardan.report import bracket_search as chosen
     from cardan.report.language import Language
     from cardan.report.terminal import bare, summary
     from cardan.study.approval import approve
     from cardan.study.bracket import BracketAnswer
+    from cardan.study.bracket_search import search
     from cardan.study.finding import BRACKET
     from cardan.study.studies import BracketStudy
 
     say = Language(lang)
+    if optimise:
+        if vtu or png or html:
+            msg = "--optimise chooses sizes: it draws nothing; put them into the file and ask again"
+            raise DesignError(msg)
+        outputs = claim(file, limits, json_out=json_out)
+        application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
+        with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
+            searched = search(application, tell=lambda said: tell.study(said, 0, 0))
+        if json_out is not None:
+            write_json(chosen.contract(application, searched), json_out)
+        if json_out != "-":
+            put_lines(chosen.terminal(application, searched, say))
+        leave("pass" if searched.best else "fail")
     beside = _beside(vtu, REINFORCED) if vtu else None
     outputs = claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)

@@ -17,7 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.fatigue.kernel import Kernel, fastest
 
 
@@ -181,6 +181,28 @@ def rainflow(samples: ArrayLike, *, rule: ResidueRule = half_cycles) -> Cycles:
     """
     closed, residue = four_point(samples)
     return join([closed, rule(residue)])
+
+
+def turns(samples: ArrayLike, *, gate: float) -> IntArray:
+    """Numbers of the samples (n,) at which a signal turns by more than a share of its range.
+
+    With its first, last, highest and lowest. What lies between two turns goes one way, but for
+    what turns by less: a hysteresis filter.
+    """
+    x = np.asarray(samples, dtype=float)
+    step = gate * np.ptp(x)
+    here = np.flatnonzero(np.diff(np.sign(np.diff(x))) != 0) + 1
+    ends = np.array([0, len(x) - 1, x.argmax(), x.argmin()])
+    here = np.unique(np.concatenate([ends, here]))
+    kept, way = [0], 0
+    for k in here.tolist():
+        rise = x[k] - x[kept[-1]]
+        if way * rise > 0:
+            kept[-1] = k  # further the same way
+        elif abs(rise) > step:
+            way = 1 if rise > 0 else -1
+            kept.append(k)
+    return np.unique([0, *kept, len(x) - 1])
 
 
 @dataclass(frozen=True)

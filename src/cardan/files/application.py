@@ -512,7 +512,9 @@ class ApplicationTable(Table):
             duty=() if isinstance(self.duty, DutyCycle) else self._duty(self.duty),
             duty_cycle=self.duty if isinstance(self.duty, DutyCycle) else None,
             adjustables=tuple(self._adjustables(lines, list(tables.values()))),
-            bracket=self.bracket.bracket(lines) if self.bracket else None,
+            bracket=self.bracket.bracket(lines, tuple(s.name for s in states))
+            if self.bracket
+            else None,
             torsion=self._torsion(),
             clutch=self.clutch,
             dual_mass_flywheel=self.dual_mass_flywheel,

@@ -1,7 +1,10 @@
 """A bracket of a file: shape, what it carries, gauges on it, loads given by hand."""
 
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from math import prod
+from typing import Annotated, Any, TypeAlias, get_args
+
+import numpy as np
 
 from cardan.base.units import g, mm
 from cardan.border.measure import (
@@ -12,6 +15,7 @@ from cardan.border.measure import (
     Cycles,
     Diameter,
     Distance,
+    Hours,
     Mass,
     Point,
     Size,
@@ -33,10 +37,12 @@ from cardan.model.application import Installed
 from cardan.model.bracket import (
     Bracket,
     BracketCase,
+    BracketRecording,
     FatigueCurve,
     Gauge,
     LShape,
     Pick,
+    Search,
     Shape,
     StepShape,
     UShape,
@@ -61,6 +67,10 @@ Rubber: TypeAlias = Annotated[
     tuple[float, float, float], ListOf(Number(*STIFFNESSES, least=1, most=1e12), *AXES)
 ]
 Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most=1e-3)]
+FORCE_CHANNELS = ("x_N", "y_N", "z_N")
+MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
+_SHORTEST = 4
+_MOST = 400
 DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
@@ -206,14 +216,71 @@ class CaseTable(Table):
         "of the frame, felt by bracket and carried mass; standing still is [0, 0, 1] g",
         default=(0.0, 0.0, 0.0),
     )
+    state: str | None = key(
+        "the state whose driveline loads it comes on top of, where the bearing carries most",
+        default=None,
+    )
 
     def build(self) -> BracketCase:
         """Return the case in SI."""
         if not any((*self.force, *self.moment, *self.acceleration)):
             self.at().refuse("loads nothing", "give force_N, moment_Nm or acceleration_g")
         return BracketCase(
-            name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration
-        )
+            name=self.name, force=self.force, moment=self.moment, acceleration=self.acceleration,
+            state=self.state or "",
+        )  # fmt: skip
+
+
+class RecordingTable(Table):
+    """What was measured: forces on the bearing, or strains of the bracket's gauges."""
+
+    name: str = key("what reports call it")
+    file: str = key(
+        "a recording beside this file: channels x_N, y_N, z_N, as `cardan life --load-history` "
+        "writes them, or one named after each gauge"
+    )
+
+    def recording(self, gauges: tuple[Gauge, ...]) -> BracketRecording:
+        """Return the recording in SI."""
+        from cardan.files.recordings import open_recording
+
+        path = self.at("file").beside(self.file)
+        if not path.is_file():
+            self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
+        found = open_recording(path)
+        names = [c.name for c in found.channels]
+        forces = [n for n in FORCE_CHANNELS if n in names]
+        wanted = FORCE_CHANNELS if forces else tuple(g.name for g in gauges)
+        missing = [n for n in wanted if n not in names]
+        if missing or not wanted:
+            self.at("file").refuse(
+                f"has no channel {', '.join(missing) or 'of a force'}; it has {', '.join(names)}",
+                "forces are x_N, y_N, z_N; strains are named after the bracket's gauges",
+                got=self.file,
+            )  # fmt: skip
+        values = found.whole(wanted).T
+        if len(values) < _SHORTEST:
+            self.at("file").refuse("holds fewer than 4 samples", got=self.file)
+        holes = int((~np.isfinite(values)).any(axis=1).sum())
+        if holes:
+            self.at("file").refuse(
+                f"has {holes} samples that are no numbers", "mend it first: cardan life",
+                got=self.file,
+            )  # fmt: skip
+        if forces:
+            return BracketRecording(name=self.name, rate=found.rate, force=values)
+        for name in wanted:
+            unit = found.channel(name).unit
+            if unit not in ("", *MICROSTRAIN):
+                self.at("file").refuse(
+                    f"channel {name} is in {unit}; strains are in um/m", got=self.file
+                )
+        return BracketRecording(name=self.name, rate=found.rate, strain=values * 1e-6)
+
+
+Recordings: TypeAlias = Annotated[
+    tuple[RecordingTable, ...], ListOf(TableRule(RecordingTable), most=20)
+]
 
 
 class FatigueTable(Table):
@@ -264,6 +331,41 @@ class FatigueTable(Table):
         return {zone: curve for zone, curve in given.items() if curve is not None}
 
 
+SIZE, WALL, DISTANCE = (get_args(kind)[1] for kind in (Size, Wall, Distance))
+Walls: TypeAlias = Annotated[tuple[float, ...], ListOf(WALL, least=1, most=20)]
+Sizes: TypeAlias = Annotated[tuple[float, ...], ListOf(SIZE, least=1, most=20)]
+Distances: TypeAlias = Annotated[tuple[float, ...], ListOf(DISTANCE, least=1, most=20)]
+
+
+class OptimiseTable(Table):
+    """Sizes that `cardan bracket --optimise` may choose from, for the lightest that lives."""
+
+    life: Hours = key("to live at least, over the duty cycle")
+    thickness: Walls | None = key("of sheet, or of plate and wall", default=None)
+    width: Sizes | None = key("of the sheet or plate", default=None)
+    flange: Sizes | None = key("of a U", default=None)
+    bend_radius: Sizes | None = key("of a U", default=None)
+    gusset: Distances | None = key("thickness of the ribs or braces; 0 is none", default=None)
+    gusset_height: Distances | None = key("how far they reach down", default=None)
+    wall_width: Sizes | None = key("of an L's wall", default=None)
+    depth: Sizes | None = key("of an L's plate", default=None)
+    rim: Sizes | None = key("of an L below the bore", default=None)
+    fillet: Sizes | None = key("of a U's welds or an L's root", default=None)
+
+    def search(self, shape: Shape) -> Search:
+        """Return what may be chosen of a shape, in SI."""
+        sizes = {n: tuple(v) for n, v in _given(self).items() if v is not None and n != "life"}
+        if not sizes:
+            self.at().refuse("gives nothing to choose from", "thickness_mm: [4, 5, 6, 8]")
+        for name in sizes:
+            if isinstance(shape, StepShape) or not hasattr(shape, name):
+                self.at(name).refuse(f"the shape above has no {name} that can be chosen")
+        count = prod(len(v) for v in sizes.values())
+        if count > _MOST:
+            self.at().refuse(f"makes {count} sets of sizes, more than {_MOST}", "give fewer")
+        return Search(life=self.life, sizes=sizes)
+
+
 class BracketTable(Table):
     """The bracket a centre bearing hangs in. Its origin is the bearing's centre."""
 
@@ -286,15 +388,25 @@ class BracketTable(Table):
     cases: Annotated[tuple[BracketCase, ...], ListOf(TableRule(CaseTable), most=100)] = key(
         "loads given by hand", default=()
     )
+    recordings: Annotated[
+        tuple[RecordingTable, ...], ListOf(TableRule(RecordingTable), most=20)
+    ] = key("what was measured on it", default=())
     fatigue: FatigueTable | None = key("S-N curves, for damage and life", default=None)
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
+    optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
 
-    def bracket(self, lines: tuple[Installed, ...]) -> Bracket:
+    def bracket(self, lines: tuple[Installed, ...], states: tuple[str, ...]) -> Bracket:
         """Return the bracket in SI."""
         for what, parts in (("gauges", self.gauges), ("cases", self.cases)):
             self.differ(what, [part.name for part in parts])
+        taken = [part.name for part in (*self.cases, *self.recordings)]
+        self.differ("recordings", taken if self.recordings else [])
+        for k, case in enumerate(self.cases, 1):
+            if case.state and case.state not in states:
+                hint = nearest(case.state, list(states))
+                self.at("cases", k).refuse("no state of this name", hint, got=case.state)
         known = {installed.line.name: installed.line for installed in lines}
         line = self.line or next(iter(known))
         if line not in known:
@@ -315,10 +427,12 @@ class BracketTable(Table):
                 rubber=self.rubber,
                 gauges=self.gauges,
                 cases=self.cases,
+                recordings=tuple(r.recording(self.gauges) for r in self.recordings),
                 reinforced=self.reinforced.shape(shape) if self.reinforced else None,
                 element=self.element,
                 order=self.order,
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
                 details=self.fatigue.details() if self.fatigue else {},
+                search=self.optimise.search(shape) if self.optimise else None,
             )
         )

@@ -25,7 +25,7 @@ engines.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -36,6 +36,7 @@ from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
 from cardan.kinematics.chain import Turn, cross
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
+from cardan.model.seat import Seat
 
 LOSS = 0.1
 """Loss factor of rubber that nobody gives, assumed: mounts have 0.08 to 0.2."""
@@ -87,6 +88,8 @@ class Modes:
         Share of critical damping that the rubber's loss makes.
     bending : (..., m) 1
         Share of the energy that bends tubes; the rest is in the rubber.
+    bracket : (..., m) 1
+        Share of the energy that bends brackets.
     upright : (..., m) 1
         Share of the rubber's energy that is vertical.
     travel : (..., m, n-2) 1
@@ -96,22 +99,24 @@ class Modes:
     frequency: FloatArray
     damping: FloatArray
     bending: FloatArray
+    bracket: FloatArray
     upright: FloatArray
     travel: FloatArray
 
     def names(self, *case: int) -> list[str]:
-        """Return what each mode of a case is called: bounce, lateral, pitch, yaw or bending.
+        """Return what each mode of a case is called: bounce, lateral, pitch, yaw, bending, bracket.
 
         Bounce and pitch are upright, lateral and yaw level: the bearings together, or against
         each other.
         """
-        of = (self.bending[case], self.upright[case], self.travel[case])
+        of = (self.bending[case], self.bracket[case], self.upright[case], self.travel[case])
         return [
-            "bending" if bent > 0.5 else (
+            "bracket" if given > max(bent, 1 - bent - given)
+            else "bending" if bent > (1 - given) / 2 else (
                 ("bounce" if up > 0.5 else "lateral") if (going > -0.1).all() or (going < 0.1).all()
                 else ("pitch" if up > 0.5 else "yaw")
             )
-            for bent, up, going in zip(*of, strict=True)
+            for bent, given, up, going in zip(*of, strict=True)
         ]  # fmt: skip
 
 
@@ -136,6 +141,9 @@ class Suspended:
         Change of direction of the ends of each shaft.
     along : (..., n-1, 3)
         Directions of the shafts.
+    brackets, brackets_lost : (..., N, N)
+        N/m of the brackets that bearings hang in (`mounted`), and what they lose; None where
+        they are rigid.
     """
 
     mass: FloatArray
@@ -151,6 +159,8 @@ class Suspended:
     front_tilt: FloatArray
     rear_tilt: FloatArray
     along: FloatArray
+    brackets: FloatArray | None = None
+    brackets_lost: FloatArray | None = None
 
     def pushed(self, moments: ComplexArray) -> ComplexArray:
         """Return what crosses' moments (..., n, 3) N m do on the coordinates, (..., N) N."""
@@ -312,7 +322,10 @@ class Suspended:
         """Stiffness of tubes and rubber, and what the rubber loses, (..., N, N) N/m."""
         rows, springs, loss = self._rows, self._springs, np.repeat(self.loss, 3, axis=-1)
         lost = (rows.mT * (springs * loss)[..., None, :]) @ rows
-        return self.bending + (rows.mT * springs[..., None, :]) @ rows, lost
+        still = self.bending + (rows.mT * springs[..., None, :]) @ rows
+        if self.brackets is None or self.brackets_lost is None:
+            return still, lost
+        return still + self.brackets, lost + self.brackets_lost
 
     @cached_property
     def _share(self) -> FloatArray:
@@ -332,11 +345,52 @@ class Suspended:
         _, shapes = self._shapes()
         shapes = shapes[..., :count]
         both = ("mass", "bending", "gyroscopic", "torsion")
+        both += ("brackets", "brackets_lost") if self.brackets is not None else ()
         right = ("bearing", "front", "rear", "front_tilt", "rear_tilt")
         return replace(
             self,
             **{name: shapes.mT @ getattr(self, name) @ shapes for name in both},
             **{name: getattr(self, name) @ shapes[..., None, :, :] for name in right},
+        )
+
+    def of_case(self, *case: int) -> "Suspended":
+        """Return the line of one case of the leading axes."""
+        each: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
+        return replace(self, **{name: v[case] for name, v in each.items() if v is not None})
+
+    def mounted(self, bearing: int, seat: Seat) -> "Suspended":
+        """Return the line with a bearing, from 0, in a bracket that gives, N more by its modes.
+
+        Rubber feels how far the bearing moves against its seat: bracket and rubber are in
+        series. What the bearing hands to its bracket is still `Motion.bearing_forces`.
+        """
+        more = len(seat.frequencies)
+        ω2 = np.diag(seat.frequencies**2)
+
+        def beside(values: FloatArray, own: ArrayLike = 0.0) -> FloatArray:
+            """Return a matrix (..., N, N) with the modes' own in its corner."""
+            N = values.shape[-1]
+            wide = np.zeros((*values.shape[:-2], N + more, N + more))
+            wide[..., :N, :N], wide[..., N:, N:] = values, own
+            return wide
+
+        def unmoved(values: FloatArray) -> FloatArray:
+            return np.concatenate([values, np.zeros((*values.shape[:-1], more))], axis=-1)
+
+        none = np.zeros_like(self.bending)
+        rows = unmoved(self.bearing)
+        rows[..., bearing, :, -more:] -= self.frame[..., bearing, :, :] @ seat.motion.T
+        given = (none if v is None else v for v in (self.brackets, self.brackets_lost))
+        return replace(
+            self,
+            mass=beside(self.mass, np.eye(more)),
+            bending=beside(self.bending),
+            gyroscopic=beside(self.gyroscopic),
+            torsion=beside(self.torsion),
+            bearing=rows,
+            brackets=beside(next(given), ω2),
+            brackets_lost=beside(next(given), seat.loss * ω2),
+            **{n: unmoved(getattr(self, n)) for n in ("front", "rear", "front_tilt", "rear_tilt")},
         )
 
     def frequencies(self, *, torque: ArrayLike = 0.0) -> FloatArray:
@@ -367,7 +421,12 @@ class Suspended:
         rubber = energy.sum((-2, -1))
         bent = (shapes * (self.bending @ shapes)).sum(-2)
         lost = (energy.sum(-1) * self.loss[..., None, :]).sum(-1)
-        whole = np.where(rubber + bent > 0, rubber + bent, 1.0)
+        given = np.zeros_like(bent)
+        if self.brackets is not None and self.brackets_lost is not None:
+            given = (shapes * (self.brackets @ shapes)).sum(-2)
+            lost = lost + (shapes * (self.brackets_lost @ shapes)).sum(-2)
+        whole = rubber + bent + given
+        whole = np.where(whole > 0, whole, 1.0)
         across = moves.reshape(*moves.shape[:-1], -1, 3)
         upright = energy[..., 0].sum(-1) / np.where(rubber > 0, rubber, 1.0)
         travel = np.where((upright >= 0.5)[..., None], across[..., 0], across[..., 1])
@@ -376,6 +435,7 @@ class Suspended:
             frequency=np.sqrt(np.maximum(squares, 0.0)),
             damping=lost / (2 * whole),
             bending=bent / whole,
+            bracket=given / whole,
             upright=upright,
             travel=travel / np.where(size > 0, size, 1.0),
         )

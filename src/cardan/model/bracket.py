@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
@@ -234,6 +235,27 @@ class BracketCase:
     force: Vector = (0.0, 0.0, 0.0)
     moment: Vector = (0.0, 0.0, 0.0)
     acceleration: Vector = (0.0, 0.0, 0.0)
+    state: str = ""
+    """The state whose driveline loads it comes on top of; none where it comes alone."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BracketRecording:
+    """What was measured on a bracket: the force on its bearing, or what its gauges read.
+
+    Attributes
+    ----------
+    rate : Hz
+    force : (t, 3) N
+        Along the vehicle's axes; None where it follows from the gauges.
+    strain : (t, g)
+        Of the bracket's gauges; None where the force is known.
+    """
+
+    name: str
+    rate: float
+    force: FloatArray | None = None
+    strain: FloatArray | None = None
 
 
 Mean: TypeAlias = Literal["goodman", "ratio", "none"]
@@ -265,6 +287,17 @@ class FatigueCurve:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """Sizes to choose from, and the life in s over the duty cycle that is wanted.
+
+    `sizes` are those of the shape by name, each a list in m.
+    """
+
+    life: float
+    sizes: Mapping[str, tuple[Metre, ...]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Bracket:
     """A bracket to be judged: shape, material, what it carries, what is asked of it.
 
@@ -281,6 +314,7 @@ class Bracket:
     rubber: Vector | None = None
     gauges: tuple[Gauge, ...] = ()
     cases: tuple[BracketCase, ...] = ()
+    recordings: tuple[BracketRecording, ...] = ()
     reinforced: Shape | None = None
     element: Metre | None = None
     """Largest edge of an element; by default the shape's thickness."""
@@ -290,6 +324,8 @@ class Bracket:
     """What its sheet bears; without one no damage is counted."""
     details: Mapping[Zone, FatigueCurve] = field(default_factory=dict[Zone, FatigueCurve])
     """What its cut edges, weld toes and bolt borders bear, where the file says it."""
+    search: Search | None = None
+    """What `--optimise` may choose."""
 
     def __post_init__(self) -> None:
         if not self.carried_mass >= 0:

@@ -32,6 +32,10 @@ CLOSER = 0.25
 _Row: TypeAlias = tuple[IntArray, FloatArray]
 """Which curves points (P, ..., S) are on, and their speeds."""
 
+FIRM = 1e14
+"""N/m, of a bearing without rubber in a bracket that gives: a millionth of what brackets give,
+and rounding is as small."""
+
 CRESTS = 3
 """How many crests are sought more closely: the next may prove the higher one."""
 
@@ -163,20 +167,24 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
     that nobody gives is `assumed` (...).
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    if any(s.tube is None for s in r.line.shafts) or all(b.stiffness is None for b in bearings):
+    unknown = not r.seats and all(b.stiffness is None for b in bearings)
+    if any(s.tube is None for s in r.line.shafts) or unknown:
         return None
     stiffness = [
         [
-            *(b.stiffness or (np.inf, np.inf)),
+            *(b.stiffness or ((FIRM, FIRM) if k in r.seats else (np.inf, np.inf))),
             0.0 if b.axial_stiffness is None else b.axial_stiffness,
         ]
-        for b in bearings
+        for k, b in enumerate(bearings)
     ]
     loss = [assumed if b.loss_factor is None else b.loss_factor for b in bearings]
     columns = np.broadcast_arrays(*(np.asarray(v, dtype=float) for row in stiffness for v in row))
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)
     eta = np.stack(np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in loss)), axis=-1)
-    return suspended(r.layout, r.line, stiffness=k, loss=eta)
+    found = suspended(r.layout, r.line, stiffness=k, loss=eta)
+    for bearing, seat in r.seats.items():
+        found = found.mounted(bearing, seat)
+    return found
 
 
 def otherwise(r: "Response", assumed: FloatArray) -> Running:

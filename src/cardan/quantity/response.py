@@ -4,7 +4,7 @@ One code path serves one design and a million: the states of an application stan
 last leading axis, variants of a study on axes before it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -41,6 +41,7 @@ from cardan.model.application import (
 from cardan.model.laminate import CompositeTube
 from cardan.model.layout import Layout
 from cardan.model.parts import JointKind, JointSize, Line, Tube
+from cardan.model.seat import Seat
 from cardan.quantity import points
 from cardan.quantity.points import Points, Spread
 from cardan.shaft import beams, composite, life, strength, whirl
@@ -66,6 +67,8 @@ class Response:
     phases: FloatArray
     lay: Callable[[Demand], Layout] = field(default=_as_it_is, repr=False, compare=False)
     """Where the line runs at other torques: with its bearings and axle moved like here."""
+    seats: Mapping[int, Seat] = field(default_factory=dict[int, Seat], repr=False, compare=False)
+    """Brackets that give, by the bearing, from 0, that hangs in them; others are rigid."""
 
     @property
     def line(self) -> Line:

@@ -15,12 +15,14 @@ from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
+from cardan.loads.cycle import major_axis
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_forced import Forced, Swept
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
@@ -58,6 +60,7 @@ def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
         yield f"{label:<{LABEL}}{_columns([say.number(v) for v in values])}"
     for v in of.variants:
         yield from _crossings(v, say)
+        yield from response(v, say)
         yield from remarks(v, say)
     for v in of.variants:
         yield from _features(v, say)
@@ -122,6 +125,43 @@ def _crossings(v: Judged, say: Language) -> Iterator[str]:
             name=say(v.name), order=c.order, mode=c.mode,
             frequency=say.number(c.frequency), speed=say.number(c.speed / rpm),
         )  # fmt: skip
+
+
+def response(v: Judged, say: Language = EN) -> Iterator[str]:
+    """Yield how the line swings on rubber and bracket, and where that stresses most."""
+    if v.forced is None:
+        yield say(
+            "{name}: loads are quasi-static. The response over speed needs the rubber of the "
+            "bearing (rubber_N_mm of the bracket, or the bearing's stiffness) and a tube of each "
+            "shaft.", name=say(v.name),
+        )  # fmt: skip
+        return
+    of = v.forced.swept
+    low = [
+        f"{say(name)} {say.number(float(f))} Hz"
+        for name, f in zip(of.names, of.frequencies, strict=True)
+    ]
+    told = low[: 1 + next((k for k, n in enumerate(of.names) if n == "bracket"), len(low))]
+    yield say(
+        "{name}: on rubber and bracket the line swings at {list}.",
+        name=say(v.name), list=say.list(*told),
+    )  # fmt: skip
+    c, q, k = v.forced.worst
+    yield say(
+        "{name}: order 2 and up stress {part} by ± {stress} MPa at {speed} rpm, {state}, {gear}; "
+        "in a rigid bracket by at most {rigid}.",
+        name=say(v.name), part=say.part(v.features[k].part),
+        stress=say.number(float(v.forced.stress[c, q, k]) / MPa),
+        speed=say.short(round(float(of.speed[q]) / rpm)), state=say.state(of.state),
+        gear=curve(of, c, say), rigid=say.number(float(np.nanmax(v.forced.rigid[..., k])) / MPa),
+    )  # fmt: skip
+
+
+def curve(of: Swept, c: int, say: Language) -> str:
+    """Return the name of a curve of torque over speed."""
+    names = {"reverse": say("reverse"), "brake": say("braking")}
+    gear = say("gear {gear}", gear=of.gears[c]) if of.gears[c] else say("drive")
+    return names.get(of.directions[c]) or gear
 
 
 def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
@@ -425,8 +465,36 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
             }
             for gauge, row in zip(of.bracket.gauges, v.influence, strict=True)
         ],
+        "response": None if v.forced is None else _response(v.forced),
         "cases": [_case(of, o) for o in v.outcomes],
         "duty": [_life(of, e) for e in v.duty],
+    }
+
+
+def _response(of: Forced) -> dict[str, Any]:
+    def known(values: FloatArray) -> list[float | None]:
+        return [None if np.isnan(x) else x for x in values.tolist()]
+
+    swept = of.swept
+    return {
+        "state": swept.state,
+        "modes": [
+            {"name": name, "frequency_Hz": f, "damping_ratio": d}
+            for name, f, d in zip(swept.names, swept.frequencies, swept.damping, strict=True)
+        ],
+        "speed_rpm": (swept.speed / rpm).tolist(),
+        "curves": [
+            {
+                "gear": swept.gears[c],
+                "direction": swept.directions[c],
+                "torque_Nm": known(swept.torque[c]),
+                "force_N": known(major_axis(swept.waves[c]).sum(-1)),
+                "force_rigid_N": known(major_axis(swept.rigid[c]).sum(-1)),
+                "stress_MPa": [known(x / MPa) for x in of.stress[c].T],
+                "stress_rigid_MPa": [known(x / MPa) for x in of.rigid[c].T],
+            }
+            for c in range(len(swept.gears))
+        ],
     }
 
 

@@ -1,12 +1,14 @@
 """The bracket's chapter of a report: cases, hot spots, gauges, frequencies, life, a picture."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
 
 from cardan.base.units import MPa, N, mm, rpm
 from cardan.model.bracket import Zone
+from cardan.model.seat import LOSS
 from cardan.report import svg
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.bracket import (
@@ -14,12 +16,14 @@ from cardan.report.bracket import (
     MICRO,
     SHOWN,
     better,
+    curve,
     highest,
     hours,
     hours_of,
     lives,
     picture,
     remarks,
+    response,
     span,
     telling_cases,
     used,
@@ -30,9 +34,15 @@ from cardan.report.chart import Chart, Level, Series, bars, plot
 from cardan.report.language import Language
 from cardan.report.svg import INK, Figure
 from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_forced import Forced
 from cardan.study.bracket_judge import ORDERS, Judged
 from cardan.study.bracket_life import strengths
 from cardan.study.finding import Finding
+
+_APART = 0.05
+"""Share of a diagram's height that names of lines need."""
+_SHOWN = 0.03
+"""Share of the largest stress below which a chart over speed ends."""
 
 
 def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
@@ -50,7 +60,10 @@ def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
     if len(of.variants) > 1:
         yield Text(paragraphs=(better(*of.variants[:2], say),))
     yield Text(
-        paragraphs=(*_crossings(of, say), *(r for v in of.variants for r in remarks(v, say)))
+        paragraphs=(
+            *_crossings(of, say),
+            *(r for v in of.variants for r in (*response(v, say), *remarks(v, say))),
+        )
     )
     for v in of.variants:
         yield _features(v, say)
@@ -74,13 +87,14 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
         )
         for k, axis in enumerate("xyz")
     ]
-    rows += [
-        (
-            say("frequency {mode}, loaded, Hz", mode=k + 1),
-            [float(v.carried[k]) for v in of.variants],
-        )
-        for k in range(len(of.variants[0].carried))
-    ]
+    if all(v.forced is None for v in of.variants):  # else the diagram has those of the line
+        rows += [
+            (
+                say("frequency {mode}, loaded, Hz", mode=k + 1),
+                [float(v.carried[k]) for v in of.variants],
+            )
+            for k in range(len(of.variants[0].carried))
+        ]
     rows += [
         (say("first frequency by itself, Hz"), [float(v.frequencies[0]) for v in of.variants]),
         (
@@ -215,11 +229,50 @@ def _damage(v: Judged, say: Language) -> Table:
 
 
 def figures(of: BracketAnswer, say: Language) -> Iterator[Figure]:
-    """Yield Campbell's diagram, the highest stress case by case, and Haigh's of the installed."""
+    """Yield the response over speed, Campbell's diagram, stress case by case, and Haigh's."""
+    for v in of.variants:
+        if v.forced is not None:
+            yield _over_speed(v, v.forced, say)
     yield _campbell(of, say)
     yield _cases(of, say)
     if strengths(of.bracket):
         yield _haigh(of, say)
+
+
+def _over_speed(v: Judged, forced: Forced, say: Language) -> Figure:
+    """Return the stress that shaking makes at the worst feature, over speed, gear by gear."""
+    of = forced.swept
+    worst, at, k = forced.worst
+    shakes = np.nan_to_num(forced.stress[..., k]).max(axis=0) > _SHOWN * forced.stress[worst, at, k]
+    top = 1.1 * float(of.speed[shakes].max())
+    drawn = of.speed <= top
+    series = [
+        Series(name=name, x=of.speed[drawn] / rpm, y=values[drawn] / MPa)
+        for name, values in (
+            *((curve(of, c, say), forced.stress[c, :, k]) for c in range(len(of.gears))),
+            (say("{curve}, rigid bracket", curve=curve(of, worst, say)), forced.rigid[worst, :, k]),
+        )
+        if np.isfinite(values[drawn]).sum() > 1
+    ]
+    series = [
+        replace(s, x=s.x[np.isfinite(s.y)], y=s.y[np.isfinite(s.y)]) for s in series
+    ]  # fmt: skip
+    part = say.part(v.features[k].part)
+    title = say("Stress amplitude over speed at {part}: {name}", part=part, name=say(v.name))
+    return plot(
+        say,
+        title=title,
+        alt=f"{title}. " + " ".join(response(v, say)),
+        series=series,
+        x_label=say("shaft speed [rpm]"),
+        y_label=say("stress amplitude [MPa]"),
+        x=(0.0, 1.03 * top / rpm),
+        zero=True,
+        note=say(
+            "{state}, at full load: orders 2 and up of the joints, through the line on its rubber "
+            "and the bracket's own modes.", state=say.state(of.state),
+        ),
+    )  # fmt: skip
 
 
 def _campbell(of: BracketAnswer, say: Language) -> Figure:
@@ -234,17 +287,29 @@ def _campbell(of: BracketAnswer, say: Language) -> Figure:
     for k, order in enumerate(ORDERS):
         x = np.array([0.0, top])
         frame.series(Series(name=say("order {order}", order=order), x=x, y=order * x / 60), k)
-    for k, frequency in enumerate(v.carried.tolist(), 1):
-        if frequency > hertz:
-            continue
-        said = say("mode {mode}, {frequency} Hz", mode=k, frequency=say.pointed(f"{frequency:.1f}"))
-        frame.level(Level(value=frequency, name=said))
+    beside: list[str] = []
+    if v.forced is not None:
+        names = [say(name) for name in v.forced.swept.names]
+        own = list(zip(v.forced.swept.frequencies.tolist(), names, strict=True))
+    else:
+        own = [(f, say("mode {mode}", mode=k)) for k, f in enumerate(v.carried.tolist(), 1)]
+    own = [(f, name) for f, name in own if f <= hertz]
+    for k, (frequency, name) in enumerate(own):
+        # Of lines that lie close the topmost bears all their names.
+        beside.append(f"{name} {say.pointed(f'{frequency:.1f}')}")
+        last = k + 1 == len(own) or own[k + 1][0] - frequency > _APART * hertz
+        frame.level(Level(value=frequency, name=f"{say.list(*beside)} Hz" if last else ""))
+        beside = [] if last else beside
         for order in ORDERS:
             at = 60 * frequency / order
             if at < top:
                 frame.put(svg.circle(*frame.spot(at, frequency), 4, fill="none", stroke=INK))
-    title = say("Speeds against the bracket's frequencies, with what it carries")
-    modes = say.list(*(f"{say.number(float(f))} Hz" for f in v.carried))
+    title = (
+        say("Campbell's diagram of the line on rubber and bracket")
+        if v.forced is not None
+        else say("Speeds against the bracket's frequencies, with what it carries")
+    )
+    modes = say.list(*(f"{name} {say.number(f)} Hz" for f, name in own))
     return frame.figure(title=title, alt=f"{title}: {modes}")
 
 
@@ -325,7 +390,15 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
             ),
         )
         yield say("The throat of a weld, and its root, are not assessed.")
-    yield say("Loads are quasi-static: right below the natural frequencies.")
+    if of.variants[0].forced is not None:
+        yield say(
+            "At the worst points and over the duty cycle the line swings on its rubber and on this "
+            "bracket, which swings itself; the bracket loses {loss} of its energy in a radian, "
+            "assumed. States at their own torque and top speed, on rigid bearings, and loads by "
+            "hand are quasi-static.", loss=say.number(LOSS),
+        )  # fmt: skip
+    else:
+        yield say("Loads are quasi-static: right below the natural frequencies.")
     if any(lives(v) for v in of.variants):
         yield (
             say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")

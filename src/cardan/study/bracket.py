@@ -1,9 +1,9 @@
 """Judge a bracket: the driveline's own loads in it, stresses, gauges, modes, life, a variant.
 
 Everything follows from the unit solutions by adding them up, so a load case costs no solve.
-What the bearing hands to its bracket follows the line on its rubber where the stiffness of
-that is known. The bracket itself bears it quasi-statically: the load of an order is right
-below its natural frequencies, which stand beside it.
+What the bearing hands to its bracket follows the line on its rubber, in series with the
+bracket itself, where the masses of the line are known; and the bracket answers as it swings.
+Loads of a state on rigid bearings, and those by hand, it bears quasi-statically.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,14 +18,19 @@ from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.gauges import recover
+from cardan.bracket.refine import LEVELS
+from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
-from cardan.model.bracket import Bracket
+from cardan.model.bracket import Bracket, BracketCase, Shape
 from cardan.quantity.points import run
 from cardan.quantity.response import Response, respond
-from cardan.study.bracket_judge import Case, Judged, judge
+from cardan.study.bracket_forced import hung, on_rubber, swept
+from cardan.study.bracket_judge import Case, Judged, Mounted, judge
+from cardan.study.bracket_life import loads_of
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
@@ -74,24 +79,72 @@ def study(
 ) -> BracketAnswer:
     """Return what an application's bracket bears, and its reinforced variant beside it."""
     bracket = _bracket(application)
-    installed = next(i for i in application.lines if i.line.name == bracket.line)
-    response = respond(application, demand(resolve(application, installed)))
-    cases = (*cases_of(bracket, response), *extra)
-    speeds = response.demand.speed
-    top = float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
-    shapes = {"original": bracket.shape}
+    bench = Bench.of(application, extra=extra)
+    variants = [bench.judged(bracket.shape, name="original", tell=tell)]
     if bracket.reinforced is not None:
-        shapes["reinforced"] = bracket.reinforced
-    duty = duty_of(bracket, response)
+        # What gauges read, they read on the bracket that is installed.
+        bench = replace(bench, influence=variants[0].influence)
+        variants.append(bench.judged(bracket.reinforced, name="reinforced", tell=tell))
     return BracketAnswer(
         title=application.title,
         bracket=bracket,
-        top_speed=top,
-        variants=tuple(
-            judge(bracket, shape, cases, duty=duty, name=name, top_speed=top, tell=tell)
-            for name, shape in shapes.items()
-        ),
+        top_speed=bench.top_speed,
+        variants=tuple(variants),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """An application's line, ready to be hung in one shape of its bracket after the other.
+
+    `influence` (g, 9) is that of the gauges where recordings were made, known once the installed
+    shape is judged.
+    """
+
+    bracket: Bracket
+    response: Response
+    extra: tuple[Case, ...] = ()
+    influence: FloatArray | None = None
+
+    @classmethod
+    def of(cls, application: Application, *, extra: Sequence[Case] = ()) -> "Bench":
+        """Return the bench of an application."""
+        bracket = _bracket(application)
+        installed = next(i for i in application.lines if i.line.name == bracket.line)
+        response = respond(application, demand(resolve(application, installed)))
+        return cls(bracket=bracket, response=response, extra=tuple(extra))
+
+    @property
+    def top_speed(self) -> RadianPerSecond:
+        """The highest speed of all states; nan where nobody knows."""
+        speeds = self.response.demand.speed
+        return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+
+    def mounted(self, held: Held) -> Mounted:
+        """Return the loads of the line hung in a bracket that gives, and those measured on it."""
+        bracket, on = self.bracket, self.response
+        influence = held.influence if self.influence is None else self.influence
+        hangs = on_rubber(on, bracket)
+        if hangs:
+            on = hung(on, bracket, held.swing.seat)
+        return Mounted(
+            cases=(*cases_of(bracket, on), *recorded(bracket, influence), *self.extra),
+            duty=duty_of(bracket, on),
+            swept=swept(on, bracket.bearing - 1) if hangs else None,
+        )
+
+    def judged(
+        self, shape: Shape, *, name: str, levels: int = LEVELS, tell: Progress = hushed
+    ) -> Judged:
+        """Judge one shape, on as many meshes at most; the first is made for a rigid bracket."""
+        bracket, response = self.bracket, self.response
+        cases = (*cases_of(bracket, response), *recorded(bracket, None), *self.extra)
+        if not cases and bracket.recordings:  # of strains, which no mesh can be made for
+            cases = tuple(Case(UNITS[k], 1e3 * np.eye(3, len(UNITS))[[k]]) for k in range(3))
+        return judge(
+            bracket, shape, cases, duty=duty_of(bracket, response), mounted=self.mounted,
+            name=name, top_speed=self.top_speed, levels=levels, tell=tell,
+        )  # fmt: skip
 
 
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
@@ -175,29 +228,76 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     turn; the part of order 2 by itself; both together over the turn; and, where unbalance
     counts, with that on top. Then where the bearing carries most, on its rubber.
     """
-    for case in bracket.cases:
-        a = np.asarray(case.acceleration)
-        force = np.asarray(case.force) - bracket.carried_mass * a
-        yield Case(case.name, np.concatenate([force, case.moment, a])[None])
+    yield from (Case(c.name, _by_hand(bracket, c)[None]) for c in bracket.cases if not c.state)
     if response.line.joint_count < 3:
         return
-    forces, once = response.loads.bearing_forces, response.unbalance
-    speeds, gravity = response.demand.speed.tolist(), response.gravity
-    worst = response.worst.get("peak")
     for s, state in enumerate(response.demand.states):
-        at = s, bracket.bearing - 1
-        if np.isfinite(response.demand.torque[s]):
-            yield from _round_the_turn(
-                state, forces=Cycle(forces.waves[at]), gravity=gravity, speed=speeds[s],
-                once=float(once.bearing_forces[at]) if once else None,
-            )  # fmt: skip
-        point = worst.named(at) if worst else None
-        if worst and point:
-            *_, case = _round_the_turn(
-                state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
-                speed=point.speed, once=float(worst.running.order1[at]) if once else None,
-            )  # fmt: skip
-            yield replace(case, what="worst point", point=point)
+        worst: Case | None = None
+        for worst in _of_state(bracket, response, s):
+            yield worst
+        for c in bracket.cases:
+            if c.state == state:
+                if worst is None:
+                    msg = (
+                        f"case {c.name} of the bracket comes on top of {state}, whose torque "
+                        "nobody knows: give torque_Nm or an engine"
+                    )
+                    raise DesignError(msg, about="bracket.cases")
+                own = _by_hand(bracket, c, standing=response.gravity)
+                yield Case(c.name, worst.loads + own, point=worst.point)
+
+
+def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> FloatArray:
+    """Return the loads (9,) of a case given by hand.
+
+    What stands still feels `standing` m/s², which is not counted twice where loads that the
+    case comes on top of have it.
+    """
+    a = np.asarray(case.acceleration)
+    if any(case.acceleration):
+        a = a - np.array([0.0, 0.0, standing])
+    force = np.asarray(case.force) - bracket.carried_mass * a
+    return np.concatenate([force, case.moment, a])
+
+
+def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
+    """Yield the cases of one state, that of its worst point last."""
+    state, at = response.demand.states[s], (s, bracket.bearing - 1)
+    forces, once = response.loads.bearing_forces, response.unbalance
+    speed, gravity = float(response.demand.speed[s]), response.gravity
+    if np.isfinite(response.demand.torque[s]):
+        yield from _round_the_turn(
+            state, forces=Cycle(forces.waves[at]), gravity=gravity, speed=speed,
+            once=float(once.bearing_forces[at]) if once else None,
+        )  # fmt: skip
+    worst = response.worst.get("peak")
+    point = worst.named(at) if worst else None
+    if worst and point:
+        *_, case = _round_the_turn(
+            state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
+            speed=point.speed, once=float(worst.running.order1[at]) if once else None,
+        )  # fmt: skip
+        shakes = bool(response.seats)
+        yield replace(case, what="worst point", point=point, shakes=shakes)
+
+
+def recorded(bracket: Bracket, influence: FloatArray | None) -> Iterator[Case]:
+    """Yield a case of each recording; strains become forces by the gauges' influence (g, 9).
+
+    Without that, of each recording of forces.
+    """
+    for one in bracket.recordings:
+        force = one.force
+        if one.strain is not None:
+            if influence is None:
+                continue
+            force = recover(influence[:, :3], one.strain).loads
+        assert force is not None  # one of the two
+        # Forces are those on the bearing: the bracket swings on top of them. What gauges read
+        # has its swing in it.
+        yield Case(
+            one.name, loads_of(force), duration=len(force) / one.rate, shakes=one.strain is None
+        )
 
 
 def _round_the_turn(
@@ -252,7 +352,9 @@ def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[f
                 gravity=response.gravity, speed=point.speed,
             )  # fmt: skip
             if state.counts_as in RIDING:
-                found[Occasion("duty", state.name)].append((point.share, case))
+                found[Occasion("duty", state.name)].append(
+                    (point.share, replace(case, shakes=bool(response.seats)))
+                )
     return found
 
 

@@ -5,9 +5,11 @@ held in two ways that have the truth between them, sliding and clamped, and what
 a feature is the worse of the two.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,16 +19,22 @@ from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
 from cardan.bracket.elastic import IntArray, Progress
 from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
 from cardan.bracket.stress import extremes, some, superpose, von_mises
+from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
+from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bracket, Shape, Zone
+from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
 _FEW = 24
 """Moments of a history by which the places are told where a feature may be worst."""
+_LONG, _TURN = 2000, 0.01
+"""Moments beyond which a history is thinned, and the share of its range that turns must have."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 
@@ -49,6 +57,8 @@ class Case:
     what: str = ""
     point: Point | None = None
     """The operating point whose loads these are, where it is not the state's own."""
+    shakes: bool = False
+    """Whether the bracket answers as it swings: else it is loaded as if each moment lasted."""
 
     @property
     def when(self) -> Occasion:
@@ -59,6 +69,19 @@ class Case:
     def repeats(self) -> bool:
         """Whether it is a pass of something, and no load by itself."""
         return not (np.isnan(self.turns) and np.isnan(self.duration))
+
+
+Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
+"""The histories of a duty cycle with their shares, in each state that lasts."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mounted:
+    """What a line loads a bracket with that gives under it: cases, duty cycle, over speed."""
+
+    cases: tuple[Case, ...]
+    duty: Duty
+    swept: Swept | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +190,8 @@ class Judged:
         Of an hour of the duty cycle, in the state where it is largest; empty without one.
     duty : Endured
         A mean second of the application's duty cycle, in each state that lasts.
+    forced : Forced
+        The listed features over speed; None where nobody knows what hangs in it.
     """
 
     name: str
@@ -177,6 +202,7 @@ class Judged:
     outcomes: tuple[Outcome, ...]
     duty: tuple[Endured, ...] = ()
     damage: FloatArray
+    forced: Forced | None = None
 
     @property
     def mass(self) -> float:
@@ -224,17 +250,72 @@ class Judged:
 
 @dataclass(frozen=True)
 class _Way:
-    """One way of holding a bracket, its features numbered as those of both."""
+    """One way of holding a bracket, its features numbered as those of both.
+
+    Loads have the columns of `UNITS`, and beyond them those of the modes it swings in.
+    """
 
     held: Held
     points: FloatArray
     feature: IntArray
     count: int
 
+    @cached_property
+    def unit(self) -> FloatArray:
+        """Stress (places, c, 6) Pa of each column of its loads."""
+        return np.concatenate([self.held.unit, self.held.swing.unit], axis=1)
+
+    @cached_property
+    def influence(self) -> FloatArray:
+        """Strain (gauges, c) of each column of its loads."""
+        return np.concatenate([self.held.influence, self.held.swing.influence], axis=1)
+
+    @cached_property
+    def reactions(self) -> FloatArray:
+        """Force on each bolt (b, c, 3) N of each column of its loads."""
+        return np.concatenate([self.held.reactions, self.held.swing.reactions], axis=1)
+
+    @cached_property
+    def moves(self) -> FloatArray:
+        """Motion of the seat (c, 3) m of each column of its loads; forces and modes alone."""
+        own = self.held.swing.seat.motion[: self.held.swing.unit.shape[1]]
+        rest = np.zeros((len(UNITS) - 6, 3))
+        return np.concatenate([self.held.compliance[:, :3], rest, own])
+
+    def loads(self, case: Case) -> FloatArray:
+        """Return the loads of a case (t, c), with what the bracket swings on top of them."""
+        swings = self.held.swing.unit.shape[1]
+        found = np.pad(case.loads, ((0, 0), (0, swings)))
+        if not (case.shakes and np.isfinite(case.duration)):
+            return found if case.places > 1 else self._telling(found)
+        columns = [*range(3), *range(len(UNITS), len(UNITS) + swings)]
+        time = case.duration
+        for one in np.split(found, case.places):  # views: what is added stays
+            one[:, columns] += self.held.swing.seat.shaken(one[:, :3], time)
+        return found if case.places > 1 else self._telling(found)
+
+    def _telling(self, loads: FloatArray) -> FloatArray:
+        """Return the moments of a long history that any stress turns at, the others left out.
+
+        Loads count by what they stress. A stress is nearly one of a few sums of the three
+        ways in which they vary most, along an axis or between: kept is where any of these
+        turns by more than a hundredth of its range, which no cycle that does harm is below.
+        """
+        if len(loads) <= _LONG:
+            return loads
+        worth = np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
+        weighed = (loads - loads.mean(axis=0)) * worth
+        _, axes = np.linalg.eigh(weighed.T @ weighed)
+        three = weighed @ axes[:, -3:]
+        three = three / np.maximum(three.std(axis=0), 1e-300)
+        ways = [w for w in product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
+        kept = [turns(three @ np.array(way), gate=_TURN) for way in ways]
+        return loads[np.unique(np.concatenate(kept))]
+
     def places(self, loads: FloatArray) -> IntArray:
-        """Return the places (features, k) where a case may be worst, a feature's own repeated."""
+        """Return the places (features, k) where loads may be worst, a feature's own repeated."""
         few = some(loads, _FEW)
-        level = von_mises(superpose(self.held.unit, few)).max(axis=-1)
+        level = von_mises(superpose(self.unit, few)).max(axis=-1)
         order = np.lexsort((-level, self.feature))
         starts = np.searchsorted(self.feature[order], np.arange(self.count))
         ends = np.searchsorted(self.feature[order], np.arange(self.count), side="right")
@@ -267,7 +348,7 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
 def _swing(way: _Way, at: IntArray, loads: FloatArray, places: int) -> tuple[FloatArray, ...]:
     """Return mean and amplitude (m,) of the normal stress at places, where it swings most."""
     directions = plane_directions(way.held.zones.normals[at])
-    stress = on_planes(way.held.unit[at], directions)
+    stress = on_planes(way.unit[at], directions)
     best = np.zeros((2, len(at)))
     for one in np.split(loads, places):
         history = stress @ one.T
@@ -287,7 +368,7 @@ def _damage(
     for kind in np.unique(zones.kind[at]).tolist():
         mine = np.flatnonzero(zones.kind[at] == kind)
         done[mine], _ = plane_damage(
-            way.held.unit[at[mine]], zones.normals[at[mine]], passes,
+            way.unit[at[mine]], zones.normals[at[mine]], passes,
             harm=strength[ZONES[kind]].harm,
         )  # fmt: skip
     return done
@@ -301,14 +382,18 @@ def judge(
     shape: Shape,
     cases: Sequence[Case],
     *,
-    duty: Mapping[Occasion, Sequence[tuple[float, Case]]] | None = None,
+    duty: Duty | None = None,
+    mounted: Callable[[Held], Mounted] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
+    levels: int = LEVELS,
     tell: Progress = hushed,
 ) -> Judged:
     """Judge one shape of a bracket under load cases, and over a duty cycle's.
 
-    Damage is counted where the bracket states what it bears in fatigue.
+    Damage is counted where the bracket states what it bears in fatigue. `mounted` says what
+    the cases and the cycle become on a bracket that gives; those given are what the mesh is
+    made for, in as many `levels` at most.
 
     Raises
     ------
@@ -328,12 +413,18 @@ def judge(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
         cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
+        levels=levels,
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
     except DesignError as error:
         msg = f"{name} bracket: {error}"
         raise DesignError(msg, about=error.about) from None
+    swept: Swept | None = None
+    if mounted is not None:
+        told("the line on this bracket")
+        on = mounted(solved.sliding)
+        cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
     error = np.array([solved.error.get(key, 0.0) for key in known])
@@ -343,16 +434,20 @@ def judge(
         told("damage over the duty cycle, at every place of the surface")
     spent, damage, where = _duty(solved, ways, duty or {}, strength, modulus)
     order = _worst_first(known, outcomes, spent, _weights(strength))
-    points = _points(ways, cases, order, where)
+    spots = _spots(ways, cases, order, where)
     features = tuple(
-        Feature(zone=ZONES[known[f][0]], number=known[f][1], point=points[k], error=float(error[f]))
-        for k, f in enumerate(order)
-    )
+        Feature(
+            zone=ZONES[known[f][0]], number=known[f][1], point=_point(way.points[at]),
+            error=float(error[f]),
+        )
+        for f, (way, at) in zip(order.tolist(), spots, strict=True)
+    )  # fmt: skip
     return Judged(
         name=name,
         solved=solved,
         features=features,
         listed=_listed(features),
+        forced=None if swept is None else _forced(swept, spots[: _listed(features)]),
         crossings=tuple(crossings(solved.sliding.carried, top_speed)),
         outcomes=tuple(_sorted(o, order) for o in outcomes),
         duty=tuple(replace(e, spots=e.spots[order]) for e in spent),
@@ -378,22 +473,25 @@ def _outcome(
 ) -> Outcome:
     """Return what one case does, the worse of both ways of holding."""
     count = ways[0].count
+    if not np.isfinite(case.loads).all():
+        loads_of(case.loads)  # which says what is wrong
     hot, mean, amplitude = np.zeros((3, count))
     used, spent = np.full((2, count), np.nan)
     best: list[tuple[Found, Found, Found]] = []
     for way in ways:
-        places = way.places(case.loads)
+        loads = way.loads(case)
+        places = way.places(loads)
         flat = places.ravel()
-        unit = way.held.unit[flat]
-        found = extremes(unit, case.loads)
+        unit = way.unit[flat]
+        found = extremes(unit, loads)
         best.append(tuple(
             Found(e.value, _point(way.points[flat[e.point]]))
             for e in (found.von_mises, found.highest, found.lowest)
         ))  # type: ignore[arg-type]  # fmt: skip
-        level = von_mises(superpose(unit, case.loads)).max(axis=-1).reshape(places.shape)
+        level = von_mises(superpose(unit, loads)).max(axis=-1).reshape(places.shape)
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
-        m, a = _swing(way, top, case.loads, case.places)
+        m, a = _swing(way, top, loads, case.places)
         worse = level.max(axis=1) > hot
         hot, mean = np.where(worse, level.max(axis=1), hot), np.where(worse, m, mean)
         amplitude = np.where(worse, a, amplitude)
@@ -402,14 +500,15 @@ def _outcome(
             share = np.array([
                 float(strength[ZONES[k]].used(x, y)) for k, x, y in zip(kinds, a, m, strict=True)
             ])  # fmt: skip
-            passes = [Pass(np.stack(np.split(case.loads, case.places)))]
+            passes = [Pass(np.stack(np.split(loads, case.places)))]
             done = _damage(way, flat, passes, strength).reshape(places.shape).max(axis=1)
             used = np.fmax(used, share * way.has)
             spent = np.fmax(spent, done * way.has)
-    sliding = ways[0].held
-    strain = superpose(sliding.influence[..., None], case.loads)[..., 0]
-    bolts = superpose(sliding.reactions, case.loads)
-    motion = case.loads[:, :6] @ sliding.compliance[:, :3]
+    sliding = ways[0]
+    loads = sliding.loads(case)
+    strain = superpose(sliding.influence[..., None], loads)[..., 0]
+    bolts = superpose(sliding.reactions, loads)
+    motion = loads @ sliding.moves
     life = None
     if strength and case.repeats:
         gauges = _gauge_damage(case, sliding, modulus, strength["sheet"])
@@ -435,11 +534,11 @@ def _outcome(
     )
 
 
-def _gauge_damage(case: Case, held: Held, modulus: float, strength: Strength) -> FloatArray:
+def _gauge_damage(case: Case, way: _Way, modulus: float, strength: Strength) -> FloatArray:
     """Return the damage (g,) a pass does at the gauges, by the sheet's curve."""
-    passes = np.split(loads_of(case.loads), case.places)
+    passes = np.split(way.loads(case), case.places)
     return np.max([
-        gauge_damage(held.influence, one, modulus=modulus, strength=strength) for one in passes
+        gauge_damage(way.influence, one, modulus=modulus, strength=strength) for one in passes
     ], axis=0)  # fmt: skip
 
 
@@ -460,18 +559,17 @@ def _duty(
     if not strength:
         return spent, np.zeros(0), []
     for when, parts in duty.items():
-        passes = _passes(parts)
-        if not passes:
+        if not _passes(ways[0], parts):
             continue
         worst = np.zeros(ways[0].count)
         for way in ways:
-            at = np.unique(np.concatenate([way.places(c.loads).ravel() for _, c in parts]))
-            done = _damage(way, at, passes, strength)
+            at = np.unique(np.concatenate([way.places(way.loads(c)).ravel() for _, c in parts]))
+            done = _damage(way, at, _passes(way, parts), strength)
             np.maximum.at(worst, way.feature[at], done)
         gauges = [
             (share, Endured(
                 when=when, spots=np.zeros(0), turns=case.turns, duration=case.duration,
-                gauges=_gauge_damage(case, ways[0].held, modulus, strength["sheet"]),
+                gauges=_gauge_damage(case, ways[0], modulus, strength["sheet"]),
             ))
             for share, case in parts
         ]  # fmt: skip
@@ -479,10 +577,10 @@ def _duty(
     if not spent:
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
-    passes = _passes(duty[spent[state].when])
     damage, where = np.zeros(len(solved.nodes.surface)), []
     spots = spent[state].spots.copy()
     for way in ways:
+        passes = _passes(way, duty[spent[state].when])
         every = _damage(way, np.arange(len(way.feature)), passes, strength)
         order = np.lexsort((every, way.feature))
         last = np.searchsorted(way.feature[order], np.arange(way.count), side="right") - 1
@@ -493,12 +591,12 @@ def _duty(
     return spent, damage * hour, where
 
 
-def _passes(parts: Sequence[tuple[float, Case]]) -> list[Pass]:
+def _passes(way: _Way, parts: Sequence[tuple[float, Case]]) -> list[Pass]:
     """Return the passes of a mean second of a duty cycle."""
     known = [(share, case) for share, case in parts if case.repeats and case.duration > 0]
     whole = sum(share for share, _ in known)
     return [
-        Pass(np.stack(np.split(case.loads, case.places)), share / whole / case.duration)
+        Pass(np.stack(np.split(way.loads(case), case.places)), share / whole / case.duration)
         for share, case in known
     ]
 
@@ -516,30 +614,41 @@ def _worst_first(
     return np.lexsort((-stress, -damage))
 
 
-def _points(
+def _spots(
     ways: tuple[_Way, ...], cases: Sequence[Case], order: IntArray, where: list[IntArray]
-) -> list[tuple[Metre, Metre, Metre]]:
-    """Return where each feature is worst: by damage if known, else by stress over the cases."""
-    found: list[tuple[Metre, Metre, Metre]] = []
+) -> list[tuple[_Way, int]]:
+    """Return the place where each feature is worst: by damage if known, else by stress."""
     way_of = [0 if ways[0].has[f] else 1 for f in range(ways[0].count)]
     if not where:
         for way in ways:
             best = np.zeros(way.count)
             at = np.zeros(way.count, dtype=np.int64)
             for case in cases:
-                places = way.places(case.loads)
-                few = some(case.loads, _FEW)
-                level = von_mises(superpose(way.held.unit[places.ravel()], few)).max(axis=-1)
+                loads = way.loads(case)
+                places = way.places(loads)
+                few = some(loads, _FEW)
+                level = von_mises(superpose(way.unit[places.ravel()], few)).max(axis=-1)
                 level = level.reshape(places.shape)
                 top = level.argmax(axis=1)
                 high = level[np.arange(way.count), top]
                 at = np.where(high > best, places[np.arange(way.count), top], at)
                 best = np.maximum(best, high)
             where = [*where, at]
-    for f in order.tolist():
-        way = ways[way_of[f]]
-        found.append(_point(way.points[where[way_of[f]][f]]))
-    return found
+    return [(ways[way_of[f]], int(where[way_of[f]][f])) for f in order.tolist()]
+
+
+def _forced(swept: Swept, spots: Sequence[tuple[_Way, int]]) -> Forced:
+    """Return the response over speed at places."""
+    found, rigid = [], []
+    for way, at in spots:
+        unit, normals = way.unit[[at]], way.held.zones.normals[[at]]
+        found.append(
+            amplitude(unit, normals, swept.waves, speed=swept.speed, seat=way.held.swing.seat)
+        )
+        rigid.append(amplitude(unit, normals, swept.rigid, speed=swept.speed))
+    return Forced(
+        swept=swept, stress=np.concatenate(found, axis=-1), rigid=np.concatenate(rigid, axis=-1)
+    )
 
 
 def _listed(features: Sequence[Feature]) -> int:

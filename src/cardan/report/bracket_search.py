@@ -1,0 +1,80 @@
+"""The search for the lightest bracket, as a terminal's table and the JSON contract."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cardan.base.units import mm
+from cardan.model.application import Application
+from cardan.report.bracket import hours
+from cardan.report.contract import CONTRACT, plain
+from cardan.report.language import EN, Language
+from cardan.report.terminal import BOLD, PLAIN
+from cardan.study.bracket_search import Searched, Tried, named
+
+
+def terminal(of: Application, found: Searched, say: Language = EN) -> Iterator[str]:
+    """Yield what was chosen, and what was tried on the way."""
+    title = say(
+        "{title}: the lightest bracket that lives {hours} h",
+        title=of.title, hours=say.number(found.target),
+    )  # fmt: skip
+    yield f"{BOLD}{title}{PLAIN}"
+    yield say(
+        "{tried} of {count} sets of sizes were solved; a thicker sheet is taken to live no "
+        "shorter.", tried=len({named(t.sizes) for t in found.tried}), count=found.count,
+    )  # fmt: skip
+    for sizes, why in found.refused:
+        yield say("{sizes}: left out, {why}", sizes=said(sizes, say), why=why)
+    yield ""
+    head = (say("mass, kg"), say("hours"), say("mesh"))
+    yield f"{BOLD}{say('sizes'):<48}{''.join(f'{h:>14}' for h in head)}   {say('worst at')}{PLAIN}"
+    for t in sorted(found.tried, key=lambda t: (t.mass, t.refined)):
+        mesh = say("refined") if t.refined else say("first")
+        cells = (say.number(t.mass), hours(t.life, say), mesh)
+        mark = "*" if t is found.best else " "
+        worst = say.part(t.judged.features[0].part)
+        yield f"{mark} {said(t.sizes, say):<46}{''.join(f'{c:>14}' for c in cells)}   {worst}"
+    yield ""
+    if found.best is None:
+        yield say("None of them lives that long.")
+    else:
+        yield say(
+            "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=said(found.best.sizes, say),
+            mass=say.number(found.best.mass), hours=hours(found.best.life, say),
+        )  # fmt: skip
+
+
+def said(sizes: dict[str, float], say: Language) -> str:
+    """Return sizes as people read them, by the keys of the file."""
+    return say.pointed(", ".join(f"{name}_mm: {v / mm:.6g}" for name, v in sizes.items()))
+
+
+def contract(of: Application, found: Searched) -> dict[str, Any]:
+    """Return the search as the JSON contract's document."""
+    return plain(
+        {
+            "cardan": CONTRACT,
+            "application": of.title,
+            "target_hours": found.target,
+            "count": found.count,
+            "best": None if found.best is None else _tried(found.best),
+            "tried": [_tried(t) for t in found.tried],
+            "refused": [
+                {"sizes": {f"{n}_mm": v / mm for n, v in sizes.items()}, "reason": why}
+                for sizes, why in found.refused
+            ],
+        }
+    )
+
+
+def _tried(t: Tried) -> dict[str, Any]:
+    worst = t.judged.features[0]
+    return {
+        "sizes": {f"{name}_mm": v / mm for name, v in t.sizes.items()},
+        "mass_kg": t.mass,
+        "life_hours": t.life if np.isfinite(t.life) else None,
+        "refined": t.refined,
+        "worst": {"zone": worst.zone, "number": worst.number},
+    }

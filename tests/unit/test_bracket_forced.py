@@ -1,0 +1,260 @@
+"""A bracket under a line that swings, loads by hand on top of it, recordings: no solver."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.base.errors import BadFile, DesignError
+from cardan.base.units import g
+from cardan.fatigue.rainflow import rainflow, repeating, turns
+from cardan.model.seat import seat
+from cardan.study.approval import assess
+from cardan.study.bracket import cases_of, duty_of, recorded
+from cardan.study.bracket_forced import amplitude, hung, on_rubber, swept
+
+TRUCK = Path(__file__).parents[2] / "docs" / "gallery" / "bracket_failure.yaml"
+GIVES = seat(
+    np.diag([1 / 3e6, 1 / 0.8e6, 1 / 4e6]), frequencies=[2 * np.pi * 180], inertia=np.zeros((3, 3)),
+    motion=[[0.0, 0.8, 0.0]],
+)  # fmt: skip
+
+
+def truck(more=""):
+    return files.loads(TRUCK.read_text(encoding="utf-8") + more)
+
+
+@pytest.fixture(scope="module")
+def response():
+    return assess(truck()).responses[0]
+
+
+def bearing_of(response):
+    return response.line.shafts[1].centre_bearing
+
+
+def test_rubber_and_bracket_in_series_are_what_the_driveline_says(response):
+    """Its stiffness is that of both: what the bracket gives is taken off, not counted twice."""
+    plain = replace(truck().bracket, rubber=None)
+    assert on_rubber(response, plain)
+    on = hung(response, plain, GIVES)
+    up, level = bearing_of(on).stiffness
+    assert 1 / up + 1 / 4e6 == pytest.approx(1 / 200e3)
+    assert 1 / level + 1 / 0.8e6 == pytest.approx(1 / 120e3)
+    # So the slowest modes are those of the check, but for the mass of the bracket.
+    both = (r.held.frequencies()[0, :4] for r in (on, response))
+    assert next(both) == pytest.approx(next(both), rel=1e-3)
+
+
+def test_the_bracket_s_own_rubber_is_in_series_with_it(response):
+    own = truck().bracket
+    on = hung(response, own, GIVES)
+    assert bearing_of(on).stiffness == (200e3, 120e3)
+    assert bearing_of(on).axial_stiffness == 150e3
+    assert on.held.frequencies()[0, 0] < 0.99 * response.held.frequencies()[0, 0]
+
+
+def test_where_nothing_is_left_the_bearing_is_rigid_in_its_bracket(response):
+    """A bracket softer than the file says of both: it alone gives, no mode is lost."""
+    plain = replace(truck().bracket, rubber=None)
+    soft = seat(
+        np.diag([1e-5] * 3), frequencies=np.zeros(0), inertia=np.zeros((3, 3)),
+        motion=np.zeros((0, 3)),
+    )  # fmt: skip
+    on = hung(response, plain, soft)
+    assert bearing_of(on).stiffness is None
+    assert on.held.frequencies()[0, 0] < response.held.frequencies()[0, 0]
+    assert np.isfinite(on.worst["peak"].running.peak).any()
+
+
+def test_who_knows_no_rubber_knows_no_response(response):
+    bare = replace(
+        response.line.shafts[1], centre_bearing=replace(bearing_of(response), stiffness=None)
+    )
+    shafts = (response.line.shafts[0], bare, response.line.shafts[2])
+    line = replace(response.line, shafts=shafts)
+    demand = replace(response.demand, installed=replace(response.demand.installed, line=line))
+    assert not on_rubber(replace(response, demand=demand), replace(truck().bracket, rubber=None))
+
+
+def test_the_worst_points_are_those_of_the_line_in_its_bracket(response):
+    """Loads on rigid bearings are as they were; what comes at a speed moves with the modes."""
+    own = truck().bracket
+    on = hung(response, own, GIVES)
+    before, after = ({str(c.when): c for c in cases_of(own, r)} for r in (response, on))
+    assert before.keys() == after.keys()
+    for name, case in after.items():
+        was = before[name]
+        if name.endswith("worst point"):
+            assert case.shakes
+            assert not was.shakes
+            assert case.point.speed < was.point.speed
+        else:
+            assert not case.shakes
+            assert np.array_equal(case.loads, was.loads)
+    duty = replace(on, application=replace(on.application, duty=()))
+    assert duty_of(own, duty) == {}
+
+
+def test_over_speed_it_is_the_same_line(response):
+    """The sweep's crest is the worst point's order content, in the same state."""
+    own = truck().bracket
+    on = hung(response, own, GIVES)
+    found = swept(on, 1)
+    assert found.state == "jounce"
+    assert set(found.directions) <= {"drive", "reverse", "brake"}
+    size = np.abs(found.waves).sum(axis=-2)[..., 1]
+    c, q = np.unravel_index(int(np.nan_to_num(size).argmax()), size.shape)
+    s = on.demand.states.index("jounce")
+    best = on.worst["dynamic"].running
+    assert size[c, q] == pytest.approx(np.abs(best.waves[s, 1, :, 1]).sum(), rel=0.02)
+    # Far below every mode the bracket is none to the line.
+    assert found.waves[c, 0, 0, 1] == pytest.approx(found.rigid[c, 0, 0, 1], rel=0.02)
+    assert "lateral" in found.names
+    assert "bracket" in found.names
+
+
+def test_amplitude_is_that_of_the_history():
+    """Both orders where they add up, on the plane of the largest swing; the swing of the mode."""
+    unit = np.zeros((1, 10, 6))
+    unit[0, 0, 0], unit[0, 1, 1], unit[0, 9, 0] = 2e6, 1e6, 5e11
+    normals = np.array([[0.0, 0.0, 1.0]])
+    waves = np.array([[[3.0, 0, 0], [0, 1j, 0], [0.5, 0, 0]]])
+    speed = np.array([20.0])
+    found = amplitude(unit, normals, waves, speed=speed)
+    assert found == pytest.approx(np.array([[2e6 * 3.5]]))
+    own = seat(
+        np.diag([1e-6] * 3), frequencies=[90.0], inertia=np.zeros((3, 3)), motion=[[0.05, 0, 0]]
+    )
+    with_swing = amplitude(unit, normals, waves, speed=speed, seat=own)
+    by_hand = sum(
+        abs(2e6 * f + own.beyond([f, 0, 0], k * 20.0)[:3] @ [2e6, 0, 0]
+            + 5e11 * own.beyond([f, 0, 0], k * 20.0)[3])
+        for k, f in ((2, 3.0), (6, 0.5))
+    )  # fmt: skip
+    assert with_swing == pytest.approx(np.array([[by_hand]]), rel=1e-6)
+    assert abs(by_hand / 7e6 - 1) > 0.05
+
+
+def test_a_case_on_top_of_a_state_has_both_loads(response):
+    """The pothole's four g are counted from standing still, which gravity counts already."""
+    found = truck("").bracket
+    pothole = replace(found.cases[0], name="pothole in jounce", state="jounce")
+    side = replace(
+        pothole, name="kerb", acceleration=(0.0, 0.0, 0.0), force=(0.0, 3000.0, 0.0), state="gvw"
+    )
+    own = replace(found, cases=(found.cases[0], pothole, side))
+    cases = {str(c.when): c for c in cases_of(own, response)}
+    base = cases["jounce: worst point"]
+    more = cases["pothole in jounce"].loads - base.loads
+    a = 3 * g if response.gravity else 4 * g
+    assert more == pytest.approx(np.tile([0, 0, -32 * a, 0, 0, 0, 0, 0, a], (len(more), 1)))
+    assert cases["pothole in jounce"].point == base.point
+    assert not cases["pothole in jounce"].repeats
+    kerb = cases["kerb"].loads - cases["gvw: worst point"].loads
+    assert kerb == pytest.approx(np.tile([0, 3000, 0] + [0] * 6, (len(kerb), 1)))
+    alone = cases["pothole at 4 g"].loads
+    assert alone == pytest.approx(np.array([[0, 0, -32 * 4 * g, 0, 0, 0, 0, 0, 4 * g]]))
+    dark = replace(response, demand=replace(response.demand, torque=0 * response.demand.torque))
+    with pytest.raises(DesignError, match="whose torque nobody knows"):
+        list(
+            cases_of(
+                replace(own, cases=(side,)),
+                _without_points(replace(dark, demand=replace(
+                    dark.demand, torque=np.full_like(response.demand.torque, np.nan)))),
+            )
+        )  # fmt: skip
+
+
+def _without_points(response):
+    response.__dict__["worst"] = {}
+    return response
+
+
+def test_a_state_of_a_case_is_one_of_the_file():
+    text = TRUCK.read_text(encoding="utf-8").replace(
+        "acceleration_g: [0, 0, 4]}", "acceleration_g: [0, 0, 4], state: jouncing}"
+    )
+    with pytest.raises(BadFile, match="no state of this name") as failed:
+        files.loads(text)
+    assert "did you mean jounce" in str(failed.value)
+
+
+def written(tmp_path, head, rows, gauges=True):
+    (tmp_path / "run.csv").write_text(
+        head + "\n" + "\n".join(",".join(f"{v:.6g}" for v in row) for row in rows) + "\n"
+    )
+    text = TRUCK.read_text(encoding="utf-8") + "  recordings: [{name: field, file: run.csv}]\n"
+    if not gauges:
+        at = text.index("  gauges:"), text.index("  cases:")
+        text = text[: at[0]] + text[at[1] :]
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    return files.read(tmp_path / "a.yaml").bracket
+
+
+def test_a_recording_of_forces_is_what_life_writes(tmp_path):
+    t = np.arange(50) / 100
+    force = np.stack([0 * t, 900 * np.sin(40 * t), 200 + 0 * t], axis=-1)
+    own = written(tmp_path, "time_s,x_N,y_N,z_N", np.column_stack([t, force]))
+    (one,) = own.recordings
+    assert one.rate == pytest.approx(100)
+    (case,) = recorded(own, None)
+    assert case.name == "field"
+    assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=1e-3)
+    assert case.duration == pytest.approx(0.5)
+    assert case.shakes
+
+
+def test_a_recording_of_strains_becomes_forces(tmp_path):
+    t = np.arange(60) / 200
+    force = np.stack([50 * np.cos(30 * t), 900 * np.sin(40 * t), 200 + 0 * t], axis=-1)
+    influence = 1e-8 * np.random.default_rng(2).standard_normal((4, 9))
+    read = 1e6 * force @ influence[:, :3].T
+    head = "time_s," + ",".join(f"S{k} [um/m]" for k in range(1, 5))
+    own = written(tmp_path, head, np.column_stack([t, read]))
+    assert not list(recorded(own, None))  # before anything is solved nobody knows
+    (case,) = recorded(own, influence)
+    assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
+    assert not case.shakes
+
+
+@pytest.mark.parametrize(
+    ("head", "rows", "said"),
+    [
+        ("time_s,y_N,z_N", [[0, 1, 2]] * 9, "has no channel x_N"),
+        ("time_s,S1,S2", [[0, 1, 2]] * 9, "has no channel S3, S4"),
+        ("time_s,S1 [MPa],S2,S3,S4", [[k / 9, 1, 2, 3, 4] for k in range(9)], "S1 is in MPa"),
+        ("time_s,x_N,y_N,z_N", [[k / 9, 1, np.nan, 3] for k in range(9)], "no numbers"),
+    ],
+)
+def test_a_recording_that_cannot_be_read_is_refused_where_it_stands(tmp_path, head, rows, said):
+    rows = [[k / 9, *row[1:]] for k, row in enumerate(rows)]
+    with pytest.raises(BadFile, match=said) as failed:
+        written(tmp_path, head, rows)
+    assert "a.yaml:" in str(failed.value)
+
+
+def test_a_missing_recording_says_where_it_was_looked_for(tmp_path):
+    text = TRUCK.read_text(encoding="utf-8") + "  recordings: [{name: field, file: none.csv}]\n"
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(BadFile, match="no such file"):
+        files.read(tmp_path / "a.yaml")
+
+
+def test_turns_keep_every_cycle_that_counts():
+    """A random walk thinned at 2 %: its damage, fifth power, within 1 %; far fewer samples."""
+    random = np.random.default_rng(5)
+    x = np.cumsum(random.standard_normal(20_000))
+    x = x - np.convolve(x, np.ones(400) / 400, mode="same") + 0.3 * random.standard_normal(20_000)
+    kept = turns(x, gate=0.02)
+
+    def damage(signal):
+        counted = rainflow(signal, rule=repeating)
+        return float((counted.range**5 * counted.count).sum())
+
+    assert len(kept) < 0.2 * len(x)
+    assert damage(x[kept]) == pytest.approx(damage(x), rel=0.01)
+    assert {0, len(x) - 1, int(x.argmax()), int(x.argmin())} <= set(kept.tolist())
+    assert turns([3.0, 3.0, 3.0], gate=0.1).tolist() == [0, 2]

@@ -1,0 +1,210 @@
+"""The lightest bracket that lives long enough, against trying every one."""
+
+import itertools
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.base.errors import BadFile, DesignError
+from cardan.base.units import hour, mm
+from cardan.cli import cli
+from cardan.report import bracket_search as shown
+from cardan.report.language import CODES, Language
+from cardan.study import bracket_search
+from cardan.study.bracket_search import DOUBT, lightest, search
+
+FILE = """
+title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+duty: [{share_percent: 100, torque_Nm: 3000, speed_rpm: 400}]
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  element_mm: 18
+  rubber_N_mm: [150, 120, 200]
+  fatigue: {amplitude_MPa: 169, cycles: 1.0e+6, slope: 5}
+  optimise: {life_h: 5000, thickness_mm: [8, 5, 6, 4], flange_mm: [40, 55], gusset_mm: [0, 5],
+             gusset_height_mm: [50]}
+"""
+
+
+def test_the_lightest_is_that_of_trying_all():
+    """Random masses and lives, each row rising; and fewer are asked than there are."""
+    random = np.random.default_rng(3)
+    asked = total = 0
+    for _ in range(300):
+        rows, columns = random.integers(1, 6, 2)
+        masses = np.sort(random.uniform(1, 3, (rows, columns)), axis=1)
+        lives = np.sort(random.exponential(1.0, (rows, columns)), axis=1)
+        seen = set()
+
+        def does(row, column, lives=lives, seen=seen):
+            seen.add((row, column))
+            return lives[row, column] >= 1
+
+        found = lightest(masses.tolist(), does=does)
+        good = [p for p in itertools.product(range(rows), range(columns)) if lives[p] >= 1]
+        assert found == (min(good, key=lambda p: masses[p]) if good else None)
+        asked, total = asked + len(seen), total + masses.size
+    assert asked < 0.5 * total
+
+
+def fake(monkeypatch, life, first=1.0):
+    """Judge by a formula; the first mesh is off by a factor."""
+    solved = []
+
+    def judged(_, shape, *, name, levels, **_tell):
+        solved.append(name)
+        hours = life(shape) * (first if levels == 1 else 1.0)
+        part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
+        return SimpleNamespace(life=hours, features=(part,))
+
+    def bracket_search_part():
+        from cardan.base.part import Part
+
+        return Part("sheet", 1)
+
+    monkeypatch.setattr(bracket_search.Bench, "judged", judged)
+    monkeypatch.setattr(
+        bracket_search, "weighed_apart",
+        lambda shapes, _: np.array([weight(shape) for shape in shapes]),
+    )  # fmt: skip
+    return solved
+
+
+def weight(shape):
+    return 200 * shape.thickness * (1 + 3 * shape.flange) + 20 * shape.gusset
+
+
+def life_of(shape):
+    return 5e3 * (shape.thickness / 6e-3) ** 6 * (shape.flange / 0.05) * (1 + 100 * shape.gusset)
+
+
+def best_of_all(application):
+    bracket = application.bracket
+    names = list(bracket.search.sizes)
+    shapes = [
+        replace(bracket.shape, **dict(zip(names, values, strict=True)))
+        for values in itertools.product(*bracket.search.sizes.values())
+    ]
+    good = [s for s in shapes if life_of(s) >= bracket.search.life / hour]
+    return min(good, key=weight)
+
+
+@pytest.mark.parametrize("first", [0.6, 1.0, 1.6])
+def test_a_first_mesh_that_errs_misleads_nobody(monkeypatch, first):
+    """Off by less than the doubt either way, the lightest is that of trying all, refined."""
+    assert first < DOUBT
+    application = files.loads(FILE)
+    solved = fake(monkeypatch, life_of, first)
+    found = search(application)
+    want = best_of_all(application)
+    assert found.best.refined
+    assert found.best.sizes["thickness"] == want.thickness
+    assert found.best.sizes["flange"] == want.flange
+    assert found.best.sizes["gusset"] == want.gusset
+    assert found.best.life >= found.target
+    assert found.count == 16
+    assert len(solved) < 16
+
+
+def test_where_none_lives_none_is_told(monkeypatch):
+    fake(monkeypatch, lambda _: 1.0)
+    application = files.loads(FILE)
+    found = search(application)
+    assert found.best is None
+    for code in CODES:
+        text = "\n".join(shown.terminal(application, found, Language(code)))
+        assert ("None of them lives that long." in text) == (code == "en")
+    assert json.loads(json.dumps(shown.contract(application, found)))["best"] is None
+
+
+def test_what_cannot_be_built_is_left_out_with_its_reason(monkeypatch):
+    """A flange too short for the washers is no shape; one the kernel breaks on has no mass."""
+    application = files.loads(FILE.replace("flange_mm: [40, 55]", "flange_mm: [20, 55]"))
+    fake(monkeypatch, life_of)
+    monkeypatch.setattr(
+        bracket_search, "weighed_apart",
+        lambda shapes, _: np.array([np.nan if s.thickness < 5e-3 else weight(s) for s in shapes]),
+    )  # fmt: skip
+    found = search(application)
+    assert found.best.sizes["flange"] == 55 * mm
+    said = [why for _, why in found.refused]
+    assert sum("for a washer" in why for why in said) == 8
+    assert sum("cannot build" in why for why in said) == 2
+    assert "left out, " in "\n".join(shown.terminal(application, found))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("thickness_mm: [8, 5, 6, 4], flange_mm: [40, 55], gusset_mm: [0, 5],\n"
+         "             gusset_height_mm: [50]", "", "gives nothing to choose from"),
+        ("gusset_height_mm: [50]", "rim_mm: [50]", "the shape above has no rim"),
+        ("thickness_mm: [8, 5, 6, 4]", "thickness_mm: []", "at least 1"),
+        ("life_h: 5000", "life_h: -1", "life_h"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_chosen_is_refused_where_it_stands(old, new, said):
+    assert old in FILE
+    with pytest.raises(BadFile) as failed:
+        files.loads(FILE.replace(old, new).replace("life_h: 5000, }", "life_h: 5000}"))
+    assert said in str(failed.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [("  optimise:", "nothing to choose from"), ("duty:", "`duty`"), ("  fatigue:", "`fatigue`")],
+)
+def test_a_search_says_what_it_needs(line, said):
+    lines = FILE.splitlines()
+    at = next(k for k, one in enumerate(lines) if one.startswith(line))
+    kept = lines[:at] + lines[at + (2 if "optimise" in line else 1) :]
+    with pytest.raises(DesignError, match=said):
+        search(files.loads("\n".join(kept)))
+
+
+def test_the_command_tells_it(monkeypatch, tmp_path):
+    fake(monkeypatch, life_of)
+    (tmp_path / "a.yaml").write_text(FILE)
+    args = ["bracket", str(tmp_path / "a.yaml"), "--optimise", "-q"]
+    done = CliRunner().invoke(cli, [*args, "--json", str(tmp_path / "a.json")])
+    assert done.exit_code == 0, done.output
+    assert "The lightest: flange_mm: " in done.output
+    told = json.loads((tmp_path / "a.json").read_text())
+    assert told["best"]["life_hours"] >= told["target_hours"] == 5000
+    assert told["best"] in told["tried"]
+    drawn = CliRunner().invoke(cli, [*args, "--png", str(tmp_path / "a.png")])
+    assert drawn.exit_code == 2
+    assert "it draws nothing" in drawn.output
+    assert not (tmp_path / "a.png").exists()
+
+
+@pytest.mark.bracket
+@pytest.mark.slow
+def test_the_lightest_of_a_small_grid_by_finite_elements():
+    """Every set of sizes judged whole, and the lightest of them is the one that is found."""
+    small = FILE.replace("[8, 5, 6, 4]", "[5, 6, 8]").replace("[0, 5]", "[0]")
+    application = files.loads(small)
+    found = search(application)
+    bench = bracket_search.Bench.of(application)
+    good = []
+    for t, flange in itertools.product((5e-3, 6e-3, 8e-3), (0.04, 0.055)):
+        shape = replace(application.bracket.shape, thickness=t, flange=flange)
+        judged = bench.judged(shape, name="all")
+        if judged.life >= 5000:
+            good.append((judged.mass, t, flange))
+    _, t, flange = min(good)
+    assert found.best.sizes["thickness"] == pytest.approx(t)
+    assert found.best.sizes["flange"] == pytest.approx(flange)
