@@ -4,7 +4,8 @@ The file's `adjust` table, `fix`, the sensitivities, the JSON contract and the w
 reports read these declarations.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import deg, mm, percent
+from cardan.model.application import Adjustable
 from cardan.model.parts import Line
 
 
@@ -190,3 +192,28 @@ _DECLARED = (
 
 MOVABLES: dict[str, Movable] = {m.key: m for m in _DECLARED}
 """The declarations by key, in the order of the file's table."""
+
+
+def movable(lines: Iterable[Line]) -> dict[str, Adjustable]:
+    """Return what can be moved of lines by its name: the key of `adjust`, and which part.
+
+    `bearing_height_mm[1]`, `shim_deg`; of several lines `front.shim_deg`.
+    """
+    lines = tuple(lines)
+    found: dict[str, Adjustable] = {}
+    for line in lines:
+        for m in MOVABLES.values():
+            for part in range(1, m.count(line) + 1):
+                name = f"{m.key}_{m.unit}" + ("" if m.of in ("axle", "line") else f"[{part}]")
+                found[f"{line.name}.{name}" if len(lines) > 1 else name] = Adjustable(
+                    what=m.key, part=part, low=m.reach[0], high=m.reach[1], line=line.name
+                )
+    return found
+
+
+def meant(name: str, known: Iterable[str]) -> list[str]:
+    """Return which of the known names one stands for; `[*]` stands for every part."""
+    if "[*]" not in name:
+        return [k for k in known if k == name]
+    pattern = re.compile(re.escape(name).replace(r"\[\*\]", r"\[\d+\]"))
+    return [k for k in known if pattern.fullmatch(k)]
