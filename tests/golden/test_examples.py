@@ -24,7 +24,8 @@ from cardan.quantity.response import respond
 from cardan.report import contract
 from cardan.report.contract_schema import schema
 from cardan.study.approval import Approval, assess
-from cardan.study.fix import fix, margins
+from cardan.study.fix import fix
+from cardan.study.margins import margins
 from cardan.study.moves import adjustables, tried
 
 HERE = Path(__file__).parent

@@ -150,6 +150,8 @@ class Adjustable:
     high: float
     line: str = "main"
     hold: bool = False
+    step: float = 0.0
+    """In which a workshop sets it; 0: any."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -79,7 +79,8 @@ class Movable:
     step: float
     """How far it is moved to see what that does."""
     resolution: float = 0.0
-    """Steps a workshop can set; 0: any."""
+    """Steps a workshop sets where nobody says others: packing plates, wedges. House practice,
+    assumed; 0: any."""
     choice: bool = False
     fitted: bool = False
     forth: str
@@ -144,20 +145,20 @@ _DECLARED = (
     Movable(
         key="bearing_height", says="centre bearings, up positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
-        move=_shift(2), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=1 * mm,
+        move=_shift(2), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
         forth="bearing {part} up {amount} mm", back="bearing {part} down {amount} mm",
     ),
     Movable(
         key="bearing_side", says="centre bearings, to the right positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
-        move=_shift(1), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=1 * mm,
+        move=_shift(1), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
         forth="bearing {part} to the right {amount} mm",
         back="bearing {part} to the left {amount} mm",
     ),
     Movable(
         key="shim", says="axle, pinion nose up positive",
         of="axle", measure="angle", count=lambda _: 1,
-        move=_shim, reach=(-3 * deg, 3 * deg), step=1 * deg, resolution=0.1 * deg,
+        move=_shim, reach=(-3 * deg, 3 * deg), step=1 * deg, resolution=0.5 * deg,
         forth="pinion nose up {amount} deg", back="pinion nose down {amount} deg",
     ),
     Movable(
@@ -206,7 +207,12 @@ def movable(lines: Iterable[Line]) -> dict[str, Adjustable]:
             for part in range(1, m.count(line) + 1):
                 name = f"{m.key}_{m.unit}" + ("" if m.of in ("axle", "line") else f"[{part}]")
                 found[f"{line.name}.{name}" if len(lines) > 1 else name] = Adjustable(
-                    what=m.key, part=part, low=m.reach[0], high=m.reach[1], line=line.name
+                    what=m.key,
+                    part=part,
+                    low=m.reach[0],
+                    high=m.reach[1],
+                    line=line.name,
+                    step=m.resolution,
                 )
     return found
 

@@ -38,7 +38,9 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
     if application.adjustables:
         return tuple(a for a in application.adjustables if a.line == name and not a.hold)
     return tuple(
-        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
+        Adjustable(
+            what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name, step=m.resolution
+        )
         for m in MOVABLES.values()
         if not m.fitted
         for k in range(1, m.count(response.line) + 1)
@@ -49,7 +51,9 @@ def fitted(response: Response) -> tuple[Adjustable, ...]:
     """Return what other parts would move of a line, whoever allows it."""
     name = response.line.name
     return tuple(
-        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
+        Adjustable(
+            what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name, step=m.resolution
+        )
         for m in MOVABLES.values()
         if m.fitted
         for k in range(1, m.count(response.line) + 1)

@@ -361,7 +361,7 @@ class Bench:
         for k, name in enumerate(drawn.names):
             for end in _ends(drawn, k):
                 if name not in bench._moves:
-                    _changed(application, {name: end})
+                    with_numbers(application, {name: end})
         single = tuple(n for n in drawn.names if n not in bench._moves and not bench._holds(n))
         return replace(bench, single=single)
 
@@ -444,7 +444,7 @@ class Bench:
             for name, column in zip(self.drawing.names, inputs.T, strict=True)
             if name not in moves
         }
-        changed = _changed(self.application, numbers)
+        changed = with_numbers(self.application, numbers)
         found: list[Answers] = []
         for line in changed.lines:
             response = respond(changed, demand(resolve(changed, line)))
@@ -487,7 +487,7 @@ class Bench:
         """Return whether the arrays can hold variants of a number."""
         at = self.drawing.at[self.drawing.names.index(name)]
         try:
-            changed = _changed(self.application, {name: np.array([at, at])})
+            changed = with_numbers(self.application, {name: np.array([at, at])})
             for line in changed.lines:
                 for _ in asked(respond(changed, demand(resolve(changed, line)))):
                     pass
@@ -496,7 +496,7 @@ class Bench:
         return True
 
 
-def _changed(application: Application, numbers: Mapping[str, Any]) -> Application:
+def with_numbers(application: Application, numbers: Mapping[str, Any]) -> Application:
     """Return an application with other numbers, held against the limits that it has now."""
     was = application.written.application if application.written else None
     if not numbers:
