@@ -37,6 +37,7 @@ from cardan.border.table import (
 from cardan.model.application import Application
 from cardan.model.movable import meant, movable
 from cardan.model.variants import Ask, Goal, Spread, Variants
+from cardan.quantity.quantities import ANSWERED
 
 VARYING, LEVELS, WORST = 200, 200, 1000
 """Names that vary, places of a grid, and worst variants that are kept, at most."""
@@ -140,6 +141,10 @@ class AskTable(Table):
     maps: Annotated[
         tuple[tuple[str, str], ...], ListOf(ListOf(Text(), "across", "up"), most=10)
     ] = key("the yield over two of the names", default=())
+    limits: Annotated[tuple[str, ...], ListOf(Choice(*ANSWERED), least=1)] = key(
+        "quantities whose limits count; all by default, and fewer are faster", default=()
+    )
+    rare: bool = key("how often limits fail that hardly ever do", default=False)
     rows: Literal["float32", "float64"] | None = key(
         "keep each variant, in this precision", default=None
     )
@@ -149,6 +154,7 @@ class AskTable(Table):
         return Ask(
             yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
             worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
+            limits=self.limits, rare=self.rare,
         )  # fmt: skip
 
 

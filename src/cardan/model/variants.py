@@ -44,6 +44,10 @@ class Ask:
         What is weighed against each other.
     maps
         Pairs of names, over which the yield is drawn.
+    limits
+        Quantities whose limits count; all where none is named.
+    rare
+        Whether limits that variants hardly ever fail are asked how often they do.
     rows
         Whether each variant is kept, and in which precision.
     """
@@ -55,6 +59,8 @@ class Ask:
     sobol: bool = False
     pareto: tuple[Goal, ...] = ()
     maps: tuple[tuple[str, str], ...] = ()
+    limits: tuple[str, ...] = ()
+    rare: bool = False
     rows: Literal["float32", "float64"] | None = None
 
 

@@ -127,6 +127,8 @@ def tables(of: Studied, say: Language = EN) -> Iterator[Table]:
         yield _tighter(of, say)
     if "sobol" in of.states:
         yield _sobol(of, say)
+    if of.rare:
+        yield _rare(of, say)
     if len(of.states["worst"]["place"]):
         yield _worst(of, say)
     if "pareto" in of.states:
@@ -302,6 +304,42 @@ def _index(found: Indices, c: int, k: int, say: Language) -> str:
 
 def _total(found: Indices, c: int, k: int, say: Language) -> str:
     return say.pointed(f"{found.total[c, k]:.2f} ± {2 * found.total_error[c, k]:.2f}")
+
+
+def _rare(of: Studied, say: Language) -> Table:
+    drawn = of.drawing
+    own = [f for f in drawn.factors if f.tolerance]
+
+    def once(share_: float) -> str:
+        return (
+            say("1 in {count}", count=say.short(float(f"{1 / share_:.2g}"))) if share_ > 0 else "-"
+        )
+
+    rows: list[tuple[str, ...]] = []
+    for one in sorted(of.rare, key=lambda r: -r.failure):
+        first, sampled = one.first_order, one.sampled
+        assert first is not None  # others are not told
+        most = own[int(first.importance.argmax())]
+        rows.append(
+            (
+                limit_name(one.limit, say),
+                say.pointed(f"{first.beta:.2f}"),
+                once(first.failure),
+                once(sampled.failure) if sampled else "-",
+                say.pointed(f"± {200 * sampled.error / sampled.failure:.0f} %")
+                if sampled and sampled.failure
+                else "-",
+                f"{drawn.called(most)} {say.short(float(one.inputs[most.input]), 4)}",
+            )
+        )
+    return Table(
+        caption=say("Limits that fail hardly ever: how often, and where most likely"),
+        head=(
+            say("limit"), say("distance [σ]"), say("first order"), say("sampled about it"),
+            say("two standard errors"), say("what has most to do with it, there"),
+        ),
+        rows=tuple(rows),
+    )  # fmt: skip
 
 
 def _worst(of: Studied, say: Language) -> Table:
@@ -676,6 +714,18 @@ def document(of: Studied) -> dict[str, Any]:
         ]
     if "sobol" in of.states:
         found["sobol"] = _indices(of)
+    if of.variants.ask.rare:
+        found["rare"] = [
+            {
+                "limit": of.called[of.limits.index((r.line, r.limit))],
+                "failure": r.failure,
+                "beta": r.first_order.beta if r.first_order else None,
+                "first_order": r.first_order.failure if r.first_order else None,
+                "standard_error": r.sampled.error if r.sampled else None,
+                "most_likely": dict(zip(drawn.names, r.inputs.tolist(), strict=True)),
+            }
+            for r in of.rare
+        ]
     if "pareto" in of.states:
         found["pareto"] = [
             {

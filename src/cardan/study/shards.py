@@ -6,7 +6,7 @@ computed: at once, by many, or in pieces after the computer went down.
 """
 
 import json
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -31,6 +31,7 @@ from cardan.model.variants import Variants
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import Approval
 from cardan.study.draw import Drawing, Points
+from cardan.study.rare import FAR, Rare, rare
 from cardan.study.reduce import (
     Map,
     Reduction,
@@ -44,6 +45,9 @@ from cardan.study.sweep import Answers, Bench, Sweep, named
 
 SHARD = 512
 """Variants of a shard, about: whole grids, or groups of pairs."""
+
+HARDLY = 20
+"""Variants: of a limit that fewer fail the share is known badly."""
 
 AHEAD = 3
 """Shards handed out for each worker: what waits costs memory."""
@@ -94,6 +98,8 @@ class Studied:
         What is told of them, by name (`cardan.study.reduce`).
     rows
         Each variant, where they were kept.
+    rare
+        How often limits fail that variants hardly ever did, where that was asked.
     seconds
         How long this run took.
     """
@@ -103,6 +109,7 @@ class Studied:
     asked: int
     states: Mapping[str, State]
     rows: Sweep | None = None
+    rare: tuple[Rare, ...] = ()
     seconds: float = 0.0
 
     @property
@@ -303,6 +310,7 @@ def study(
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
+        rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
         seconds=perf_counter() - begun,
     )  # fmt: skip
     if stopped:
@@ -379,6 +387,18 @@ def _told(
             n: joined(r, [total[n], states[n]]) if total else states[n] for n, r in every.items()
         }
     return total
+
+
+def _rare(bench: Bench, counts: State) -> Iterator[Rare]:
+    """Yield how often limits fail that hardly ever did: those that stand nearest to failure."""
+    fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
+    hardly = [
+        k
+        for k, (_, limit) in enumerate(bench.limits)
+        if limit.maximum is not None and answered[k] and fails[k] < HARDLY
+    ]
+    found = (rare(bench, k) for k in hardly)
+    yield from (one for one in found if one.first_order and one.first_order.beta < FAR)
 
 
 # --------------------------------------------------------------------------- rows

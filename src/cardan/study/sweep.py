@@ -22,6 +22,7 @@ from cardan.model import variants as model
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES, movable
 from cardan.model.variants import Ask, Variants
+from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, assess
 from cardan.study.draw import Drawing, Points, drawing
@@ -140,6 +141,8 @@ class Sweep:
     answers: Answers
     own: BoolArray
     unit: FloatArray
+    narrowed: bool = False
+    """Whether some limits alone were asked: others then leave nothing incomplete."""
 
     @property
     def count(self) -> int:
@@ -168,7 +171,8 @@ class Sweep:
     @cached_property
     def grades(self) -> IntArray:
         """What each variant comes to, (V,) places in `VERDICTS`, as an approval has it."""
-        return verdicts(self.answers, elsewhere=missed_elsewhere(self.installed))
+        elsewhere = not self.narrowed and missed_elsewhere(self.installed)
+        return verdicts(self.answers, elsewhere=elsewhere)
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
@@ -336,6 +340,8 @@ class Bench:
     installed: Approval
     drawing: Drawing
     single: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()
+    """Whose limits count; all where none is named."""
 
     @classmethod
     def of(
@@ -357,7 +363,10 @@ class Bench:
         """
         known = names(application)
         drawn = drawing(variants, known, seed=seed, points=points)
-        bench = cls(installed=assess(application), drawing=drawn)
+        bench = cls(installed=assess(application), drawing=drawn, quantities=variants.ask.limits)
+        if not bench.limits:
+            msg = f"no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
+            raise ValueError(msg)
         for k, name in enumerate(drawn.names):
             for end in _ends(drawn, k):
                 if name not in bench._moves:
@@ -384,8 +393,13 @@ class Bench:
         return tuple(
             (r.line.name, limit)
             for r in self.installed.responses
-            for limit in dict.fromkeys(q.limit for q in asked(r) if q.parts)
+            for limit in dict.fromkeys(q.limit for q in self._questions(r))
         )
+
+    def _questions(self, response: Response) -> tuple[Asked, ...]:
+        """Return what is asked of a line."""
+        among = self.quantities or ANSWERED
+        return tuple(q for q in asked(response, quantities=among) if q.parts)
 
     def rows(
         self,
@@ -421,6 +435,7 @@ class Bench:
             answers=answers,
             own=own,
             unit=unit,
+            narrowed=bool(self.quantities),
         )
 
     def ask(self, inputs: FloatArray) -> Answers:
@@ -454,7 +469,7 @@ class Bench:
                 parts = tuple(moves[self.drawing.names[k]] for k in mine)
                 worth = np.array([MOVABLES[p.what].worth for p in parts])
                 response = tried(response, parts, inputs[:, mine] * worth)
-            found.append(_answers(response, count))
+            found.append(_answers(response, self._questions(response), count))
         return replace(
             found[0],
             **{
@@ -489,8 +504,7 @@ class Bench:
         try:
             changed = with_numbers(self.application, {name: np.array([at, at])})
             for line in changed.lines:
-                for _ in asked(respond(changed, demand(resolve(changed, line)))):
-                    pass
+                self._questions(respond(changed, demand(resolve(changed, line))))
         except (BadFile, DesignError):
             return False
         return True
@@ -547,19 +561,17 @@ def _ends(of: Drawing, k: int) -> tuple[float, ...]:
     )
 
 
-def _answers(response: Response, count: int) -> Answers:
+def _answers(response: Response, questions: Sequence[Asked], count: int) -> Answers:
     """Return what each limit of a line comes to; the same of several parts is one."""
     # What nothing varied changes has no axis of variants: asked once, for all of them.
     every: dict[Limit, list[Asked]] = {}
-    for question in (q for q in asked(response) if q.parts):
+    for question in questions:
         every.setdefault(question.limit, []).append(question)
     shape = (len(every), count)
     values, margins = np.empty(shape), np.empty(shape)
     grades, missed = np.empty(shape, dtype=int), np.empty(shape, dtype=bool)
-    for k, (limit, questions) in enumerate(every.items()):
-        found, asks = (
-            _side_by_side([getattr(q, n) for q in questions]) for n in ("values", "asks")
-        )
+    for k, (limit, alike) in enumerate(every.items()):
+        found, asks = (_side_by_side([getattr(q, n) for q in alike]) for n in ("values", "asks"))
         known = ~np.isnan(found)
         graded = np.where(known, limit.grades(found), NOTHING)
         left = limit.margins(found)
