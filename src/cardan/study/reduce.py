@@ -551,8 +551,11 @@ def _edges(drawing: Drawing, k: int) -> tuple[float, ...]:
     first: Spread = mine[0]
     if first.kind in ("grid", "choice"):
         places = np.unique(first.values)
-        if len(places) == 1:
-            return float(places[0] - 0.5), float(places[0] + 0.5)
+        if len(places) == 1:  # it is chosen, so only what scatters about it has a width
+            wide = max(
+                ((3 if s.kind == "normal" else 1) * s.values[0] for s in mine[1:]), default=0.5
+            )
+            return tuple(np.linspace(places[0] - wide, places[0] + wide, CELLS + 1).tolist())
         between = (places[1:] + places[:-1]) / 2
         ends = 2 * places[0] - between[0], 2 * places[-1] - between[-1]
         return ends[0], *between.tolist(), ends[1]
