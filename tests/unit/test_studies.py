@@ -9,16 +9,20 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cache
+from importlib.util import find_spec
 from itertools import pairwise
 from multiprocessing import get_context
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy import stats
 
+import cardan
 from cardan import files
 from cardan.base.errors import BadFile, CardanError
 from cardan.base.verdict import GRADES, VERDICTS
+from cardan.cli import cli
 from cardan.files.study import read as read_study
 from cardan.model.variants import Ask, Spread, Variants
 from cardan.study import reduce, shards
@@ -207,13 +211,16 @@ def test_the_front_is_what_brute_force_leaves():
     shim = list(rows.names).index("shim_deg")
     goals = np.stack([-rows.margins, np.abs(rows.inputs[:, shim]) / 3, rows.answers.mass], axis=-1)
     goals[:, 1] = np.abs(np.round(rows.inputs[:, shim], 9)) / 3
+    fit = rows.grades <= VERDICTS.index("warn")
     beaten = [
-        any((g <= one).all() and (g < one).any() for g in goals) for one in goals
-    ]  # fmt: skip
+        any(((g <= one).all() and (g < one).any() and f) for g, f in zip(goals, fit, strict=True))
+        or not may
+        for one, may in zip(goals, fit, strict=True)
+    ]
     state = found.states["pareto"]
     assert sorted(state["place"].tolist()) == np.flatnonzero(~np.array(beaten)).tolist()
-    assert len(state["place"]) >= 5
-    np.testing.assert_allclose(np.sort(state["goals"], 0)[:, 2].min(), rows.answers.mass.min())
+    assert len(state["place"]) >= 3
+    assert fit.sum() < len(fit)
 
 
 def test_a_map_counts_what_lies_in_each_cell():
@@ -592,3 +599,89 @@ def test_sweeps_keep_grades_by_name():
     names = [name for name, _ in found.named()]
     assert len(set(names)) == len(names)
     assert {GRADES[g] for g in found.held[0].grades} <= set(GRADES)
+
+
+# --------------------------------------------------------------------------- the command
+
+
+def asked(tmp_path, *options, study_text=STUDY):
+    (tmp_path / "line.yaml").write_text(LINE + study_text)
+    return CliRunner().invoke(
+        cli, ["study", str(tmp_path / "line.yaml"), "--n", "90", *map(str, options)]
+    )
+
+
+def test_the_command_tells_and_writes(tmp_path):
+    run = asked(tmp_path, "--html", tmp_path / "a.html", "--json", tmp_path / "a.json")
+    assert run.exit_code == 0, run.output
+    for said in (
+        "Two-piece driveline: 90 variants", "May be built (pass or warn)", "What varies",
+        "Which tolerance to tighten first", "The worst variants", "95 % quantile",
+    ):  # fmt: skip
+        assert said in run.output
+    document = json.loads((tmp_path / "a.json").read_text())
+    assert document["variants"] == 90
+    low, high = document["yield"]["clopper_pearson"]
+    assert low <= document["yield"]["share"] <= high
+    assert sum(document["shares"].values()) == pytest.approx(1)
+    assert len(document["halved_tolerances"]) == 5
+    page = (tmp_path / "a.html").read_text()
+    assert page.count("<svg") >= 4
+    again = asked(tmp_path, "--json")
+    assert json.loads(again.output) == document
+
+
+@pytest.mark.parametrize("lang", ["pt", "it"])
+def test_the_command_speaks_other_languages(tmp_path, lang):
+    text = STUDY.replace("rows: float32", "sobol: true, rare: true, pareto: [margin, cost]")
+    text = text.replace(text[text.index("  correlated:") : text.index("  ask:")], "")
+    run = asked(
+        tmp_path, "--lang", lang, "--n", 140, "--html", tmp_path / "a.html", study_text=text
+    )
+    assert run.exit_code == 0, run.output
+    assert "May be built" not in run.output
+    assert "Sobol" in run.output
+
+
+def test_the_command_goes_on_in_its_folder(tmp_path):
+    out = tmp_path / "out"
+    first = asked(tmp_path, "--out", out, "--json", tmp_path / "a.json")
+    assert first.exit_code == 0, first.output
+    second = asked(tmp_path, "--out", out)
+    assert second.exit_code == 2
+    assert "--resume" in second.output
+    third = asked(tmp_path, "--out", out, "--resume", "--json", tmp_path / "b.json")
+    assert third.exit_code == 0
+    assert (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "text", "told"),
+    [
+        (("--resume",), STUDY, "name it with --out"),
+        ((), "", "has no study: say what varies"),
+        (("--executor", "tcp://localhost:1"), STUDY, "cardan[cluster]"),
+        ((), STUDY.replace("rows: float32", "sobol: true"), "independent inputs"),
+    ],
+)
+def test_the_command_refuses_with_a_reason(tmp_path, options, text, told):
+    if "cluster" in told and find_spec("distributed"):
+        pytest.skip("the cluster's package is here")
+    run = asked(tmp_path, *options, study_text=text)
+    assert run.exit_code == 2
+    assert told in run.output
+
+
+def test_the_face_asks_the_same(tmp_path):
+    (tmp_path / "line.yaml").write_text(LINE + STUDY)
+    app = cardan.read(tmp_path / "line.yaml")
+    found = cardan.study(app, n=90)
+    assert len(found.to_frame()) == found.count == 90
+    assert found.yield_ == np.isin(found.verdicts, ["pass", "warn"]).mean()
+    assert found.to_dict()["variants"] == 90
+    assert all("<svg" in f.svg for f in found.figures())
+    assert "<svg" in found._repr_html_()
+    narrow = cardan.study(app, {"shim_deg": [-1, 1]}, n=16, limits=("joint_angle",))
+    assert {m.quantity for _, m in narrow.limits} == {"joint_angle"}
+    with pytest.raises(CardanError, match="not kept"):
+        cardan.study(app, {"shim_deg": [-1, 1]}, n=16, rows=None).to_frame()

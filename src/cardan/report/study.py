@@ -570,11 +570,10 @@ def heat(of: Studied, chart: Map, state: State, say: Language = EN) -> Figure:
                              fill="#ffffff" if fit < 0.25 or fit > 0.85 else "#1a1a1a")
                 )  # fmt: skip
     title = say("Yield over {one} and {other}", one=drawn.x_label, other=drawn.y_label)
-    best = np.unravel_index(
-        np.nanargmax(
-            np.where(state["count"] > 0, state["passes"], -1) / np.maximum(state["count"], 1)
-        ),
-        state["count"].shape,
+    fit = state["passes"] / np.maximum(state["count"], 1)
+    left = state["sum"] / np.maximum(state["known"], 1)
+    best = np.unravel_index(  # of cells with the same yield the one of most margin
+        np.where((state["count"] > 0) & (fit == fit.max()), left, -np.inf).argmax(), fit.shape
     )
     note = say(
         "From red, none may be built, to green, all of them; white where no variant lies. Best at "

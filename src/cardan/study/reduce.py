@@ -417,7 +417,8 @@ def sobol(state: State) -> Indices:
 class Front:
     """Variants that no other beats in all goals: margin the larger, cost and mass the smaller.
 
-    `costs` tells what each input moves, None of one that no workshop moves.
+    Where one may be built, those that may not are beaten. `costs` tells what each input moves,
+    None of one that no workshop moves.
     """
 
     goals: tuple[Goal, ...]
@@ -447,6 +448,9 @@ class Front:
         return self._unbeaten({k: np.concatenate([one[k], other[k]]) for k in one})
 
     def _unbeaten(self, state: State) -> State:
+        fit = state["verdict"] <= MAY
+        if fit.any():  # what may be built beats whatever may not: their margins are to other bounds
+            state = {name: v[fit] for name, v in state.items()}
         goals = state["goals"]
         order = np.lexsort((state["place"], *goals.T[::-1]))
         kept: list[int] = []
