@@ -19,7 +19,7 @@ from cardan.model.variants import Spread, Variants
 from cardan.quantity.response import Response, respond
 from cardan.study.draw import Drawing, drawing
 from cardan.study.margins import PLENTY, limits, margins
-from cardan.study.moves import tried
+from cardan.study.moves import UNMEASURED, tried
 from cardan.study.sweep import CHUNK, names, with_numbers
 
 ASSUMED = {"bearing_height_mm": 3.0, "bearing_side_mm": 3.0, "shim_deg": 0.5, "phase_deg": 2.0}
@@ -213,7 +213,10 @@ def _own(application: Application, line: str, said: Mapping[str, Spread]) -> dic
 
 
 def _assumed(application: Application, line: str) -> Iterator[tuple[str, Spread]]:
+    measured = {i.line.name: i.line.measured for i in application.lines}
     for name, a in movable(i.line for i in application.lines).items():
+        if not measured[a.line] and a.what not in UNMEASURED:
+            continue
         kind = f"{a.what}_{MOVABLES[a.what].unit}"
         if a.line == line and kind in ASSUMED:
             yield name, Spread(kind="normal", values=(ASSUMED[kind] / 3,))
