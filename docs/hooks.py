@@ -516,6 +516,22 @@ def over_speed() -> str:
     return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
 
 
+def tolerance_that_decides() -> str:
+    """Return what halving each tolerance wins, and how the limit scatters that trucks lose."""
+    from cardan import read, study
+    from cardan.files.study import read as read_study
+    from cardan.report.study import figures
+
+    truck = read(Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml")
+    asked = read_study(Path(__file__).parent / "gallery" / "tolerances.yaml", truck)
+    ask = {name: getattr(asked.ask, name) for name in ("limits", "maps")}
+    found = study(truck, asked.vary, tolerances=asked.tolerances, n=1024, rows=None, **ask)
+    first, *_, gains, heat = figures(found)
+    return "".join(
+        f"<figure>{f.svg}<figcaption>{f.alt}</figcaption></figure>" for f in (gains, first, heat)
+    )
+
+
 def seeds() -> str:
     """Return what the first documents show, and what shows it here."""
     import yaml
@@ -535,6 +551,7 @@ def seeds() -> str:
 
 
 WRITERS = {
+    "[[tolerance that decides]]": tolerance_that_decides,
     "[[seeds]]": seeds,
     "[[samples]]": samples,
     "[[bearing over speed]]": over_speed,

@@ -7,6 +7,7 @@ column, damping that turns, a tube of plies.
 """
 
 from collections.abc import Generator, Iterable, Mapping
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from hashlib import sha256
@@ -33,6 +34,7 @@ from cardan.report.language import EN, Language
 from cardan.shaft.composite import buckling_torques, lightest
 from cardan.study import approval as approvals
 from cardan.study import fix as fixes
+from cardan.study import shards
 from cardan.study import sizing as sizings
 from cardan.study import sweep as sweeps
 from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
@@ -209,18 +211,59 @@ class Sizing(sizings.Sizing):
         return _report("sizing").document(self)
 
 
-class Sweep(sweeps.Sweep):
-    """What variants come to: `yield_`, `shares`, `verdicts`, `margins`, and each limit's."""
+class Sweep(shards.Studied):
+    """What variants come to: `yield_`, `interval()`, `shares`, and what else was asked.
+
+    Where each variant was kept also `verdicts`, `margins`, `varied`, and each limit's `held`.
+    """
+
+    @property
+    def kept(self) -> sweeps.Sweep:
+        """Each variant.
+
+        Raises
+        ------
+        DesignError
+            If they were not kept.
+        """
+        if self.rows is None:
+            msg = "the variants were not kept one by one: ask with rows, and without a folder"
+            raise DesignError(msg)
+        return self.rows
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What each variant comes to."""
+        return self.kept.verdicts
+
+    @property
+    def margins(self) -> Any:
+        """The smallest margin of each variant, (V,)."""
+        return self.kept.margins
+
+    @property
+    def varied(self) -> tuple[sweeps.Varied, ...]:
+        """Each number that varies."""
+        return self.kept.varied
+
+    @property
+    def held(self) -> tuple[sweeps.Held, ...]:
+        """What each limit came to."""
+        return self.kept.held
 
     def __repr__(self) -> str:
-        tables = (line for t in _report("sweep").tables(self) for line in terminal.block(t))
-        return terminal.bare([_report("sweep").summary(self), *tables])
+        return terminal.bare(_report("study").terminal(self, EN))
 
     def _repr_html_(self) -> str:
-        said = _report("notebook").tag("p", _report("sweep").summary(self))
-        return _report("notebook").tag(
-            "div", said, _report("notebook").blocks(_report("sweep").tables(self))
-        )
+        return _report("notebook").chapters(_report("study").chapters(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `cardan study --json` writes."""
+        return _report("study").document(self)
+
+    def figures(self) -> tuple[Any, ...]:
+        """Return histograms, bars and maps: each has a title and its `svg`."""
+        return tuple(_report("study").figures(self))
 
     def to_frame(self) -> Any:
         """Return a pandas frame with a row for each variant.
@@ -228,9 +271,10 @@ class Sweep(sweeps.Sweep):
         What varied, the verdict, the smallest margin, and of each limit the value where it
         is worst, in the unit its quantity is shown in, and the margin there.
         """
-        columns: dict[str, Any] = {v.name: v.values for v in self.varied}
-        columns |= {"verdict": self.verdicts, "margin": self.margins}
-        for name, held in self.named():
+        rows = self.kept
+        columns: dict[str, Any] = {v.name: v.values for v in rows.varied}
+        columns |= {"verdict": rows.verdicts, "margin": rows.margins}
+        for name, held in rows.named():
             columns[name] = held.values / QUANTITIES[held.limit.quantity].factor
             columns[f"{name} margin"] = held.margins
         frame = _frame(columns)
@@ -355,10 +399,16 @@ def size(app: Application, *, line: str | None = None) -> Sizing:
 
 def study(
     app: Application,
-    vary: Mapping[str, sweeps.Spread],
+    vary: Mapping[str, sweeps.Spread] | None = None,
     *,
+    tolerances: Mapping[str, sweeps.Spread] | None = None,
     n: int = 10_000,
     seed: int = 0,
+    out: str | Path | None = None,
+    resume: bool = False,
+    executor: Executor | None = None,
+    workers: int = 1,
+    **ask: Any,
 ) -> Sweep:
     """Ask the driveline of many variants at once.
 
@@ -369,12 +419,35 @@ def study(
     vary
         By the address of a number, as `cardan.addresses` has them, or the key of something
         that can be moved (`bearing_height_mm[1]`, `shim_deg`): `[low, high]`,
-        `{"choice": [...]}`, `{"normal": sigma}` or `{"uniform": half}`.
+        `{"choice": [...]}`, `{"grid": [low, high, how many]}`, `{"normal": sigma}` or
+        `{"uniform": half}`. Where nothing is said, what the file's `study` says.
+    tolerances
+        What scatters about that: `{"normal": sigma}` or `{"uniform": half}`.
     n, seed
         How many variants, and the seed of their points.
+    out, resume
+        A folder that keeps what is done, and whether to go on with what it holds.
+    executor, workers
+        Who computes, and how many at a time: any of `concurrent.futures`, or a cluster's
+        `get_executor()`; by default threads.
+    ask
+        As in the file's `ask`: `quantiles=(0.05, 0.95)`, `sobol=True`, `worst=5`,
+        `pareto=("margin", "cost")`, `maps=(("shim_deg", "axle.ratio"),)`, `confidence=0.95`.
+        Without a folder each variant is kept, unless `rows` is None.
     """
+    if vary is None and tolerances is None and app.variants is not None:
+        variants = app.variants
+    else:
+        variants = sweeps.variants_of(vary, tolerances)
+    if out is None:
+        ask = {"rows": "float64", **ask}
+    variants = replace(variants, ask=replace(variants.ask, **ask))
     with _told(app):
-        return _shown(Sweep, sweeps.sweep(app, vary, count=n, seed=seed))
+        found = shards.study(
+            app, variants, count=n, seed=seed, folder=None if out is None else Path(out),
+            resume=resume, executor=executor, workers=workers,
+        )  # fmt: skip
+        return _shown(Sweep, found)
 
 
 def life(recording: str | Path, **options: Any) -> Life:

@@ -16,7 +16,8 @@ from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyP
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.study.approval import assess, held_to
-from cardan.study.fix import PLENTY, fix, margins
+from cardan.study.fix import fix
+from cardan.study.margins import PLENTY, margins
 from cardan.study.moves import adjustables, tried
 from cardan.study.sensitivity import sensitivities
 

@@ -147,14 +147,14 @@ def _story(
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
 
-    issue = _issue(paths)
+    of_this = issue(paths)
     if len(found) > 1:
-        return story.comparison(_variants(paths, found), say=say, issue=issue)
+        return story.comparison(_variants(paths, found), say=say, issue=of_this)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
-        return story.whole(found[0], say=say, issue=issue, state=state, tell=tell)
+        return story.whole(found[0], say=say, issue=of_this, state=state, tell=tell)
 
 
-def _issue(paths: tuple[Path, ...]) -> Any:
+def issue(paths: tuple[Path, ...]) -> Any:
     """Return what says which report this is: the day, the files and what they held."""
     from datetime import date
     from hashlib import sha256

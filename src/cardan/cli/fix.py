@@ -33,6 +33,14 @@ from cardan.cli.ending import kindly, leave
 @click.option(
     "--count", type=click.IntRange(1), default=5, show_default=True, help="Proposals at most."
 )
+@click.option(
+    "--draws",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="Ask N trucks of each proposal, each by itself; by default their margins are taken "
+    "from slopes at the setting.",
+)
 @UNTOLD
 @kindly
 def fix(
@@ -45,14 +53,16 @@ def fix(
     line: str | None,
     hold: tuple[str, ...],
     count: int,
+    draws: int,
     quiet: bool,
 ) -> None:
     """Propose what to change, over all states at once.
 
     Moves centre bearings, the axle's shim and yoke phases within what the file's `adjust`
-    allows; --hold bearing_height, or --hold "phase 2", leaves that where it is. Exit code
-    0 where a check of the file changed as the first proposal says would end so, else 1; where
-    there is no proposal, as a check of the file.
+    allows, in the steps of a workshop, and ranks by the verdict, by how many trucks keep it as
+    they scatter, and by cost. --hold bearing_height, or --hold "phase 2", leaves that where it
+    is. Exit code 0 where a check of the file changed as the first proposal says would end so,
+    else 1; where there is no proposal, as a check of the file.
     """
     from cardan.report import terminal
     from cardan.report.language import Language
@@ -64,7 +74,7 @@ def fix(
     outputs = claim(file, limits, json_out=json_out)
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("looking for corrections"), quiet=quiet) as tell:
-        found = search(application, line=line, hold=hold, count=count, tell=tell)
+        found = search(application, line=line, hold=hold, count=count, draws=draws, tell=tell)
     if json_out is not None:
         from cardan.report import contract
 

@@ -19,7 +19,7 @@ gc.set_threshold(50_000, 20, 50)
 
 NAMES = (
     "bracket", "catalogue", "check", "explain", "fix", "joint", "life", "new", "schema", "serve",
-    "size", "stability", "verify",
+    "size", "stability", "study", "verify",
 )  # fmt: skip
 """The commands: each is the function of its name in the module of its name."""
 

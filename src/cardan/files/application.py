@@ -68,7 +68,9 @@ from cardan.model.application import (
     Written,
 )  # fmt: skip
 from cardan.model.layout import Layout
+from cardan.model.movable import movable
 from cardan.model.turning import Launch
+from cardan.model.variants import Variants
 from cardan.model.vehicle import Engine, Gearbox, SuspensionState, Tyre, Vehicle
 
 CATALOGUES = 20
@@ -137,7 +139,11 @@ def understood(written: Written) -> Application:
         # What only looks wrong may be why the rest is: say it too.
         raise BadFile(name, (*problems, *reading.warnings))
     read = replace(
-        written, numbers=reading.numbers, beside=tuple(reading.beside), application=application
+        written,
+        numbers=reading.numbers,
+        single=reading.fixed,
+        beside=tuple(reading.beside),
+        application=application,
     )
     spread = any(np.ndim(to) for to in written.changes.values())
     return replace(
@@ -470,6 +476,9 @@ class ApplicationTable(Table):
     launch: Annotated[Any, OneOf(_LAUNCH, ListOf(_LAUNCH, most=20))] | None = key(
         "starts from rest, one or several", default=None
     )
+    study: Annotated[Any, Later("cardan.files.study", "StudyTable")] | None = key(
+        "what varies, what scatters, and what is asked of all variants", default=None
+    )
     prime_mover: Literal["diesel", "petrol", "electric"] = key("engine", default="diesel")
     shock_factor: Annotated[float, Number(least=1, most=10)] = key(
         "on the torque the joints are sized for: 1.2 smooth to 6 extreme", default=1.0
@@ -522,12 +531,23 @@ class ApplicationTable(Table):
             inter_axle=self.inter_axle,
             wheels=self.wheels,
             launches=self._launches(),
+            variants=self._variants(lines),
             prime_mover_factor=PRIME_MOVERS[self.prime_mover],
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,
             include_unbalance="unbalance" in self.include,
             origins=self.at().reading.places,
         )
+
+    def _variants(self, lines: tuple[Installed, ...]) -> Variants | None:
+        """Return the study, whose names must be those of numbers that stand in the file."""
+        if self.study is None:
+            return None
+        from cardan.files.study import of_numbers
+
+        reading = self.at().reading
+        numbers = of_numbers((*reading.numbers, *reading.fixed))
+        return self.study.variants((*numbers, *movable(i.line for i in lines)))
 
     def _torsion(self) -> Surroundings | None:
         """Return what the first plan's table says, refused beside parts of their own."""

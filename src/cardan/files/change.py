@@ -71,10 +71,15 @@ def _written(application: Application) -> Written:
     # What was warned of follows from the text, and is found again with it.
     names = (f.name for f in fields(application) if f.name not in ("written", "warnings"))
     was = written.application
-    if other := [n for n in names if getattr(application, n) is not getattr(was, n)]:
+    if other := [n for n in names if not _same(getattr(application, n), getattr(was, n))]:
         msg = (
             f"application {application.title} has had its {', '.join(other)} replaced since it "
             "was read: change the numbers first"
         )
         raise DesignError(msg)
     return written
+
+
+def _same(one: object, other: object) -> bool:
+    """Return whether two parts are one; numbers and texts that came from another process equal."""
+    return one is other or (isinstance(one, int | float | str) and one == other)

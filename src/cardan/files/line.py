@@ -219,9 +219,20 @@ _RANGES = {
     ),
     "share": ListOf(Number("percent", least=-0.9, most=10, usual=(0.01, 2)), "lowest", "highest"),
 }  # fmt: skip
+_STEPS = {
+    "length": Number(*measure.LENGTHS, above=0, most=1, usual=(0.2 * mm, 0.2)),
+    "angle": Number(*measure.ANGLES, above=0, most=90 * deg, usual=(0.02 * deg, 90 * deg)),
+    "share": Number("percent", above=0, most=1),
+}
 Range: TypeAlias = tuple[float, float]
 Ranges: TypeAlias = Range | dict[int, Range]
 """One range for all parts, or a range for each part that may move."""
+
+
+class StepsTable(Table):
+    """The steps in which a workshop sets things: shims, packing plates, pitches of holes."""
+
+    fixed = True
 
 
 class AdjustTable(Table):
@@ -235,6 +246,7 @@ class AdjustTable(Table):
     hold: tuple[str, ...] = key(
         "what stays for now, though it has a range: shim, bearing_height 1", default=()
     )
+    steps: StepsTable | None = key("in which a workshop sets things", default=None)
 
     def adjustables(self, line: Line) -> tuple[Adjustable, ...]:
         """Return what may move of a line."""
@@ -271,7 +283,10 @@ class AdjustTable(Table):
             )
         else:
             held = bool({what, f"{what} {part}"} & set(self.hold))
-            yield Adjustable(what=what, part=part, low=low, high=high, line=line.name, hold=held)
+            step: float = getattr(self.steps, what, None) or movable.resolution
+            yield Adjustable(
+                what=what, part=part, low=low, high=high, line=line.name, hold=held, step=step
+            )
 
 
 # What may move is declared once, in the model: each kind is an entry of the table.
@@ -282,6 +297,8 @@ for _movable in MOVABLES.values():
     )
     AdjustTable.__annotations__[_movable.key] = Annotated[Any, _ranges]
     setattr(AdjustTable, _movable.key, key(_movable.says, default=None))
+    StepsTable.__annotations__[_movable.key] = Annotated[Any, _STEPS[_movable.measure]]
+    setattr(StepsTable, _movable.key, key(f"of {_movable.says}", default=None))
 
 
 class LineTable(GeometryTable):

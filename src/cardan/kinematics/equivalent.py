@@ -12,7 +12,7 @@ of small complex joint angles instead, and everyone else in the field approximat
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
-from math import ceil, pi
+from math import ceil, pi, prod
 from typing import Any
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
@@ -25,6 +25,9 @@ SPICER = 3.3403e-6
 
 STARTS, STEPS = 8, 5
 """Angles of half a turn to seek peaks from, at small phasors; steps that reach them."""
+
+BLOCK = 2048
+"""Cases whose peaks are sought at a time: more of them leave the processor's cache."""
 
 
 def tangent_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:
@@ -364,10 +367,26 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
     whole way to it where the sum is a pure sine.
     """
     xp = namespace(phasors)
-    E, J = phasors[..., None], weights[..., None, :]
     # The larger a phasor, the narrower its peak; a single joint has no shafts at all.
     most = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
     starts = ceil(STARTS / (1 - most))
+    weights = weights + 0 * xp.real(phasors)
+    phasors = phasors + 0 * weights
+    shape, cases = phasors.shape, prod(phasors.shape[:-1])
+    if cases <= BLOCK:
+        return _followed(phasors, weights, starts=starts)
+    each = [xp.reshape(v, (cases, shape[-1])) for v in (phasors, weights)]
+    found = [
+        _followed(*(v[first : first + BLOCK, :] for v in each), starts=starts)
+        for first in range(0, cases, BLOCK)
+    ]
+    return xp.reshape(xp.concat(found), shape[:-1])
+
+
+def _followed(phasors: Any, weights: Any, *, starts: int) -> FloatArray:
+    """Return the largest sums, followed uphill from so many z."""
+    xp = namespace(phasors)
+    E, J = phasors[..., None], weights[..., None, :]
     z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))[None, :]
     largest = 0 * xp.real(z)
     for _ in range(STEPS):

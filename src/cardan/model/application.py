@@ -13,6 +13,7 @@ from cardan.base.verdict import Limit
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.model.turning import Clutch, Converter, DualMassFlywheel, InterAxle, Launch, Wheels
+from cardan.model.variants import Variants
 from cardan.model.vehicle import (
     Axle,
     Drives,
@@ -151,6 +152,8 @@ class Adjustable:
     high: float
     line: str = "main"
     hold: bool = False
+    step: float = 0.0
+    """In which a workshop sets it; 0: any."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -234,6 +237,8 @@ class Written:
         Numbers that stand in place of the text's own, by address, in the text's units.
     numbers
         Every number of the design by its address, in the text's units, as read.
+    single
+        The numbers beside the design, of limits and ranges, which have no variants in arrays.
     beside
         The files that the text names, and that were read with it.
     application
@@ -246,6 +251,7 @@ class Written:
     allow_outside: bool = False
     changes: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    single: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     beside: tuple[Path, ...] = ()
     application: "Application | None" = None
 
@@ -280,6 +286,8 @@ class Application:
     inter_axle: InterAxle | None = None
     wheels: Wheels | None = None
     launches: tuple[Launch, ...] = ()
+    variants: Variants | None = None
+    """What a study of the application's variants asks."""
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False

@@ -4,7 +4,8 @@ The file's `adjust` table, `fix`, the sensitivities, the JSON contract and the w
 reports read these declarations.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import deg, mm, percent
+from cardan.model.application import Adjustable
 from cardan.model.parts import Line
 
 
@@ -79,7 +81,8 @@ class Movable:
     room: Callable[[Line], tuple[float, float]] = lambda _: (-np.inf, np.inf)
     """How far a line lets it go."""
     resolution: float = 0.0
-    """Steps a workshop can set; 0: any."""
+    """Steps a workshop sets where nobody says others: packing plates, wedges. House practice,
+    assumed; 0: any."""
     choice: bool = False
     fitted: bool = False
     forth: str
@@ -152,20 +155,20 @@ _DECLARED = (
     Movable(
         key="bearing_height", says="centre bearings, up positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
-        move=_shift(2), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=1 * mm,
+        move=_shift(2), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
         forth="bearing {part} up {amount} mm", back="bearing {part} down {amount} mm",
     ),
     Movable(
         key="bearing_side", says="centre bearings, to the right positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
-        move=_shift(1), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=1 * mm,
+        move=_shift(1), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
         forth="bearing {part} to the right {amount} mm",
         back="bearing {part} to the left {amount} mm",
     ),
     Movable(
         key="shim", says="axle, pinion nose up positive",
         of="axle", measure="angle", count=lambda _: 1,
-        move=_shim, reach=(-3 * deg, 3 * deg), step=1 * deg, resolution=0.1 * deg,
+        move=_shim, reach=(-3 * deg, 3 * deg), step=1 * deg, resolution=0.5 * deg,
         forth="pinion nose up {amount} deg", back="pinion nose down {amount} deg",
     ),
     Movable(
@@ -201,3 +204,33 @@ _DECLARED = (
 
 MOVABLES: dict[str, Movable] = {m.key: m for m in _DECLARED}
 """The declarations by key, in the order of the file's table."""
+
+
+def movable(lines: Iterable[Line]) -> dict[str, Adjustable]:
+    """Return what can be moved of lines by its name: the key of `adjust`, and which part.
+
+    `bearing_height_mm[1]`, `shim_deg`; of several lines `front.shim_deg`.
+    """
+    lines = tuple(lines)
+    found: dict[str, Adjustable] = {}
+    for line in lines:
+        for m in MOVABLES.values():
+            for part in range(1, m.count(line) + 1):
+                name = f"{m.key}_{m.unit}" + ("" if m.of in ("axle", "line") else f"[{part}]")
+                found[f"{line.name}.{name}" if len(lines) > 1 else name] = Adjustable(
+                    what=m.key,
+                    part=part,
+                    low=m.reach[0],
+                    high=m.reach[1],
+                    line=line.name,
+                    step=m.resolution,
+                )
+    return found
+
+
+def meant(name: str, known: Iterable[str]) -> list[str]:
+    """Return which of the known names one stands for; `[*]` stands for every part."""
+    if "[*]" not in name:
+        return [k for k in known if k == name]
+    pattern = re.compile(re.escape(name).replace(r"\[\*\]", r"\[\d+\]"))
+    return [k for k in known if pattern.fullmatch(k)]

@@ -158,12 +158,30 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
                     for m in p.moves
                     for movable in (MOVABLES[m.adjustable.what],)
                 ],
+                "survival": _survival(p),
                 "checks": [check(c) for c in p.checks],
                 "unanswered": [unanswered(u) for u in p.unanswered],
             }
             for p in of
         ]
     )
+
+
+def _survival(of: Proposal) -> dict[str, Any] | None:
+    """Return how many trucks keep what a proposal promises; null where nothing scatters."""
+    found, trucks = of.survival, of.trucks
+    if found is None or trucks is None:
+        return None
+    return {
+        "share": found.share,
+        "each_asked": found.asked,
+        "lost": found.lost or None,
+        "tighten_first": found.tighter and {"name": found.tighter[0], "share": found.tighter[1]},
+        "assumed": trucks.assumed,
+        "tolerances": [
+            {"name": name, "kind": s.kind, "value": s.values[0]} for name, s in trucks.tolerances
+        ],
+    }
 
 
 def published(of: tuple[Published, ...]) -> list[dict[str, Any]]:

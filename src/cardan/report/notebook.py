@@ -6,7 +6,7 @@ One rule keeps it safe: what is not `Markup` is text, and text is escaped.
 from collections.abc import Iterable
 from html import escape
 
-from cardan.report.blocks import Block, Points, Table, Text
+from cardan.report.blocks import Block, Chapter, Figures, Points, Table, Text
 from cardan.report.html import MARKS
 from cardan.report.language import Language
 from cardan.report.paper import shortened
@@ -58,6 +58,11 @@ def blocks(of: Iterable[Block]) -> Markup:
     return tag("div", *(part for block in of for part in _block(block)))
 
 
+def chapters(of: Iterable[Chapter]) -> Markup:
+    """Return chapters of a story one below the other."""
+    return tag("div", *(blocks(chapter.blocks) for chapter in of))
+
+
 def text(said: str) -> Markup:
     """Return a text of a terminal as it stands."""
     return tag("pre", said)
@@ -79,6 +84,8 @@ def _block(of: Block) -> Iterable[Markup]:
             )
         case Table():
             yield _table(of)
+        case Figures():
+            yield from (tag("div", Markup(f.svg)) for f in of.figures)
         case _:
             return
 

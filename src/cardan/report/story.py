@@ -46,8 +46,10 @@ from cardan.report.wording import (
     out_of_reach,
     place,
     problem,
+    scattered,
     sense,
     sentence,
+    survives,
     unanswered,
     worst_of_each,
 )
@@ -330,6 +332,8 @@ def _changes(
             caption=say("Corrections over all states at once, best first"),
             points=tuple(_proposal(k, p, say) for k, p in enumerate(fixes, 1)),
         )
+        if scatter := scattered(fixes[0], say):
+            yield Text(paragraphs=(scatter,))
     if helps:
         yield Points(
             caption=say("What would help, each move alone"),
@@ -375,7 +379,11 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
         cost=say.short(round(p.cost, 2)),
     )
     moves = tuple(move(m, say) for m in p.moves)
-    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (*moves, *left(p, say))
+    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
+        *moves,
+        *survives(p, say),
+        *left(p, say),
+    )
 
 
 def _inputs(of: Approval, say: Language) -> Iterator[Block]:

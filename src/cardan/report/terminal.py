@@ -27,6 +27,8 @@ from cardan.report.wording import (
     notes,
     place,
     problem,
+    scattered,
+    survives,
     tally,
     unanswered,
     worst_of_each,
@@ -240,12 +242,15 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         line=of[0].line, margin=before,
     )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
+    if scatter := scattered(of[0], say):
+        yield scatter
     for k, p in enumerate(of, 1):
         yield ""
         margin, cost = say.percent(p.margin), say.short(round(p.cost, 2))
         won = say("{margin} from a warning, cost {cost}", margin=margin, cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
+        yield from (f"     {one}" for one in survives(p, say))
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
 
 

@@ -1,5 +1,6 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -140,6 +141,43 @@ def left(
         for c in bad
     ]
     return still + gaps(of.approval.coverage.missed, say, several=several)
+
+
+def scattered(of: "Proposal", say: Language) -> str:
+    """Return how the trucks are taken to scatter about a setting; "" where nothing does."""
+    trucks = of.trucks
+    if trucks is None:
+        return ""
+    each = dict[str, None]()
+    for name, spread in trucks.tolerances:
+        wide = spread.values[0] * (3 if spread.kind == "normal" else 1)
+        alike = re.sub(r"\[\d+\]", "", name) if trucks.assumed else name
+        each[f"{alike} ± {say.short(round(wide, 4))}"] = None
+    what = say.list(*each)
+    if trucks.assumed:
+        return say("Trucks are assumed to scatter by {what} (3 σ).", what=what)
+    return say("Trucks scatter by {what} (normal ones 3 σ), as the file says.", what=what)
+
+
+def survives(of: "Proposal", say: Language) -> list[str]:
+    """Return how many trucks keep what a proposal promises, and what would win most."""
+    found = of.survival
+    if found is None:
+        return []
+    share = say.pointed(f"{100 * found.share:.0f} %")
+    said = [say("{share} of trucks keep that", share=share)]
+    if found.lost:
+        said = [
+            say("{share} of trucks keep that; most others lose: {limit}", share=share,
+                limit=say.name(found.lost))
+        ]  # fmt: skip
+    if found.tighter:
+        name, more = found.tighter
+        said.append(
+            say("tighten first: {name}; half as wide, {share} keep it", name=name,
+                share=say.pointed(f"{100 * more:.0f} %"))
+        )  # fmt: skip
+    return said
 
 
 def movable(a: Adjustable, say: Language) -> str:

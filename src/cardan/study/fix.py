@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -22,9 +22,11 @@ from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES
 from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, approve, default_studies
-from cardan.study.driveline import DrivelineStudy, asked, checks_of, unanswered_of
+from cardan.study.driveline import DrivelineStudy, checks_of, unanswered_of
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
+from cardan.study.margins import Bound, margins
 from cardan.study.moves import Move, adjustables, corrected, tried
+from cardan.study.robust import Survival, Trucks
 
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
@@ -34,9 +36,6 @@ TRIALS = 48
 
 TURNINGS = 8
 """Choices of yoke phases that are searched together at most: two of each of three shafts."""
-
-PLENTY = 10.0
-"""Margins are cut here."""
 
 STILL = 1e-9
 """A margin that changes by less than this in every trial is not for moving to answer."""
@@ -53,11 +52,19 @@ BLUNT = 0.02
 ROUGH = 1e-3
 """How far into the reserve the search may end: rounding to steps is held to the bounds anyway."""
 
+SURE = 2.5
+"""Standard deviations of its scatter that a robust correction keeps each margin away from 0."""
+
+CLASSES = 20
+"""Corrections that as many trucks survive, to a twentieth, are ranked by what they cost."""
+
+SEEN = 8
+"""Corrections that are asked how many trucks survive them, at least."""
+
 STEPS = np.linspace(0.0, 1.0, 17)[:, None]
 """Places that are tried on the way back from a correction to the least one."""
 
 Smooth: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
-Bound: TypeAlias = Literal["normal", "maximum"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +72,8 @@ class Proposal:
     """A correction of one line, and what the application comes to with it.
 
     `margin` is the smallest margin to a warning among the limits that moving can change,
-    `before` the same as installed. `approval` is that of the whole application so corrected.
+    `before` the same as installed. `approval` is that of the whole application so corrected;
+    `survival` how many trucks keep what it promises as they scatter, None where nothing does.
     """
 
     line: str
@@ -73,6 +81,15 @@ class Proposal:
     before: float
     margin: float
     approval: Approval
+    survival: Survival | None = None
+    trucks: Trucks | None = None
+
+    @property
+    def rank(self) -> tuple[int, int, float]:
+        """What proposals are sorted by: the verdict, how many trucks keep it, the cost."""
+        share = self.survival.share if self.survival else 1.0
+        sure = min(int(share * CLASSES + 1e-9), CLASSES - 1)
+        return VERDICTS.index(self.verdict), -sure, self.cost
 
     @property
     def cost(self) -> float:
@@ -151,23 +168,6 @@ class _Corrected(DrivelineStudy):
         )
 
 
-def margins(response: Response, *, to: Bound) -> FloatArray:
-    """Return every margin of a line, (..., limits x states x parts), cut where it is plenty.
-
-    To the maximum, what can only warn has plenty.
-    """
-    cases = response.layout.points.shape[:-3]
-    each = [
-        np.full_like(q.values, PLENTY)
-        if to == "maximum" and q.limit.maximum is None and q.limit.band is None
-        else q.limit.margin(q.values, to=to)
-        for q in asked(response)
-    ]
-    full = [np.broadcast_to(m, (*cases, *m.shape[-2:])).reshape(*cases, -1) for m in each]
-    # A limit that does not ask is as good as one satisfied many times over.
-    return np.nan_to_num(np.minimum(np.concatenate(full, axis=-1), PLENTY), nan=PLENTY)
-
-
 @dataclass(frozen=True)
 class _Search:
     """The margins of one line as a function of where its ways stand, from -1 to 1.
@@ -182,6 +182,15 @@ class _Search:
     turns: FloatArray
     free: tuple[int, ...]
     changed: BoolArray
+    trucks: Trucks | None = None
+
+    def reserve(self, position: FloatArray, *, to: Bound) -> FloatArray | None:
+        """Return what each margin needs in reserve as trucks scatter; None where none does."""
+        if self.trucks is None:
+            return None
+        amounts = self.amounts(position[None])[0]
+        scatter = self.trucks.scatter(self.movable, amounts, to=to)[self.changed]
+        return RESERVE + SURE * scatter
 
     def amounts(self, positions: FloatArray) -> FloatArray:
         """Return the amounts (V, movable) at positions (V, free)."""
@@ -206,7 +215,7 @@ class _Search:
         position it is the one of most margin, or the `cheap`est that keeps every margin.
         """
         amounts = self.amounts(position[None])[0]
-        steps = np.array([MOVABLES[a.what].resolution for a in self.movable])
+        steps = np.array([a.step for a in self.movable])
         whole = np.where(steps > 0, steps, 1.0)
         down = np.where(steps > 0, np.floor(amounts / whole + 1e-9) * whole, amounts)
         up = np.where(steps > 0, np.ceil(amounts / whole - 1e-9) * whole, amounts)
@@ -247,7 +256,9 @@ class _Search:
         kept = spread[found > RESERVE]
         return top, reached, min(kept, key=lambda x: float(x @ x), default=top)
 
-    def least(self, start: FloatArray, *, to: Bound) -> FloatArray:
+    def least(
+        self, start: FloatArray, *, to: Bound, reserve: FloatArray | float = RESERVE
+    ) -> FloatArray:
         """Return the cheapest position found that keeps every margin in reserve.
 
         `start` keeps them. Where the search goes astray, as which point is worst changes from
@@ -260,11 +271,11 @@ class _Search:
 
         def kept(x: FloatArray) -> tuple[FloatArray, FloatArray]:
             margin, slope = self._smooth(x, to=to)
-            return margin - RESERVE, slope
+            return margin - reserve, slope
 
         end = self._solve(start, cost=cost, needed=kept)
         ways = np.concatenate([start + STEPS * (goal - start) for goal in (end, 0 * start)])
-        keeps = self.margins(ways, to=to).min(-1) >= RESERVE - ROUGH
+        keeps = (self.margins(ways, to=to) - reserve).min(-1) >= -ROUGH
         keeps[0] = True
         return ways[keeps][np.abs(ways[keeps]).sum(-1).argmin()]
 
@@ -319,6 +330,7 @@ def fix(
     line: str | None = None,
     hold: Collection[str] = (),
     count: int = 6,
+    draws: int = 0,
     tell: Callable[[int, int], None] | None = None,
 ) -> tuple[Proposal, ...]:
     """Propose corrections of a line, for all its states at once.
@@ -334,14 +346,18 @@ def fix(
         What stays where it is, by name: "bearing_height", or "phase 2" for one part.
     count
         How many proposals at most.
+    draws
+        How many trucks are asked of each proposal, each by itself; 0 takes their margins from
+        slopes and bends at the setting.
     tell
         Called with how many choices of yoke phases are searched, and of how many.
 
     Returns
     -------
     tuple of Proposal
-        Best verdict first, then the cheapest; none is beaten by another that costs less
-        and leaves more margin, nor by the line as installed.
+        Best verdict first, then what most trucks survive as they scatter, then the cheapest.
+        None is beaten by another that costs less and leaves more margin, nor by the line as
+        installed.
 
     Raises
     ------
@@ -357,12 +373,13 @@ def fix(
     response = _line(application, line)
     movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
-    found = {t.moves: t for t in _trials(before, movable, tell)}
+    trucks = Trucks.of(application, response.line.name)
+    found = {t.moves: t for t in _trials(before, movable, trucks, tell)}
     installed = found.get(())
     if installed is None:  # nothing that may be moved changes anything
         return ()
     ranked = sorted(found.values(), key=lambda t: t.rank)
-    shown = [t for t in _unbeaten(ranked) if t.moves][:count]
+    unbeaten = [t for t in _unbeaten(ranked) if t.moves][: max(count, SEEN)]
     proposals = [
         Proposal(
             line=response.line.name,
@@ -370,10 +387,12 @@ def fix(
             before=installed.margin,
             margin=t.margin,
             approval=_approval(before, t),
+            survival=trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws),
+            trucks=trucks,
         )
-        for t in shown
+        for t in unbeaten
     ]
-    return tuple(sorted(proposals, key=lambda p: VERDICTS.index(p.verdict)))
+    return tuple(sorted(proposals, key=lambda p: p.rank)[:count])
 
 
 def _approval(before: Response, trial: _Trial) -> Approval:
@@ -409,7 +428,10 @@ def _line(application: Application, name: str | None) -> Response:
 
 
 def _trials(
-    response: Response, movable: tuple[Adjustable, ...], tell: Callable[[int, int], None] | None
+    response: Response,
+    movable: tuple[Adjustable, ...],
+    trucks: Trucks | None,
+    tell: Callable[[int, int], None] | None,
 ) -> Iterator[_Trial]:
     """Yield every trial worth comparing: each way alone, all together, each yoke turned.
 
@@ -432,7 +454,7 @@ def _trials(
         yield _trial(response, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
-            search = _Search(response, movable, turns, free, changed)
+            search = _Search(response, movable, turns, free, changed, trucks)
             for amounts in _corrections(search):
                 yield _trial(response, movable, amounts, changed)
 
@@ -445,6 +467,10 @@ def _corrections(search: _Search) -> Iterator[FloatArray]:
         if margin > RESERVE:
             for start in (top, near):
                 yield search.settable(search.least(start, to=bound), to=bound, cheap=True)
+            reserve = search.reserve(top, to=bound)
+            if reserve is not None and (search.margins(top[None], to=bound) >= reserve).all():
+                sure = search.least(top, to=bound, reserve=reserve)
+                yield search.settable(sure, to=bound)
 
 
 def _turnings(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[FloatArray]:

@@ -42,7 +42,9 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
     if application.adjustables:
         return tuple(a for a in application.adjustables if a.line == name and not a.hold)
     return tuple(
-        Adjustable(what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name)
+        Adjustable(
+            what=m.key, part=k, low=m.reach[0], high=m.reach[1], line=name, step=m.resolution
+        )
         for m in MOVABLES.values()
         if not m.fitted and (response.line.measured or m.key in UNMEASURED)
         for k in range(1, m.count(response.line) + 1)
@@ -57,7 +59,11 @@ def fitted(response: Response) -> tuple[Adjustable, ...]:
         parts = range(1, m.count(line) + 1) if m.fitted and line.measured else ()
         for k in parts:
             low, high = np.clip(m.reach, *m.room(line)).tolist()
-            found.append(Adjustable(what=m.key, part=k, low=low, high=high, line=line.name))
+            found.append(
+                Adjustable(
+                    what=m.key, part=k, low=low, high=high, line=line.name, step=m.resolution
+                )
+            )
     return tuple(found)
 
 

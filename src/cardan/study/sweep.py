@@ -1,38 +1,43 @@
-"""A study of variants: some numbers vary, and every limit is asked of every variant at once.
+"""Variants of an application: some numbers vary, and every limit is asked of all at once.
 
 What varies is a number of the file by its address, or something that a workshop can move by
 its key in the file's `adjust`. The driveline in its states answers, by the same code and with
 the same margins as one application.
 """
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
+from cardan.base.errors import BadFile, DesignError
 from cardan.base.verdict import GRADES, VERDICTS, Limit, Verdict
-from cardan.border.table import nearest
 from cardan.demand.states import demand, resolve
 from cardan.files.change import addresses, change
+from cardan.files.study import of_numbers
+from cardan.model import variants as model
 from cardan.model.application import Adjustable, Application
-from cardan.model.movable import MOVABLES
+from cardan.model.movable import MOVABLES, movable
+from cardan.model.variants import Ask, Variants
+from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, assess
+from cardan.study.draw import Drawing, Points, drawing
 from cardan.study.driveline import Asked, asked
 from cardan.study.finding import DRIVELINE, Tell, silent
-from cardan.study.fix import tried
+from cardan.study.moves import tried
 
-CHUNK = 1000
-"""Variants at a time: their arrays stay in the processor's cache."""
+CHUNK = 64
+"""Variants at a time: more of them leave the processor's cache, and are slower."""
 
-Spread: TypeAlias = Sequence[float] | Mapping[str, Any]
+Spread: TypeAlias = Sequence[float] | Mapping[str, Any] | model.Spread
 """How a number varies: [low, high], or a table of one of `KINDS`."""
 
-KINDS = ("choice", "normal", "uniform")
-"""One of some values; about its own value by a standard deviation; by a half width."""
+KINDS = ("choice", "grid", "normal", "uniform")
+"""One of some values; each of them; about its own value by a standard deviation or half width."""
 
 NOTHING = -1
 """In place of a grade: no state or part of a variant got an answer."""
@@ -71,56 +76,120 @@ class Held:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Answers:
+    """What L limits come to in V variants, each where it is worst.
+
+    Attributes
+    ----------
+    values, margins : (L, V) SI, 1
+    grades : (L, V)
+    missed : (L, V)
+    mass : (V,) kg
+        Of all shafts; nan where one has no tube.
+    refused : (V,)
+        Whether the driveline cannot exist so.
+    why : str
+        What the first of those says.
+    """
+
+    values: FloatArray
+    margins: FloatArray
+    grades: IntArray
+    missed: BoolArray
+    mass: FloatArray
+    refused: BoolArray
+    why: str = ""
+
+    @classmethod
+    def together(cls, parts: Sequence["Answers"]) -> "Answers":
+        """Return several one after the other."""
+        return cls(
+            **{
+                f.name: np.concatenate([getattr(p, f.name) for p in parts], axis=-1)
+                for f in fields(cls)
+                if f.name != "why"
+            },
+            why=next((p.why for p in parts if p.why), ""),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Sweep:
     """What variants of an application come to.
 
     `installed` is the approval of the application as it stands; what its limits miss of
     studies other than the driveline's, every variant misses too.
+
+    Attributes
+    ----------
+    names, inputs : (V, names)
+        What varies, in the unit its name ends in.
+    limits
+        Each limit, and the line that it asks about.
+    answers
+        What each came to.
+    own : (V,)
+        Which variants are drawn by themselves: shares count those.
+    unit : (V, factors)
+        The points of the unit cube they were made of.
     """
 
     installed: Approval
-    varied: tuple[Varied, ...]
-    held: tuple[Held, ...]
+    names: tuple[str, ...]
+    inputs: FloatArray
+    limits: tuple[tuple[str, Limit], ...]
+    answers: Answers
+    own: BoolArray
+    unit: FloatArray
+    narrowed: bool = False
+    """Whether some limits alone were asked: others then leave nothing incomplete."""
 
     @property
     def count(self) -> int:
         """How many variants there are."""
-        return self.varied[0].values.size
+        return len(self.inputs)
 
     @property
+    def varied(self) -> tuple[Varied, ...]:
+        """Each number that varies."""
+        return tuple(
+            Varied(name=n, values=v) for n, v in zip(self.names, self.inputs.T, strict=True)
+        )
+
+    @property
+    def held(self) -> tuple[Held, ...]:
+        """What each limit came to."""
+        a = self.answers
+        return tuple(
+            Held(
+                line=line, limit=limit, values=a.values[k], margins=a.margins[k],
+                grades=a.grades[k], missed=a.missed[k],
+            )
+            for k, (line, limit) in enumerate(self.limits)
+        )  # fmt: skip
+
+    @cached_property
     def grades(self) -> IntArray:
         """What each variant comes to, (V,) places in `VERDICTS`, as an approval has it."""
-        places = np.array([VERDICTS.index(g) for g in GRADES])
-        found = np.array([h.grades for h in self.held]).reshape(len(self.held), self.count)
-        known = np.where(found == NOTHING, VERDICTS.index("pass"), places[found])
-        worst = known.max(axis=0, initial=0)
-        missed = np.array([h.missed for h in self.held]).reshape(found.shape).any(axis=0)
-        silent = (found == NOTHING).all(axis=0)
-        missed = missed | silent | self._elsewhere
-        return np.where(missed, np.maximum(worst, VERDICTS.index("incomplete")), worst)
-
-    @property
-    def _elsewhere(self) -> bool:
-        """Whether a limit of another study is required and has no answer."""
-        found = (f for f in self.installed.findings if f.study != DRIVELINE)
-        return any(u.limit.required for f in found for u in f.unanswered)
+        elsewhere = not self.narrowed and missed_elsewhere(self.installed)
+        return verdicts(self.answers, elsewhere=elsewhere)
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
         """What each variant comes to."""
         return tuple(VERDICTS[g] for g in self.grades.tolist())
 
-    @property
+    @cached_property
     def margins(self) -> FloatArray:
         """The smallest margin of the limits where each is worst, (V,); nan without an answer."""
-        found = np.array([h.margins for h in self.held]).reshape(len(self.held), self.count)
-        smallest = np.nan_to_num(found, nan=np.inf).min(axis=0, initial=np.inf)
+        smallest = np.nan_to_num(self.answers.margins, nan=np.inf).min(axis=0, initial=np.inf)
         return np.where(np.isinf(smallest), np.nan, smallest)
 
     @property
     def shares(self) -> dict[Verdict, float]:
         """The share of variants that comes to each verdict."""
-        counts = np.bincount(self.grades, minlength=len(VERDICTS)) / self.count
+        of = self.grades[self.own]
+        counts = np.bincount(of, minlength=len(VERDICTS)) / of.size
         return dict(zip(VERDICTS, counts.tolist(), strict=True))
 
     @property
@@ -130,33 +199,45 @@ class Sweep:
 
     def named(self) -> Iterator[tuple[str, Held]]:
         """Yield each limit with a name of its own: its quantity, line and place among several."""
-        several = len(self.installed.application.lines) > 1
-        names = [f"{h.line}.{h.limit.quantity}" if several else h.limit.quantity for h in self.held]
-        for k, (name, held) in enumerate(zip(names, self.held, strict=True)):
-            alike = names.count(name) > 1
-            yield (f"{name}[{names[: k + 1].count(name)}]" if alike else name), held
+        yield from zip(named(self.limits), self.held, strict=True)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Ways:
-    """What varies: numbers of the file, and things of lines that are moved."""
+def named(limits: Sequence[tuple[str, Limit]]) -> tuple[str, ...]:
+    """Return names of limits that tell them apart: quantity, line, place among several."""
+    several = len({line for line, _ in limits}) > 1
+    names = [f"{line}.{m.quantity}" if several else m.quantity for line, m in limits]
+    return tuple(
+        f"{name}[{names[: k + 1].count(name)}]" if names.count(name) > 1 else name
+        for k, name in enumerate(names)
+    )
 
-    numbers: dict[str, FloatArray]
-    moved: dict[str, tuple[Adjustable, ...]]
-    """By line."""
-    amounts: dict[str, FloatArray]
-    """By line, (V, moved) SI."""
+
+def missed_elsewhere(installed: Approval) -> bool:
+    """Return whether a limit of another study is required and has no answer."""
+    found = (f for f in installed.findings if f.study != DRIVELINE)
+    return any(u.limit.required for f in found for u in f.unanswered)
+
+
+def verdicts(of: Answers, *, elsewhere: bool) -> IntArray:
+    """Return what variants come to, (V,) places in `VERDICTS`; what cannot exist fails."""
+    places = np.array([VERDICTS.index(g) for g in GRADES])
+    known = np.where(of.grades == NOTHING, VERDICTS.index("pass"), places[of.grades])
+    worst = known.max(axis=0, initial=0)
+    missed = of.missed.any(axis=0) | (of.grades == NOTHING).all(axis=0) | elsewhere
+    worst = np.where(missed, np.maximum(worst, VERDICTS.index("incomplete")), worst)
+    return np.where(of.refused, VERDICTS.index("fail"), worst)
 
 
 def sweep(
     application: Application,
     vary: Mapping[str, Spread],
     *,
+    tolerances: Mapping[str, Spread] | None = None,
     count: int = 10_000,
     seed: int = 0,
     tell: Tell = silent,
 ) -> Sweep:
-    """Return what variants of an application come to, spread evenly over all that varies.
+    """Return what variants of an application come to, each of them kept.
 
     Parameters
     ----------
@@ -165,14 +246,16 @@ def sweep(
     vary
         By the address of a number (`driveline.shafts[2].tube.wall_mm`) or the key of a thing
         that can be moved (`bearing_height_mm[1]`, `shim_deg`, `phase_deg[2]`; with several
-        lines `front.shim_deg`): `[low, high]`, `{"choice": [...]}`, `{"normal": sigma}` or
-        `{"uniform": half}`, in the unit of the key. The last two go about the number as it
-        is; moves count from where a part is installed. `[*]` stands for every part, each
-        with its own value.
+        lines `front.shim_deg`): `[low, high]`, `{"choice": [...]}`, `{"grid": [low, high,
+        how many]}`, `{"normal": sigma}` or `{"uniform": half}`, in the unit of the key. The
+        last two go about the number as it is; moves count from where a part is installed.
+        `[*]` stands for every part, each with its own value.
+    tolerances
+        What scatters about that, `{"normal": sigma}` or `{"uniform": half}`.
     count
-        How many variants. A power of 2 spreads most evenly.
+        How many variants. Without tolerances a power of 2 spreads most evenly.
     seed
-        Of the scrambling of the points.
+        Of the points.
     tell
         Told how far it has come.
 
@@ -180,145 +263,40 @@ def sweep(
     ------
     ValueError
         If nothing goes by a name, or does not vary as is asked.
-    BadFile
-        If a number cannot be what it is to become.
-    DesignError
-        If the driveline cannot exist in a variant.
 
     Notes
     -----
-    Sobol points, scrambled after Owen. Source: Sobol (1967); Owen (1998).
+    Sobol points, scrambled after Owen, without tolerances; else by dice. Source: Sobol
+    (1967); Owen (1998). What cannot exist in a variant, a file with such a number or a chain
+    that locks, makes that variant fail, and is told in `answers`.
     """
-    installed = assess(application)
-    varied = _sampled(application, vary, count=count, seed=seed)
-    ways = _ways(application, varied)
-    lines: dict[int, list[list[Held]]] = {}
-    for start in range(0, count, CHUNK):
-        tell("sweep", start, count)
-        part = slice(start, min(start + CHUNK, count))
-        numbers = {at: values[part] for at, values in ways.numbers.items()}
-        changed = change(application, numbers) if numbers else application
-        for k, line in enumerate(changed.lines):
-            response = respond(changed, demand(resolve(changed, line)))
-            if movable := ways.moved.get(line.line.name):
-                response = tried(response, movable, ways.amounts[line.line.name][part])
-            lines.setdefault(k, []).append(list(_held(response, part.stop - start)))
-    return Sweep(
-        installed=installed,
-        varied=varied,
-        held=tuple(
-            _together(same) for chunks in lines.values() for same in zip(*chunks, strict=True)
-        ),
+    bench = Bench.of(application, variants_of(vary, tolerances), seed=seed)
+    return bench.rows(0, bench.whole(count), tell=tell)
+
+
+def variants_of(
+    vary: Mapping[str, Spread] | None = None,
+    tolerances: Mapping[str, Spread] | None = None,
+    *,
+    ask: Ask | None = None,
+) -> Variants:
+    """Return a study as a file would say it.
+
+    Raises
+    ------
+    ValueError
+        If something does not vary as is asked.
+    """
+    return Variants(
+        vary={name: _spread(name, s) for name, s in (vary or {}).items()},
+        tolerances={name: _spread(name, s) for name, s in (tolerances or {}).items()},
+        ask=ask or Ask(),
     )
 
 
-# --------------------------------------------------------------------------- limits
-
-
-def _held(response: Response, count: int) -> Iterator[Held]:
-    """Yield what each limit of a line comes to; the same of several parts is one."""
-    found: dict[Limit, Held] = {}
-    for question in (q for q in asked(response) if q.parts):
-        one, before = _worst(response, question, count), found.get(question.limit)
-        found[question.limit] = _worse(before, one) if before else one
-    yield from found.values()
-
-
-def _worst(response: Response, question: Asked, count: int) -> Held:
-    """Return the worst state and part of each variant."""
-    limit = question.limit
-    # What nothing varied changes has no axis of variants: asked once, for all of them.
-    values = question.values.reshape(-1, question.values.shape[-2] * question.values.shape[-1])
-    asks = question.asks.reshape(values.shape)
-    known = ~np.isnan(values)
-    grades = np.where(known, limit.grades(values), NOTHING)
-    margins = limit.margins(values)
-    worst = grades.max(axis=-1, initial=NOTHING)
-    among = known & (grades == worst[:, None])
-    at = np.where(among, margins, np.inf).argmin(axis=-1)[:, None]
-    missed = limit.required & (asks & ~known).any(axis=-1)
-
-    def spread(found: Any) -> Any:
-        return np.broadcast_to(found, count)
-
-    return Held(
-        line=response.line.name,
-        limit=limit,
-        values=spread(np.take_along_axis(values, at, axis=-1)[:, 0]),
-        margins=spread(np.take_along_axis(margins, at, axis=-1)[:, 0]),
-        grades=spread(worst),
-        missed=spread(missed),
-    )
-
-
-def _worse(one: Held, other: Held) -> Held:
-    """Return the worse of two answers to the same limit in each variant."""
-    closer = (other.margins < one.margins) | np.isnan(one.margins)
-    worse = (other.grades > one.grades) | ((other.grades == one.grades) & closer)
-    return Held(
-        line=one.line,
-        limit=one.limit,
-        values=np.where(worse, other.values, one.values),
-        margins=np.where(worse, other.margins, one.margins),
-        grades=np.where(worse, other.grades, one.grades),
-        missed=one.missed | other.missed,
-    )
-
-
-def _together(chunks: Sequence[Held]) -> Held:
-    """Return the answers to one limit of all variants."""
-    return Held(
-        line=chunks[0].line,
-        limit=chunks[0].limit,
-        values=np.concatenate([c.values for c in chunks]),
-        margins=np.concatenate([c.margins for c in chunks]),
-        grades=np.concatenate([c.grades for c in chunks]),
-        missed=np.concatenate([c.missed for c in chunks]),
-    )
-
-
-# --------------------------------------------------------------------------- what varies
-
-
-def _sampled(
-    application: Application, vary: Mapping[str, Spread], *, count: int, seed: int
-) -> tuple[Varied, ...]:
-    """Return every number that varies, in each variant."""
-    from scipy.stats.qmc import Sobol  # slow to import: only a sweep waits for it
-
-    if count < 1:
-        msg = f"a study needs at least one variant, got {count}"
-        raise ValueError(msg)
-    known = {**addresses(application), **dict.fromkeys(_movable(application), 0.0)}
-    spreads = dict(_spreads(vary, known))
-    if not spreads:
-        msg = "nothing varies: name the address of a number, or a thing that can be moved"
-        raise ValueError(msg)
-    points = Sobol(len(spreads), rng=np.random.default_rng(seed))
-    unit = points.random_base2(int(count - 1).bit_length())[:count]
-    return tuple(
-        Varied(name=name, values=_values(name, spread, at=known[name], unit=u))
-        for (name, spread), u in zip(spreads.items(), unit.T, strict=True)
-    )
-
-
-def _spreads(vary: Mapping[str, Spread], known: Mapping[str, Any]) -> Iterator[tuple[str, Spread]]:
-    """Yield what varies by its name, for `[*]` one after the other."""
-    for name, spread in vary.items():
-        meant = [name] if name in known else []
-        if "[*]" in name:
-            pattern = re.compile(re.escape(name).replace(r"\[\*\]", r"\[\d+\]"))
-            meant = [k for k in known if pattern.fullmatch(k)]
-        if not meant:
-            msg = f"no number has the address {name}; {nearest(name.replace('*', '1'), known)}"
-            raise ValueError(msg)
-        yield from ((one, spread) for one in meant)
-
-
-def _values(name: str, spread: Spread, *, at: Any, unit: FloatArray) -> FloatArray:
-    """Return the values of a number at points (V,) spread over (0, 1)."""
-    from scipy.special import ndtri
-
+def _spread(name: str, spread: Spread) -> model.Spread:
+    if isinstance(spread, model.Spread):
+        return spread
     if isinstance(spread, Mapping):
         kind, *others = spread or {"": None}
         if kind not in KINDS or others:
@@ -326,48 +304,297 @@ def _values(name: str, spread: Spread, *, at: Any, unit: FloatArray) -> FloatArr
             raise ValueError(msg)
         amount = np.asarray(spread[kind], dtype=float)
         if kind == "choice" and amount.ndim == 1 and amount.size:
-            return amount[(unit * amount.size).astype(int)]
-        if kind != "choice" and np.ndim(at):
-            msg = f"{name} has variants already: give it [low, high] or a choice"
-            raise ValueError(msg)
-        if kind != "choice" and amount.ndim == 0 and amount > 0:
-            tail = np.clip(unit, 2.0**-32, 1 - 2.0**-32)  # a point may lie on the edge
-            return at + amount * (ndtri(tail) if kind == "normal" else 2 * unit - 1)
-        msg = f"{name}: {kind} needs {'values' if kind == 'choice' else 'a number above 0'}"
+            return model.Spread(kind=kind, values=tuple(amount.tolist()))
+        if kind == "grid" and amount.shape == (3,) and amount[0] < amount[1] and amount[2] >= 2:
+            places = np.linspace(amount[0], amount[1], int(amount[2]))
+            return model.Spread(kind=kind, values=tuple(places.tolist()))
+        if kind in ("normal", "uniform") and amount.ndim == 0 and amount > 0:
+            return model.Spread(kind=kind, values=(float(amount),))
+        needs = {"choice": "values", "grid": "[low, high, how many]"}
+        msg = f"{name}: {kind} needs {needs.get(kind, 'a number above 0')}"
         raise ValueError(msg)
     ends = np.asarray(spread, dtype=float)
     if ends.shape != (2,) or not ends[0] < ends[1]:
         msg = f"{name} varies over [low, high], got {spread}"
         raise ValueError(msg)
-    return ends[0] + unit * (ends[1] - ends[0])
+    return model.Spread(kind="range", values=tuple(ends.tolist()))
 
 
-def _movable(application: Application) -> dict[str, Adjustable]:
-    """Return what can be moved by its name: the key of the file's `adjust`, and which part."""
-    several = len(application.lines) > 1
-    found: dict[str, Adjustable] = {}
-    for line in (i.line for i in application.lines):
-        for m in MOVABLES.values():
-            for part in range(1, m.count(line) + 1):
-                name = f"{m.key}_{m.unit}" + ("" if m.of in ("axle", "line") else f"[{part}]")
-                found[f"{line.name}.{name}" if several else name] = Adjustable(
-                    what=m.key, part=part, low=m.reach[0], high=m.reach[1], line=line.name
-                )
-    return found
+# --------------------------------------------------------------------------- asking
 
 
-def _ways(application: Application, varied: tuple[Varied, ...]) -> _Ways:
-    """Return what varies, apart as the file's numbers and as moves of each line."""
-    movable = _movable(application)
-    moves = [(movable[v.name], v.values) for v in varied if v.name in movable]
-    lines = dict.fromkeys(a.line for a, _ in moves)
-    return _Ways(
-        numbers={v.name: v.values for v in varied if v.name not in movable},
-        moved={line: tuple(a for a, _ in moves if a.line == line) for line in lines},
-        amounts={
-            line: np.stack(
-                [MOVABLES[a.what].worth * x for a, x in moves if a.line == line], axis=-1
-            )
-            for line in lines
-        },
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """An application with where its variants lie: any stretch of them can be asked.
+
+    Attributes
+    ----------
+    installed
+        The approval of the application as it stands.
+    drawing
+        Where the variants lie.
+    single
+        Numbers that the arrays cannot hold: with these a file is read for each variant.
+    """
+
+    installed: Approval
+    drawing: Drawing
+    single: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()
+    """Whose limits count; all where none is named."""
+
+    @classmethod
+    def of(
+        cls,
+        application: Application,
+        variants: Variants,
+        *,
+        seed: int = 0,
+        points: Points | None = None,
+    ) -> "Bench":
+        """Return the bench of a study.
+
+        Raises
+        ------
+        ValueError
+            If nothing goes by a name.
+        BadFile
+            If a number cannot be what it may become at the ends of its range.
+        """
+        known = names(application)
+        drawn = drawing(variants, known, seed=seed, points=points)
+        bench = cls(installed=assess(application), drawing=drawn, quantities=variants.ask.limits)
+        if not bench.limits:
+            msg = f"no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
+            raise ValueError(msg)
+        for k, name in enumerate(drawn.names):
+            for end in _ends(drawn, k):
+                if name not in bench._moves:
+                    with_numbers(application, {name: end})
+        single = tuple(n for n in drawn.names if n not in bench._moves and not bench._holds(n))
+        return replace(bench, single=single)
+
+    @property
+    def application(self) -> Application:
+        """The application as it stands."""
+        return self.installed.application
+
+    def whole(self, count: int) -> int:
+        """Return how many variants there are if so many are asked for: whole grids."""
+        if count < 1:
+            msg = f"a study needs at least one variant, got {count}"
+            raise ValueError(msg)
+        period = self.drawing.period
+        return -(-count // period) * period
+
+    @cached_property
+    def limits(self) -> tuple[tuple[str, Limit], ...]:
+        """Each limit with the line that it asks about."""
+        return tuple(
+            (r.line.name, limit)
+            for r in self.installed.responses
+            for limit in dict.fromkeys(q.limit for q in self._questions(r))
+        )
+
+    def _questions(self, response: Response) -> tuple[Asked, ...]:
+        """Return what is asked of a line."""
+        among = self.quantities or ANSWERED
+        return tuple(q for q in asked(response, quantities=among) if q.parts)
+
+    def rows(
+        self,
+        start: int,
+        stop: int,
+        *,
+        tell: Tell = silent,
+        go_on: Callable[[], bool] = lambda: True,
+    ) -> Sweep:
+        """Return variants from a place to another, each of them kept.
+
+        `go_on` is asked between chunks; where it says no a `KeyboardInterrupt` is raised.
+        """
+        parts: list[Answers] = []
+        unit = self.drawing.unit(start, stop)
+        inputs = self.drawing.of(unit, start)
+        for first in range(0, len(inputs), CHUNK):
+            if not go_on():
+                raise KeyboardInterrupt
+            tell("sweep", first, len(inputs))
+            parts.append(self.ask(inputs[first : first + CHUNK]))
+        return self.sweep(inputs, Answers.together(parts), unit, self.drawing.own(start, stop))
+
+    def sweep(
+        self, inputs: FloatArray, answers: Answers, unit: FloatArray, own: BoolArray
+    ) -> Sweep:
+        """Return variants with what they came to."""
+        return Sweep(
+            installed=self.installed,
+            names=self.drawing.names,
+            inputs=inputs,
+            limits=self.limits,
+            answers=answers,
+            own=own,
+            unit=unit,
+            narrowed=bool(self.quantities),
+        )
+
+    def ask(self, inputs: FloatArray) -> Answers:
+        """Return what limits come to where the inputs (V, names) are these."""
+        try:
+            if self.single and len(inputs) > 1:
+                return Answers.together([self.ask(row[None]) for row in inputs])
+            return self._asked(inputs)
+        except (BadFile, DesignError) as error:
+            if len(inputs) == 1:
+                return self._refused(str(error))
+            middle = len(inputs) // 2
+            return Answers.together([self.ask(inputs[:middle]), self.ask(inputs[middle:])])
+
+    def _asked(self, inputs: FloatArray) -> Answers:
+        """Return what limits come to; all variants must be able to exist."""
+        count, moves = len(inputs), self._moves
+        one = bool(self.single)
+        numbers: dict[str, Any] = {
+            name: float(column[0]) if one else column
+            for name, column in zip(self.drawing.names, inputs.T, strict=True)
+            if name not in moves
+        }
+        changed = with_numbers(self.application, numbers)
+        found: list[Answers] = []
+        for line in changed.lines:
+            response = respond(changed, demand(resolve(changed, line)))
+            mine = [k for k, n in enumerate(self.drawing.names) if n in moves
+                    and moves[n].line == line.line.name]  # fmt: skip
+            if mine:
+                parts = tuple(moves[self.drawing.names[k]] for k in mine)
+                worth = np.array([MOVABLES[p.what].worth for p in parts])
+                response = tried(response, parts, inputs[:, mine] * worth)
+            found.append(_answers(response, self._questions(response), count))
+        return replace(
+            found[0],
+            **{
+                f.name: np.concatenate([getattr(a, f.name) for a in found])
+                for f in fields(Answers)
+                if f.name in ("values", "margins", "grades", "missed")
+            },
+            mass=sum((a.mass for a in found), np.zeros(count)),
+        )
+
+    def _refused(self, why: str) -> Answers:
+        """Return what a variant comes to that cannot exist."""
+        nothing = np.full((len(self.limits), 1), np.nan)
+        return Answers(
+            values=nothing,
+            margins=nothing,
+            grades=np.full(nothing.shape, NOTHING),
+            missed=np.zeros(nothing.shape, dtype=bool),
+            mass=np.array([np.nan]),
+            refused=np.array([True]),
+            why=why,
+        )
+
+    @cached_property
+    def _moves(self) -> dict[str, Adjustable]:
+        every = movable(i.line for i in self.application.lines)
+        return {n: every[n] for n in self.drawing.names if n in every}
+
+    def _holds(self, name: str) -> bool:
+        """Return whether the arrays can hold variants of a number."""
+        at = self.drawing.at[self.drawing.names.index(name)]
+        try:
+            changed = with_numbers(self.application, {name: np.array([at, at])})
+            for line in changed.lines:
+                self._questions(respond(changed, demand(resolve(changed, line))))
+        except (BadFile, DesignError):
+            return False
+        return True
+
+
+def with_numbers(application: Application, numbers: Mapping[str, Any]) -> Application:
+    """Return an application with other numbers, held against the limits that it has now."""
+    was = application.written.application if application.written else None
+    if not numbers:
+        return application
+    if was is None or application.limits is was.limits:
+        return change(application, numbers)
+    found = change(replace(application, limits=was.limits, profile=was.profile), numbers)
+    return replace(found, limits=application.limits, profile=application.profile)
+
+
+def names(application: Application) -> dict[str, float]:
+    """Return every number that may vary, as it is, by name.
+
+    Raises
+    ------
+    ValueError
+        If one has variants already.
+    """
+    written = application.written
+    base = written.application if written else None
+    numbers: dict[str, Any] = dict(
+        addresses(replace(base, written=written) if base and written else application)
     )
+    if written is not None:
+        numbers |= written.single
+    found: dict[str, float] = {}
+    for at in of_numbers(numbers):
+        if np.ndim(numbers[at]):
+            msg = f"{at} has variants already: ask for variants of the application as it was read"
+            raise ValueError(msg)
+        found[at] = float(numbers[at])
+    return found | dict.fromkeys(movable(i.line for i in application.lines), 0.0)
+
+
+def _ends(of: Drawing, k: int) -> tuple[float, ...]:
+    """Return the ends of what an input is chosen from; of what scatters nobody knows them."""
+    decided = [f.spread for f in (*of.factors, *of.grids) if f.input == k and not f.tolerance]
+    return tuple(
+        end
+        for s in decided
+        for end in (
+            (min(s.values), max(s.values))
+            if s.kind in ("range", "grid", "choice")
+            else (of.at[k] - s.values[0], of.at[k] + s.values[0])
+            if s.kind == "uniform"
+            else ()
+        )
+    )
+
+
+def _answers(response: Response, questions: Sequence[Asked], count: int) -> Answers:
+    """Return what each limit of a line comes to; the same of several parts is one."""
+    # What nothing varied changes has no axis of variants: asked once, for all of them.
+    every: dict[Limit, list[Asked]] = {}
+    for question in questions:
+        every.setdefault(question.limit, []).append(question)
+    shape = (len(every), count)
+    values, margins = np.empty(shape), np.empty(shape)
+    grades, missed = np.empty(shape, dtype=int), np.empty(shape, dtype=bool)
+    for k, (limit, alike) in enumerate(every.items()):
+        found, asks = (_side_by_side([getattr(q, n) for q in alike]) for n in ("values", "asks"))
+        known = ~np.isnan(found)
+        graded = np.where(known, limit.grades(found), NOTHING)
+        left = limit.margins(found)
+        worst = graded.max(axis=-1, initial=NOTHING)
+        among = known & (graded == worst[:, None])
+        at = np.where(among, left, np.inf).argmin(axis=-1)[:, None]
+        values[k] = np.take_along_axis(found, at, axis=-1)[:, 0]
+        margins[k] = np.take_along_axis(left, at, axis=-1)[:, 0]
+        grades[k] = worst
+        missed[k] = limit.required & (asks & ~known).any(axis=-1)
+    mass = sum((np.asarray(s.mass, dtype=float) for s in response.line.shafts), np.zeros(()))
+    return Answers(
+        values=values,
+        margins=margins,
+        grades=grades,
+        missed=missed,
+        mass=np.broadcast_to(mass.reshape(-1) if mass.ndim else mass, count).copy(),
+        refused=np.zeros(count, dtype=bool),
+    )
+
+
+def _side_by_side(of: list[Any]) -> Any:
+    """Return arrays (..., states, parts) of V variants, or of none, as (V, all together)."""
+    flat = [v.reshape(-1, v.shape[-2] * v.shape[-1]) for v in of]
+    rows = max(len(v) for v in flat)
+    return np.concatenate([np.broadcast_to(v, (rows, v.shape[1])) for v in flat], axis=1)

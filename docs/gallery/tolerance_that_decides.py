@@ -1,0 +1,43 @@
+"""Which tolerance decides whether the refuse collector's line passes: the wedge under its springs.
+
+The cheapest correction of its geometry, bearing 2 up 15 mm and the pinion up 0.5 deg, passes on
+paper. As trucks scatter one in seven does not keep it. A wedge half as far off wins nearly all of
+those back; half the scatter of everything else together wins little.
+"""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import cardan
+from cardan.files.study import read
+from cardan.study.reduce import cells, tighter
+
+here = Path(cardan.__file__).parents[2]
+truck = cardan.read(here / "examples" / "refuse-collector-6x2.yaml")
+asked = read(here / "docs" / "gallery" / "tolerances.yaml", truck)
+found = cardan.study(
+    truck, asked.vary, tolerances=asked.tolerances, n=1024, limits=asked.ask.limits, rows=None
+)
+names = [found.drawing.called(f) for f in found.drawing.factors if f.tolerance]
+share, error = tighter(found.states["tighter"])
+gain = 100 * (share[:, 0] - found.yield_)
+order = np.argsort(gain)
+
+figure, (bars, scatter) = plt.subplots(2, 1, figsize=(7, 7))
+bars.barh([names[k] for k in order], gain[order], xerr=200 * error[order, 0])
+bars.set(xlabel=f"gain in yield with half the tolerance, % (of {found.yield_:.0%} now)")
+worst = int(found.states["counts"]["grades"][:, 2].argmax())
+limit = found.limits[worst][1]
+values, counts = cells(found.states["values"], worst)
+scatter.hist(values, bins=40, weights=counts)
+scatter.axvline(limit.maximum, color="r")
+scatter.set(xlabel=f"{limit.quantity}, SI, and its maximum", ylabel="trucks")
+figure.tight_layout()
+plt.show()
+
+low, high = found.interval()
+assert low < 0.9 < 0.93 < share[:, 0].max()
+assert names[int(gain.argmax())] == "shim_deg"
+assert np.sort(gain)[-2] < gain.max() / 2

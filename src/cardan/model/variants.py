@@ -1,0 +1,79 @@
+"""Variants of an application: what varies, what scatters, and what is asked of all of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+Kind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform"]
+Goal: TypeAlias = Literal["margin", "cost", "mass"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """How one number varies, in the unit that its key ends in.
+
+    Attributes
+    ----------
+    kind
+        Over a `range`; one of a `choice`, by chance; each of a `grid`, crossed with every
+        other grid. `normal` and `uniform` go about the number as it is.
+    values
+        Lowest and highest; the choices; the places of the grid; the standard deviation; the
+        half width.
+    """
+
+    kind: Kind
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ask:
+    """What is asked of variants, beside how many come to each verdict.
+
+    Attributes
+    ----------
+    yield_
+        Whether the share that may be built is told, with its interval of `confidence`.
+    quantiles
+        Of every limit's value and margin.
+    worst
+        How many of the worst variants are told with all that varied in them.
+    sobol
+        Whether variance is shared out to what varies.
+    pareto
+        What is weighed against each other.
+    maps
+        Pairs of names, over which the yield is drawn.
+    limits
+        Quantities whose limits count; all where none is named.
+    rare
+        Whether limits that variants hardly ever fail are asked how often they do.
+    rows
+        Whether each variant is kept, and in which precision.
+    """
+
+    yield_: bool = True
+    confidence: float = 0.95
+    quantiles: tuple[float, ...] = ()
+    worst: int = 3
+    sobol: bool = False
+    pareto: tuple[Goal, ...] = ()
+    maps: tuple[tuple[str, str], ...] = ()
+    limits: tuple[str, ...] = ()
+    rare: bool = False
+    rows: Literal["float32", "float64"] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variants:
+    """A study of variants: what is chosen, what scatters about that, and what is asked.
+
+    `vary` and `tolerances` go by the address of a number, or the key of something that can
+    be moved; `[*]` stands for every part. `correlated` are pairs of names of tolerances with
+    their correlation, of the normal numbers they are made of.
+    """
+
+    vary: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
+    tolerances: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
+    correlated: tuple[tuple[str, str, float], ...] = ()
+    ask: Ask = field(default_factory=Ask)

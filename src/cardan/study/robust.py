@@ -1,0 +1,245 @@
+"""What of a correction survives in trucks as they are built: settings and parts scatter.
+
+A truck keeps what a setting promises where nothing fails in it that does not fail at the
+setting itself.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.verdict import EQUAL
+from cardan.demand.states import demand, resolve
+from cardan.model.application import Adjustable, Application
+from cardan.model.movable import MOVABLES, movable
+from cardan.model.variants import Spread, Variants
+from cardan.quantity.response import Response, respond
+from cardan.study.draw import Drawing, drawing
+from cardan.study.margins import PLENTY, limits, margins
+from cardan.study.moves import UNMEASURED, tried
+from cardan.study.sweep import CHUNK, names, with_numbers
+
+ASSUMED = {"bearing_height_mm": 3.0, "bearing_side_mm": 3.0, "shim_deg": 0.5, "phase_deg": 2.0}
+"""How far settings are off at three standard deviations where no file says. House practice,
+assumed."""
+
+DRAWS = 4096
+"""Trucks that a share is of: it is off by 0.8 % at most, at one standard error."""
+
+REACH = 1.5
+"""Standard deviations (of a uniform one, quarters of its half width, times 2) to each side at
+which margins are asked: between them and a little beyond they go like parabolas."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Survival:
+    """How many trucks keep what a setting promises.
+
+    Attributes
+    ----------
+    share : 1
+        Of all trucks.
+    asked
+        Whether every truck was asked; otherwise their margins follow from slopes and bends
+        at the setting.
+    tighter
+        The tolerance that wins most, the share with it half as wide; None where none does.
+    lost
+        The quantity whose limit fails most often; "" where none does.
+    """
+
+    share: float
+    asked: bool
+    tighter: tuple[str, float] | None = None
+    lost: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trucks:
+    """How trucks of an application scatter about a setting of one of its lines.
+
+    `assumed` tells whether nobody said so.
+    """
+
+    application: Application
+    line: str
+    drawing: Drawing
+    assumed: bool
+
+    @classmethod
+    def of(cls, application: Application, line: str) -> "Trucks | None":
+        """Return how the trucks scatter: as the file's study says, or as assumed.
+
+        None where nothing does that would move this line.
+        """
+        said = application.variants.tolerances if application.variants else {}
+        own = _own(application, line, said)
+        spread = own or dict(_assumed(application, line))
+        if not spread:
+            return None
+        correlated = application.variants.correlated if own and application.variants else ()
+        known = names(application) if own else dict.fromkeys(spread, 0.0)
+        return cls(
+            application=application,
+            line=line,
+            drawing=drawing(
+                Variants(tolerances=spread, correlated=correlated), known, seed=1, points="random"
+            ),
+            assumed=not own,
+        )
+
+    @property
+    def tolerances(self) -> tuple[tuple[str, Spread], ...]:
+        """What scatters, and how."""
+        return tuple((self.drawing.called(f), f.spread) for f in self.drawing.factors)
+
+    def response(
+        self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
+    ) -> Response:
+        """Return the line at a setting (ways) in trucks that are `off` (V, tolerances)."""
+        every = movable(i.line for i in self.application.lines)
+        called = self.drawing.names
+        numbers: dict[str, Any] = {
+            n: self.drawing.at[k] + off[:, k] for k, n in enumerate(called) if n not in every
+        }
+        changed = with_numbers(self.application, numbers)
+        installed = next(i for i in changed.lines if i.line.name == self.line)
+        moves = [k for k, n in enumerate(called) if n in every]
+        parts = (*ways, *(every[called[k]] for k in moves))
+        worth = np.array([MOVABLES[every[called[k]].what].worth for k in moves])
+        set_ = np.broadcast_to(amounts, (len(off), len(ways)))
+        both = np.concatenate([set_, off[:, moves] * worth], axis=1)
+        merged = _merged(parts, both)
+        return tried(respond(changed, demand(resolve(changed, installed))), *merged)
+
+    def survival(
+        self, ways: tuple[Adjustable, ...], amounts: FloatArray, *, asked: int = 0
+    ) -> Survival:
+        """Return how many trucks keep what a setting promises.
+
+        Parameters
+        ----------
+        ways, amounts
+            The setting: what is moved, and by how much (ways) SI.
+        asked
+            How many trucks are asked each by itself; 0 takes margins as parabolas of what
+            scatters, and 4096 of them.
+        """
+        still = np.zeros((1, len(self.drawing.names)))
+        at = self.response(ways, amounts, still)
+        promised = margins(at, to="maximum")[0]
+        held = (promised >= -EQUAL) & np.array([m.maximum is not None for m in limits(at)])
+        if asked:
+            off = self.drawing.values(0, asked) - np.array(self.drawing.at)
+            left = np.concatenate([
+                self._margins(ways, amounts, off[k : k + CHUNK]) for k in range(0, asked, CHUNK)
+            ])  # fmt: skip
+            return Survival(share=_share(left, held), asked=True, lost=_lost(at, left, held))
+        left_at = self._parabolas(ways, amounts)
+        off = self._normal(self.drawing.unit(0, DRAWS))
+        left = left_at(off)
+        share = _share(left, held)
+        halved = {}
+        for k, factor in enumerate(self.drawing.factors):
+            half = off.copy()
+            half[:, k] /= 2
+            halved[self.drawing.called(factor)] = _share(left_at(half), held)
+        best = max(halved, key=halved.__getitem__)
+        gains = halved[best] > share + 0.005
+        return Survival(
+            share=share,
+            asked=False,
+            tighter=(best, halved[best]) if gains else None,
+            lost=_lost(at, left, held),
+        )
+
+    def scatter(self, ways: tuple[Adjustable, ...], amounts: FloatArray, *, to: Any) -> FloatArray:
+        """Return the standard deviation of each margin at a setting, from its slopes."""
+        wide = self._wide
+        each = np.concatenate([np.diag(wide), -np.diag(wide)]) * REACH
+        found = margins(self.response(ways, amounts, each), to=to)
+        forth, back = np.split(found, 2)
+        return np.sqrt((((forth - back) / (2 * REACH)) ** 2).sum(0))
+
+    def _margins(
+        self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
+    ) -> FloatArray:
+        return margins(self.response(ways, amounts, off), to="maximum")
+
+    def _parabolas(
+        self, ways: tuple[Adjustable, ...], amounts: FloatArray
+    ) -> Callable[[FloatArray], FloatArray]:
+        """Return margins (V, M) as a function of how far trucks are off, in deviations (V, T)."""
+        step = np.diag(self._wide) * REACH
+        found = self._margins(
+            ways, amounts, np.concatenate([np.zeros((1, len(step))), step, -step])
+        )
+        # A limit that asks in some of these trucks alone has no slope: it counts where worst.
+        jumps = (found == PLENTY).any(0) & (found < PLENTY).any(0)
+        found = np.where(jumps, found.min(0), found)
+        middle, forth, back = found[:1], *np.split(found[1:], 2)
+        slope = (forth - back) / (2 * REACH)
+        bend = (forth + back - 2 * middle) / (2 * REACH**2)
+
+        def left(off: FloatArray) -> FloatArray:
+            return middle + off @ slope + off**2 @ bend
+
+        return left
+
+    def _normal(self, unit: FloatArray) -> FloatArray:
+        """Return how far trucks are off in each tolerance, in its standard deviations."""
+        return (self.drawing.of(unit) - np.array(self.drawing.at)) / self._wide
+
+    @property
+    def _wide(self) -> FloatArray:
+        """Standard deviation of each tolerance, in the unit of its name."""
+        return np.array([
+            s.values[0] / (np.sqrt(3.0) if s.kind == "uniform" else 1.0) for _, s in self.tolerances
+        ])  # fmt: skip
+
+
+def _own(application: Application, line: str, said: Mapping[str, Spread]) -> dict[str, Spread]:
+    """Return the tolerances of a file that are of this line: its moves, and any number."""
+    from cardan.model.movable import meant
+
+    if not said:
+        return {}
+    every, known = movable(i.line for i in application.lines), names(application)
+    each = {n: s for name, s in said.items() for n in meant(name, known)}
+    return {n: s for n, s in each.items() if n not in every or every[n].line == line}
+
+
+def _assumed(application: Application, line: str) -> Iterator[tuple[str, Spread]]:
+    measured = {i.line.name: i.line.measured for i in application.lines}
+    for name, a in movable(i.line for i in application.lines).items():
+        if not measured[a.line] and a.what not in UNMEASURED:
+            continue
+        kind = f"{a.what}_{MOVABLES[a.what].unit}"
+        if a.line == line and kind in ASSUMED:
+            yield name, Spread(kind="normal", values=(ASSUMED[kind] / 3,))
+
+
+def _merged(
+    parts: tuple[Adjustable, ...], amounts: FloatArray
+) -> tuple[tuple[Adjustable, ...], FloatArray]:
+    """Return things that are moved, each once, with what they are moved by in all."""
+    keys = [(a.what, a.part) for a in parts]
+    first = {key: keys.index(key) for key in keys}
+    sums = np.stack(
+        [amounts[:, [k for k, other in enumerate(keys) if other == key]].sum(-1) for key in first],
+        axis=-1,
+    )
+    return tuple(replace(parts[k]) for k in first.values()), sums
+
+
+def _share(left: FloatArray, held: BoolArray) -> float:
+    return float((left[:, held] >= -EQUAL).all(-1).mean())
+
+
+def _lost(at: Response, left: FloatArray, held: BoolArray) -> str:
+    """Return the quantity that most trucks fail of what was held."""
+    bad = ((left < -EQUAL) & held).mean(0)
+    return limits(at)[int(bad.argmax())].quantity if bad.any() else ""

@@ -1,0 +1,596 @@
+"""A study of many variants, shard by shard: in threads, processes or on a cluster.
+
+A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
+joined in the order of the shards, so the answer is the same to the last bit however it was
+computed: at once, by many, or in pieces after the computer went down.
+"""
+
+import json
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib import import_module
+from io import BytesIO
+from pathlib import Path
+from threading import Event
+from time import perf_counter
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan import __version__
+from cardan.base.arrays import FloatArray, single_threaded
+from cardan.base.errors import DesignError, NotInstalled
+from cardan.base.verdict import VERDICTS, Limit, Verdict
+from cardan.border import writer
+from cardan.model.application import Application
+from cardan.model.variants import Variants
+from cardan.quantity.quantities import QUANTITIES
+from cardan.study.approval import Approval
+from cardan.study.draw import Drawing, Points
+from cardan.study.rare import FAR, Rare, rare
+from cardan.study.reduce import (
+    Map,
+    Reduction,
+    State,
+    clopper_pearson,
+    joined,
+    reductions,
+    wilson,
+)
+from cardan.study.sweep import Answers, Bench, Sweep, named
+
+SHARD = 512
+"""Variants of a shard, about: whole grids, or groups of pairs."""
+
+HARDLY = 20
+"""Variants: of a limit that fewer fail the share is known badly."""
+
+AHEAD = 3
+"""Shards handed out for each worker: what waits costs memory."""
+
+MANIFEST = "manifest.json"
+
+Heard: TypeAlias = Callable[["Progress"], None]
+"""Takes how far a study has come."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a study has come: variants done before this run and in all, and how many to do."""
+
+    before: int
+    done: int
+    count: int
+    seconds: float
+
+    @property
+    def rate(self) -> float:
+        """Variants a second in this run."""
+        return (self.done - self.before) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def left(self) -> float:
+        """Seconds left; nan where nobody knows."""
+        return (self.count - self.done) / self.rate if self.rate > 0 else float("nan")
+
+
+def silent(progress: Progress) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Studied:
+    """What a study of variants came to.
+
+    Attributes
+    ----------
+    bench
+        The application, and where its variants lie.
+    variants
+        What was asked.
+    asked
+        How many variants were to be asked; fewer are told of where the run was stopped.
+    states
+        What is told of them, by name (`cardan.study.reduce`).
+    rows
+        Each variant, where they were kept.
+    rare
+        How often limits fail that variants hardly ever did, where that was asked.
+    seconds
+        How long this run took.
+    """
+
+    bench: Bench
+    variants: Variants
+    asked: int
+    states: Mapping[str, State]
+    rows: Sweep | None = None
+    rare: tuple[Rare, ...] = ()
+    seconds: float = 0.0
+
+    @property
+    def installed(self) -> Approval:
+        """The approval of the application as it stands."""
+        return self.bench.installed
+
+    @property
+    def drawing(self) -> Drawing:
+        """Where the variants lie."""
+        return self.bench.drawing
+
+    @property
+    def limits(self) -> tuple[tuple[str, Limit], ...]:
+        """Each limit with the line that it asks about."""
+        return self.bench.limits
+
+    @property
+    def called(self) -> tuple[str, ...]:
+        """A name for each limit."""
+        return named(self.limits)
+
+    @property
+    def count(self) -> int:
+        """How many variants were asked."""
+        return int(self.states["counts"]["asked"])
+
+    @property
+    def own(self) -> int:
+        """How many of them are drawn by themselves: shares are of those."""
+        return int(self.states["counts"]["count"])
+
+    @property
+    def shares(self) -> dict[Verdict, float]:
+        """The share of variants that comes to each verdict."""
+        counts = self.states["counts"]["verdicts"] / self.own
+        return dict(zip(VERDICTS, counts.tolist(), strict=True))
+
+    @property
+    def fit(self) -> int:
+        """How many may be built: they pass or only warn."""
+        found = dict(zip(VERDICTS, self.states["counts"]["verdicts"].tolist(), strict=True))
+        return found["pass"] + found["warn"]
+
+    @property
+    def yield_(self) -> float:
+        """The share of variants that may be built."""
+        return self.fit / self.own
+
+    def interval(self, *, exact: bool = True) -> tuple[float, float]:
+        """Return the interval of the yield: Clopper and Pearson's, or Wilson's."""
+        of = clopper_pearson if exact else wilson
+        return of(self.fit, self.own, confidence=self.variants.ask.confidence)
+
+    @property
+    def maps(self) -> tuple[tuple[Map, State], ...]:
+        """The maps that were asked for, with their cells."""
+        found = reductions(self.bench, self.variants.ask)
+        return tuple((m, self.states[n]) for n, m in found.items() if isinstance(m, Map))
+
+
+# --------------------------------------------------------------------------- running
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """What a worker has to know to ask any shard."""
+
+    application: Application
+    variants: Variants
+    seed: int
+    points: Points | None
+
+    @property
+    def bench(self) -> Bench:
+        """The bench; a worker makes it once."""
+        return _bench(_Once(self))
+
+    def shard(self, start: int, stop: int, stopped: Event | None = None) -> "Shard":
+        """Return what is told of a stretch of variants, and the rows where they are kept."""
+        go_on = (lambda: not stopped.is_set()) if stopped else (lambda: True)
+        rows = self.bench.rows(start, stop, go_on=go_on)
+        found = reductions(self.bench, self.variants.ask)
+        return Shard(
+            states={name: r.of(rows, start) for name, r in found.items()},
+            rows=(rows.inputs, rows.answers) if self.variants.ask.rows else None,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shard:
+    """What is told of a stretch of variants; their inputs and answers where they are kept."""
+
+    states: Mapping[str, State]
+    rows: tuple[FloatArray, Answers] | None = None
+
+
+class _Once:
+    """A job by its identity: two jobs with one text are told apart, one is the same for ever."""
+
+    def __init__(self, job: Job) -> None:
+        self.job = job
+
+    def __hash__(self) -> int:
+        return hash(_print(self.job))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Once) and _print(self.job) == _print(other.job)
+
+
+@cache
+def _bench(of: _Once) -> Bench:
+    job = of.job
+    return Bench.of(job.application, job.variants, seed=job.seed, points=job.points)
+
+
+def _asked(job: Job, start: int, stop: int) -> Shard:
+    """Return a shard, wherever this is called."""
+    with single_threaded():
+        return job.shard(start, stop)
+
+
+def study(
+    application: Application,
+    variants: Variants,
+    *,
+    count: int = 10_000,
+    seed: int = 0,
+    points: Points | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+    executor: Executor | None = None,
+    workers: int = 1,
+    shard: int = SHARD,
+    hear: Heard = silent,
+) -> Studied:
+    """Ask the driveline of many variants, and tell what they come to.
+
+    Parameters
+    ----------
+    application, variants
+        As read from a file.
+    count
+        How many variants; whole grids, and whole groups of pairs.
+    seed
+        Of the points.
+    folder
+        Where each shard is kept as it is done; None keeps them in memory.
+    resume
+        Go on with what the folder holds; without, it must hold no study.
+    executor
+        Who asks shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
+        default threads of this process.
+    shard
+        How many variants are asked at a time, about.
+    hear
+        Told how far it has come.
+
+    Raises
+    ------
+    ValueError
+        If nothing goes by a name, or does not vary as is asked.
+    BadFile
+        If the folder holds another study, or one already.
+    Stopped
+        If it was stopped from the keyboard; it holds what is told of the shards done.
+    """
+    job = Job(application=application, variants=variants, seed=seed, points=points)
+    bench = job.bench
+    count, size = bench.whole(count), -(-shard // bench.drawing.period) * bench.drawing.period
+    spans = [(k, min(k + size, count)) for k in range(0, count, size)]
+    store = Store.of(folder, job, size, resume=resume) if folder else None
+    found: dict[int, Shard] = {}
+    done = {k for k, span in enumerate(spans) if store and store.has(k, span)}
+    before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
+    finished = before
+
+    def keep(k: int, got: Shard) -> None:
+        nonlocal finished
+        if store:
+            store.keep(k, spans[k], got, job)
+        else:
+            found[k] = got
+        done.add(k)
+        finished += spans[k][1] - spans[k][0]
+        hear(Progress(before=before, done=finished, count=count, seconds=perf_counter() - begun))
+
+    hear(Progress(before=before, done=before, count=count, seconds=0.0))
+    todo = [k for k in range(len(spans)) if k not in done]
+    stopped = False
+    try:
+        _run(job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers)
+    except KeyboardInterrupt:
+        stopped = True
+        if not done:
+            raise
+    told = _told(bench, variants, store, found, sorted(done))
+    result = Studied(
+        bench=bench, variants=variants, asked=count, states=told,
+        rows=_kept(bench, found, dict(enumerate(spans))),
+        rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
+        seconds=perf_counter() - begun,
+    )  # fmt: skip
+    if stopped:
+        raise Stopped(result)
+    return result
+
+
+class Stopped(KeyboardInterrupt):
+    """A study was stopped from the keyboard; `studied` is what is told of what was done."""
+
+    def __init__(self, studied: Studied) -> None:
+        super().__init__()
+        self.studied = studied
+
+
+def _run(
+    job: Job,
+    spans: Mapping[int, tuple[int, int]],
+    keep: Callable[[int, Shard], None],
+    *,
+    executor: Executor | None,
+    workers: int,
+) -> None:
+    """Have shards asked, and keep each as it comes."""
+    stop = Event()
+    with _workers(executor, workers) as (of, own):
+        pending: dict[Future[Shard], int] = {}
+        waiting = iter(spans.items())
+        try:
+            while True:
+                while len(pending) < max(workers, 1) * AHEAD and (one := next(waiting, None)):
+                    k, span = one
+                    pending[
+                        of.submit(job.shard, *span, stop) if own else of.submit(_asked, job, *span)
+                    ] = k
+                if not pending:
+                    return
+                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    keep(pending.pop(future), future.result())
+        finally:
+            stop.set()
+            for future in pending:
+                future.cancel()
+
+
+@contextmanager
+def _workers(
+    executor: Executor | None, workers: int
+) -> Generator[tuple[Executor, bool], None, None]:
+    """Give who asks shards, and whether it shares this process's memory."""
+    if executor is not None:
+        yield executor, False
+        return
+    with (
+        single_threaded(),
+        ThreadPoolExecutor(max(workers, 1), thread_name_prefix="study") as own,
+    ):
+        yield own, True
+
+
+def _told(
+    bench: Bench,
+    variants: Variants,
+    store: "Store | None",
+    found: Mapping[int, Shard],
+    done: list[int],
+) -> dict[str, State]:
+    """Return what shards come to together, in their order."""
+    every: dict[str, Reduction] = reductions(bench, variants.ask)
+    total: dict[str, State] = {}
+    for k in done:
+        states = store.states(k) if store else found[k].states
+        total = {
+            n: joined(r, [total[n], states[n]]) if total else states[n] for n, r in every.items()
+        }
+    return total
+
+
+def _rare(bench: Bench, counts: State) -> Iterator[Rare]:
+    """Yield how often limits fail that hardly ever did: those that stand nearest to failure."""
+    fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
+    hardly = [
+        k
+        for k, (_, limit) in enumerate(bench.limits)
+        if limit.maximum is not None and answered[k] and fails[k] < HARDLY
+    ]
+    found = (rare(bench, k) for k in hardly)
+    yield from (one for one in found if one.first_order and one.first_order.beta < FAR)
+
+
+# --------------------------------------------------------------------------- rows
+
+
+def _columns(rows: Sweep, precision: str) -> dict[str, Any]:
+    """Return variants as columns of a table: inputs as they are, what limits come to in units."""
+    a = rows.answers
+    found: dict[str, Any] = {
+        n: v.astype(precision) for n, v in zip(rows.names, rows.inputs.T, strict=True)
+    }
+    found["verdict"] = rows.grades.astype(np.int8)
+    found["margin"] = rows.margins.astype(precision)
+    found["mass_kg"] = a.mass.astype(precision)
+    for k, (name, (_, limit)) in enumerate(zip(named(rows.limits), rows.limits, strict=True)):
+        factor = QUANTITIES[limit.quantity].factor
+        found[name] = (a.values[k] / factor).astype(precision)
+        found[f"{name} margin"] = a.margins[k].astype(precision)
+        found[f"{name} grade"] = a.grades[k].astype(np.int8)
+        if limit.required:
+            found[f"{name} missed"] = a.missed[k]
+    found["refused"] = a.refused
+    return found
+
+
+def _kept(
+    bench: Bench, found: Mapping[int, Shard], spans: Mapping[int, tuple[int, int]]
+) -> Sweep | None:
+    """Return each variant, where they were kept in memory."""
+    kept = {k: found[k].rows for k in sorted(found)}
+    parts = [(spans[k], rows) for k, rows in kept.items() if rows is not None]
+    if not parts:
+        return None
+    return bench.sweep(
+        np.concatenate([inputs for _, (inputs, _) in parts]),
+        Answers.together([answers for _, (_, answers) in parts]),
+        np.concatenate([bench.drawing.unit(*span) for span, _ in parts]),
+        np.concatenate([bench.drawing.own(*span) for span, _ in parts]),
+    )
+
+
+# --------------------------------------------------------------------------- keeping
+
+
+@cache
+def _tables() -> Any:
+    """Return what writes tables, PyArrow; None where it is not installed."""
+    try:
+        import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+        import pyarrow.parquet as pq  # pyright: ignore[reportMissingTypeStubs]
+    except ModuleNotFoundError:
+        return None
+    return pa, pq
+
+
+def _print(job: Job) -> str:
+    """Return what tells a study from another: the same print, the same variants and limits."""
+    application = job.application
+    written = application.written
+    if written is None:
+        msg = f"application {application.title} was not read from a file: it has no variants"
+        raise DesignError(msg)
+    beside = [sha256(p.read_bytes()).hexdigest() for p in written.beside]
+    changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
+    said = (
+        written.text, beside, changes, repr(application.limits), repr(job.variants), job.seed,
+        job.points, __version__, np.__version__,
+    )  # fmt: skip
+    return sha256(repr(said).encode()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Store:
+    """A folder with a study's shards: each there whole, or not at all."""
+
+    folder: Path
+    size: int
+
+    @classmethod
+    def of(cls, folder: Path, job: Job, size: int, *, resume: bool) -> "Store":
+        """Return the store of a study; begin one, or go on with what is there.
+
+        Raises
+        ------
+        DesignError
+            If the folder holds another study, or one without `resume`.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        manifest = folder / MANIFEST
+        now = {
+            "cardan": __version__, "numpy": np.__version__, "print": _print(job),
+            "title": job.application.title, "seed": job.seed, "shard": size,
+            "inputs": list(job.bench.drawing.names), "points": job.bench.drawing.points,
+        }  # fmt: skip
+        if not manifest.exists():
+            writer.write(manifest, json.dumps(now, indent=1, ensure_ascii=False) + "\n")
+            return cls(folder=folder, size=size)
+        if not resume:
+            msg = (
+                f"{folder} holds a study already: go on with it (--resume), or name another folder"
+            )
+            raise DesignError(msg)
+        was = json.loads(manifest.read_text(encoding="utf-8"))
+        if other := [name for name in now if was.get(name) != now[name]]:
+            what = {"print": "the application, what varies, or the limits"}
+            told = ", ".join(what.get(name, name) for name in other)
+            msg = f"{folder} holds another study, with other {told}: name another folder"
+            raise DesignError(msg)
+        return cls(folder=folder, size=size)
+
+    def has(self, k: int, span: tuple[int, int]) -> bool:
+        """Return whether a shard of this stretch is there; one that was shorter is not."""
+        path = self._path(k)
+        if not path.exists():
+            return False
+        with np.load(path) as file:
+            return tuple(file["span"].tolist()) == span
+
+    def keep(self, k: int, span: tuple[int, int], shard: Shard, job: Job) -> None:
+        """Keep a shard: its rows first, so that where the rest is they are too."""
+        if shard.rows and job.variants.ask.rows:
+            inputs, answers = shard.rows
+            rows = job.bench.sweep(
+                inputs, answers, job.bench.drawing.unit(*span), job.bench.drawing.own(*span)
+            )
+            self._write_rows(k, _columns(rows, job.variants.ask.rows))
+        arrays = {f"{n}/{a}": v for n, state in shard.states.items() for a, v in state.items()}
+        writer.write(self._path(k), _packed({"span": np.array(span), **arrays}), replace=True)
+
+    def states(self, k: int) -> dict[str, State]:
+        """Return what is told of a shard."""
+        found: dict[str, dict[str, Any]] = {}
+        with np.load(self._path(k)) as file:
+            for name in file.files:
+                of, slash, array = name.partition("/")
+                if slash:
+                    found.setdefault(of, {})[array] = file[name]
+        return dict(found)
+
+    def _write_rows(self, k: int, rows: Mapping[str, Any]) -> None:
+        tables = _tables()
+        if tables is None:
+            writer.write(self.folder / f"rows-{k:06d}.npz", _packed(rows), replace=True)
+            return
+        out = BytesIO()
+        arrow, parquet = tables
+        parquet.write_table(arrow.table(dict(rows)), out, compression="zstd")
+        writer.write(self.folder / f"rows-{k:06d}.parquet", out.getvalue(), replace=True)
+
+    def _path(self, k: int) -> Path:
+        return self.folder / f"shard-{k:06d}.npz"
+
+
+def _packed(arrays: Mapping[str, Any]) -> bytes:
+    out = BytesIO()
+    np.savez_compressed(out, **arrays)
+    return out.getvalue()
+
+
+# --------------------------------------------------------------------------- who asks
+
+
+@contextmanager
+def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
+    """Give who asks shards: `threads`, `processes`, or a Dask cluster by its address.
+
+    Raises
+    ------
+    NotInstalled
+        If a cluster is named and Dask is not there.
+    """
+    if kind == "threads":
+        yield None
+    elif kind == "processes":
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        context = get_context("spawn")  # a fork of a process with threads may never wake
+        with ProcessPoolExecutor(count, mp_context=context, initializer=_deaf) as pool:
+            yield pool
+    else:
+        try:
+            client_of: Any = import_module("distributed").Client
+        except ModuleNotFoundError as error:
+            msg = "a Dask cluster needs its package: pip install 'cardan[cluster]'"
+            raise NotInstalled(msg) from error
+        with client_of(kind) as client:
+            yield client.get_executor()
+
+
+def _deaf() -> None:
+    """Leave the keyboard to the process that hands out the work."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
