@@ -12,7 +12,8 @@ import { unsaved } from "./history";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
-import { store, worst, type Known } from "./store";
+import { Speed } from "./Speed";
+import { store, VIEWS, worst, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
 import { still, useKnown } from "./use";
@@ -60,7 +61,9 @@ export function App() {
         {shown && (
           <>
             <Strip known={known} />
-            <div class="columns">
+            <Tabs known={known} />
+            {known.view === "speed" && <Speed known={known} shown={shown} />}
+            {known.view === "line" && <div class="columns">
               <div class="left">
                 <Views known={known} shown={shown} />
                 <StillPoser known={known} shown={shown} />
@@ -75,7 +78,7 @@ export function App() {
                 <Phasors known={known} shown={shown} />
                 <StillDials known={known} shown={shown} />
               </div>
-            </div>
+            </div>}
           </>
         )}
         {!shown && known.file !== null && known.history && (
@@ -86,6 +89,18 @@ export function App() {
         )}
       </main>
     </>
+  );
+}
+
+/** The views of an application; the verdict stands above each. */
+function Tabs({ known }: { known: Known }) {
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed") };
+  return (
+    <nav class="tabs chips" aria-label={t("Views")}>
+      {VIEWS.map((view) => (
+        <button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>
+      ))}
+    </nav>
   );
 }
 

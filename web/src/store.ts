@@ -59,6 +59,22 @@ export interface Known {
   notice: Notice | null;
   held: string | null;
   theme: "auto" | "light" | "dark";
+  view: View;
+  jobs: Record<string, Job>;
+}
+
+export const VIEWS = ["line", "speed"] as const;
+export type View = (typeof VIEWS)[number];
+
+/** What takes long: its answer, or what of it is known so far. */
+export interface Job<Answer = unknown, Part = unknown> {
+  id: number;
+  /** What it was asked about: the text and the arguments. */
+  of: string;
+  running: boolean;
+  part: Part | null;
+  answer: Answer | null;
+  why: string;
 }
 
 const start: Known = {
@@ -85,6 +101,8 @@ const start: Known = {
   notice: null,
   held: null,
   theme: "auto",
+  view: "line",
+  jobs: {},
 };
 
 interface Gesture {
@@ -166,7 +184,7 @@ export class Store {
   private connected(connection: Connection): void {
     this.sent = this.next = null;
     this.commits = [];
-    this.set({ connection });
+    this.set({ connection, jobs: {} });
     if (connection === "open") {
       const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
       this.link?.say({ type: "hello", lang });
@@ -219,7 +237,43 @@ export class Store {
         break;
       case "kept":
         break;
+      case "part":
+        this.worked(m.job, m.id, { part: m.part });
+        break;
+      case "done": {
+        const why = m.fault ?? m.problems?.[0]?.message ?? "";
+        this.worked(m.job, m.id, why ? { running: false, why } : { running: false, answer: m, why });
+        break;
+      }
     }
+  }
+
+  // ------------------------------------------------------------------ what takes long
+
+  /** Ask for a job, unless it is under way or answered already; a newer one takes its place. */
+  work(job: string, args: object = {}, text = this.known.history?.text ?? ""): void {
+    const of = JSON.stringify([text, args]);
+    const now = this.known.jobs[job];
+    if (now?.of === of && (now.running || now.answer)) return;
+    if (now?.running) this.link?.say({ type: "cancel", id: now.id });
+    this.ids += 1;
+    const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
+    this.set({ jobs: { ...this.known.jobs, [job]: next } });
+    this.link?.say({ type: "job", id: this.ids, job, text, args });
+  }
+
+  stop(job: string): void {
+    const now = this.known.jobs[job];
+    if (now?.running) this.link?.say({ type: "cancel", id: now.id });
+  }
+
+  private worked(job: string, id: number, change: Partial<Job>): void {
+    const now = this.known.jobs[job];
+    if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
+  }
+
+  show(view: View): void {
+    this.set({ view });
   }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
@@ -256,6 +310,7 @@ export class Store {
       selected: null,
       order: [],
       held: null,
+      jobs: {},
     });
     this.ask({ text: history.text });
   }

@@ -212,6 +212,46 @@ export interface Catalogue {
   tubes: { name: string; outer_mm: number; wall_mm: number }[];
 }
 
+export interface Diagram {
+  title: string;
+  rpm: number[];
+  Hz_top: number;
+  range: [number, number] | null;
+  orders: { said: string; Hz: number[] }[];
+  modes: { said: string; Hz: number }[];
+  meets: { rpm: number; Hz: number; said: string }[];
+  zones?: { rpm: number; open: boolean }[];
+}
+
+export type Force = "dynamic" | "peak";
+
+export interface Speeds {
+  line: string;
+  state: number;
+  said: string;
+  rpm: number[];
+  gears: { said: string; way: string; top: number }[];
+  orders: number[];
+  bearings: ({ said: string; orders: Maybe[][][]; limits: Record<Force, { warn: Maybe; fail: Maybe }[]>; grades: Record<Force, Maybe[][]> } & Record<Force, Maybe[][]>)[];
+  diagrams: Diagram[];
+}
+
+export interface Torsion {
+  state: string;
+  diagrams: Diagram[];
+  launches: {
+    said: string;
+    peak: number;
+    target: number;
+    locked: Maybe;
+    slid: boolean;
+    time: number[];
+    torque: { said: string; values: number[] }[];
+    bearing_time: number[];
+    bearings: { said: string; values: number[] }[];
+  }[];
+}
+
 interface Answered {
   id: number;
   text: string;
@@ -243,6 +283,8 @@ export type Told =
   | ({ type: "posed"; pose?: Pose } & Answered)
   | ({ type: "full" } & Answered & Partial<Full>)
   | ({ type: "helped"; helps?: Help[] } & Answered)
+  | { type: "part"; id: number; job: string; part: unknown }
+  | { type: "done"; id: number; job: string; fault?: string; problems?: Problem[] }
   | { type: "kept"; file: number }
   | { type: "saved"; file: number; mark: string; text: string }
   | { type: "disk"; file: number; text: string; mark: string; conflict: boolean }

@@ -1,0 +1,57 @@
+"""What a page may ask as a job, and in which shape: nothing else reaches a worker."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from cardan.border.document import LONGEST
+
+MOST = 4
+"""Jobs of one page at a time; they are done one after another."""
+
+Json: TypeAlias = dict[str, Any]
+Shape: TypeAlias = Callable[[Json, str], Any]
+
+
+class Wrong(Exception):  # noqa: N818  never leaves this room
+    """A message that the page does not send."""
+
+
+def text(said: Mapping[str, Any], key: str, most: int = LONGEST + 1) -> str:
+    """Return a text of a message."""
+    found = said.get(key)
+    if not isinstance(found, str) or len(found) > most:
+        raise Wrong
+    return found
+
+
+def whole(said: Mapping[str, Any], key: str, below: int) -> int:
+    """Return a whole number of a message, from 0."""
+    value = said.get(key)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < below:
+        raise Wrong
+    return value
+
+
+def number(value: Any, *, most: float) -> float:
+    """Return a number, no larger than may be either way."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= most:
+        raise Wrong
+    return float(value)
+
+
+def arguments(job: str, said: Any) -> Json:
+    """Return the arguments of a job: each is left out, or has its shape."""
+    if not isinstance(said, dict) or not said.keys() <= ARGUMENTS[job].keys():
+        raise Wrong
+    return {key: ARGUMENTS[job][key](said, key) for key in said}
+
+
+def _below(most: int) -> Shape:
+    return lambda said, key: whole(said, key, most)
+
+
+ARGUMENTS: dict[str, dict[str, Shape]] = {
+    "speeds": {"line": _below(100), "state": _below(1000)},
+    "torsion": {},
+}
+"""By job and argument."""

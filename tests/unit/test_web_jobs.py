@@ -1,0 +1,147 @@
+"""What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed
+from workbench import page, running
+
+from cardan import files
+from cardan.study.approval import assess
+from cardan.web.answer import answer
+
+ROOT = Path(__file__).parents[2]
+TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
+CHAIN = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("desk")
+    (folder / "truck.yaml").write_text(TRUCK, "utf-8")
+    with running(folder / "truck.yaml", folder / "drafts") as found:
+        yield found
+
+
+def job(name, text=TRUCK, parts=None, lang="en", **args):
+    question = {"job": name, "text": text, "name": "x.yaml", "folder": None, "lang": lang}
+    found = answer({**question, "args": args}, (parts if parts is not None else []).append)
+    assert "problems" not in found, found
+    return found
+
+
+# ------------------------------------------------------------------ how they run
+
+
+def test_a_job_tells_parts_and_then_its_answer(house):
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        one.say("job", id=7, job="speeds", text=text, args={"state": 1})
+        done = one.hear("done")
+        assert (done["id"], done["job"], done["said"]) == (7, "speeds", "empty")
+        one.say("job", id=8, job="torsion", text=text, args={})
+        part = one.hear("part")
+        assert part["id"] == 8
+        assert part["part"]["doing"]
+        one.say("cancel", id=8)
+        assert one.hear("done") == {"type": "done", "id": 8, "job": "torsion",
+                                    "fault": "cancelled"}  # fmt: skip
+        one.say("job", id=9, job="speeds", text=text, args={})
+        assert one.hear("done")["bearings"]
+
+
+def test_a_hand_is_answered_while_a_job_runs(house):
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        one.say("job", id=3, job="torsion", text=text, args={})
+        one.hear("part")
+        told = one.ask(text, edits={"driveline.shafts[1].phase_deg": 10})
+        assert told["lines"][0]["phases"][0] == 10
+        one.say("cancel", id=3)
+        assert one.hear("done")["fault"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"job": "nothing", "args": {}},
+        {"job": "speeds", "args": {"state": -1}},
+        {"job": "speeds", "args": {"path": "/etc/passwd"}},
+        {"job": "speeds", "args": []},
+        {"job": ["speeds"], "args": {}},
+        {"job": "speeds", "args": {}, "id": "7"},
+    ],
+)
+def test_a_job_of_another_shape_ends_the_socket(house, said):
+    with page(house) as one:
+        one.hello()
+        one.say("job", **{"id": 1, "text": TRUCK, **said})
+        with pytest.raises(ConnectionClosed):
+            one.hear("done")
+
+
+def test_what_is_wrong_with_a_text_is_told(house):
+    with page(house) as one:
+        one.hello()
+        one.say("job", id=1, job="speeds", text="title: [", args={})
+        assert one.hear("done")["problems"][0]["line"] > 0
+
+
+# ------------------------------------------------------------------ over speed
+
+
+def test_a_waterfall_has_the_worst_that_the_check_seeks():
+    """The check seeks the worst speed; a waterfall has many: none is worse, one is as bad."""
+    found = assess(files.loads(TRUCK))
+    for quantity, key in (("centre_bearing_dynamic", "dynamic"), ("centre_bearing_peak", "peak")):
+        checks = [c for c in found.checks if c.quantity == quantity]
+        states = [s.name for s in found.application.states]
+        for c in sorted(checks, key=lambda c: c.value)[-2:]:
+            told = job("speeds", state=states.index(c.when.name))
+            bearing = told["bearings"][int(c.part.number) - 1]
+            every = np.array(bearing[key], dtype=float)
+            assert np.nanmax(every) == pytest.approx(c.value, rel=0.01)
+            assert np.nanmax(every) <= c.value * (1 + 1e-4)
+            graded = np.array(bearing["grades"][key], dtype=float)
+            assert ("pass", "warn", "fail")[int(np.nanmax(graded))] == c.grade
+
+
+def test_orders_add_up_to_what_shakes():
+    told = job("speeds", state=1)
+    for b in told["bearings"]:
+        _, *joints = (np.array(o, dtype=float) for o in b["orders"])
+        whole = np.array(b["dynamic"], dtype=float)
+        # Each is told to a tenth of a newton.
+        assert np.nanmax(np.abs(sum(joints) - whole)) <= 0.21
+
+
+def test_resonances_are_where_orders_meet_frequencies():
+    told = job("speeds", state=1)
+    assert [d["title"] for d in told["diagrams"]] == ["The line on its bearings", "Bending"]
+    rubber = told["diagrams"][0]
+    assert len(rubber["modes"]) == 4
+    for meet in rubber["meets"]:
+        order = float(meet["said"].rpartition(" ")[2])
+        assert meet["rpm"] * order / 60 == pytest.approx(meet["Hz"], abs=0.5 * order / 60 + 0.01)
+    for order in rubber["orders"]:
+        n = float(order["said"].rpartition(" ")[2])
+        assert order["Hz"][1] == pytest.approx(n * rubber["rpm"][1] / 60, abs=0.02)
+
+
+def test_the_vehicle_in_torsion_is_that_of_the_study():
+    from cardan.study.stability import stability
+
+    of = stability(files.loads(TRUCK))
+    parts: list[dict[str, object]] = []
+    told = job("torsion", parts=parts)
+    assert parts
+    assert len(told["diagrams"]) == len(of.gears)
+    assert told["diagrams"][0]["range"][1] == pytest.approx(
+        of.closed.ranges[0, :, 1].max() * 30 / np.pi, abs=1
+    )
+    assert [round(one.peak[one.first]) for one in of.launches] == [
+        round(one["peak"]) for one in told["launches"]
+    ]
