@@ -42,7 +42,13 @@ def browsing(width=1440, height=1000, *, deep=False):
 
 
 @contextmanager
-def workbench(tmp_path, text=TRUCK, name="truck.yaml"):
+def workbench(tmp_path, text=TRUCK, name="truck.yaml", *, folder=False):
+    """Serve a file, or an empty folder; yield the house and what it serves."""
+    if folder:
+        (tmp_path / "desk").mkdir(exist_ok=True)
+        with running(tmp_path / "desk", tmp_path / "drafts", built=server.front()) as house:
+            yield house, tmp_path / "desk"
+        return
     path = tmp_path / name
     if not path.exists():
         path.write_text(text, "utf-8")
@@ -62,15 +68,19 @@ def wait(driver, script, *arguments):
     raise TimeoutError(msg)
 
 
-def opened(driver, house):
+def arrived(driver, house):
     driver.get("about:blank")
     driver.get_log("browser")  # of pages before: their servers are gone
     driver.get(house.address)
+
+
+def opened(driver, house):
+    arrived(driver, house)
     wait(driver, SETTLED)
 
 
 def text_of(driver):
-    return driver.execute_script("return document.querySelector('textarea').value")
+    return driver.execute_script("return document.querySelector('.editor textarea').value")
 
 
 def on(driver, handle):
@@ -89,7 +99,7 @@ def drag(driver, handle, dx, dy, steps=6):
 
 def edited(driver, was):
     """Return the text once it is another, and settled."""
-    wait(driver, "return document.querySelector('textarea').value !== arguments[0]", was)
+    wait(driver, "return document.querySelector('.editor textarea').value !== arguments[0]", was)
     wait(driver, SETTLED)
     return text_of(driver)
 

@@ -211,7 +211,7 @@ def test_an_unsaved_edit_survives_a_crash_and_another_program(browser, tmp_path)
 def test_what_is_typed_is_checked_and_said_where_it_is_wrong(browser, tmp_path):
     with workbench(tmp_path, CHAIN) as (house, _):
         opened(browser, house)
-        put = """const e = document.querySelector('textarea'); e.value = arguments[0];
+        put = """const e = document.querySelector('.editor textarea'); e.value = arguments[0];
             e.dispatchEvent(new Event('input', {bubbles: true}));"""
         browser.execute_script(put, CHAIN.replace("2800", "fast"))
         wait(browser, "return document.querySelector('.problems .fail')")

@@ -6,11 +6,26 @@ Needs the built page: `make browser` builds it.
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from browsing import TRUCK, browsing, clean, opened, serious, wait, workbench
+from browsing import (
+    CHAIN,
+    SETTLED,
+    TRUCK,
+    arrived,
+    browsing,
+    clean,
+    edited,
+    on,
+    opened,
+    serious,
+    text_of,
+    wait,
+    workbench,
+)
 
 from cardan import files
 from cardan.study.approval import approve
@@ -87,3 +102,107 @@ def test_a_job_can_be_stopped_and_asked_again(browser, tmp_path):
         assert said(browser, ".vehicle .fail") == "stopped"
         press(browser, ".vehicle .asking button")
         wait(browser, "return document.querySelector('.launch')")
+
+
+def fill(driver, field, value):
+    box = driver.find_element("css selector", f"[data-field='{field}']")
+    box.clear()
+    box.send_keys(value)
+
+
+def test_five_numbers_become_a_file_and_a_verdict(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        fill(browser, "title", "Rear tipper: 4x2")
+        fill(browser, "speed", "2 500")
+        Select(browser.find_element("css selector", "[data-field=count]")).select_by_value("2")
+        for k, slope in enumerate(("3", "1,0", "4.5", "x"), 1):
+            fill(browser, f"members[{k}].side", slope)
+        for k, length in enumerate(("1200", "1500"), 1):
+            fill(browser, f"shafts[{k}].length", length)
+        fill(browser, "shafts[1].bearing", "140")
+        wait(browser, "return document.querySelector('.guided .problems .fail')")
+        assert "x" in said(browser, ".guided .problems")
+        fill(browser, "members[4].side", "2")
+        wait(browser, "return document.querySelector('.guided .make')")
+        assert said(browser, ".guided header b").lower() == "pass"
+        press(browser, ".make")
+        wait(browser, SETTLED)
+        (made,) = folder.glob("*.yaml")
+        assert made.name == "rear-tipper-4x2.yaml"
+        app = files.read(made)
+        assert app.title == "Rear tipper: 4x2"
+        assert [round(float(s), 1) for s in np.degrees(app.lines[0].layout.side)] == [3, 1, 4.5, 2]
+        assert approve(app).verdict == "pass"
+        assert "pass" in said(browser, ".verdict").lower()
+        assert serious(browser) == []
+        clean(browser)
+
+
+def test_points_are_pasted_from_a_spreadsheet(browser, tmp_path):
+    """Into a new file by the form, with x ahead; into one that is there, as a change of it."""
+    sheet = "joint\tx\ty\tz\nA\t0\t0\t0\nB\t-1200,5\t0\t-20\nC\t-2600\t0\t-150\n"
+    put = """const [e, v] = [document.querySelector(arguments[0]), arguments[1]]; e.value = v;
+        e.dispatchEvent(new Event(e.tagName === 'SELECT' ? 'change' : 'input', {bubbles: true}));"""
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        press(browser, "[data-way=points]")
+        browser.execute_script(put, "[data-field=count]", "2")
+        browser.execute_script(put, ".pasted textarea", sheet)
+        browser.execute_script(put, ".pasted select", "front")
+        fill(browser, "members[1].side", "2")
+        fill(browser, "members[4].side", "3,5")
+        fill(browser, "shafts[1].bearing", "150")
+        press(browser, ".guided .make")
+        wait(browser, SETTLED)
+        (made,) = folder.glob("*.yaml")
+        points = files.read(made).lines[0].layout.points
+        assert points == pytest.approx(np.array([[0, 0, 0], [1.2005, 0, -0.02], [2.6, 0, -0.15]]))
+        was = text_of(browser)
+        press(browser, ".paste summary")
+        browser.execute_script(put, ".paste textarea", "0 0 0\n1200 10 -25\n2600 0 -150")
+        press(browser, ".paste button")
+        now = edited(browser, was)
+        assert files.loads(now).lines[0].layout.points[1] == pytest.approx([1.2, 0.01, -0.025])
+        clean(browser)
+
+
+def test_variants_are_pinned_named_laid_behind_and_compared(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        press(browser, "[data-do=pin]")
+        wait(browser, "return document.querySelector('.ghost')")
+        path = "return document.querySelector(arguments[0]).getAttribute('d')"
+        before = browser.execute_script(path, ".ghost")
+        assert before == browser.execute_script(path, ".drawing .bold")
+        on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.ENTER)
+        now = edited(browser, was)
+        assert browser.execute_script(path, ".drawing .bold") != before
+        assert len(browser.find_elements("css selector", ".angles .before")) == 3
+        show(browser, "variants")
+        wait(browser, "return document.querySelector('.variants .differs')")
+        verdicts = [e.text for e in browser.find_elements("css selector", ".variants td b")]
+        assert verdicts == [approve(files.loads(t)).verdict for t in (now, was)]
+        name = browser.find_element("css selector", ".variants th input")
+        name.clear()
+        name.send_keys("<b>as built</b>", Keys.TAB)
+        wait(browser, "return document.querySelector('.variants select').innerText.includes('<b>')")
+        assert serious(browser) == []
+        browser.refresh()  # and again where the page is left and comes back
+        wait(browser, SETTLED)
+        show(browser, "variants")
+        wait(browser, "return document.querySelector('.variants .differs')")
+        name = browser.find_element("css selector", ".variants th input")
+        assert name.get_property("value") == "<b>as built</b>"
+        press(browser, "[data-do=take]")
+        wait(browser, "return document.querySelectorAll('.variants .differs').length === 0")
+        show(browser, "line")
+        assert text_of(browser) == was
+        clean(browser)

@@ -8,7 +8,7 @@ from websockets.exceptions import ConnectionClosed
 from workbench import page, running
 
 from cardan import files
-from cardan.study.approval import assess
+from cardan.study.approval import approve, assess
 from cardan.web.answer import answer
 
 ROOT = Path(__file__).parents[2]
@@ -145,3 +145,85 @@ def test_the_vehicle_in_torsion_is_that_of_the_study():
     assert [round(one.peak[one.first]) for one in of.launches] == [
         round(one["peak"]) for one in told["launches"]
     ]
+
+
+# ------------------------------------------------------------------ from a form
+
+FORM = {
+    "title": "A", "speed": "2500", "limits": "protractor",
+    "members": [{"side": "3"}, {"side": "1"}, {"side": "2"}], "shafts": [{"length": "1200"}],
+}  # fmt: skip
+
+
+def test_a_form_comes_to_what_its_file_comes_to():
+    told = job("guided", text="", **FORM)
+    found = assess(files.loads(told["draft"]))
+    assert told["verdict"] == found.verdict
+    assert told["angles"] == pytest.approx([2, 1])
+    assert len(told["checks"]) == min(8, len(found.checks))
+
+
+def test_pasted_points_are_edits_of_any_form_of_line():
+    for text, rows in ((TRUCK, "0 0 0\n1000 0 -35\n2000 0 -90\n3350 -40 -146"),
+                       (CHAIN, "0 0 0\n1300 0 -60\n2810 0 -160")):  # fmt: skip
+        told = job("pasted", text=text, points=rows)
+        after = files.loads(live(text, told["edits"])["text"])
+        wanted = np.array([[float(v) for v in row.split()] for row in rows.split("\n")]) / 1000
+        got = after.lines[0].layout.points
+        # Joint 1 of a line by angles is its own origin; its numbers are to 0.001 deg.
+        assert got - got[0] == pytest.approx(wanted - wanted[0], abs=2e-4)
+
+
+def live(text, edits):
+    question = {"job": "live", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
+    return answer({**question, "edits": edits})
+
+
+def test_a_new_file_never_takes_the_place_of_another(tmp_path):
+    (tmp_path / "tipper.yaml").write_text("mine", "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        assert one.hello()["files"] == ["tipper.yaml"]
+        for name, title in (("tipper-1.yaml", "Tipper"), ("etc-passwd.yaml", "../../etc/passwd"),
+                            ("driveline.yaml", "カルダン")):  # fmt: skip
+            one.say("create", title=title, text="title: new\n")
+            assert one.hear("files", "refused")["files"][-1] == name
+            assert one.hear("opened")["saved"] == "title: new\n"
+            assert (tmp_path / name).read_text("utf-8") == "title: new\n"
+        assert (tmp_path / "tipper.yaml").read_text("utf-8") == "mine"
+        assert len([p for p in tmp_path.iterdir() if p.suffix == ".yaml"]) == 4
+
+
+# ------------------------------------------------------------------ variants
+
+
+def test_variants_are_compared_as_the_report_compares_them():
+    other = CHAIN.replace("2800", "1400")
+    parts = []
+    told = job("compare", text=CHAIN, parts=parts, variants=[{"name": "slow", "text": other}])
+    assert [v["name"] for v in told["variants"]] == ["", "slow"]
+    assert [v["verdict"] for v in told["variants"]] == [
+        approve(files.loads(t)).verdict for t in (CHAIN, other)
+    ]
+    assert any("2800" in d["values"][0] and "1400" in d["values"][1] for d in told["differences"])
+    row = next(e for e in told["effects"] if "Torsional acceleration" in e["name"])
+    first, second = (float(v.split(" (")[0]) for v in row["values"])
+    assert first / second == pytest.approx(4, rel=1e-3)  # with the speed squared
+    assert [p["done"] for p in parts] == [0, 1]
+
+
+def test_variants_stay_with_their_file(tmp_path):
+    (tmp_path / "a.yaml").write_text(CHAIN, "utf-8")
+    kept = [{"name": "\u202ex<script>", "text": CHAIN + "# 2\n"}]
+    for start in range(2):  # and after a start of another server
+        with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+            one.hello()
+            if start == 0:
+                assert one.open()["variants"] == []
+                one.say("pin", file=0, variants=kept)
+                one.hear("kept")
+            assert one.open()["variants"] == kept
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        one.say("pin", file=0, variants=[{"name": "x" * 101, "text": ""}])
+        with pytest.raises(ConnectionClosed):
+            one.hear("kept")

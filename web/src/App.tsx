@@ -6,6 +6,7 @@ import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
 import { Editor } from "./Editor";
 import { number, percent } from "./format";
+import { Guide } from "./Guide";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
@@ -16,6 +17,7 @@ import { Speed } from "./Speed";
 import { store, VIEWS, worst, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
+import { Pin, Variants } from "./Variants";
 import { still, useKnown } from "./use";
 
 type Both = { known: Known; shown: Shown };
@@ -58,10 +60,13 @@ export function App() {
         {known.connection === "refused" && (
           <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>
         )}
+        {known.file === null && known.connection === "open" && <Guide known={known} />}
         {shown && (
           <>
-            <Strip known={known} />
+            {known.view !== "new" && <Strip known={known} />}
             <Tabs known={known} />
+            {known.view === "new" && <Guide known={known} />}
+            {known.view === "variants" && <Variants known={known} />}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
@@ -94,7 +99,7 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), variants: t("Variants"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {VIEWS.map((view) => (
@@ -291,6 +296,7 @@ function Views({ known, shown }: { known: Known; shown: Shown }) {
           {!deep && ` · ${t("light: the other states; dashed: as installed")}`}
         </span>
         <div class="chips" role="group" aria-label={t("Drawing")}>
+          <Pin known={known} />
           <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
           <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
         </div>

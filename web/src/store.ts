@@ -14,6 +14,7 @@ import type {
   Help,
   Limit,
   Live,
+  Named,
   Pose,
   PoseAsked,
   Problem,
@@ -41,6 +42,7 @@ export interface Known {
   languages: string[];
   quantities: Record<string, Explained>;
   catalogue: Catalogue;
+  profiles: string[];
   files: string[];
   file: number | null;
   history: History.History | null;
@@ -61,9 +63,12 @@ export interface Known {
   theme: "auto" | "light" | "dark";
   view: View;
   jobs: Record<string, Job>;
+  variants: Named[];
+  /** Which variant is drawn behind what is shown. */
+  behind: number | null;
 }
 
-export const VIEWS = ["line", "speed"] as const;
+export const VIEWS = ["line", "speed", "variants", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */
@@ -75,6 +80,7 @@ export interface Job<Answer = unknown, Part = unknown> {
   part: Part | null;
   answer: Answer | null;
   why: string;
+  problems?: Problem[] | undefined;
 }
 
 const start: Known = {
@@ -84,6 +90,7 @@ const start: Known = {
   languages: ["en"],
   quantities: {},
   catalogue: { joints: [], tubes: [] },
+  profiles: [],
   files: [],
   file: null,
   history: null,
@@ -103,6 +110,8 @@ const start: Known = {
   theme: "auto",
   view: "line",
   jobs: {},
+  variants: [],
+  behind: null,
 };
 
 interface Gesture {
@@ -203,6 +212,7 @@ export class Store {
           languages: m.languages,
           quantities: m.quantities,
           catalogue: m.catalogue,
+          profiles: m.profiles,
           files: m.files,
         });
         if (this.known.file !== null) this.rejoin(this.known.file);
@@ -237,12 +247,15 @@ export class Store {
         break;
       case "kept":
         break;
+      case "files":
+        this.set({ files: m.files, view: "line" });
+        break;
       case "part":
         this.worked(m.job, m.id, { part: m.part });
         break;
       case "done": {
         const why = m.fault ?? m.problems?.[0]?.message ?? "";
-        this.worked(m.job, m.id, why ? { running: false, why } : { running: false, answer: m, why });
+        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems } : { running: false, answer: m, why });
         break;
       }
     }
@@ -260,6 +273,47 @@ export class Store {
     const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
     this.link?.say({ type: "job", id: this.ids, job, text, args });
+  }
+
+  /** Make the edits that a job found, once. */
+  taken(job: string, edits: Edits): void {
+    const { [job]: _, ...jobs } = this.known.jobs;
+    this.set({ jobs });
+    if (Object.keys(edits).length) this.apply(edits);
+  }
+
+  // ------------------------------------------------------------------ variants
+
+  private keepVariants(variants: Named[]): void {
+    this.set({ variants });
+    if (this.known.file !== null) this.link?.say({ type: "pin", file: this.known.file, variants });
+  }
+
+  pin(): void {
+    this.pending?.();
+    const { variants, history } = this.known;
+    if (!history || variants.length >= 12) return;
+    this.keepVariants([...variants, { name: String.fromCharCode(65 + variants.length), text: history.text }]);
+    this.lay(variants.length);
+  }
+
+  rename(k: number, name: string): void {
+    this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v)));
+  }
+
+  unpin(k: number): void {
+    this.lay(null);
+    this.keepVariants(this.known.variants.filter((_, i) => i !== k));
+  }
+
+  lay(behind: number | null): void {
+    this.set({ behind });
+    const text = behind === null ? undefined : this.known.variants[behind]?.text;
+    if (text !== undefined) this.work("ghost", {}, text);
+  }
+
+  create(title: string, text: string): void {
+    this.link?.say({ type: "create", title, text });
   }
 
   stop(job: string): void {
@@ -311,6 +365,8 @@ export class Store {
       order: [],
       held: null,
       jobs: {},
+      variants: m.variants,
+      behind: null,
     });
     this.ask({ text: history.text });
   }

@@ -252,6 +252,29 @@ export interface Torsion {
   }[];
 }
 
+export interface Guided {
+  draft: string;
+  verdict: Verdict;
+  angles: number[];
+  equivalent: Maybe;
+  checks: Other[];
+}
+
+export interface Named {
+  name: string;
+  text: string;
+}
+
+export interface Ghost {
+  lines: { name: string; states: Record<string, Laid>; angles: Record<string, number[]> }[];
+}
+
+export interface Compared {
+  variants: { name: string; verdict: Verdict; counts: Record<Grade, number> }[];
+  differences: { name: string; values: string[] }[];
+  effects: { name: string; values: string[]; grades: (Grade | null)[] }[];
+}
+
 interface Answered {
   id: number;
   text: string;
@@ -268,8 +291,10 @@ export type Told =
       texts: Record<string, string>;
       quantities: Record<string, Explained>;
       catalogue: Catalogue;
+      profiles: string[];
       files: string[];
     }
+  | { type: "files"; files: string[] }
   | {
       type: "opened";
       file: number;
@@ -278,6 +303,7 @@ export type Told =
       mark: string;
       draft: string | null;
       stale: boolean;
+      variants: Named[];
     }
   | ({ type: "live"; edits?: Edits } & Answered & Partial<Live>)
   | ({ type: "posed"; pose?: Pose } & Answered)

@@ -83,10 +83,10 @@ class Manuscript:
             found = next((q for q in "'\"" if self._is(start, f"{q}{node.text}{q}")), None)
             if found is None:
                 raise self._refused(at, node, "is written in a way that has to be changed by hand")
-            return start, start + len(node.text) + 2, _token(to, "")
+            return start, start + len(node.text) + 2, token(to, "")
         if not self._is(start, node.text) or not node.text:
             raise self._refused(at, node, "is written in a way that has to be changed by hand")
-        return start, start + len(node.text), _token(to, node.text)
+        return start, start + len(node.text), token(to, node.text)
 
     def _insertion(self, at: str, to: float | str | list[float]) -> tuple[int, int, str]:
         """Return the change that puts a key into its table, before the others."""
@@ -97,7 +97,7 @@ class Manuscript:
                 message="does not stand in the file, nor does the table it belongs to", key=at
             )
             raise BadFile(self.name, (problem,))
-        said = f"{key}: {_token(to, '')}"
+        said = f"{key}: {token(to, '')}"
         start = self._offset(table)
         if self._is(start, "{"):
             return start + 1, start + 1, f"{said}, "
@@ -130,10 +130,10 @@ def _walk(node: Node, at: str) -> Iterator[tuple[str, Node]]:
             yield from _walk(item, f"{at}[{k}]")
 
 
-def _token(to: float | str | list[float], like: str) -> str:
+def token(to: float | str | list[float], like: str) -> str:
     """Return a value as it is written, a number with as many decimals as stood there."""
     if isinstance(to, list):
-        return f"[{', '.join(_token(t, '') for t in to)}]"
+        return f"[{', '.join(token(t, '') for t in to)}]"
     if isinstance(to, str):
         plain = _PLAIN.fullmatch(to) and isinstance(Scalar(to, 1, 1).value, str)
         return to if plain and not to.endswith(" ") else '"' + _escaped(to) + '"'

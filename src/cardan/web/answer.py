@@ -26,18 +26,19 @@ from cardan.model.layout import Layout
 from cardan.model.parts import Shaft
 from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
-from cardan.report.wording import badness, cited, move, notes, occasion, place, unanswered
-from cardan.study.approval import Approval, approve
+from cardan.report.wording import badness, cited, move, notes, occasion, unanswered
+from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move, corrected
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import speeds
-from cardan.web.document import Document, Json, Tell, document, f, fs, g
+from cardan.web import guides, speeds
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
 SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
 """Quantities that are sought over all operating points: a later answer than the others."""
@@ -155,7 +156,7 @@ def _full(read: Document, _: Json, say: Language) -> Json:
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
         "limits": [row for r in found.responses for row in _rows(r, SOUGHT, say)],
-        "others": [_other(c, found, say) for c in sorted(others, key=badness)],
+        "others": [other(c, found, say) for c in sorted(others, key=badness)],
     }
 
 
@@ -173,12 +174,60 @@ def _help(read: Document, _: Json, say: Language) -> Json:
                             value, say))
         ]  # fmt: skip
         bars.sort(key=lambda b: -b["gain"])
-        helps.append({**_other(one.check, found, say), "bars": bars})
+        helps.append({**other(one.check, found, say), "bars": bars})
     return {"helps": helps}
 
 
 _JOBS = {"live": _live, "pose": _pose, "full": _full, "help": _help}
-_LONG = {"speeds": speeds.speeds, "torsion": speeds.torsion}
+
+
+def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
+    """Return where another variant's lines run, to be drawn behind this one's."""
+    lines = [
+        {
+            "name": r.line.name,
+            "states": {
+                name: _laid(r.layout[s], r.demand.installed)
+                for s, name in enumerate(r.demand.states)
+            },
+            "angles": {name: fs(r.angles[s] / deg, 3) for s, name in enumerate(r.demand.states)},
+        }
+        for r in read.responses
+    ]
+    return {"lines": lines}
+
+
+def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
+    """Return variants beside the text itself: verdicts, what they say and what it does."""
+    given = args.get("variants", [])
+    named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
+    found: list[Variant] = []
+    for k, (name, one) in enumerate(named):
+        tell({"doing": name, "done": k, "of": len(named)})
+        found.append(Variant(name=name, approval=approve(one.application)))
+    return {
+        "variants": [
+            {
+                "name": v.name, "verdict": v.approval.verdict,
+                "counts": {g: sum(c.grade == g for c in v.approval.checks) for g in GRADES},
+            }
+            for v in found
+        ],
+        "differences": [{"name": d.name, "values": d.values} for d in differences(found, say)],
+        "effects": [
+            {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
+        ],
+    }  # fmt: skip
+
+
+_LONG = {
+    "ghost": _ghost,
+    "compare": _compare,
+    "guided": guides.guided,
+    "pasted": guides.pasted,
+    "speeds": speeds.speeds,
+    "torsion": speeds.torsion,
+}
 
 
 # --------------------------------------------------------------------------- lines
@@ -346,24 +395,6 @@ def _pending(r: Response, say: Language) -> Iterator[Json]:
     for k, limit in enumerate(m for m in r.application.limits if m.quantity in SOUGHT):
         if r.line.joint_count > 2:
             yield _limit(limit, r, k, say)
-
-
-def _other(c: Check, found: Approval, say: Language) -> Json:
-    """Return one check by itself."""
-    q = QUANTITIES[c.quantity]
-    return {
-        "quantity": c.quantity,
-        "line": c.line,
-        "name": say.name(c.quantity),
-        "where": place(c, say, several=len(found.responses) > 1),
-        "value": g(c.value / q.factor),
-        "bound": g(c.bound / q.factor),
-        "sense": "band" if c.limit.band else c.limit.sense,
-        "unit": q.unit_name,
-        "margin": g(c.margin),
-        "grade": c.grade,
-        "source": cited(c.limit.source, say),
-    }
 
 
 def _bar(

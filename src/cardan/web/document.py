@@ -12,10 +12,15 @@ import numpy as np
 
 from cardan import files
 from cardan.base.arrays import FloatArray
+from cardan.base.verdict import Check
 from cardan.demand.states import demand, resolve
 from cardan.files.manuscript import Manuscript
 from cardan.model.application import Application
+from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response, respond
+from cardan.report.language import Language
+from cardan.report.wording import cited, place
+from cardan.study.approval import Approval
 
 if TYPE_CHECKING:
     from cardan.study.stability import Stability
@@ -94,3 +99,24 @@ def fs(values: FloatArray, digits: int) -> Any:
     told = rounded.astype(object)
     told[~np.isfinite(rounded)] = None
     return told.tolist()
+
+
+# --------------------------------------------------------------------------- checks
+
+
+def other(c: Check, found: Approval, say: Language) -> Json:
+    """Return one check by itself."""
+    q = QUANTITIES[c.quantity]
+    return {
+        "quantity": c.quantity,
+        "line": c.line,
+        "name": say.name(c.quantity),
+        "where": place(c, say, several=len(found.responses) > 1),
+        "value": g(c.value / q.factor),
+        "bound": g(c.bound / q.factor),
+        "sense": "band" if c.limit.band else c.limit.sense,
+        "unit": q.unit_name,
+        "margin": g(c.margin),
+        "grade": c.grade,
+        "source": cited(c.limit.source, say),
+    }

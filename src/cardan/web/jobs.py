@@ -8,6 +8,9 @@ from cardan.border.document import LONGEST
 MOST = 4
 """Jobs of one page at a time; they are done one after another."""
 
+VARIANTS = 12
+"""Variants of a file that are kept."""
+
 Json: TypeAlias = dict[str, Any]
 Shape: TypeAlias = Callable[[Json, str], Any]
 
@@ -50,8 +53,48 @@ def _below(most: int) -> Shape:
     return lambda said, key: whole(said, key, most)
 
 
+def _typed(most: int = 200) -> Shape:
+    return lambda said, key: text(said, key, most)
+
+
+def _rows(keys: tuple[str, ...], most: int) -> Shape:
+    """Return the shape of a list of rows of typed fields."""
+
+    def read(said: Json, key: str) -> list[Json]:
+        rows = said[key]
+        if not isinstance(rows, list) or len(rows) > most:
+            raise Wrong
+        if not all(isinstance(row, dict) and row.keys() <= set(keys) for row in rows):
+            raise Wrong
+        return [{k: text(row, k, 200) for k in row} for row in rows]
+
+    return read
+
+
+def texts(said: Json, key: str) -> list[dict[str, str]]:
+    """Return named texts: variants of a file."""
+    rows = said.get(key)
+    if not isinstance(rows, list) or len(rows) > VARIANTS:
+        raise Wrong
+    if not all(isinstance(row, dict) and row.keys() == {"name", "text"} for row in rows):
+        raise Wrong
+    return [{"name": text(row, "name", 100), "text": text(row, "text")} for row in rows]
+
+
+PASTED: dict[str, Shape] = {"points": _typed(20_000), "unit": _typed(), "axes": _typed()}
+FORM: dict[str, Shape] = {
+    **{key: _typed() for key in ("title", "speed", "torque", "limits")},
+    **PASTED,
+    "members": _rows(("side", "top"), 8),
+    "shafts": _rows(("length", "phase", "tube", "bearing"), 6),
+}
+
 ARGUMENTS: dict[str, dict[str, Shape]] = {
     "speeds": {"line": _below(100), "state": _below(1000)},
     "torsion": {},
+    "guided": FORM,
+    "ghost": {},
+    "compare": {"variants": texts},
+    "pasted": {**PASTED, "line": _below(100)},
 }
 """By job and argument."""

@@ -11,6 +11,8 @@
     keep   file, text, mark                kept
     save   file, text, mark                saved, or conflict with the text on disk
     drop   file                            kept
+    pin    file, variants                  kept
+    create title, text                     files: their names; then opened
                                            disk: a file is another than it was
 
 What has the wrong shape ends the socket: the page sends no such thing.
@@ -23,6 +25,7 @@ from typing import Any, Protocol
 
 from cardan import __version__
 from cardan.base.errors import CardanError
+from cardan.files.limit import names as profiles
 from cardan.report.language import CODES, Language
 from cardan.study.drag import KINDS
 from cardan.web import jobs, words
@@ -100,7 +103,7 @@ class Session:
         heard = {
             "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
             "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
-            "job": self._start, "cancel": self._cancel,
+            "create": self._create, "pin": self._pin, "job": self._start, "cancel": self._cancel,
         }  # fmt: skip
         handle = heard.get(str(said.get("type")))
         if handle is None:
@@ -118,8 +121,26 @@ class Session:
             texts=words.texts(say),
             quantities=words.quantities(say),
             catalogue=words.catalogue(),
+            profiles=list(profiles()),
             files=[p.name for p in self.desk.papers],
         )
+
+    async def _pin(self, said: Json) -> None:
+        number, variants = self._number(said), jobs.texts(said, "variants")
+        with suppress(CardanError, OSError):
+            await asyncio.to_thread(self.desk.pin, number, variants)
+            await self._tell("kept", file=number)
+
+    async def _create(self, said: Json) -> None:
+        title, text = jobs.text(said, "title", 200), jobs.text(said, "text")
+        try:
+            number = await asyncio.to_thread(self.desk.create, title, text)
+        except (CardanError, OSError) as error:
+            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+            await self._tell("refused", what="create", file=0, why=why)
+            return
+        await self._tell("files", files=[p.name for p in self.desk.papers])
+        await self._open({"file": number})
 
     async def _open(self, said: Json) -> None:
         number = self._number(said)
