@@ -206,3 +206,61 @@ def test_variants_are_pinned_named_laid_behind_and_compared(browser, tmp_path):
         show(browser, "line")
         assert text_of(browser) == was
         clean(browser)
+
+
+def test_corrections_are_looked_for_and_one_is_applied(browser, tmp_path):
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "change")
+        wait(browser, "return document.querySelectorAll('.fix .tick').length === 5")
+        browser.find_elements("css selector", ".fix .tick input")[0].click()  # the bearing stays
+        press(browser, ".fix .asking button")
+        wait(browser, "return document.querySelector('.fix .asking progress')")
+        wait(browser, "return document.querySelector('.proposals li')")
+        listed = browser.find_elements("css selector", ".proposals li")
+        assert len(browser.find_elements("css selector", ".front g")) == len(listed)
+        assert all("bearing 1 up" not in one.text for one in listed)
+        verdict = listed[0].find_element("css selector", "b").text
+        press(browser, ".proposals button")
+        wait(browser, "return document.querySelector('.editor') || true")
+        show(browser, "line")
+        wait(browser, SETTLED)
+        now = edited(browser, was)
+        assert approve(files.loads(now)).verdict == verdict == "pass"
+        assert browser.find_element("css selector", "[data-do=behind]").get_property("value") == "0"
+        show(browser, "change")
+        assert serious(browser) == []
+        clean(browser)
+
+
+def test_a_map_is_chosen_on_and_a_yield_fills_in(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "change")
+        value = "return document.querySelector('.map .field p')?.innerText ?? ''"
+        wait(browser, f"{value.replace('return', 'return (')}).includes('height of bearing 1')")
+        wait(browser, "return !document.querySelector('.map progress')")
+        told = browser.execute_script(value)
+        field = browser.find_element("css selector", ".map canvas")
+        field.send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_RIGHT)
+        wait(browser, f"{value} !== arguments[0]", told)
+        told = browser.execute_script(value)
+        press(browser, "[data-do=move]")
+        show(browser, "line")
+        now = edited(browser, was)
+        before, after = (files.loads(t).lines[0].layout.points for t in (was, now))
+        height = float(told.split("height of bearing 1 ")[1].split(" ")[0].replace("−", "-"))
+        assert 1000 * (after - before)[1, 2] != 0
+        assert height != 0
+        show(browser, "change")
+        press(browser, ".scatter .asking button")
+        wait(browser, "return document.querySelector('.scatter .figure')")
+        first = said(browser, ".scatter .figure")
+        wait(browser, "return !document.querySelector('.scatter progress')")
+        assert said(browser, ".scatter .figure") != first
+        assert "4096" in said(browser, ".scatter .figure")
+        clean(browser)

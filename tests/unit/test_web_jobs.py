@@ -227,3 +227,84 @@ def test_variants_stay_with_their_file(tmp_path):
         one.say("pin", file=0, variants=[{"name": "x" * 101, "text": ""}])
         with pytest.raises(ConnectionClosed):
             one.hear("kept")
+
+
+# ------------------------------------------------------------------ what to change
+
+
+def test_corrections_are_those_of_the_command_and_their_edits_make_them():
+    from cardan.study.fix import fix
+
+    told = job("fix", text=CHAIN, hold=["bearing_height 1", "no such thing"])
+    found = fix(files.loads(CHAIN), hold=["bearing_height 1"], count=6)
+    assert [p["verdict"] for p in told["proposals"]] == [p.verdict for p in found]
+    assert [p["margin"] for p in told["proposals"]] == pytest.approx(
+        [p.margin for p in found], rel=1e-5
+    )
+    for p in told["proposals"]:
+        assert approve(files.loads(live(CHAIN, p["edits"])["text"])).verdict == p["verdict"]
+
+
+@pytest.mark.parametrize("line", [0, 1])
+def test_what_may_move_is_named_as_hold_knows_it(line):
+    text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
+    rows = live(text, {})["lines"][line]["movable"]
+    assert len({r["id"] for r in rows}) == len(rows) > 1
+    assert all(r["low"] <= 0 <= r["high"] for r in rows)
+    free = [r["id"] for r in rows if r["free"]]
+    assert free
+
+
+def test_each_cell_of_a_map_is_what_a_check_of_it_finds():
+    parts = []
+    told = job("map", text=TRUCK, parts=parts, x="bearing_height 2", y="shim 1")
+    assert [len(p["map"]["grades"]) for p in parts] == [9, 17]
+    assert len(told["grades"]) == len(told["x"]["values"]) == 33
+    for r, c in ((0, 0), (16, 8), (32, 32)):
+        moves = [{"id": told[k]["id"], "amount": told[k]["values"][i]}
+                 for k, i in (("x", c), ("y", r))]  # fmt: skip
+        after = live(TRUCK, job("moved", text=TRUCK, moves=moves)["edits"])
+        rows = [row for row in after["limits"] if row["grades"]]
+        grades = [g for row in rows for s in row["grades"] for g in s if g is not None]
+        assert told["grades"][r][c] == max(grades)
+        name = told["names"][told["decides"][r][c]]
+        mine = [m for row in rows if row["name"] == name for s in row["margins"] for m in s
+                if m is not None]  # fmt: skip
+        # Edits are written to 0.01 mm and 0.001 deg.
+        assert told["margins"][r][c] == pytest.approx(min(mine), abs=2e-3)
+
+
+def test_a_coarse_map_has_the_cells_of_the_fine_one():
+    parts = []
+    told = job("map", text=CHAIN, parts=parts, x="bearing_height 1", y="shim 1")
+    coarse = np.array(parts[0]["map"]["margins"])
+    assert coarse == pytest.approx(np.array(told["margins"])[::4, ::4], abs=1e-9)
+
+
+def test_a_yield_fills_in_and_gets_surer():
+    parts = []
+    sigmas = [{"id": "bearing_height 1", "amount": 3.0}, {"id": "shim 1", "amount": 0.5}]
+    told = job("yield", text=CHAIN, parts=parts, sigmas=sigmas, count=1024)
+    wide = [p["yield"]["yield"][2] - p["yield"]["yield"][1] for p in parts]
+    assert told["count"] == 1024 == parts[-1]["done"]
+    assert wide[-1] < wide[0]
+    assert sum(told["cases"]) == 1024
+    assert sum(v[0] for v in told["shares"].values()) == pytest.approx(1, abs=2e-4)
+    # The same by single checks of cases drawn by another generator.
+    rng = np.random.default_rng(5)
+    good, count = 0, 60
+    for high, turn in rng.normal(0, (3.0, 0.5), (count, 2)):
+        moves = [{"id": "bearing_height 1", "amount": high}, {"id": "shim 1", "amount": turn}]
+        after = live(CHAIN, job("moved", text=CHAIN, moves=moves)["edits"])
+        good += after["grade"] in ("pass", "warn")
+    expected = told["yield"][0]
+    spread = 4 * np.sqrt(max(expected * (1 - expected), 0.25 / count) / count)  # four sigma
+    assert good / count == pytest.approx(expected, abs=spread)
+
+
+def test_a_share_of_none_or_all_is_not_certain():
+    from cardan.study.maps import share
+
+    assert share(0, 100)[1:] == pytest.approx((0.0, 0.0370), abs=1e-4)  # Wilson, by hand
+    assert share(100, 100)[1:] == pytest.approx((0.9630, 1.0), abs=1e-4)
+    assert share(50, 100)[1:] == pytest.approx((0.4038, 0.5962), abs=1e-4)

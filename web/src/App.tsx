@@ -2,6 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
+import { Change } from "./Change";
 import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
 import { Editor } from "./Editor";
@@ -67,6 +68,7 @@ export function App() {
             <Tabs known={known} />
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
+            {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
@@ -99,7 +101,7 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), variants: t("Variants"), new: t("New") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {VIEWS.map((view) => (

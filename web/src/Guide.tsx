@@ -56,7 +56,7 @@ export function Guide({ known }: { known: Known }) {
   const typed = (job?.problems ?? []).filter((p) => p.value && (p.key !== "points" || form.points));
   return (
     <div class="columns">
-      <section class="card guide left" aria-labelledby="guide">
+      <div class="left"><section class="card guide" aria-labelledby="guide">
         <header>
           <h2 id="guide">{t("From a protractor's readings")}</h2>
           <span class="note">{t("slopes down to the rear are positive, to the right too")}</span>
@@ -108,8 +108,8 @@ export function Guide({ known }: { known: Known }) {
             </tbody>
           </table>
         </div>
-      </section>
-      <section class={`card right guided ${of?.verdict ?? ""}`} aria-labelledby="comes">
+      </section></div>
+      <div class="right"><section class={`card guided ${of?.verdict ?? ""}`} aria-labelledby="comes">
         <header>
           <h2 id="comes">{t("What it comes to")}</h2>
           {of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}
@@ -125,7 +125,7 @@ export function Guide({ known }: { known: Known }) {
             <button class="make" onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>
           </>
         )}
-      </section>
+      </section></div>
     </div>
   );
 }

@@ -148,14 +148,13 @@ function Vehicle({ known }: { known: Known }) {
   const job = known.jobs.torsion as Job<Torsion, { doing: string }> | undefined;
   const of = job?.answer;
   const [gear, setGear] = useState(0);
-  const stale = job && known.history && job.of !== JSON.stringify([known.history.text, {}]);
   const d = of?.diagrams[Math.min(gear, of.diagrams.length - 1)];
   return (
     <>
       <section class="card vehicle" aria-labelledby="vehicle">
         <header>
           <h2 id="vehicle">{t("The whole vehicle in torsion, and its launches")}</h2>
-          <Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={stale ?? true} />
+          <Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={job?.of !== store.about({})} />
         </header>
         {of && (
           <div class="chips" role="group" aria-label={t("gear")}>

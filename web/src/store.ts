@@ -68,7 +68,7 @@ export interface Known {
   behind: number | null;
 }
 
-export const VIEWS = ["line", "speed", "variants", "new"] as const;
+export const VIEWS = ["line", "speed", "change", "variants", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */
@@ -251,7 +251,7 @@ export class Store {
         this.set({ files: m.files, view: "line" });
         break;
       case "part":
-        this.worked(m.job, m.id, { part: m.part });
+        this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
         break;
       case "done": {
         const why = m.fault ?? m.problems?.[0]?.message ?? "";
@@ -265,7 +265,7 @@ export class Store {
 
   /** Ask for a job, unless it is under way or answered already; a newer one takes its place. */
   work(job: string, args: object = {}, text = this.known.history?.text ?? ""): void {
-    const of = JSON.stringify([text, args]);
+    const of = this.about(args, text);
     const now = this.known.jobs[job];
     if (now?.of === of && (now.running || now.answer)) return;
     if (now?.running) this.link?.say({ type: "cancel", id: now.id });
@@ -273,6 +273,11 @@ export class Store {
     const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
     this.link?.say({ type: "job", id: this.ids, job, text, args });
+  }
+
+  /** What a job is about: another text, argument or language is another job. */
+  about(args: object, text = this.known.history?.text): string {
+    return JSON.stringify([text, args, this.known.lang]);
   }
 
   /** Make the edits that a job found, once. */
@@ -465,8 +470,8 @@ export class Store {
   private kept(live: Live): Live {
     const lines = this.known.live?.lines;
     const written = (k: number) => {
-      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [] } = lines?.[k] ?? {};
-      return { phase_at, tube_at, tube_now, joint_at, joint_now };
+      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [], movable = [] } = lines?.[k] ?? {};
+      return { phase_at, tube_at, tube_now, joint_at, joint_now, movable };
     };
     return { ...live, lines: live.lines.map((l, k) => ({ ...l, ...written(k) })) };
   }

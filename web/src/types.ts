@@ -56,6 +56,7 @@ export interface Line {
   obstacles: number[];
   phasors: [number, number][][];
   equivalent: Maybe[];
+  movable: Movable[];
   rings: { grade: Grade; radius: Maybe }[][];
 }
 
@@ -275,6 +276,41 @@ export interface Compared {
   effects: { name: string; values: string[]; grades: (Grade | null)[] }[];
 }
 
+export interface Movable {
+  id: string;
+  said: string;
+  unit: string;
+  low: number;
+  high: number;
+  step: number;
+  free: boolean;
+  choice: boolean;
+}
+
+export interface Corrections {
+  line: string;
+  proposals: { verdict: Verdict; cost: number; margin: number; before: number; moves: string[]; counts: Record<Grade, number>; left: Other[]; edits: Edits }[];
+}
+
+export interface MapOf {
+  x: { id: string; said: string; unit: string; values: number[] } | null;
+  y: { id: string; said: string; unit: string; values: number[] } | null;
+  sought: boolean;
+  grades: number[][];
+  margins: number[][];
+  decides: number[][];
+  names: string[];
+}
+
+export interface Yield {
+  count: number;
+  shares: Record<Grade, [number, number, number]>;
+  yield?: [number, number, number];
+  lost: { name: string; share: number }[];
+  margins: number[];
+  cases: number[];
+}
+
 interface Answered {
   id: number;
   text: string;
@@ -309,7 +345,7 @@ export type Told =
   | ({ type: "posed"; pose?: Pose } & Answered)
   | ({ type: "full" } & Answered & Partial<Full>)
   | ({ type: "helped"; helps?: Help[] } & Answered)
-  | { type: "part"; id: number; job: string; part: unknown }
+  | { type: "part"; id: number; job: string; part: object }
   | { type: "done"; id: number; job: string; fault?: string; problems?: Problem[] }
   | { type: "kept"; file: number }
   | { type: "saved"; file: number; mark: string; text: string }

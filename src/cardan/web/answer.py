@@ -18,13 +18,13 @@ from cardan.base.errors import BadFile, CardanError, DesignError
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Check, Limit, worst
 from cardan.files.manuscript import Manuscript
-from cardan.files.placing import Changes, mounted, name_address, phase_address, phased, placed
+from cardan.files.placing import Changes, name_address, phase_address
 from cardan.kinematics.chain import pin_phases, turn
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Installed
 from cardan.model.layout import Layout
 from cardan.model.parts import Shaft
-from cardan.quantity.quantities import ANSWERED, QUANTITIES
+from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
@@ -34,15 +34,12 @@ from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
-from cardan.study.moves import Move, corrected
+from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import guides, speeds
+from cardan.web import changes, guides, speeds
+from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
-
-SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
-"""Quantities that are sought over all operating points: a later answer than the others."""
-AT_ONCE = frozenset(ANSWERED) - SOUGHT
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -221,6 +218,10 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 _LONG = {
+    "fix": changes.corrections,
+    "map": changes.surface,
+    "moved": changes.moved,
+    "yield": changes.tolerated,
     "ghost": _ghost,
     "compare": _compare,
     "guided": guides.guided,
@@ -249,7 +250,7 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "tube_names": [_tube(s, say) for s in line.shafts],
         "joints": [s.name if s else "" for s in r.sizes],
         "phases": [round(s.phase / deg, 3) for s in line.shafts],
-        **(_written(installed, text) if text else {}),
+        **({**_written(installed, text), "movable": changes.told(r, say)} if text else {}),
         "angles": fs(r.angles / deg, 3),
         "side_angles": fs(r.side_angles / deg, 3),
         "top_angles": fs(r.top_angles / deg, 3),
@@ -405,23 +406,13 @@ def _bar(
     to = "maximum" if of.grade == "fail" else "normal"
     if not isfinite(value):
         return None
-    edits = _moved(read, installed, moved)
+    edits = changes.edits(read, installed.line.name, [moved])
     return {
         "said": move(moved, say),
         "value": g(value / QUANTITIES[of.quantity].factor),
         "gain": g(float(limit.margin(value, to=to)) - of.margin),  # type: ignore[arg-type]
         "edits": edits,
     }
-
-
-def _moved(read: Document, installed: Installed, moved: Move) -> Changes:
-    """Return the edits of a document that a move of a workshop comes to."""
-    r = next(r for r in read.responses if r.line.name == installed.line.name)
-    after = corrected(r, (moved.adjustable,), np.array([moved.amount]))
-    new = next(i for i in after.lines if i.line.name == installed.line.name)
-    edits = placed(installed, new.layout, read.manuscript)
-    edits |= phased(installed, new.line.phases, read.manuscript)
-    return edits | mounted(installed, new.line, read.manuscript)
 
 
 # --------------------------------------------------------------------------- sliders and dial

@@ -81,6 +81,30 @@ def texts(said: Json, key: str) -> list[dict[str, str]]:
     return [{"name": text(row, "name", 100), "text": text(row, "text")} for row in rows]
 
 
+def _amounts(said: Json, key: str) -> list[Json]:
+    """Return amounts of moves, by what moves."""
+    rows = said[key]
+    if not isinstance(rows, list) or len(rows) > 40:
+        raise Wrong
+    if not all(isinstance(row, dict) and row.keys() == {"id", "amount"} for row in rows):
+        raise Wrong
+    return [{"id": text(r, "id", 60), "amount": number(r["amount"], most=1e6)} for r in rows]
+
+
+def _names(said: Json, key: str) -> list[str]:
+    names = said[key]
+    if not isinstance(names, list) or len(names) > 60:
+        raise Wrong
+    return [text({key: name}, key, 60) for name in names]
+
+
+def _truth(said: Json, key: str) -> bool:
+    if not isinstance(said[key], bool):
+        raise Wrong
+    return said[key]
+
+
+LINE: dict[str, Shape] = {"line": _below(100)}
 PASTED: dict[str, Shape] = {"points": _typed(20_000), "unit": _typed(), "axes": _typed()}
 FORM: dict[str, Shape] = {
     **{key: _typed() for key in ("title", "speed", "torque", "limits")},
@@ -93,8 +117,12 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "speeds": {"line": _below(100), "state": _below(1000)},
     "torsion": {},
     "guided": FORM,
+    "fix": {**LINE, "hold": _names},
+    "map": {**LINE, "x": _typed(60), "y": _typed(60), "sought": _truth},
+    "moved": {**LINE, "moves": _amounts},
+    "yield": {**LINE, "sigmas": _amounts, "sought": _truth, "count": _below(65_537)},
     "ghost": {},
     "compare": {"variants": texts},
-    "pasted": {**PASTED, "line": _below(100)},
+    "pasted": {**PASTED, **LINE},
 }
 """By job and argument."""
