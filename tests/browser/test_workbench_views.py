@@ -264,3 +264,39 @@ def test_a_map_is_chosen_on_and_a_yield_fills_in(browser, tmp_path):
         assert said(browser, ".scatter .figure") != first
         assert "4096" in said(browser, ".scatter .figure")
         clean(browser)
+
+
+def test_a_limit_is_deviated_from_by_who_signs_it(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "limits")
+        row = "//section[contains(@class, 'limits')]//tr[th[starts-with(., 'Torsional acc')]]"
+        wait(browser, "return document.querySelector('.limits tbody tr')")
+        button = browser.find_element("xpath", f"{row}//button")
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        button.click()
+        fill(browser, "normal", "340,5")
+        assert browser.find_element("css selector", "[data-do=sign]").get_property("disabled")
+        fill(browser, "reason", "narrow frame: <b>3 mm</b>")
+        fill(browser, "by", "Q. Engineer")
+        press(browser, "[data-do=sign]")
+        wait(browser, "return document.querySelector('.limits .differs')")
+        assert "signed Q. Engineer" in said(browser, ".limits .differs")
+        wait(browser, SETTLED)
+        assert "pass" in said(browser, ".verdict").lower()
+        assert serious(browser) == []
+        show(browser, "line")
+        now = text_of(browser)
+        (one,) = [m for m in files.loads(now).limits if "signed" in str(m.source)]
+        assert (one.normal, one.maximum) == (340.5, 500.0)
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+        show(browser, "limits")
+        wait(browser, "return document.querySelector('[data-do=profile]')")
+        chosen = Select(browser.find_element("css selector", "[data-do=profile]"))
+        chosen.select_by_value("spicer")
+        wait(browser, "return document.querySelector('.limits .note').innerText === 'spicer'")
+        clean(browser)

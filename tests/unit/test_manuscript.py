@@ -10,7 +10,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import deg, mm
 from cardan.demand.motion import moved
 from cardan.demand.states import demand, resolve
-from cardan.files.manuscript import Manuscript
+from cardan.files.manuscript import Manuscript, Raw
 from cardan.files.placing import phased, placed
 from cardan.model.layout import unit
 from cardan.quantity.response import respond
@@ -54,6 +54,23 @@ def test_comments_order_quotes_and_line_ends_stay():
     assert new == 'a: 2.00  # one\r\nb: "20: 4"\r\nc: {d: 3, e: [4, -7.25]} # six\r\n'
 
 
+def test_quoted_text_is_replaced_whole_however_it_is_written():
+    text = """a: "\\x31 \\"x\\": y" # one\nb: 'it''s'\nc: "two\n  lines"\nd: 4\n"""
+    new = Manuscript(text).with_({"a": 2.0, "b": "3: 4", "c": "one"})
+    assert new == 'a: 2 # one\nb: "3: 4"\nc: one\nd: 4\n'
+
+
+def test_items_are_put_before_a_lists_others():
+    rows = [Raw("{x: 0}"), Raw("{x: 1}")]
+    text = "a:\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 2}]\n"
+    assert Manuscript(text).with_({"a[+]": rows, "b[+]": rows}) == (
+        "a:\n  - {x: 0}\n  - {x: 1}\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 0}, {x: 1}, {x: 2}]\n"
+    )
+    for at in ("c[+]", "a[1][+]"):
+        with pytest.raises(BadFile, match="no list"):
+            Manuscript(text).with_({at: rows})
+
+
 def test_a_key_that_is_not_there_is_put_into_its_table():
     text = "a:\n  - x: 1\n    y: 2\n  - {x: 1}\n"
     script = Manuscript(text)
@@ -68,7 +85,6 @@ def test_a_key_that_is_not_there_is_put_into_its_table():
         ("a: &n 1\nb: *n\n", "a", "names stand for it"),
         ("a: 1\n", "b.c", "nor does the table"),
         ("a: [1, 2]\n", "a", "a table or a list"),
-        ('a: "\\x31"\n', "a", "changed by hand"),
         ("? {a: 1}\n: 2\n", "a", "a key must be a word"),
     ],
 )

@@ -288,7 +288,7 @@ def test_a_yield_fills_in_and_gets_surer():
     wide = [p["yield"]["yield"][2] - p["yield"]["yield"][1] for p in parts]
     assert told["count"] == 1024 == parts[-1]["done"]
     assert wide[-1] < wide[0]
-    assert sum(told["cases"]) == 1024
+    assert np.sum(told["cases"]) == 1024
     assert sum(v[0] for v in told["shares"].values()) == pytest.approx(1, abs=2e-4)
     # The same by single checks of cases drawn by another generator.
     rng = np.random.default_rng(5)

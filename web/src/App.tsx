@@ -11,6 +11,7 @@ import { Guide } from "./Guide";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
+import { Limits } from "./Limits";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
@@ -69,6 +70,7 @@ export function App() {
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
+            {known.view === "limits" && <Limits known={known} />}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
@@ -101,7 +103,7 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), new: t("New") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {VIEWS.map((view) => (

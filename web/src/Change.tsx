@@ -140,6 +140,7 @@ function Map({ known, shown }: Both) {
             height={330}
             theme={known.theme}
           />
+          <p class="note">↑ {of.y.said} [{of.y.unit}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
           <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{of.x.unit}] →</span><span>{number(of.x.values.at(-1))}</span></p>
           <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
@@ -161,7 +162,8 @@ function Scatter({ known, shown }: Both) {
   const args = { line: shown.index, sigmas, count: 4096 };
   const job = known.jobs.yield as Job<Yield, { yield?: Yield }> | undefined;
   const of = (job?.running ? job.part?.yield : undefined) ?? job?.answer;
-  const most = Math.max(1, ...(of?.cases ?? []));
+  const cases = of?.cases ?? [];
+  const most = Math.max(1, ...(cases[0] ?? []).map((_, k) => cases.reduce((sum, row) => sum + (row[k] ?? 0), 0)));
   return (
     <section class="card scatter" aria-labelledby="scatter">
       <header>
@@ -176,7 +178,10 @@ function Scatter({ known, shown }: Both) {
         <>
           <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
-            {of.cases.map((v, k) => <rect key={k} class={(of.margins[k] ?? 0) < 0 ? "fail" : "pass"} x={10 * k} y={50 - (48 * v) / most} width={9} height={(48 * v) / most} />)}
+            {cases.map((row, g) => row.map((v, k) => {
+              const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
+              return v > 0 && <rect key={`${g}/${k}`} class={GRADES[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
+            }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
           <ul class="others">{of.lost.map((l) => <li key={l.name}><b class="fail">{number(100 * l.share)} %</b> {l.name}</li>)}</ul>

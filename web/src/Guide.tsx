@@ -67,7 +67,7 @@ export function Guide({ known }: { known: Known }) {
           <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
           <label>{t("shafts")}<select value={n} data-field="count" onChange={(e) => count(Number((e.currentTarget as HTMLSelectElement).value))}>{[1, 2, 3, 4, 5, 6].map((k) => <option key={k} value={k}>{k}</option>)}</select></label>
           <label>{t("lengths in")}<select value={form.unit} onChange={(e) => change({ unit: (e.currentTarget as HTMLSelectElement).value })}><option>mm</option><option>in</option></select></label>
-          <label>{t("limits")}<select value={form.limits} data-field="limits" onChange={(e) => change({ limits: (e.currentTarget as HTMLSelectElement).value })}>{known.profiles.map((p) => <option key={p}>{p}</option>)}</select></label>
+          <label>{t("limits")}<select value={form.limits} data-field="limits" onChange={(e) => change({ limits: (e.currentTarget as HTMLSelectElement).value })}>{known.profiles.map((p) => <option key={p} value={p}>{p}</option>)}</select></label>
         </div>
         <div class="chips" role="group" aria-label={t("The line by")}>
           <button aria-pressed={!pasting} onClick={() => paste(false)}>{t("slopes and lengths")}</button>

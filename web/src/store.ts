@@ -68,7 +68,7 @@ export interface Known {
   behind: number | null;
 }
 
-export const VIEWS = ["line", "speed", "change", "variants", "new"] as const;
+export const VIEWS = ["line", "speed", "change", "variants", "limits", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */

@@ -308,7 +308,14 @@ export interface Yield {
   yield?: [number, number, number];
   lost: { name: string; share: number }[];
   margins: number[];
-  cases: number[];
+  cases: number[][];
+}
+
+export interface LimitsOf {
+  profile: string;
+  named: string;
+  plain: boolean;
+  limits: { quantity: string; name: string; unit: string; sense: "<=" | ">=" | "band"; normal: Maybe; maximum: Maybe; band: [number, number] | null; states: string[]; required: boolean; source: string; signed: boolean }[];
 }
 
 interface Answered {

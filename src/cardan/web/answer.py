@@ -37,7 +37,7 @@ from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import changes, guides, speeds
+from cardan.web import changes, guides, limits, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
@@ -109,8 +109,8 @@ def _live(read: Document, question: Json, say: Language) -> Json:
     app = read.application
     held = bool(question.get("held"))
     lines = [_line(r, None if held else read.manuscript, say) for r in read.responses]
-    limits = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
-    grades = {g for row in limits for s in row["grades"] for g in s if g is not None}
+    rows = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
+    grades = {g for row in rows for s in row["grades"] for g in s if g is not None}
     return {
         "title": app.title,
         "profile": app.profile,
@@ -119,7 +119,7 @@ def _live(read: Document, question: Json, say: Language) -> Json:
         "lines": lines,
         "obstacles": [_obstacle(o) for o in app.obstacles],
         **({} if held else {"handles": _handles(read)}),
-        "limits": limits,
+        "limits": rows,
         "pending": [row for r in read.responses for row in _pending(r, say)],
         "grade": worst([GRADES[g] for g in grades]) if grades else None,
         "warnings": [
@@ -218,6 +218,8 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 _LONG = {
+    "limits": limits.listed,
+    "deviate": limits.deviation,
     "fix": changes.corrections,
     "map": changes.surface,
     "moved": changes.moved,

@@ -198,7 +198,8 @@ def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 def _yield(grades: Any, margins: Any, lost: dict[str, int]) -> Json:
     count = len(grades)
-    bins, ends = np.histogram(np.clip(margins, -1, 1), bins=24, range=(-1, 1))
+    ends = np.linspace(-1, 1, 25)
+    bins = [np.histogram(np.clip(margins[grades == k], -1, 1), bins=ends)[0] for k in range(3)]
     return {
         "count": count,
         "shares": {
@@ -211,5 +212,5 @@ def _yield(grades: Any, margins: Any, lost: dict[str, int]) -> Json:
             for name, n in sorted(lost.items(), key=lambda item: -item[1])[:6] if n
         ],
         "margins": fs((ends[1:] + ends[:-1]) / 2, 3),
-        "cases": bins.tolist(),
+        "cases": [b.tolist() for b in bins],
     }  # fmt: skip
