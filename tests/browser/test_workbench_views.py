@@ -297,6 +297,6 @@ def test_a_limit_is_deviated_from_by_who_signs_it(browser, tmp_path):
         show(browser, "limits")
         wait(browser, "return document.querySelector('[data-do=profile]')")
         chosen = Select(browser.find_element("css selector", "[data-do=profile]"))
-        chosen.select_by_value("spicer")
+        chosen.select_by_visible_text("spicer")
         wait(browser, "return document.querySelector('.limits .note').innerText === 'spicer'")
         clean(browser)
