@@ -4,6 +4,7 @@ Needs the built page: `make browser` builds it.
 """
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from browsing import (
     wait,
     workbench,
 )
+from workbench import PATIENCE
 
 from cardan import files
 from cardan.study.approval import approve
@@ -300,3 +302,79 @@ def test_a_limit_is_deviated_from_by_who_signs_it(browser, tmp_path):
         chosen.select_by_visible_text("spicer")
         wait(browser, "return document.querySelector('.limits .note').innerText === 'spicer'")
         clean(browser)
+
+
+def test_a_folder_is_a_library(browser, tmp_path):
+    """Status of each file, found by words, held side by side; one that is broken says why."""
+    with workbench(tmp_path, folder=True) as (_, folder):
+        (folder / "chain.yaml").write_text(CHAIN, "utf-8")
+        (folder / "slow.yaml").write_text(CHAIN.replace("2800", "1400"), "utf-8")
+        (folder / "broken.yaml").write_text("title: [", "utf-8")
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelectorAll('.library li').length === 3")
+        rows = {
+            row.text.split()[1]: row.text
+            for row in browser.find_elements("css selector", ".library li")
+        }
+        assert rows["chain.yaml"].startswith("warn")
+        assert rows["slow.yaml"].startswith("pass")
+        assert rows["broken.yaml"].startswith("unreadable")
+        for box in browser.find_elements("css selector", ".library li input")[1:]:
+            box.click()
+        press(browser, "[data-do=compare]")
+        wait(browser, "return document.querySelector('.differs')")
+        assert "1400" in said(browser, ".differs")
+        fill(browser, "search", "SLOW")
+        wait(browser, "return document.querySelectorAll('.library li').length === 1")
+        assert serious(browser) == []
+        browser.find_element("css selector", ".library .link").click()
+        wait(browser, SETTLED)
+        assert "1400" in text_of(browser)
+        clean(browser)
+
+
+def test_reports_are_taken_and_a_revision_is_frozen(tmp_path):
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select
+
+    taken = tmp_path / "taken"
+    with browsing() as driver, workbench(tmp_path, CHAIN, "chain.yaml") as (house, path):
+        driver.execute_cdp_cmd(
+            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(taken)}
+        )
+        opened(driver, house)
+        was = text_of(driver)
+        show(driver, "library")
+        wait(driver, "return document.querySelector('.reports')")
+        starts = {"html": b"<!doctype html", "pdf": b"%PDF", "xlsx": b"PK\x03\x04", "json": b"{"}
+        for kind, start in starts.items():
+            language, wanted = driver.find_elements("css selector", ".reports select")
+            Select(language).select_by_visible_text("it")
+            Select(wanted).select_by_visible_text(kind)
+            press(driver, ".reports .asking button")
+            made = taken / f"chain.it.{kind}"
+            end = time.monotonic() + PATIENCE
+            while not made.exists() and time.monotonic() < end:
+                time.sleep(0.05)
+            assert made.read_bytes()[: len(start)].lower() == start.lower()
+        assert '<html lang="it"' in (taken / "chain.it.html").read_text("utf-8").lower()
+        fill(driver, "by", "Q. Engineer")
+        fill(driver, "note", "as built: <i>first</i>")
+        press(driver, "[data-do=freeze]")
+        wait(driver, "return document.querySelector('.revisions li')")
+        frozen = path.parent / "revisions" / "chain.1.yaml"
+        head, _, text = frozen.read_text("utf-8").partition("\n")
+        assert (head.split(": ", 1)[1], text) == ("Q. Engineer; as built: <i>first</i>", was)
+        assert serious(driver) == []
+        show(driver, "line")
+        on(driver, "side/main/bearing/1").send_keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.ENTER)
+        edited(driver, was)
+        show(driver, "library")
+        press(driver, ".revisions li button")
+        wait(driver, "return document.querySelector('.variants .differs')")
+        assert "slopes" in said(driver, ".variants .differs") or "angles" in said(
+            driver, ".variants .differs"
+        )
+        assert files.loads(frozen.read_text("utf-8")).title == files.loads(CHAIN).title
+        clean(driver)

@@ -1,5 +1,7 @@
 """What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
 
+import json
+from base64 import b64decode
 from pathlib import Path
 
 import numpy as np
@@ -308,3 +310,60 @@ def test_a_share_of_none_or_all_is_not_certain():
     assert share(0, 100)[1:] == pytest.approx((0.0, 0.0370), abs=1e-4)  # Wilson, by hand
     assert share(100, 100)[1:] == pytest.approx((0.9630, 1.0), abs=1e-4)
     assert share(50, 100)[1:] == pytest.approx((0.4038, 0.5962), abs=1e-4)
+
+
+# ------------------------------------------------------------------ the library
+
+
+def test_a_library_is_what_each_file_comes_to(tmp_path):
+    for name, text in (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK)):
+        (tmp_path / name).write_text(text, "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        one.say("keep", file=0, text=CHAIN.replace("2800", "1400"), mark="x")
+        one.hear("kept")
+        one.say("job", id=1, job="library", text="", args={})
+        first, second, third = one.hear("done")["rows"]
+        assert (first["verdict"], first["draft"]) == ("pass", True)  # what is not saved counts
+        assert second["verdict"] is None
+        assert second["why"]
+        assert third["verdict"] == approve(files.loads(TRUCK)).verdict
+        assert third["worst"]["name"]
+        one.say("job", id=2, job="compare", text="", file=0, args={"files": [2]})
+        told = one.hear("done")
+        assert [v["name"] for v in told["variants"]] == ["", "c.yaml"]
+        one.say("job", id=3, job="library", text="", args={"texts": []})
+        with pytest.raises(ConnectionClosed):
+            one.hear("done")
+
+
+@pytest.mark.parametrize("lang", ["en", "pt", "it"])
+@pytest.mark.parametrize("kind", ["html", "json", "xlsx"])
+def test_a_report_is_that_of_the_command(kind, lang):
+    question = {"job": "report", "text": CHAIN, "name": "x.yaml", "folder": None, "lang": "en"}
+    told = answer({**question, "args": {"kind": kind, "lang": lang}})
+    data = b64decode(told["data"])
+    assert told["name"] == f"x.{lang}.{kind}"
+    if kind == "json":
+        assert json.loads(data)["verdict"] == approve(files.loads(CHAIN)).verdict
+    elif kind == "html":
+        assert b"Three-joint chain" in data
+        assert f'lang="{ {"pt": "pt-BR"}.get(lang, lang) }"'.encode() in data
+    else:
+        assert data.startswith(b"PK")
+
+
+def test_revisions_are_never_written_over(tmp_path):
+    (tmp_path / "a.yaml").write_text(CHAIN, "utf-8")
+    (tmp_path / "revisions").mkdir()
+    (tmp_path / "revisions" / "a.1.yaml").write_text("# frozen 2020-01-01: Z\nold\n", "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        assert [r["text"] for r in one.open()["revisions"]] == ["old\n"]
+        one.say("freeze", file=0, text=CHAIN, by="Q\n# x: y", note="")
+        told = one.hear("frozen")["revisions"]
+        assert [r["name"] for r in told] == ["2", "1"]
+        assert told[0]["text"] == CHAIN
+        assert "\n" not in told[0]["said"]
+        assert (tmp_path / "revisions" / "a.1.yaml").read_text("utf-8").endswith("old\n")
+        assert one.hello()["files"] == ["a.yaml"]

@@ -11,6 +11,7 @@ import { Guide } from "./Guide";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
+import { Library, Reports } from "./Library";
 import { Limits } from "./Limits";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
@@ -58,7 +59,7 @@ export function App() {
       <Head known={known} />
       <main id="main">
         <Notices known={known} />
-        {known.file === null && known.connection === "open" && <Files known={known} />}
+        {known.file === null && known.connection === "open" && <Library known={known} />}
         {known.connection === "refused" && (
           <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>
         )}
@@ -71,6 +72,7 @@ export function App() {
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
             {known.view === "limits" && <Limits known={known} />}
+            {known.view === "library" && <><Reports known={known} /><Library known={known} /></>}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
@@ -103,7 +105,7 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), new: t("New") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), library: t("Library"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {VIEWS.map((view) => (
@@ -214,20 +216,6 @@ function Notices({ known }: { known: Known }) {
         </p>
       )}
     </div>
-  );
-}
-
-function Files({ known }: { known: Known }) {
-  return (
-    <section class="card files" aria-labelledby="files">
-      <header><h2 id="files">{t("Files")}</h2></header>
-      {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
-      <ul>
-        {known.files.map((name, k) => (
-          <li key={name}><button class="link" onClick={() => store.open(k)}>{name}</button></li>
-        ))}
-      </ul>
-    </section>
   );
 }
 

@@ -64,11 +64,12 @@ export interface Known {
   view: View;
   jobs: Record<string, Job>;
   variants: Named[];
+  revisions: (Named & { said: string })[];
   /** Which variant is drawn behind what is shown. */
   behind: number | null;
 }
 
-export const VIEWS = ["line", "speed", "change", "variants", "limits", "new"] as const;
+export const VIEWS = ["line", "speed", "change", "variants", "limits", "library", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */
@@ -111,6 +112,7 @@ const start: Known = {
   view: "line",
   jobs: {},
   variants: [],
+  revisions: [],
   behind: null,
 };
 
@@ -247,6 +249,9 @@ export class Store {
         break;
       case "kept":
         break;
+      case "frozen":
+        this.set({ revisions: m.revisions });
+        break;
       case "files":
         this.set({ files: m.files, view: "line" });
         break;
@@ -264,15 +269,15 @@ export class Store {
   // ------------------------------------------------------------------ what takes long
 
   /** Ask for a job, unless it is under way or answered already; a newer one takes its place. */
-  work(job: string, args: object = {}, text = this.known.history?.text ?? ""): void {
-    const of = this.about(args, text);
+  work(job: string, args: object = {}, text = this.known.history?.text ?? "", file?: number): void {
+    const of = this.about({ ...args, ...(file === undefined ? {} : { file }) }, text);
     const now = this.known.jobs[job];
     if (now?.of === of && (now.running || now.answer)) return;
     if (now?.running) this.link?.say({ type: "cancel", id: now.id });
     this.ids += 1;
     const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
-    this.link?.say({ type: "job", id: this.ids, job, text, args });
+    this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
   }
 
   /** What a job is about: another text, argument or language is another job. */
@@ -297,9 +302,20 @@ export class Store {
   pin(): void {
     this.pending?.();
     const { variants, history } = this.known;
-    if (!history || variants.length >= 12) return;
-    this.keepVariants([...variants, { name: String.fromCharCode(65 + variants.length), text: history.text }]);
+    if (history) this.beside(String.fromCharCode(65 + variants.length), history.text);
+  }
+
+  beside(name: string, text: string): void {
+    const { variants } = this.known;
+    if (variants.length >= 12) return;
+    this.keepVariants([...variants, { name, text }]);
     this.lay(variants.length);
+  }
+
+  freeze(by: string, note: string): void {
+    this.pending?.();
+    const { file, history } = this.known;
+    if (history && file !== null) this.link?.say({ type: "freeze", file, text: history.text, by, note });
   }
 
   rename(k: number, name: string): void {
@@ -371,6 +387,7 @@ export class Store {
       held: null,
       jobs: {},
       variants: m.variants,
+      revisions: m.revisions,
       behind: null,
     });
     this.ask({ text: history.text });

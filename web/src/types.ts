@@ -318,6 +318,18 @@ export interface LimitsOf {
   limits: { quantity: string; name: string; unit: string; sense: "<=" | ">=" | "band"; normal: Maybe; maximum: Maybe; band: [number, number] | null; states: string[]; required: boolean; source: string; signed: boolean }[];
 }
 
+export interface Status {
+  file: number;
+  name: string;
+  draft: boolean;
+  title: string;
+  profile?: string;
+  verdict: Verdict | null;
+  counts?: Record<Grade, number>;
+  worst?: { name: string; margin: number; where: string } | null;
+  why: string;
+}
+
 interface Answered {
   id: number;
   text: string;
@@ -338,6 +350,7 @@ export type Told =
       files: string[];
     }
   | { type: "files"; files: string[] }
+  | { type: "frozen"; file: number; revisions: (Named & { said: string })[] }
   | {
       type: "opened";
       file: number;
@@ -347,6 +360,7 @@ export type Told =
       draft: string | null;
       stale: boolean;
       variants: Named[];
+      revisions: (Named & { said: string })[];
     }
   | ({ type: "live"; edits?: Edits } & Answered & Partial<Live>)
   | ({ type: "posed"; pose?: Pose } & Answered)

@@ -37,7 +37,7 @@ from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import changes, guides, limits, speeds
+from cardan.web import changes, guides, library, limits, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
@@ -218,6 +218,8 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 _LONG = {
+    "library": library.status,
+    "report": library.report,
     "limits": limits.listed,
     "deviate": limits.deviation,
     "fix": changes.corrections,

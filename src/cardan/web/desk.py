@@ -11,6 +11,7 @@ import re
 import unicodedata
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import date
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -106,7 +107,53 @@ class Desk:
             "draft": draft["text"] if draft and draft["text"] != text else None,
             "stale": bool(draft and draft["mark"] != mark(text)),
             "variants": self._variants(paper),
+            "revisions": self.revisions(number),
         }
+
+    def texts(self) -> list[dict[str, Any]]:
+        """Return what the files that can be read say, a draft before what is saved."""
+        found: list[dict[str, Any]] = []
+        for number, paper in enumerate(self.papers):
+            with suppress(CardanError):
+                saved, draft = paper.read(), self._draft(paper)
+                text = draft["text"] if draft else saved
+                found.append(
+                    {"file": number, "name": paper.name, "text": text, "draft": text != saved}
+                )
+        return found
+
+    # ------------------------------------------------------------------ revisions
+
+    def freeze(self, number: int, text: str, *, by: str, note: str) -> list[dict[str, str]]:
+        """Keep a text as a revision that nothing writes over, and return all of them.
+
+        It lies in the folder `revisions` beside the file, headed by who froze it and when.
+        """
+        paper, folder = self.papers[number], self.folder / "revisions"
+        folder.mkdir(exist_ok=True)
+        said = "; ".join(" ".join(s.split()) for s in (by, note) if s.strip())
+        head = f"# frozen {date.today().isoformat()}: {said}\n"
+        for k in range(1, MOST):
+            path = folder / f"{paper.path.stem}.{k}.yaml"
+            with suppress(FileExistsError):
+                path.touch(exist_ok=False)
+                write(path, head + text, replace=True)
+                return self.revisions(number)
+        raise BadFile(paper.name, (Problem(message=f"has {MOST} revisions already"),))
+
+    def revisions(self, number: int) -> list[dict[str, str]]:
+        """Return the revisions of a file, the last one first: name, what its head says, text."""
+        paper = self.papers[number]
+        found: list[tuple[int, dict[str, str]]] = []
+        folder = self.folder / "revisions"
+        for path in folder.glob("*.yaml") if folder.is_dir() else ():
+            stem, _, k = path.stem.rpartition(".")
+            if stem == paper.path.stem and k.isdecimal():
+                with suppress(CardanError):
+                    head, _, text = text_of(path).partition("\n")
+                    told = head.removeprefix("# frozen ")
+                    found.append((int(k), {"name": k, "said": told, "text": text}))
+        return [row for _, row in sorted(found, key=lambda r: -r[0])[:20]]
 
     def pin(self, number: int, variants: list[dict[str, str]]) -> None:
         """Keep variants of a file, each a name and a text, beside its draft."""

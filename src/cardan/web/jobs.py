@@ -104,6 +104,23 @@ def _truth(said: Json, key: str) -> bool:
     return said[key]
 
 
+def _one_of(*choices: str) -> Shape:
+    def read(said: Json, key: str) -> str:
+        if said[key] not in choices:
+            raise Wrong
+        return str(said[key])
+
+    return read
+
+
+def _files(said: Json, key: str) -> list[int]:
+    """Return files by their numbers on the desk."""
+    rows = said[key]
+    if not isinstance(rows, list) or len(rows) > VARIANTS:
+        raise Wrong
+    return [whole({key: row}, key, 10_000) for row in rows]
+
+
 LINE: dict[str, Shape] = {"line": _below(100)}
 PASTED: dict[str, Shape] = {"points": _typed(20_000), "unit": _typed(), "axes": _typed()}
 FORM: dict[str, Shape] = {
@@ -122,6 +139,8 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "moved": {**LINE, "moves": _amounts},
     "yield": {**LINE, "sigmas": _amounts, "sought": _truth, "count": _below(65_537)},
     "limits": {},
+    "library": {},
+    "report": {"kind": _one_of("html", "pdf", "xlsx", "json"), "lang": _typed(8)},
     "deviate": {
         "which": _below(500),
         "normal": _typed(40),
@@ -130,7 +149,7 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
         "by": _typed(200),
     },
     "ghost": {},
-    "compare": {"variants": texts},
+    "compare": {"variants": texts, "files": _files},
     "pasted": {**PASTED, **LINE},
 }
 """By job and argument."""

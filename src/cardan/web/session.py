@@ -12,6 +12,7 @@
     save   file, text, mark                saved, or conflict with the text on disk
     drop   file                            kept
     pin    file, variants                  kept
+    freeze file, text, by, note            frozen: its revisions
     create title, text                     files: their names; then opened
                                            disk: a file is another than it was
 
@@ -103,7 +104,8 @@ class Session:
         heard = {
             "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
             "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
-            "create": self._create, "pin": self._pin, "job": self._start, "cancel": self._cancel,
+            "create": self._create, "pin": self._pin, "freeze": self._freeze,
+            "job": self._start, "cancel": self._cancel,
         }  # fmt: skip
         handle = heard.get(str(said.get("type")))
         if handle is None:
@@ -177,12 +179,36 @@ class Session:
             await self._tell("done", id=jobs.whole(said, "id", 2**53), job=job, fault="too many")
             return
         question = self._question(said, job)
-        question["args"] = jobs.arguments(job, said.get("args"))
+        question["args"] = args = jobs.arguments(job, said.get("args"))
+        if job == "library":
+            args |= {"folder": question["folder"], "texts": await self._texts()}
+        elif files := args.pop("files", []):
+            every = {row["file"]: row for row in await self._texts()}
+            if first := every.get(self._number(said)):
+                question |= {"text": first["text"], "name": first["name"]}
+            args["variants"] = [
+                {"name": every[k]["name"], "text": every[k]["text"]} for k in files if k in every
+            ]
         number = question["id"]
         if number in self._jobs:
             raise Wrong
         task = self._jobs[number] = asyncio.create_task(self._work(question))
         task.add_done_callback(lambda _: self._jobs.pop(number, None))
+
+    async def _texts(self) -> list[Json]:
+        """Return what the files on the desk say, a draft before what is saved."""
+        return await asyncio.to_thread(self.desk.texts)
+
+    async def _freeze(self, said: Json) -> None:
+        number, text = self._number(said), jobs.text(said, "text")
+        by, note = jobs.text(said, "by", 100), jobs.text(said, "note", 300)
+        try:
+            found = await asyncio.to_thread(self.desk.freeze, number, text, by=by, note=note)
+        except (CardanError, OSError) as error:
+            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+            await self._tell("refused", what="freeze", file=number, why=why)
+            return
+        await self._tell("frozen", file=number, revisions=found)
 
     async def _cancel(self, said: Json) -> None:
         task = self._jobs.get(jobs.whole(said, "id", 2**53))
