@@ -3,9 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { GRADES } from "./marks";
 import type { Maybe } from "./types";
-import { useWidth } from "./use";
-
-const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+import { colour, useWidth } from "./use";
 
 export function Field(of: {
   label: string;

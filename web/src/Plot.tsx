@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { fixed } from "./format";
-import { useWidth } from "./use";
+import { colour, useWidth } from "./use";
 
 export interface Series {
   name: string;
@@ -28,8 +28,6 @@ export interface Beside {
   /** The top of the left axis; by default what the curves need. */
   top?: number;
 }
-
-const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export function Plot(of: {
   x: number[];

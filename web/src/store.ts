@@ -4,24 +4,7 @@ import * as History from "./history";
 import { speak } from "./format";
 import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
-import type {
-  Catalogue,
-  Drag,
-  Edits,
-  Explained,
-  Full,
-  Handle,
-  Help,
-  Limit,
-  Live,
-  Named,
-  Pose,
-  PoseAsked,
-  Problem,
-  Question,
-  Row,
-  Told,
-} from "./types";
+import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
 export interface Selected {
   row: string;
@@ -85,34 +68,10 @@ export interface Job<Answer = unknown, Part = unknown> {
 }
 
 const start: Known = {
-  connection: "opening",
-  version: "",
-  lang: "en",
-  languages: ["en"],
-  quantities: {},
-  catalogue: { joints: [], tubes: [] },
-  profiles: [],
-  files: [],
-  file: null,
-  history: null,
-  live: null,
-  handles: [],
-  full: null,
-  settled: false,
-  pose: null,
-  asked: {},
-  problems: [],
-  helps: null,
-  helping: false,
-  selected: null,
-  order: [],
-  notice: null,
-  held: null,
-  theme: "auto",
-  view: "line",
-  jobs: {},
-  variants: [],
-  revisions: [],
+  connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
+  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
+  full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
+  order: [], notice: null, held: null, theme: "auto", view: "line", jobs: {}, variants: [], revisions: [],
   behind: null,
 };
 

@@ -154,6 +154,11 @@ class House:
         """Where the page is; the token stands behind #, which browsers send to nobody."""
         return f"http://127.0.0.1:{self.port}/#{self.token}"
 
+    @property
+    def opening(self) -> str:
+        """Where a browser is sent: every user of this machine can see what it is started with."""
+        return f"http://127.0.0.1:{self.port}/#{self.app.once()}"
+
     def _application(self) -> Any:
         from starlette.applications import Starlette
         from starlette.responses import Response
@@ -173,7 +178,9 @@ class House:
             self.pages += 1
             try:
                 await ws.accept(subprotocol=PROTOCOL)
-                await Session(ws, self.desk, self.quick, self.slow, self.work).run()
+                await Session(
+                    ws, self.desk, self.quick, self.slow, self.work, token=self.token
+                ).run()
             except WebSocketDisconnect:
                 pass
             except TimeoutError:  # it reads nothing: no goodbye would reach it

@@ -64,8 +64,10 @@ class Socket(Protocol):
 class Session:
     """One page, from its hello to its end."""
 
-    def __init__(self, socket: Socket, desk: Desk, quick: Lane, slow: Lane, work: Lane) -> None:
-        self.socket, self.desk, self.work = socket, desk, work
+    def __init__(
+        self, socket: Socket, desk: Desk, quick: Lane, slow: Lane, work: Lane, *, token: str
+    ) -> None:
+        self.socket, self.desk, self.work, self.token = socket, desk, work, token
         self.quick, self.slow = Latest(quick), Latest(slow)
         self._jobs: dict[int, asyncio.Task[None]] = {}
         self.lang = "en"
@@ -118,6 +120,7 @@ class Session:
         await self._tell(
             "welcome",
             version=__version__,
+            token=self.token,
             lang=self.lang,
             languages=words.languages(),
             texts=words.texts(say),
