@@ -1,13 +1,15 @@
 """What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
 
 import json
+import subprocess
+import sys
 from base64 import b64decode
 from pathlib import Path
 
 import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
-from workbench import page, running
+from workbench import PATIENCE, page, running
 
 from cardan import files
 from cardan.study.approval import approve, assess
@@ -367,3 +369,25 @@ def test_revisions_are_never_written_over(tmp_path):
         assert "\n" not in told[0]["said"]
         assert (tmp_path / "revisions" / "a.1.yaml").read_text("utf-8").endswith("old\n")
         assert one.hello()["files"] == ["a.yaml"]
+
+
+def test_a_script_does_again_what_a_hand_did(tmp_path):
+    """Run as anybody would: it comes to what the page shows."""
+    (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")
+    now = live(TRUCK, {"driveline.points_mm[3][3]": -90.5, "driveline.shafts[2].phase_deg": 15})
+    question = {"job": "script", "text": now["text"], "name": "truck.yaml", "folder": None}
+    told = answer({**question, "lang": "en", "args": {"saved": TRUCK}})
+    assert told["other"] == []
+    done = subprocess.run(
+        [sys.executable, "-c", told["script"]], cwd=tmp_path, capture_output=True, text=True,
+        check=True, timeout=PATIENCE,
+    )  # fmt: skip
+    after = files.loads(now["text"])
+    counts = [sum(c.grade == g for c in assess(after).checks) for g in ("fail", "warn", "pass")]
+    assert "({} fail, {} warn, {} pass".format(*counts) in done.stdout
+    swapped = live(TRUCK, {"driveline.shafts[2].tube": "100x3"})["text"]
+    told = answer({**question, "text": swapped, "lang": "en", "args": {"saved": TRUCK}})
+    assert told["other"] == ["driveline.shafts[2].tube"]
+    assert "change" not in told["script"]
+    for command in told["commands"]:
+        assert command.startswith("cardan ")

@@ -47,6 +47,22 @@ export function Library({ known }: { known: Known }) {
   );
 }
 
+/** What was clicked, as a script that does it again. */
+function Script({ known }: { known: Known }) {
+  const saved = known.history?.saved ?? "";
+  useEffect(() => store.work("script", { saved }), [known.history?.text, saved, known.lang]);
+  const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
+  if (!of) return null;
+  return (
+    <section class="card script" aria-labelledby="script">
+      <header><h2 id="script">{t("What was done, as a script")}</h2></header>
+      <pre tabindex={0} data-field="script">{of.script}</pre>
+      <pre tabindex={0}>{of.commands.join("\n")}</pre>
+      {of.other.length > 0 && <p class="note">{t("Changed too, and no number: save the file for it")}: {of.other.join(", ")}</p>}
+    </section>
+  );
+}
+
 export function Reports({ known }: { known: Known }) {
   const [lang, speak] = useState(known.lang);
   const [by, sign] = useState("");
@@ -71,7 +87,7 @@ export function Reports({ known }: { known: Known }) {
           <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{["html", "pdf", "xlsx", "json"].map((k) => <option key={k}>{k}</option>)}</select></label>
         </div>
         <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
-      </section></div>
+      </section><Script known={known} /></div>
       <div class="right"><section class="card revisions" aria-labelledby="revisions">
         <header><h2 id="revisions">{t("Revisions")}</h2></header>
         <div class="fields">

@@ -37,7 +37,7 @@ from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import changes, guides, library, limits, speeds
+from cardan.web import changes, guides, library, limits, script, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
@@ -65,7 +65,7 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
         edits = _edits(document(text, name, folder), question)
         if edits:
             text = document(text, name, folder).manuscript.with_(edits)
-        read = document(text, name, folder)
+        read = document(text, name, folder, hasty=bool(question.get("held") and edits))
         if question["job"] in _JOBS:
             found = _JOBS[question["job"]](read, question, say)
         else:
@@ -220,6 +220,7 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 _LONG = {
     "library": library.status,
     "report": library.report,
+    "script": script.script,
     "limits": limits.listed,
     "deviate": limits.deviation,
     "fix": changes.corrections,

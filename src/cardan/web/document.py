@@ -40,6 +40,8 @@ class Document:
     text: str
     name: str
     folder: Path | None
+    hasty: bool = False
+    """Whether a hand waits for it: then nobody asks what looks wrong."""
 
     @cached_property
     def manuscript(self) -> Manuscript:
@@ -49,7 +51,7 @@ class Document:
     @cached_property
     def application(self) -> Application:
         """What it says."""
-        return files.loads(self.text, name=self.name, folder=self.folder)
+        return files.loads(self.text, name=self.name, folder=self.folder, warn=not self.hasty)
 
     @cached_property
     def stability(self) -> "Stability":
@@ -65,12 +67,12 @@ class Document:
         return tuple(respond(app, demand(resolve(app, i))) for i in app.lines)
 
 
-_READ: OrderedDict[tuple[str, str, Path | None], Document] = OrderedDict()
+_READ: OrderedDict[tuple[str, str, Path | None, bool], Document] = OrderedDict()
 
 
-def document(text: str, name: str, folder: Path | None) -> Document:
+def document(text: str, name: str, folder: Path | None, *, hasty: bool = False) -> Document:
     """Return a document, the same one where it was asked about a moment ago."""
-    key = text, name, folder
+    key = text, name, folder, hasty
     found = _READ.pop(key, None) or Document(*key)
     _READ[key] = found
     while len(_READ) > KEPT:

@@ -15,6 +15,7 @@ from cardan.report.wording import cited
 KINDS: tuple[Kind, ...] = ("joint", "tube")
 
 WORDS: tuple[str, ...] = (
+    "Changed too, and no number: save the file for it",
     "Colours",
     "Corrections",
     "Drawing",
@@ -85,6 +86,7 @@ WORDS: tuple[str, ...] = (
     "What it comes to",
     "What remains under tolerances",
     "What to change",
+    "What was done, as a script",
     "What was not saved last time is here again; undo goes back to the file.",
     "What would help",
     "Without an answer",
