@@ -378,3 +378,42 @@ def test_reports_are_taken_and_a_revision_is_frozen(tmp_path):
         )
         assert files.loads(frozen.read_text("utf-8")).title == files.loads(CHAIN).title
         clean(driver)
+
+
+def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
+    from cardan.report.language import Language
+    from cardan.web import live
+
+    path = tmp_path / "live.html"
+    path.write_text(live.page(TRUCK, name="t.yaml", folder=None, say=Language("pt")), "utf-8")
+    assert path.stat().st_size < 1_200_000
+    with browsing(deep=True) as driver:
+        driver.get_log("browser")
+        driver.get(path.as_uri())
+        wait(driver, SETTLED)
+        assert driver.execute_script("return document.documentElement.lang") == "pt-BR"
+        shown = said(driver, ".angles table")
+        driver.find_elements("css selector", ".poser .chips button")[4].click()
+        wait(
+            driver,
+            "return document.querySelector('.angles table').innerText !== arguments[0]",
+            shown,
+        )
+        still = said(driver, ".angles table")
+        slide = """const e = document.querySelector('.poser input[type=range]');
+            e.value = -40; e.dispatchEvent(new Event('input', {bubbles: true}));"""
+        driver.execute_script(slide)
+        wait(
+            driver,
+            "return document.querySelector('.angles table').innerText !== arguments[0]",
+            still,
+        )
+        driver.find_element("css selector", ".cell.fail").click()
+        wait(driver, "return document.querySelector('.detail .equation')")
+        driver.find_elements("css selector", ".views .chips button")[1].click()
+        wait(driver, "return document.querySelector('.canvas canvas')")
+        assert not driver.find_elements("css selector", ".grip, textarea, .tabs, .save")
+        assert serious(driver) == []
+        asked = driver.execute_script("return performance.getEntriesByType('resource').length")
+        assert asked == 0
+        clean(driver)

@@ -67,7 +67,7 @@ export function App() {
         {shown && (
           <>
             {known.view !== "new" && <Strip known={known} />}
-            <Tabs known={known} />
+            {!known.fixed && <Tabs known={known} />}
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
@@ -79,15 +79,15 @@ export function App() {
                 <Views known={known} shown={shown} />
                 <StillPoser known={known} shown={shown} />
                 <Angles known={known} shown={shown} />
-                <StillParts known={known} shown={shown} />
-                <StillEditor known={known} />
+                {!known.fixed && <StillParts known={known} shown={shown} />}
+                {!known.fixed && <StillEditor known={known} />}
               </div>
               <div class="right">
                 <Heat known={known} />
                 <Detail known={known} />
-                <StillHelps known={known} />
+                {!known.fixed && <StillHelps known={known} />}
                 <Phasors known={known} shown={shown} />
-                <StillDials known={known} shown={shown} />
+                {!known.fixed && <StillDials known={known} shown={shown} />}
               </div>
             </div>}
           </>
@@ -164,9 +164,11 @@ function Head({ known }: { known: Known }) {
       )}
       <div class="tools">
         {known.connection === "lost" && <span class="note fail" role="status">{t("connection lost")}</span>}
+        {!known.fixed && <>
         <button disabled={!history?.past.length} onClick={() => store.undo()} title="Ctrl+Z" aria-label={t("undo")}>↶</button>
         <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
+        </>}
         <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak((e.currentTarget as HTMLSelectElement).value)}>
           {known.languages.map((code) => <option key={code} value={code}>{code}</option>)}
         </select>
@@ -288,7 +290,7 @@ function Views({ known, shown }: { known: Known; shown: Shown }) {
           {!deep && ` · ${t("light: the other states; dashed: as installed")}`}
         </span>
         <div class="chips" role="group" aria-label={t("Drawing")}>
-          <Pin known={known} />
+          {!known.fixed && <Pin known={known} />}
           <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
           <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
         </div>

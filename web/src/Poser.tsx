@@ -192,7 +192,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
         {!shown.free && line.torque[state] !== null && <span>{t("torque")} <b>{number(line.torque[state])} N·m</b></span>}
         {!shown.free && line.speed[state] !== null && <span>{t("speed")} <b>{number(line.speed[state])} rpm</b></span>}
       </p>
-      <PasteInto known={known} line={shown.index} />
+      {!known.fixed && <PasteInto known={known} line={shown.index} />}
     </section>
   );
 }

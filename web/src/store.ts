@@ -2,6 +2,7 @@
 
 import * as History from "./history";
 import { speak } from "./format";
+import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
 import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
@@ -45,6 +46,8 @@ export interface Known {
   held: string | null;
   theme: "auto" | "light" | "dark";
   view: View;
+  /** Whether nobody answers and nothing can be changed: a page by itself. */
+  fixed: boolean;
   jobs: Record<string, Job>;
   variants: Named[];
   revisions: (Named & { said: string })[];
@@ -71,7 +74,7 @@ const start: Known = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
-  order: [], notice: null, held: null, theme: "auto", view: "line", jobs: {}, variants: [], revisions: [],
+  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, variants: [], revisions: [],
   behind: null,
 };
 
@@ -120,7 +123,7 @@ export const remember = (key: string, value: string): void => {
 export class Store {
   known: Known = start;
   private readonly watchers = new Set<() => void>();
-  private link: Link | null = null;
+  private link: Link | Frozen | null = null;
   private ids = 0;
   private sent: Sent | null = null;
   private next: Waiting | null = null;
@@ -147,7 +150,11 @@ export class Store {
   connect(): void {
     const theme = remembered("cardan-theme");
     if (theme === "light" || theme === "dark") this.theme(theme);
-    this.link = new Link(token(), (m) => this.told(m), (c) => this.connected(c));
+    const kept = document.getElementById("live")?.textContent;
+    const told = (m: Told): void => this.told(m);
+    const connected = (c: Connection): void => this.connected(c);
+    this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
+    this.set({ fixed: Boolean(kept) });
     this.link.open();
   }
 

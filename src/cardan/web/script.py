@@ -2,6 +2,8 @@
 
 from math import isfinite
 
+import numpy as np
+
 from cardan.base.errors import CardanError
 from cardan.files.change import addresses
 from cardan.files.manuscript import Manuscript
@@ -20,7 +22,8 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
         was, now = Manuscript(args.get("saved", ""), name), read.manuscript
         known = addresses(read.application)
         changed = {
-            at: float(known[at]) for at in known
+            at: float(np.ravel(known[at])[0])
+            for at in known
             if at in now and was.written(at) is not None and was.written(at) != now.written(at)
         }  # fmt: skip
         other = sorted(
