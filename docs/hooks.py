@@ -226,8 +226,12 @@ def published() -> str:
     """Return the published cases with what this program computes."""
     from cardan.study.published import published as cases
 
-    rows = ["| case | published | computed | source |", "|---|---|---|---|"]
-    rows += [f"| {c.title} | {c.expected:.6g} | {c.computed:.6g} | {c.source} |" for c in cases()]
+    rows = ["| case | published | computed | source | |", "|---|---|---|---|---|"]
+    rows += [
+        f"| {c.title} | {c.expected:.6g} | {c.computed:.6g} | {c.source} "
+        f"| {'' if c.kind == 'published' else c.kind} |"
+        for c in cases()
+    ]
     return "\n".join(rows)
 
 

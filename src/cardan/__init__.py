@@ -17,9 +17,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Application", "Approval", "CompositeTube", "Driven", "Life", "LooseJoint", "Proposals",
-    "Steering", "Sweep", "Values", "__version__", "addresses", "bracket", "buckling_torques",
-    "change", "check", "fates", "fix", "hysteretic_threshold", "life", "lightest", "loads",
-    "passage", "rattle", "read", "shimmy", "stability", "study", "viscous_threshold",
+    "Sizing", "Steering", "Sweep", "Values", "__version__", "addresses", "bracket",
+    "buckling_torques", "change", "check", "fates", "fix", "hysteretic_threshold", "life",
+    "lightest", "loads", "passage", "rattle", "read", "shimmy", "size", "stability", "study",
+    "viscous_threshold",
 ]  # fmt: skip
 
 TYPE_CHECKING = False  # as type checkers know it; `typing` itself takes longer than all the rest
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         Life,
         LooseJoint,
         Proposals,
+        Sizing,
         Steering,
         Sweep,
         Values,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
         rattle,
         read,
         shimmy,
+        size,
         stability,
         study,
         viscous_threshold,

@@ -33,15 +33,16 @@ from cardan.report.language import EN, Language
 from cardan.shaft.composite import buckling_torques, lightest
 from cardan.study import approval as approvals
 from cardan.study import fix as fixes
+from cardan.study import sizing as sizings
 from cardan.study import sweep as sweeps
 from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
 from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
 
 __all__ = [
     "Application", "Approval", "CompositeTube", "Driven", "Life", "LooseJoint", "Proposals",
-    "Steering", "Sweep", "Values", "addresses", "bracket", "buckling_torques", "change", "check",
-    "fates", "fix", "hysteretic_threshold", "life", "lightest", "loads", "passage", "rattle",
-    "read", "shimmy", "stability", "study", "viscous_threshold",
+    "Sizing", "Steering", "Sweep", "Values", "addresses", "bracket", "buckling_torques", "change",
+    "check", "fates", "fix", "hysteretic_threshold", "life", "lightest", "loads", "passage",
+    "rattle", "read", "shimmy", "size", "stability", "study", "viscous_threshold",
 ]  # fmt: skip
 
 Shown = TypeVar("Shown")
@@ -194,6 +195,20 @@ class Proposals(tuple[fixes.Proposal, ...]):
         return contract.proposals(self)
 
 
+class Sizing(sizings.Sizing):
+    """Other parts that would do: `remedies`, `hopeless`, and the `approval` with them."""
+
+    def __repr__(self) -> str:
+        return terminal.bare(_report("sizing").lines(self))
+
+    def _repr_html_(self) -> str:
+        return _report("notebook").text(repr(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `cardan size --json` writes."""
+        return _report("sizing").document(self)
+
+
 class Sweep(sweeps.Sweep):
     """What variants come to: `yield_`, `shares`, `verdicts`, `margins`, and each limit's."""
 
@@ -330,6 +345,12 @@ def fix(
     """Propose what to change, over all states at once, as `cardan fix` does."""
     with _told(app):
         return Proposals(fixes.fix(app, line=line, hold=tuple(hold), count=count))
+
+
+def size(app: Application, *, line: str | None = None) -> Sizing:
+    """Propose other parts where moving cannot help, as `cardan size` does."""
+    with _told(app):
+        return _shown(Sizing, sizings.sizing(app, line=line))
 
 
 def study(

@@ -24,7 +24,7 @@ from cardan.cli.common import progress
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import approve
 from cardan.study.fix import fix
-from cardan.study.published import Published
+from cardan.study.published import Published, published
 from cardan.study.stability import stability
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -443,6 +443,19 @@ def test_verify_recomputes_published_cases_and_they_agree():
     for case in cases:
         assert abs(case["computed"] - case["published"]) <= case["within"]
         assert case["source"] in result.stdout
+
+
+def test_verify_stands_on_many_sources_and_tells_what_is_derived():
+    cases = published()
+    citable = [c for c in cases if c.kind == "published"]
+    assert len(citable) >= 60
+    assert len({c.source.title for c in citable}) >= 15
+    assert len({(c.title, c.source) for c in cases}) == len(cases)  # none twice
+    kinds = [c.kind for c in cases]
+    assert kinds == sorted(kinds, key=("published", "untraced", "derived").index)
+    for case in cases:
+        own = case.source.title.startswith(("Derived", "AISCO's life formula"))
+        assert not own or case.kind == "derived"
 
 
 def test_a_published_number_is_met_to_its_last_digit_or_not_at_all():

@@ -96,3 +96,24 @@ def test_every_key_says_what_it_is_and_in_which_unit():
     assert shaft["phase_rad"]["maximum"] == pytest.approx(2 * 3.141592653589793)
     efficiency = SCHEMA["$defs"]["Gearbox"]["properties"]["efficiency"]
     assert efficiency["description"] == "of the gearbox (default 1.0)"
+
+
+def offered(entry):
+    """Every value that some alternative of a key enumerates."""
+    return [name for one in entry["anyOf"] for name in one.get("enum", [])]
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "names"),
+    [
+        ("Line", "joints", ["1810", "2040", "SWP 160"]), ("Shaft", "tube", ["120x4"]),
+        ("Tube", "material", ["E355-SR"]), ("Layer", "ply", ["T300/5208"]),
+        ("Wheels", "tyre", ["315/80 R22.5"]), ("Application", "limits", ["heavy-truck"]),
+    ],
+)  # fmt: skip
+def test_the_schema_names_what_catalogues_have(table, key, names):
+    """An editor offers them; a file's own catalogue may bring others."""
+    listed = offered(SCHEMA["$defs"][table]["properties"][key])
+    assert set(names) <= set(listed)
+    own = SMALL.replace("  shafts:", "  joints: of-our-own-catalogue\n  shafts:")
+    assert accepted(own)

@@ -82,6 +82,18 @@ def test_the_worst_point_of_a_line_without_an_engine_is_where_its_torque_meets_a
     assert below["speed_rpm"] == pytest.approx(100)  # a state's own speed holds
 
 
+@pytest.mark.parametrize(("speed", "off"), [(500, 0.0940), (380, 0.1106), (600, 0.0872)])
+def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_path, speed, off):
+    """METHOD 15: order 2 meets the modes at 427.25 and 551.90 rpm; tubes move them by 0.3 %."""
+    duty = f"duty: [{{share_percent: 100, torque_Nm: 1000, speed_rpm: {speed}}}]\n"
+    text = two_shafts().replace("limits: protractor\n", duty)
+    rows = [r for r in told(tmp_path, text)["checks"] if r["quantity"] == "resonance_distance"]
+    assert rows
+    for row in rows:
+        assert row["value"] == pytest.approx(off, abs=3e-3)
+        assert row["verdict"] == "warn"
+
+
 @pytest.fixture(scope="module")
 def truck():
     return assess(files.read(EXAMPLES / "medium-truck-4x2.yaml"))

@@ -136,6 +136,8 @@ def made(seed, *, seconds=None, rate=500.0, **asked):
     unit = 40.0  # MPa at 10 kN m
     a = 2 * np.pi * 2 * turns
     wander = 1 + 0.1 * np.sin(2 * np.pi * t / rng.uniform(20, 60))
+    if "rides" in asked:  # straight where it stands: the springs' travel makes the angle
+        wander = np.sin(2 * np.pi * asked["rides"] * t + np.sin(0.9 * t))
     force = unit * guilt * torque / 1e4 * wander * np.cos(a + rng.uniform(0, 6))
     force += (
         unit

@@ -60,17 +60,39 @@ class Swinging:
         self, points: Any, directions: Any, phases: Any, shafts: list[Rigid], overhangs: Any, *,
         stiffness: Any, loss: float, torque: float, speed: float,
     ) -> None:  # fmt: skip
+        self.speed = speed
+        d = np.asarray(directions)
+        self._line(np.asarray(points), d, phases, shafts, speed=speed)
+        self.mbs.CreateTorque(itemNumber=self.flange, loadVector=list(torque * d[0]))
+        self.mbs.CreateTorque(itemNumber=self.pinion, loadVector=list(-torque * d[-1]))
+        self._springs, self._axes = [], []
+        for k, over in enumerate(overhangs, 1):
+            at, inside, axes = self._hung(k, over)
+            self._axes.append(axes)
+            for axis, k_ in zip(axes, stiffness, strict=True):
+                spring = self._spring(
+                    [(self.ground, at), (self.tubes[k - 1], inside)], axis, k_,
+                    loss * k_ / (2 * speed),
+                )  # fmt: skip
+                self._springs.append(
+                    [self._watched("Object", v, objectNumber=spring)
+                     for v in ("ForceLocal", "VelocityLocal")]
+                )  # fmt: skip
+
+    def _line(
+        self, P: np.ndarray, d: np.ndarray, phases: Any, shafts: list[Rigid], *, speed: float
+    ) -> None:
+        """Add what turns, from the gearbox flange to the pinion, and nothing that holds it."""
         import exudyn as exu
 
-        self.exu, self.speed = exu, speed
+        self.exu, self._places, self._d, self._shafts = exu, P, d, shafts
         self.mbs = exu.SystemContainer().AddSystem()
-        P, d = np.asarray(points), np.asarray(directions)
         pins, spins, crosses = turning(d, phases)
         pace = speed / spins[-1]
         spins, crosses = pace * spins[:, None] * d, pace * crosses
-        ground = self.mbs.CreateGround()
-        flange = self._body(d[0], P[0], spins[0], **SMALL)
-        tubes = [
+        self.ground = ground = self.mbs.CreateGround()
+        self.flange = flange = self._body(d[0], P[0], spins[0], **SMALL)
+        self.tubes = tubes = [
             self._body(
                 d[k], P[k - 1] + b.centre * d[k], spins[k],
                 mass=b.mass, transverse=b.transverse, polar=b.polar,
@@ -79,7 +101,7 @@ class Swinging:
         ]  # fmt: skip
         sliding = self._body(d[-2], P[-2], spins[-2], **SMALL)
         wheel = {"mass": 1.0, "transverse": FLYWHEEL, "polar": FLYWHEEL}
-        pinion = self._body(d[-1], P[-1], spins[-1], **wheel)
+        self.pinion = pinion = self._body(d[-1], P[-1], spins[-1], **wheel)
         self._hinge(ground, flange, P[0], d[0])
         self._hinge(ground, pinion, P[-1], d[-1])
         ahead, behind = [flange, *tubes], [*tubes[:-1], sliding, pinion]
@@ -90,25 +112,17 @@ class Swinging:
         self.mbs.CreatePrismaticJoint(
             itemNumbers=[sliding, tubes[-1]], position=list(P[-1]), axis=list(d[-2])
         )
-        self.mbs.CreateTorque(itemNumber=flange, loadVector=list(torque * d[0]))
-        self.mbs.CreateTorque(itemNumber=pinion, loadVector=list(-torque * d[-1]))
+        self._spins = spins
         self._yoke = pins[0][0], np.cross(d[0], pins[0][0])
         self._flange = self._watched("Body", "RotationMatrix", bodyNumber=flange)
-        self._springs, self._axes = [], []
-        for k, over in enumerate(overhangs, 1):
-            level = np.cross([0, 0, 1], d[k])
-            level /= np.linalg.norm(level)
-            self._axes.append([np.cross(d[k], level), level])
-            at = P[k] - over * d[k]
-            inside = at - P[k - 1] - shafts[k - 1].centre * d[k]
-            for axis, k_ in zip(self._axes[-1], stiffness, strict=True):
-                spring = self._spring(
-                    [(ground, at), (tubes[k - 1], inside)], axis, k_, loss * k_ / (2 * speed)
-                )
-                self._springs.append(
-                    [self._watched("Object", v, objectNumber=spring)
-                     for v in ("ForceLocal", "VelocityLocal")]
-                )  # fmt: skip
+
+    def _hung(self, k: int, over: float) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+        """Where bearing k from 1 sits, in space and in its shaft, and its two ways, up first."""
+        d, P = self._d, self._places
+        level = np.cross([0, 0, 1], d[k])
+        level /= np.linalg.norm(level)
+        at = P[k] - over * d[k]
+        return at, at - P[k - 1] - self._shafts[k - 1].centre * d[k], [np.cross(d[k], level), level]
 
     def _body(
         self, axis: Any, at: Any, spin: Any, *, mass: float, transverse: float, polar: float

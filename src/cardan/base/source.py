@@ -1,18 +1,33 @@
 """Where a number comes from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+HOW_READ = ("re-read", "by definition", "second hand", "from memory", "assumed")
+"""How somebody came to a number, the surest first: read in the publisher's own text, true by
+what the quantity is, read in a transcription, believed to stand there, our own choice."""
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A publication or an agreement, with the place in it: `AE7.at("p. 50")`."""
+    """A publication or an agreement, with the place in it: `AE7.at("p. 50")`.
+
+    `how_read` is a word of `HOW_READ`, empty where nobody said; `apart` are the values that
+    were read otherwise, by name: of a limit `normal`, `maximum` or `band`, of a catalogue's
+    row the key without its unit.
+    """
 
     title: str
     place: str = ""
+    how_read: str = ""
+    apart: tuple[tuple[str, str], ...] = ()
 
     def at(self, place: str) -> "Source":
         """Return the same source, opened at a page, section or equation."""
-        return Source(self.title, place)
+        return replace(self, place=place)
+
+    def of(self, value: str) -> "Source":
+        """Return the source of one of its values."""
+        return Source(self.title, self.place, dict(self.apart).get(value, self.how_read))
 
     def __str__(self) -> str:
         """Return title and place as a reader would write them."""

@@ -153,17 +153,31 @@ class Check:
         return self.limit.grade(self.value)
 
     @property
+    def decided_by(self) -> Literal["normal", "maximum", "band"]:
+        """Which bound decided: the one passed, or the first one ahead."""
+        limit = self.limit
+        if limit.band:
+            return "band"
+        if limit.normal is None or (self.grade == "fail" and limit.maximum is not None):
+            return "maximum"
+        return "normal"
+
+    @property
     def bound(self) -> float:
-        """The bound that decided: the one passed, or the first one ahead."""
+        """The bound that decided."""
         limit = self.limit
         if limit.band:
             low, high = limit.band
             # The edge that is nearer as a share of itself, as the margin counts.
             return low if self.value / low + self.value / high < 2 else high
-        first, last = limit.normal, limit.maximum
-        chosen = last if first is None or (self.grade == "fail" and last is not None) else first
+        chosen = limit.normal if self.decided_by == "normal" else limit.maximum
         assert chosen is not None  # __post_init__ refuses a limit without bounds
         return chosen
+
+    @property
+    def how_read(self) -> str:
+        """How that bound was read, a word of `HOW_READ`; empty where nobody said."""
+        return self.limit.source.of(self.decided_by).how_read
 
     @cached_property
     def margin(self) -> float:

@@ -539,7 +539,8 @@ class OneOf(Rule):
 
     def schema(self, defs: Schema, unit: str) -> Schema:
         """Return the schema of any of the rules."""
-        return {"anyOf": [r.schema(defs, unit) for r in self.rules]}
+        each = [r.schema(defs, unit) for r in self.rules]
+        return {"anyOf": [one for s in each for one in (s["anyOf"] if [*s] == ["anyOf"] else [s])]}
 
 
 # --- tables: entries by name --------------------------------------------------------------

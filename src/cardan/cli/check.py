@@ -110,8 +110,21 @@ def check(
             put_lines(terminal.comparison(_variants(files, found), say))
         else:
             helps = sensitivities(found[0])
-            put_lines(terminal.approval(found[0], helps=helps, every=every, say=say))
+            sizes = _sizes(found[0], helps)
+            put_lines(terminal.approval(found[0], helps=helps, sizes=sizes, every=every, say=say))
     leave(*(a.verdict for a in found))
+
+
+def _sizes(of: Any, helps: Any) -> Any:
+    """Return other parts for what nothing moved answers."""
+    from cardan.report.wording import out_of_reach
+
+    stuck = out_of_reach(helps)
+    if not stuck:
+        return None
+    from cardan.study.sizing import next_sizes
+
+    return next_sizes(of.application, stuck)
 
 
 def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:

@@ -181,13 +181,12 @@ def damped(line: Branched, found: Modes) -> tuple[FloatArray, FloatArray]:
             k = line.stiffness[..., None, :] * (held + 1j * share * line.loss[..., None, :])
             k = k + share * lam[..., None] * line.damping[..., None, :]
             K = np.einsum("...s,si,sj->...ij", k, turns, turns, optimize=True)
-            numerator = np.einsum("...i,...ij,...j->...", x, K, x)
-            mass = np.einsum("...i,...ij,...j->...", x, M, x)
-            lam = np.sqrt(-numerator / mass)
+            pushed = (M @ x[..., None])[..., 0]
+            numerator = (x * (K @ x[..., None])[..., 0]).sum(-1)
+            lam = np.sqrt(-numerator / (x * pushed).sum(-1))
             lam = np.where(lam.imag < 0, -lam, lam)
-            Z = K + lam[..., None, None] ** 2 * M
-            pushed = Z + least * np.eye(line.size)
-            x = np.linalg.solve(pushed, (M @ x[..., None]))[..., 0]
+            Z = K + lam[..., None, None] ** 2 * M + least * np.eye(line.size)
+            x = np.linalg.solve(Z, pushed[..., None])[..., 0]
             x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     size = np.abs(lam)
     ratio = np.where(found.frequency > 1e-6, -lam.real / np.where(size > 0, size, 1.0), 0.0)

@@ -15,7 +15,7 @@ Steps by Newmark's method with a little damping of what is too fast for them, an
 each: stiff springs cost nothing. Derived; held against an adaptive integration in the tests.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,16 +69,23 @@ class Travel:
     rate: FloatArray
 
 
-def modal_damping(line: Branched, found: Modes) -> FloatArray:
-    """Return a damping matrix (..., n, n) N m s/rad that damps each mode as its parts do.
+def part_damping(line: Branched, found: Modes, *, slide: Sequence[int]) -> FloatArray:
+    """Return a damping matrix (n, n) N m s/rad of dampers beside the springs of one case.
 
-    C = M Φ diag(2 ζ w) Φᵀ M: what hysteresis comes to in time, mode by mode.
+    As strong as to damp each mode as nearly as its parts do; none beside springs that `slide`,
+    whose torque is what they hold and no more.
     """
+    from scipy.optimize import nnls
+
     _, zeta = damped(line, found)
-    E = line.straight
-    weighed = (E.T @ line.mass @ E) @ found.shape
-    lost = 2 * zeta * found.frequency
-    return np.einsum("...im,...m,...jm->...ij", weighed, lost, weighed, optimize=True)
+    turns = line.springs @ line.straight
+    own = [k for k in range(len(turns)) if k not in slide]
+    lost = 2 * zeta[1:] * found.frequency[1:]
+    share = (turns[own] @ found.shape[:, 1:]).T ** 2
+    # A ramp shakes a mode the less the faster it is.
+    weight = found.frequency[1] / found.frequency[1:] / np.where(lost > 0, lost, np.inf)
+    dampers = nnls(share * weight[:, None], lost * weight)[0]
+    return (turns[own].T * dampers) @ turns[own]
 
 
 @single_threaded()
@@ -103,7 +110,7 @@ def launch(
     line
         B cases, (B, ...).
     damping : (n, n) N m s/rad
-        Of the motion about the mean one: `modal_damping`.
+        On rates: `part_damping`.
     leads
         Takes how far the freedom `follows` has turned, (B,) rad, and gives each joint's
         tan²(β/2) e^{2i·place}, (B, J).
@@ -131,6 +138,7 @@ def launch(
     h, gamma = step, GAMMA
     beta = (gamma + 0.5) ** 2 / 4
     count = round(duration / h)
+    settled = 1e-3 * h * h  # rad: what is left of an acceleration is 4e-3 rad/s²
     held = list(holding.springs)
     loose = play[0] if play else -1
     stiffness = np.broadcast_to(line.stiffness, (B, S))
@@ -149,7 +157,7 @@ def launch(
         delta, slope, bend = _leads(leads(q[:, follows]), q[:, joints])
         z = np.concatenate([q, q[:, joints] + delta - begun], axis=-1)
         turning = np.concatenate([a, slope * a[:, joints] + bend * v[:, joints] ** 2], axis=-1)
-        pulled = np.einsum("bij,bj->bi", mass, turning) + np.einsum("bij,bj->bi", K, z)
+        pulled = (mass @ turning[..., None] + K @ z[..., None])[..., 0]
         torque = stiffness * (z @ Y.T)
         twist = z @ Yh.T
         way = np.abs(v[:, rolls[0]])[:, None] * rolls[1] * h
@@ -160,7 +168,7 @@ def launch(
         torque[:, held] = kh * now
         pulled += torque[:, held] @ Yh
         gives = (np.abs(elastic) <= bound) | stuck
-        tangent = inner + np.einsum("bs,si,sj->bij", np.where(gives, kh * forgets, 0.0), Yq, Yq)
+        tangent = inner + (Yq.T * np.where(gives, kh * forgets, 0.0)[:, None]) @ Yq
         if play:
             gap = z @ Y[loose]
             over = gap - np.clip(gap, -play[1] / 2, play[1] / 2)
@@ -192,7 +200,7 @@ def launch(
             now = tried(q, v, a, begins, stuck=attempt > 6)
             change = np.linalg.solve(now.tangent, (now.left - force)[..., None])[..., 0]
             q = q - change
-            if np.abs(change).max() < (1e-10 if attempt < TRIES // 2 else 1e-7):
+            if np.abs(change).max() < (settled if attempt < TRIES // 2 else 100 * settled):
                 break
         else:
             msg = f"the launch does not settle at {t:.3f} s: try a shorter step"

@@ -13,7 +13,7 @@ the share of damage removed, 1 - D(without j)/D, with an interval.
 Source: derived from first principles; Ljung, System Identification (1999), ch. 4 and 9.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +26,8 @@ from cardan.fatigue.orders import Rotation
 
 GUILTY, INNOCENT, CANNOT_TELL = "guilty", "innocent", "cannot tell"
 
+ACQUITTED = 0.25
+"""Share of the damage up to which they are innocent, at most."""
 FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
 CLEAR = 60.0
@@ -44,6 +46,12 @@ FORETOLD = 9.0
 """Seconds of a stretch that is foretold from its neighbours."""
 DRAWS = 24
 """Of the interval."""
+RIDES = 0.2
+"""Seconds that hold what a vehicle's ride puts beside an order, 1 to 2.5 Hz off."""
+ALOOF = (7.0, 11.0)
+"""Hz beside the order where none of that is."""
+STANDS_OUT = 0.15
+"""Share of the damage by which what is beside the order exceeds what is farther off."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
@@ -53,7 +61,11 @@ SLIPPING = said("what is locked does not explain the large cycles: the angle may
 RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
 ALIKE = said("an engine order runs with order 2: phase and torque are the same, either did it")
 
-DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE)
+DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
+HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
+BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
+
+DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE)
 """What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
@@ -93,7 +105,7 @@ class Evidence:
         low, high = self.interval
         if low >= 0.35 and self.removed >= 0.5:
             return GUILTY
-        return INNOCENT if high <= 0.25 else CANNOT_TELL
+        return INNOCENT if high <= ACQUITTED else CANNOT_TELL
 
 
 @dataclass(frozen=True)
@@ -619,11 +631,11 @@ def identified(
         nothing = Evidence(removed=0.0, interval=(0.0, 0.0), strength=0.0)
         return Identified(nothing, np.zeros_like(filled), np.zeros_like(filled))
 
-    def scene(option: _Aligned) -> _Scene:
+    def scene(option: _Aligned, of: Angle = angle) -> _Scene:
         shifted = time - option.lag
         return _Scene(
-            option.ratio * angle.rotation.at(shifted),
-            option.ratio * angle.rotation.speed(shifted), load, fine,
+            option.ratio * of.rotation.at(shifted), option.ratio * of.rotation.speed(shifted),
+            load, fine,
         )  # fmt: skip
 
     def removed(wave: FloatArray) -> float:
@@ -637,6 +649,22 @@ def identified(
     best = scene(first)
     line = _line(best, y, 2, most=2)
     doubts: list[Said] = []
+
+    def elsewhere(high: float) -> float:
+        """Return what may be theirs if the speed is another's, at half or twice the shaft's."""
+        for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
+            scaled = replace(angle.rotation, turns=times * angle.rotation.turns)
+            asked = replace(angle, rotation=scaled)
+            others = _aligned(_limited(y, fine), load, asked, fine, start)
+            if others and others[0].energy > first.energy:
+                theirs = _punctual(others[0], most=angle.lag)
+                other = _line(scene(theirs, asked), y, 2, most=2)
+                share = removed(other.wave.real) + 0.05
+                if other.strength >= FOUND and share > high:
+                    high = share
+                    doubts.append(doubt)
+        return high
+
     if line.strength < FOUND:
         reach = [removed(line.wave.real)]
         for option in options[1:]:
@@ -645,9 +673,18 @@ def identified(
             reach.append(removed((c @ columns).real))
         high = 1.3 * max(*reach, 0.0) + 0.03
         if not angle.trusted:
-            spans = [removed(_near(x, best, fine, span=span)) for span in (0.5, 0.2)]
+            spans = [removed(_near(x, best, fine, span=span)) for span in (0.5, RIDES)]
             high = max(high, *spans) + 0.05
             doubts.append(UNTRUSTED)
+        else:
+            close = removed(_near(x, best, fine, span=RIDES))
+            off = [
+                removed(_near(x, best, fine, span=RIDES, beside=b)) for k in ALOOF for b in (k, -k)
+            ]
+            if close > max(off) + STANDS_OUT:
+                high = max(high, close + 0.05)
+                doubts.append(BESIDE)
+        high = elsewhere(high)
         high = float(min(high, 1.0))
         middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
         found = Evidence(
@@ -713,11 +750,14 @@ def identified(
         low = min(low, 0.5 * middle)
         doubts.append(UNTRUSTED)
     if engine is not None:
-        apart = _apart(best, engine, engine_orders, time)
+        # In direct gear an engine turns with the shaft, and four cylinders shake at order 2.
+        apart = _apart(best, engine, {*engine_orders, 2.0}, time)
         if apart is not None:
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
             doubts.append(ALIKE)
+    if high <= ACQUITTED:
+        high = elsewhere(high)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,
@@ -729,7 +769,7 @@ def identified(
 
 
 def _apart(
-    scene: _Scene, engine: Rotation, orders: Sequence[float], time: FloatArray
+    scene: _Scene, engine: Rotation, orders: Iterable[float], time: FloatArray
 ) -> FloatArray | None:
     """Return where no engine order runs with order 2 (n,), 0 to 1; None where none hardly does."""
     turning = scene.speed > SLOWEST / 2
@@ -745,9 +785,14 @@ def _apart(
     return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
 
 
-def _near(x: FloatArray, scene: _Scene, rate: float, *, span: float = 0.5) -> FloatArray:
-    """Return all (n,) that a span of some seconds holds near order 2: within 0.5/span Hz."""
-    wave = np.exp(4j * np.pi * scene.turns)
+def _near(
+    x: FloatArray, scene: _Scene, rate: float, *, span: float = 0.5, beside: float = 0.0
+) -> FloatArray:
+    """Return all (n,) that a span of some seconds holds near order 2: within 0.5/span Hz.
+
+    Of it, or of what is so many Hz `beside` it.
+    """
+    wave = np.exp(2j * np.pi * (2 * scene.turns + beside / rate * np.arange(x.size)))
     half = max(round(span / 2 * rate), 1)
     z = np.pad(_levelled(x, rate) * np.conj(wave), (half, half), mode="edge")
     total = np.cumsum(np.concatenate([[0], z]))

@@ -45,6 +45,7 @@ from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
 from cardan.files.limit import DEFAULT, Limits, LimitTable, Profile, limits
+from cardan.files.limit import names as profiles
 from cardan.files.line import AdjustTable, LineTable
 from cardan.files.plausible import doubts
 from cardan.files.vehicle import (
@@ -146,6 +147,16 @@ def understood(written: Written, *, warn: bool = True) -> Application:
     return replace(application, written=read, warnings=told)
 
 
+def catalogue_of(application: Application) -> Catalogue:
+    """Return the catalogues an application takes its parts from, its own before those shipped."""
+    written = application.written
+    if written is None:
+        return Catalogue()
+    root, problems = parse(written.text, written.name)
+    reading = Reading(problems=problems, folder=written.folder, allow_outside=written.allow_outside)
+    return Catalogue(tuple(_sheets(root, reading)))
+
+
 def _warnings(application: Application, reading: Reading) -> tuple[Problem, ...]:
     """Return what looks wrong, by itself or beside other numbers, in the file's order."""
     odd = {w.key for w in reading.warnings}  # by itself: enough said
@@ -207,6 +218,10 @@ class ProfileName(Text):
         except BadFile as error:
             _note(error, here)
             raise Spoilt from None
+
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a shipped profile, which editors offer, or the file of one's own."""
+        return {"anyOf": [{"enum": list(profiles())}, super().schema(defs, unit)]}
 
 
 class InlineLimits(ListOf):

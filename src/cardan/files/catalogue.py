@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.base.errors import BadFile, DesignError, Problem
-from cardan.base.source import Source
+from cardan.base.source import HOW_READ, Source
 from cardan.base.units import deg
 from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
@@ -56,6 +56,7 @@ from cardan.border.table import (
     nearest,
 )
 from cardan.fatigue.detail import at_knee
+from cardan.files.how_read import HowRead, with_reading
 from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.laminate import CompositeTube, Layer, Ply, metal
 from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
@@ -84,12 +85,18 @@ class Named(Text):
             message, _, hint = str(error).partition("; ")
             here.refuse(message, hint)
 
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a name of the shipped catalogue, which editors offer, or any of one's own."""
+        return {"anyOf": [{"enum": list(shipped(self.kind).rows)}, super().schema(defs, unit)]}
 
-def _source(said: str | None) -> Source:
-    return ASSUMED if said is None else Source(said)
+
+def _source(said: str | None, read: HowRead | None) -> Source:
+    return with_reading(ASSUMED if said is None else Source(said), read)
 
 
 Prose: TypeAlias = Annotated[str, Text(PROSE)]
+
+READ_AS = f"{', '.join(HOW_READ)}; values that differ behind a semicolon"
 
 
 class MaterialTable(Table):
@@ -103,6 +110,7 @@ class MaterialTable(Table):
     ultimate: Strength | None = key("ultimate strength", default=None)
     fatigue_shear: Strength | None = key("fatigue limit in alternating shear", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Material:
@@ -115,7 +123,7 @@ class MaterialTable(Table):
             yield_strength=self.yield_,
             ultimate_strength=self.ultimate,
             fatigue_shear=self.fatigue_shear,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
         )
 
 
@@ -137,6 +145,7 @@ class PlyTable(Table):
     thickness: PlyThickness = key("of one ply")
     density: Density = key("density")
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Ply:
@@ -154,7 +163,7 @@ class PlyTable(Table):
             shear_strength=self.shear_strength,
             thickness=self.thickness,
             density=self.density,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
         )
 
 
@@ -211,19 +220,24 @@ class TubeTable(Table):
         | None
     ) = key("plies from the inside out, in place of a wall of one material", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> Tube | CompositeTube:
         """Return the tube in SI."""
+        source = _source(self.source, self.how_read)
         if self.layup is not None:
             layers = tuple(layer for group in self.layup for layer in group)
             if len(layers) > PLIES:
                 self.at("layup").refuse(
                     f"a tube may have up to {PLIES} plies", got=f"{len(layers)}"
                 )
-            return CompositeTube(outer=self.outer, layers=layers)
+            return CompositeTube(outer=self.outer, layers=layers, source=source)
         assert self.wall is not None  # one of the two is there
-        return Tube(outer=self.outer, wall=self.wall, material=self.material)
+        return Tube(
+            outer=self.outer, wall=self.wall, material=self.material,
+            name=self.name or "", source=source,
+        )  # fmt: skip
 
 
 _OF_KINDS = {
@@ -273,14 +287,21 @@ class JointTable(Table):
     plunge: SplineTravel | None = key("how far it slides, either way", default=None)
     centre_distance: Size | None = key("between the crosses of a double cardan", default=None)
     ball_from_rear: Size | None = key("from its centring ball to the rear cross", default=None)
+    nominal: Rating | None = key(
+        "nominal or reference torque: to compare catalogues by, no limit of anything", default=None
+    )
+    industrial: Rating | None = key("Spicer's T-Ind, no limit either", default=None)
     angle_max: Angle | None = key("largest joint angle", default=None)
     n_beta_max: SpeedAngle | None = key("largest speed times joint angle, rpm deg", default=None)
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
     cross_width: Size | None = key("width over the cross's bearings", default=None)
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
+    swing_diameter: Size | None = key("of the circle the yokes turn in", default=None)
+    tube_outer: Size | None = key("outside diameter of the tube it is made for", default=None)
     mass: Mass | None = key("mass of the cross with its bearings", default=None)
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> JointSize:
@@ -315,7 +336,7 @@ class JointTable(Table):
             cup_diameter=self.cup_diameter,
             needle_circle=self.needle_circle,
             mass=self.mass,
-            source=_source(self.source),
+            source=_source(self.source, self.how_read),
             note=self.note or "",
         )
 
@@ -331,6 +352,7 @@ class DetailTable(Table):
         "how a mean stress counts: none; ratio, by IIW's f(R); goodman", default="none"
     )
     source: Prose | None = key("where the numbers come from", default=None)
+    how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
 
     def build(self) -> FatigueCurve:
@@ -338,7 +360,7 @@ class DetailTable(Table):
         knee = at_knee(self.range_, cycles=self.cycles, slope=self.slope)
         return FatigueCurve(
             amplitude=knee, cycles=self.cycles, slope=self.slope, mean=self.mean,  # type: ignore[arg-type]
-            name=self.name, source=_source(self.source),
+            name=self.name, source=_source(self.source, self.how_read),
         )  # fmt: skip
 
 
@@ -367,7 +389,7 @@ class Sheet:
         comma = ";" if ";" in text.partition("\n")[0] else ","  # spreadsheets write both
         rows = csv.reader(io.StringIO(text, newline=""), delimiter=comma)
         try:
-            self._header = [c.strip() or f"column {k}" for k, c in enumerate(next(rows, []), 1)]
+            self.header = [c.strip() or f"column {k}" for k, c in enumerate(next(rows, []), 1)]
             self._rows = [(rows.line_num, row) for row in rows if any(c.strip() for c in row)]
         except csv.Error as error:
             problem = Problem(message=f"this is no CSV: {error}", line=rows.line_num, column=1)
@@ -378,23 +400,23 @@ class Sheet:
         """What it lists, by its columns."""
 
         def known(kind: Kind) -> int:
-            return sum(column in TABLES[kind].keys() for column in self._header)  # noqa: SIM118
+            return sum(column in TABLES[kind].keys() for column in self.header)  # noqa: SIM118
 
         return max(TABLES, key=known)
 
     @cached_property
     def rows(self) -> dict[str, tuple[int, list[str]]]:
         """Line and cells by name."""
-        if "name" not in self._header:
+        if "name" not in self.header:
             return {}
-        column = self._header.index("name")
+        column = self.header.index("name")
         named = ((row[column].strip(), (n, row)) for n, row in self._rows if len(row) > column)
         return {name: row for name, row in named if name}
 
     def _table(self, line: int, cells: list[str]) -> Mapping:
         """Return a row as a table of the cells that are filled; columns count from 1."""
         entries: dict[str, tuple[Scalar, Node]] = {}
-        for k, (name, cell) in enumerate(zip(self._header, cells, strict=False), 1):
+        for k, (name, cell) in enumerate(zip(self.header, cells, strict=False), 1):
             if cell.strip() and name in TABLES[self.kind].keys():  # noqa: SIM118
                 entries[name] = Scalar(name, line, k), Scalar(cell.strip(), line, k)
         return Mapping(line, 1, entries)
@@ -420,21 +442,21 @@ class Sheet:
 
     def check(self, reading: Reading, above: Sequence["Sheet"] = ()) -> None:
         """Note whatever is wrong in the sheet, also beside those read before it."""
-        if "name" not in self._header:
+        if "name" not in self.header:
             message = "the first line must name the columns, and one of them is name"
             Here(Mapping(1, 1), "", reading).note(message)
             return
-        for k, column in enumerate(self._header):
+        for k, column in enumerate(self.header):
             here = Here(Mapping(1, k + 1), column, reading)
             if column not in TABLES[self.kind].keys():  # noqa: SIM118
                 here.note("unknown column", nearest(column, TABLES[self.kind].keys()))
-            elif column in self._header[:k]:
+            elif column in self.header[:k]:
                 here.note("this column stands here twice")
         lines: dict[str, int] = {}
         for line, cells in self._rows:
             row = self._table(line, cells)
-            if any(c.strip() for c in cells[len(self._header) :]):
-                message = f"this row has {len(cells)} cells, the header {len(self._header)}"
+            if any(c.strip() for c in cells[len(self.header) :]):
+                message = f"this row has {len(cells)} cells, the header {len(self.header)}"
                 hint = "write a decimal point, and put text with a comma in quotes"
                 Here(row, "", reading).note(message, hint)
             if len(lines) >= ROWS:
@@ -443,7 +465,7 @@ class Sheet:
             if "name" not in row.entries:
                 Here(row, "", reading).note("this row has no name")
                 continue
-            name = cells[self._header.index("name")].strip()
+            name = cells[self.header.index("name")].strip()
             if name in lines:
                 Here(row, name, reading).note(f"this name is in line {lines[name]} already")
             same = (s for s in above if s.kind == self.kind and name in s.rows)
@@ -462,13 +484,20 @@ class Catalogue:
     def __init__(self, own: Sequence[Sheet] = ()) -> None:
         self.own = own
 
-    def _sheets(self, kind: Kind) -> Iterator[Sheet]:
+    def sheets(self, kind: Kind) -> Iterator[Sheet]:
+        """Yield the sheets that list a kind of part, the user's own first."""
         yield from (s for s in self.own if s.kind == kind)
         yield shipped(kind)
 
     def names(self, kind: Kind) -> list[str]:
         """Return every name of a kind of part, the user's own first."""
-        return [name for sheet in self._sheets(kind) for name in sheet.rows]
+        return list(dict.fromkeys(name for sheet in self.sheets(kind) for name in sheet.rows))
+
+    def every(self, kind: Kind) -> Iterator[Any]:
+        """Yield every part of a kind, the user's own first."""
+        own = dict.fromkeys(n for s in self.own if s.kind == kind for n in s.rows)
+        yield from (self.find(name, kind) for name in own)
+        yield from (part for name, part in _parts(kind).items() if name not in own)
 
     def find(self, name: str, kind: Kind, here: Here | None = None) -> Any:
         """Return the part of that name, for a place in a file where it stands.
@@ -481,10 +510,10 @@ class Catalogue:
             If no catalogue has it; the message names what comes nearest.
         """
         here = here or Here(Scalar(name, 0, 0), name, Reading(self))
-        for sheet in self._sheets(kind):
+        for sheet in self.sheets(kind):
             if name in sheet.rows:
                 return sheet.part(name, here)
-        for sheet in self._sheets(kind):
+        for sheet in self.sheets(kind):
             for known in sheet.rows:
                 if _loose(known) == _loose(name):
                     return sheet.part(known, here)
@@ -509,6 +538,12 @@ def shipped(kind: Kind) -> Sheet:
     name = "plies" if kind == "ply" else f"{kind}s"
     path = Path(__file__).with_name("catalogues") / f"{name}.csv"
     return Sheet(path.read_text(encoding="utf-8"), path.name)
+
+
+@cache
+def _parts(kind: Kind) -> dict[str, Any]:
+    """Return the shipped parts of a kind by their names."""
+    return {name: find(name, kind) for name in shipped(kind).rows}
 
 
 def find(name: str, kind: Kind) -> Any:

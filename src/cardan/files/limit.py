@@ -24,6 +24,7 @@ from cardan.border.table import (
     key,
     nearest,
 )  # fmt: skip
+from cardan.files.how_read import HowRead, with_reading
 from cardan.model.application import KIND_GROUPS, STATE_KINDS
 from cardan.quantity.declared import WRITTEN
 from cardan.quantity.quantities import LIMITABLE, QUANTITIES
@@ -65,6 +66,11 @@ class LimitTable(Table):
     )
     required: bool = key("whether a verdict is incomplete where nothing answers it", default=False)
     source: Annotated[str, Text(PROSE)] = key("who says so")
+    how_read: HowRead | None = key(
+        "how that was read: re-read, by definition, second hand, from memory or assumed; where "
+        "normal, maximum or band differ, behind a semicolon",
+        default=None,
+    )
 
     def build(self) -> Limit:
         """Return the limit in SI."""
@@ -84,7 +90,7 @@ class LimitTable(Table):
         worth, band = UNITS[unit], self.band
         return Limit(
             quantity=self.quantity,
-            source=Source(self.source),
+            source=with_reading(Source(self.source), self.how_read),
             normal=None if self.normal is None else self.normal * worth,
             maximum=None if self.maximum is None else self.maximum * worth,
             sense=sense,

@@ -1,6 +1,6 @@
 """What turns and springs between engine and road in a file, each part at its own speed."""
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from cardan.border.measure import (
     TorsionStiffness,
 )  # fmt: skip
 from cardan.border.table import ListOf, Number, Table, Text, Whole, key
-from cardan.files.typical import find_row
+from cardan.files.typical import find_row, rows
 from cardan.model.parts import STEEL
 from cardan.model.turning import (
     Clutch,
@@ -155,13 +155,22 @@ class InterAxleTable(Table):
         )
 
 
+class TyreName(Text):
+    """The size of a tyre, as the catalogue has it, blanks and case aside."""
+
+    def schema(self, defs: dict[str, Any], unit: str) -> dict[str, Any]:
+        """Return a shipped size, which editors offer, or any spelling of one."""
+        sizes = [row["name"] for row in rows("tyres.csv")]
+        return {"anyOf": [{"enum": sizes}, super().schema(defs, unit)]}
+
+
 class WheelsTable(Table):
     """The wheels with their tyres, all alike."""
 
     at_most_one_of = (("tyre", "inertia"),)
 
     inertia: PositiveInertia | None = key("of one wheel with its tyre", default=None)
-    tyre: Annotated[str, Text()] | None = key("its size, of a catalogue", default=None)
+    tyre: Annotated[str, TyreName()] | None = key("its size, of a catalogue", default=None)
     per_axle: Annotated[int, Whole(16)] | None = key("wheels on a driven axle", default=None)
     hub_inertia: PositiveInertia | None = key(
         "of hub and brake at one end of an axle", default=None

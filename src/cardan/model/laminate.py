@@ -161,10 +161,13 @@ class CompositeTube:
         Outside diameter.
     layers
         Inside ply first.
+    source
+        Who says that it is wound so.
     """
 
     outer: Metre
     layers: tuple[Layer, ...]
+    source: Source = ASSUMED
 
     def __post_init__(self) -> None:
         if not self.layers:

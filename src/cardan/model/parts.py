@@ -40,7 +40,7 @@ STEEL = Material(
     name="steel",
     youngs_modulus=206 * GPa,
     density=7850.0,
-    source=Source("EN 13906-1, spring steel: E = 206 GPa"),
+    source=Source("EN 13906-1, spring steel: E = 206 GPa", how_read="from memory"),
 )
 
 
@@ -51,6 +51,8 @@ class Tube:
     outer: Metre
     wall: Metre
     material: Material = STEEL
+    name: str = ""
+    source: Source = ASSUMED
 
     def __post_init__(self) -> None:
         half = self.outer / 2
@@ -115,6 +117,12 @@ class Tube:
         return self.material.density * 2 * self.second_moment
 
 
+_KEYS = {
+    "peak_torque": "peak", "reversing_torque": "reversing", "pulsating_torque": "pulsating",
+    "bearing_torque": "bearing_Td", "bearing_factor": "bearing_Lc", "speed_angle_max": "n_beta_max",
+}  # fmt: skip
+"""What catalogues call the values of a joint, where that is another name."""
+
 JointKind: TypeAlias = Literal["cross", "double cardan", "rzeppa", "tripod"]
 
 
@@ -158,6 +166,10 @@ class JointSize:
     mass: Kilogram | None = None
     source: Source = ASSUMED
     note: str = ""
+
+    def source_of(self, rating: str) -> Source:
+        """Return the source of one of its values, by the name that it has here."""
+        return self.source.of(_KEYS.get(rating, rating))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from cardan.base.part import Part
 from cardan.base.source import DERIVED, GWB, ISO21940
 from cardan.quantity.declared import (
     LOAD,
+    RUBBER,
     SLIDING,
     TORQUE,
     Need,
@@ -41,8 +42,8 @@ def _placed(letters: str, end: str) -> Need:
 
 _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
-    "direction, on the rubber where its stiffness and the tubes are given: a steady response, "
-    "which passing quickly does not reach."
+    "direction, on the rubber: a steady response, which passing quickly does not reach. A rigid "
+    "support would not feel it, so nothing is said where nobody gives the rubber's stiffness."
 )
 
 DECLARED = (
@@ -86,7 +87,7 @@ DECLARED = (
         sought=lambda r: r.worst.get("dynamic"),
         on_rubber=True,
         parts=centre_bearings,
-        needs=(TORQUE,),
+        needs=(TORQUE, RUBBER),
         section="Centre bearings",
         methods={
             "rigid": lambda r: r.loads.bearing_forces.dynamic,
@@ -109,7 +110,7 @@ DECLARED = (
         sought=lambda r: r.worst.get("peak"),
         on_rubber=True,
         parts=centre_bearings,
-        needs=(LOAD,),
+        needs=(LOAD, RUBBER),
         section="Centre bearings",
         methods={"rigid": lambda r: r.bearing_peaks},
     ),

@@ -58,6 +58,12 @@ class Need:
     idle: Callable[[Response], BoolArray] | None = None
 
 
+RUBBER = Need(
+    gives="the stiffness of a centre bearing, and the tube of each shaft",
+    met=lambda r: np.array([[r.held is not None]]),
+)
+
+
 def _rated(gives: str, name: str) -> Need:
     return Need(gives=gives, met=lambda r: np.isfinite(r.rating(name)))
 
@@ -208,7 +214,9 @@ class Quantity:
             msg = f"{self.rating} of a joint is a limit, and limits have no variants"
             raise DesignError(msg)
         return tuple(
-            Limit(quantity=self.key, maximum=value, source=size.source) if size and value else None
+            Limit(quantity=self.key, maximum=value, source=size.source_of(self.rating))
+            if size and value
+            else None
             for size, value in rated
         )
 

@@ -17,6 +17,7 @@ from cardan.quantity.declared import (
     LIFE_RATING,
     PEAK_RATING,
     RIDING,
+    RUBBER,
     SPEED,
     TORQUE,
     TUBES,
@@ -44,10 +45,6 @@ def _hung(r: Response) -> tuple[Part, ...]:
     return (LINE,) if r.line.joint_count > 2 else ()
 
 
-_RUBBER = Need(
-    gives="the stiffness of a centre bearing, and the tube of each shaft",
-    met=lambda r: np.array([[r.held is not None]]),
-)
 _WHIRLING = Need(
     gives=TUBES.gives,
     met=lambda r: np.concatenate([TUBES.met(r), ALL_TUBES.met(r)], axis=-1),
@@ -150,7 +147,7 @@ DECLARED = (
         on_rubber=True,
         parts=_hung,
         sense=">=",
-        needs=(DUTY, _RUBBER),
+        needs=(DUTY, RUBBER),
         states=RIDING,
         section="Speed and strength",
         contract="resonance_distance",

@@ -19,6 +19,7 @@ from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval, Coverage
+from cardan.study.data import Datum
 from cardan.study.finding import VIBRATION
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
@@ -50,6 +51,7 @@ def approval(of: Approval) -> dict[str, Any]:
         "studies": list(of.studies),
         "not_asked": list(of.unasked()),
         "notes": list(of.notes),
+        "data": [datum(d) for d in of.data],
         "warnings": [
             {"line": p.line, "column": p.column, "key": p.key, "message": p.message, "hint": p.hint}
             for p in of.application.warnings
@@ -76,7 +78,22 @@ def check(of: Check) -> dict[str, Any]:
         "margin": of.margin,
         "verdict": of.grade,
         "source": str(of.limit.source),
+        "how_read": of.how_read or None,
         **({"point": operating_point(of.point)} if of.point else {}),
+    }
+
+
+def datum(of: Datum) -> dict[str, Any]:
+    """Return a row of data that the numbers stand on, and how its values were read."""
+    return {
+        "line": of.line,
+        "kind": of.kind,
+        "name": of.name,
+        "parts": list(of.parts),
+        "source": str(of.source),
+        "how_read": of.source.how_read or None,
+        "apart": dict(of.source.apart),
+        "note": of.note,
     }
 
 
@@ -153,6 +170,7 @@ def published(of: tuple[Published, ...]) -> list[dict[str, Any]]:
         [
             {
                 "case": c.title,
+                "kind": c.kind,
                 "source": str(c.source),
                 "published": c.expected,
                 "computed": c.computed,

@@ -19,6 +19,7 @@ from cardan.base.units import deg
 from cardan.base.verdict import EQUAL, VERDICTS, Limit, Verdict, worst
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.book import CHANGED, ENDLESS, FIRST, Book, Sheet, column
+from cardan.report.wording import cited
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +137,7 @@ class Judged:
                 sheet.write_blank(row - 1, k, None, self.book.input)
             else:
                 sheet.write_number(row - 1, k, bound / factor, self.book.input)
-        sheet.write_comment(row - 1, 2, str(limit.source), {"x_scale": 3})
+        sheet.write_comment(row - 1, 2, cited(limit.source, self.say), {"x_scale": 3})
 
     def _note(self, of: Held) -> str:
         """Return how a row comes by its values, or what it lacks."""

@@ -26,11 +26,13 @@ from cardan.report.blocks import (
     figures,
 )
 from cardan.report.compare import Compared, Variant, differences, effects
+from cardan.report.data import blocks as data_used
 from cardan.report.drawing import drawings
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
 from cardan.report.sheet import Row, line_title, sections, shown_as
+from cardan.report.terminal import instead
 from cardan.report.wording import (
     STUDY_TITLES,
     badness,
@@ -41,6 +43,7 @@ from cardan.report.wording import (
     move,
     moves_that_help,
     notes,
+    out_of_reach,
     place,
     problem,
     sense,
@@ -52,6 +55,7 @@ from cardan.study.approval import Approval
 from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding
 from cardan.study.fix import Proposal, fix
 from cardan.study.sensitivity import Sensitivity, sensitivities
+from cardan.study.sizing import next_sizes
 
 __all__ = ["Issue", "Story", "approval", "comparison", "figures", "verdict", "whole"]
 
@@ -183,7 +187,7 @@ def signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
 def verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
-    sources = list(dict.fromkeys(str(c.limit.source) for c in rows))
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     several = len(of.responses) > 1
 
     def row(c: Check) -> tuple[str, ...]:
@@ -196,7 +200,7 @@ def verdict(of: Approval, say: Language) -> Iterator[Block]:
             f"{sense(c, say)} {say.number(c.bound / q.factor)}",
             q.unit_name,
             say.percent(c.margin),
-            f"[{sources.index(str(c.limit.source)) + 1}]",
+            f"[{sources.index(cited(c.limit.source, say)) + 1}]",
         )
 
     yield Table(
@@ -237,6 +241,7 @@ def _changes(
 ) -> Iterator[Block]:
     """Yield corrections, what each move would do, and what no move of a line answers."""
     several = len(of.responses) > 1
+    sizes = next_sizes(of.application, out_of_reach(helps))
     if of.verdict == "pass":
         yield Text(
             paragraphs=(
@@ -258,7 +263,8 @@ def _changes(
             points=tuple(
                 (
                     problem(one, say, several=several),
-                    tuple(moves_that_help(one, say)) or (say("nothing that can be moved"),),
+                    tuple(moves_that_help(one, say))
+                    or (instead(one.check, sizes.get((one.check.line, one.check.quantity)), say),),
                 )
                 for one in helps
             ),
@@ -307,6 +313,7 @@ def _inputs(of: Approval, say: Language) -> Iterator[Block]:
             rows=tuple((i.name, i.value) for i in every if i.group == group),
             words=2,
         )
+    yield from data_used(of, say)
 
 
 def _line(

@@ -34,6 +34,9 @@ if TYPE_CHECKING:  # one check of one design is not to wait for these
     from cardan.report.compare import Variant
     from cardan.study.fix import Proposal
     from cardan.study.published import Published
+    from cardan.study.sizing import Remedy
+
+    Sizes = dict[tuple[str, str], Remedy]
 
 LABEL = 48
 """Width of the names of rows."""
@@ -65,14 +68,20 @@ def headline(
 
 
 def approval(
-    of: Approval, *, helps: Iterable[Sensitivity], every: bool = False, say: Language = EN
+    of: Approval,
+    *,
+    helps: Iterable[Sensitivity],
+    sizes: "Sizes | None" = None,
+    every: bool = False,
+    say: Language = EN,
 ) -> Iterator[str]:
     """Yield everything an approval has to say, line by line of text.
 
-    With `every` each check has its row; without, each limit has one, the worst.
+    With `every` each check has its row; without, each limit has one, the worst. `sizes` are
+    other parts, for what nothing moved answers.
     """
     yield from verdict(of, say, every=every)
-    yield from _helps(tuple(helps), say, several=len(of.responses) > 1)
+    yield from _helps(tuple(helps), sizes or {}, say, several=len(of.responses) > 1)
     for response in of.responses:
         yield from _line(response, say)
 
@@ -84,6 +93,14 @@ def verdict(of: Approval, say: Language = EN, *, every: bool = False) -> Iterato
     yield from checks(of, say, every=every)
     yield from without_answer(unanswered(of, say), of.coverage, say)
     yield from notes(of, say)
+    if of.data:
+        from cardan.report import data
+
+        yield ""
+        yield _bold(
+            say("Data it stands on, and how it was read (`cardan catalogue` has its sources)")
+        )
+        yield from (f"  {line}" for line in data.lines(of, say))
 
 
 def block(of: "Table") -> Iterator[str]:
@@ -174,14 +191,50 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
     yield f"  {say('Source')}: {q.source}"
+    yield from _limits_on(q, say)
     others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
     yield f"  Key: {q.key}; {others}"
+
+
+def _limits_on(q: Quantity, say: Language) -> Iterator[str]:
+    """Yield what the default profile asks of a quantity, who says so and how that was read."""
+    from cardan.files.limit import DEFAULT, limits
+
+    for limit in limits(DEFAULT)[1]:
+        if limit.quantity != q.key:
+            continue
+        low, high = limit.band or (None, None)
+        bounds = (("normal", limit.normal), ("maximum", limit.maximum))
+        said = [
+            f"{say(name)} {limit.sense} {say.number(bound / q.factor)}"
+            for name, bound in bounds
+            if bound is not None
+        ]
+        if low is not None and high is not None:
+            edges = (say.number(edge / q.factor) for edge in (low, high))
+            said.append(f"{say('outside')} {' … '.join(edges)}")
+        asks = " ".join((", ".join(said), q.unit_name)).rstrip()
+        yield f"  {say('Limits')} ({DEFAULT}): {asks}"
+        yield f"      {cited(limit.source, say)}"
+
+
+KINDS = {
+    "published": "Published where a reader can look",
+    "untraced": "Printed somewhere that nobody found again",
+    "derived": "Computed by other means, printed nowhere",
+}
+"""Heads of `cardan verify`."""
 
 
 def published(cases: "Iterable[Published]") -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
     yield f"{'':6}{'case':<66}{'published':>13}{'computed':>13}{'difference':>12}"
+    kind = ""
     for c in cases:
+        if c.kind != kind:
+            kind = c.kind
+            yield ""
+            yield _bold(KINDS[kind])
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
         yield (
             f"{word}{_fit(c.title, 66)}{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
@@ -225,7 +278,9 @@ def _sense(c: Check, say: Language) -> str:
     return say("outside") if c.limit.band else c.limit.sense
 
 
-def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iterator[str]:
+def _helps(
+    of: tuple[Sensitivity, ...], sizes: "Sizes", say: Language, *, several: bool
+) -> Iterator[str]:
     """Yield what moving things would do to what does not pass."""
     if not of:
         return
@@ -238,7 +293,20 @@ def _helps(of: tuple[Sensitivity, ...], say: Language, *, several: bool) -> Iter
             continue  # said of the part that is worst
         hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves) or say('nothing that can be moved')}"
+        yield f"      {'; '.join(moves) or instead(one.check, sizes.get(what), say)}"
+
+
+def instead(check: Check, remedy: "Remedy | None", say: Language) -> str:
+    """Return what there is where nothing can be moved: another part, or who looks for one."""
+    if remedy is None:
+        from cardan.study.sizing import WAYS
+
+        if check.quantity in WAYS:
+            return say("nothing that can be moved; `cardan size` tries other parts")
+        return say("nothing that can be moved")
+    from cardan.report.sizing import instead as other_part
+
+    return other_part(remedy, say)
 
 
 def _line(r: Response, say: Language) -> Iterator[str]:

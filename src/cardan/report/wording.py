@@ -152,13 +152,19 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
 
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
-    """Return the three moves that win most, each with the value it gives.
+    """Return the three moves that win most, each with the value it gives."""
+    return [_effect(one, e, say) for e in _helpful(one)[:3]]
 
-    Those that close less than `WORTHWHILE` of the gap help nobody.
-    """
+
+def _helpful(one: Sensitivity) -> list[Effect]:
+    """Return the moves that close at least `WORTHWHILE` of the gap: others help nobody."""
     gap = max(-one.check.margin, 0.0)
-    found = [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
-    return [_effect(one, e, say) for e in found[:3]]
+    return [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
+
+
+def out_of_reach(of: Iterable[Sensitivity]) -> list[Check]:
+    """Return the checks that no move helps."""
+    return [one.check for one in of if not _helpful(one)]
 
 
 def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
@@ -252,6 +258,22 @@ def notes(of: Approval, say: Language) -> list[str]:
 
 
 def cited(source: Source, say: Language) -> str:
-    """Return a source, in the language where it is no publication."""
+    """Return a source and how it was read, in the language where it is no publication."""
     title = say.given(source.title)
-    return f"{title}, {source.place}" if source.place else title
+    said = f"{title}, {source.place}" if source.place else title
+    read = how_read(source, say)
+    return f"{said} ({read})" if read else said
+
+
+def how_read(source: Source, say: Language) -> str:
+    """Return how the values of a source were read, those that differ behind; empty if nobody said.
+
+    Values are called what files call them.
+    """
+    if not source.how_read:
+        return ""
+    words = dict.fromkeys(word for _, word in source.apart)
+    differ = (
+        f"{', '.join(name for name, w in source.apart if w == word)}: {say(word)}" for word in words
+    )
+    return "; ".join((say(source.how_read), *differ))

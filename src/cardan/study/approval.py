@@ -12,6 +12,7 @@ from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.study.data import Datum, data_of
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.finding import (
     DRIVELINE,
@@ -97,6 +98,11 @@ class Approval:
     def assumed(self) -> tuple[AssumedLoss, ...]:
         """What rests on a loss factor of rubber that nobody gave."""
         return tuple(assumed_losses(self.responses))
+
+    @cached_property
+    def data(self) -> tuple[Datum, ...]:
+        """The rows of catalogues that it stands on, and how each was read."""
+        return tuple(data_of(self.application))
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from cardan.base.part import Part
 from cardan.base.units import g
 from cardan.demand.states import Demand, demand_under
 from cardan.dynamics.branched import Branched, carried, modes
-from cardan.dynamics.launch import Holding, Travel, launch, modal_damping, order_amplitude
+from cardan.dynamics.launch import Holding, Travel, launch, order_amplitude, part_damping
 from cardan.dynamics.torsion import pins
 from cardan.model.application import Application
 from cardan.model.turning import Launch
@@ -143,11 +143,14 @@ def start(
     mass = float(parts.mass[state])
     weight = mass * g * r
     resists = weight * (np.cos(wanted.grade) * ROLLING + max(np.sin(wanted.grade), 0.0))
+    stuck = replace(line, relaxation=np.full(line.relaxation.shape, np.inf)).case(0)
+    found = modes(stuck)
     line, springs, road = _on_road(powertrain, line, 50 * float(line.stiffness.max() / i**2))
     tyres = [k for k, (_, p) in enumerate(springs) if p.kind == "tyres"]
     grip = _grips(parts, asked, state, r)
     disc = None if converter else springs.index(("", Part("clutch disc")))
     held = (*([] if disc is None else [disc]), *tyres, road)
+    damping = part_damping(stuck, found, slide=held[:-1])
 
     def most(t: float) -> FloatArray:
         out = np.empty((B, len(held)))
@@ -185,10 +188,7 @@ def start(
         out[:, 0] = (given + np.where(fires, wave, 0.0)) * i
         return out
 
-    found = modes(line.case([0]))
-    stuck = replace(line, relaxation=np.full(line.relaxation.shape, np.inf))
-    damping = modal_damping(stuck, found)[0]
-    first = float(found.frequency[0, 1])
+    first = float(found.frequency[1])
     duration = min(wanted.ramp + max(1.2, 3.5 * 2 * pi / first), LONGEST)
     target = clutch_torque * stall * i
     bent = _bent(parts, asked, powertrain, (gear, state), target)

@@ -427,7 +427,10 @@ class _Running:
         shown = min(n, SHOWN + 1)
         for k in range(1, shown):
             speed = np.clip(found.frequency[..., k] / 2, low, high)
-            damping[..., k] = damped(powertrain.rolling(speed), found)[1][..., k]
+            mode = Modes(
+                frequency=found.frequency[..., k : k + 1], shape=found.shape[..., k : k + 1]
+            )
+            damping[..., k] = damped(powertrain.rolling(speed), mode)[1][..., 0]
         springs = len(powertrain.springs)
         torque = np.full((G, S, len(ORDERS), springs), np.nan)
         speed_at = np.full_like(torque, np.nan)
