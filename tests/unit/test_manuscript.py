@@ -103,11 +103,12 @@ ANGLES = SLOPES.replace(
     "gearbox_slope: {side_deg: 1.0}\n"
     "  joint_angles: {side_deg: [-2.0, 3.5, -2.5], top_deg: [0.5, 0.1, -0.6]}",
 )
+NAMED = {p.stem: p for p in EXAMPLES}
 TEXTS = {
-    "points": (EXAMPLES[1]).read_text("utf-8"),
+    "points": NAMED["refuse-collector-6x2"].read_text("utf-8"),
     "slopes": SLOPES,
     "angles": ANGLES,
-    "lines": (EXAMPLES[2]).read_text("utf-8"),
+    "lines": NAMED["tandem-6x4"].read_text("utf-8"),
 }
 
 

@@ -55,7 +55,7 @@ beforeEach(async () => {
   vi.stubGlobal("sessionStorage", box);
   vi.stubGlobal("localStorage", box);
   vi.stubGlobal("navigator", { language: "en" });
-  vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" } });
+  vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" }, getElementById: () => null });
   vi.stubGlobal("requestAnimationFrame", () => 0);
   store = new (await import("../src/store")).Store();
   store.connect();
