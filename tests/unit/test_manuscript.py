@@ -60,6 +60,14 @@ def test_quoted_text_is_replaced_whole_however_it_is_written():
     assert new == 'a: 2 # one\nb: "3: 4"\nc: one\nd: 4\n'
 
 
+def test_a_value_is_written_in_place_of_a_name_for_it_there_alone():
+    text = "a: &n 1.50\nb: *n  # as a\nc: {d: *n, e: 2}\n"
+    assert Manuscript(text).with_({"b": 3}) == "a: &n 1.50\nb: 3  # as a\nc: {d: *n, e: 2}\n"
+    new = Manuscript(text).with_({"c.d": 4, "b": 3})
+    assert new == "a: &n 1.50\nb: 3  # as a\nc: {d: 4, e: 2}\n"
+    assert Manuscript(new).written("a") == "1.50"
+
+
 def test_items_are_put_before_a_lists_others():
     rows = [Raw("{x: 0}"), Raw("{x: 1}")]
     text = "a:\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 2}]\n"
@@ -81,7 +89,9 @@ def test_a_key_that_is_not_there_is_put_into_its_table():
 @pytest.mark.parametrize(
     ("text", "at", "says"),
     [
-        ("a: &n 1\nb: *n\n", "b", "names stand for it"),
+        ("a: &n [1, 2]\nb: *n\n", "b[1]", "names stand for it"),
+        ("a: &n {c: 1}\nb: *n\n", "b.c", "names stand for it"),
+        ("a: [&n 1, *n]\n", "a[2]", "names stand for it"),
         ("a: &n 1\nb: *n\n", "a", "names stand for it"),
         ("a: 1\n", "b.c", "nor does the table"),
         ("a: [1, 2]\n", "a", "a table or a list"),

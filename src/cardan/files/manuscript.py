@@ -16,6 +16,8 @@ _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
 _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._/x-]*")
 """Texts that need no quotes wherever they stand."""
 _QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", re.DOTALL)
+_NAMED = re.compile(r"[^\s:#'\"]+[ \t]*:[ \t]+(\*[^\s,\]}]+)")
+"""A key with a name in place of its value."""
 _AHEAD = re.compile(r"(?: |- )*")
 """What may stand in a line before the first key of a table."""
 
@@ -88,6 +90,10 @@ class Manuscript:
         if node is None:
             return self._insertion(at, to)
         if id(node) in self._shared:
+            if used := self._used(at):
+                return *used, token(
+                    to, ""
+                )  # here alone; elsewhere the name stands for it as before
             raise self._refused(at, node, "*names stand for it in other places: change it by hand")
         if not isinstance(node, Scalar):
             raise self._refused(at, node, "is a table or a list: change what stands in it")
@@ -100,6 +106,19 @@ class Manuscript:
         if not self._is(start, node.text) or not node.text:
             raise self._refused(at, node, "is written in a way that has to be changed by hand")
         return start, start + len(node.text), token(to, node.text)
+
+    def _used(self, at: str) -> tuple[int, int] | None:
+        """Return where a name stands for a value, `key: *name`; None where it is not so."""
+        above, _, key = at.rpartition(".")
+        table = self._nodes.get(above)
+        if (
+            not isinstance(table, TableNode)
+            or id(table) in self._shared
+            or key not in table.entries
+        ):
+            return None
+        found = _NAMED.match(self.text, self._offset(table.entries[key][0]))
+        return found.span(1) if found else None
 
     def _item(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
         """Return the change that puts an item into a list, before the others."""
