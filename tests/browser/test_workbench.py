@@ -226,7 +226,7 @@ def test_what_is_typed_is_checked_and_said_where_it_is_wrong(browser, tmp_path):
 def test_three_dimensions_are_drawn(tmp_path):
     with browsing(deep=True) as driver, workbench(tmp_path, CHAIN) as (house, _):
         opened(driver, house)
-        driver.find_elements("css selector", ".views .chips button")[1].click()
+        driver.find_elements("css selector", ".views .chips button")[-1].click()
         wait(driver, "return document.querySelector('.canvas canvas')")
         colours = """
             const c = document.querySelector('.canvas canvas');
