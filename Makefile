@@ -10,7 +10,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check serve test bracket lint docs oracle office browser front slow mutants bench clean
+.PHONY: check serve test texts bracket lint docs oracle office browser front slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -20,6 +20,9 @@ serve: $(VENV)/cardan-web $(PAGE)   ## the workbench, in the browser
 
 test: $(VENV)/cardan-test   ## the whole test suite
 	$(BIN)/python -m pytest -n 2 -q
+
+texts: $(VENV)/cardan-test  ## what has no translation yet, by language
+	$(BIN)/python -m pytest -q tests/unit/test_texts.py tests/unit/test_report.py -k "texts or translated or catalogue or language"
 
 lint: $(VENV)/cardan-lint $(VENV)/cardan-test   ## format, lint, types, floors
 	$(BIN)/ruff format --check .

@@ -7,13 +7,54 @@ A marker [[name]] stands for something declared in the package. [[cardan check F
 what that command prints; [[cardan check FILE :: this ... that]] for its lines from the first that
 starts with "this" until one that starts with "that". Formulas become MathML, which browsers draw
 without any script.
+
+What takes time is kept in build/docs, by what it was made of: its own text and the package. When
+either changes it is made anew, ahead of the pages and on all cores: `python docs/hooks.py FILE...`
+makes what these files of the gallery and pages need.
 """
 
+import hashlib
 import json
+import os
 import re
 import shlex
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
+
+KEPT = Path("build/docs")
+"""What was made before, each in a file named after what it was made of."""
+
+
+def on_pre_build(**_: object) -> None:
+    """Make what takes time, each file in a process of its own."""
+    import subprocess
+    import sys
+    from concurrent.futures import ThreadPoolExecutor
+
+    def make(file: Path) -> None:
+        subprocess.run([sys.executable, __file__, str(file)], check=True)
+
+    slow = sorted(Path("docs/gallery").glob("*.py"), reverse=True)  # the longest are not the last
+    slow += [p for p in sorted(Path("docs").glob("*.md")) if _slow(p.read_text(encoding="utf-8"))]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(make, slow))
+
+
+def _slow(page: str) -> bool:
+    """Return whether a page runs something."""
+    return "[[executed]]" in page or "[[cardan " in page
+
+
+def _made(file: Path) -> None:
+    """Make and keep what a page of the gallery draws, or what a page runs."""
+    text = file.read_text(encoding="utf-8")
+    if file.suffix == ".py":
+        _kept(text, lambda: _figure(file))
+    else:
+        on_page_markdown(text)
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -22,14 +63,48 @@ def on_page_markdown(markdown: str, **_: object) -> str:
         if marker in markdown:
             markdown = markdown.replace(marker, write())
     if "[[executed]]" in markdown:
-        markdown = executed(markdown)
-    return re.sub(r"^\[\[cardan ([^\]]*)\]\]$", _printed, markdown, flags=re.MULTILINE)
+        page = markdown
+        markdown = _kept(page, lambda: executed(page))
+    return re.sub(
+        r"^\[\[cardan ([^\]]*)\]\]$",
+        lambda found: _kept(found[0], lambda: _printed(found)),
+        markdown,
+        flags=re.MULTILINE,
+    )
 
 
 def on_page_content(html: str, **_: object) -> str:
     """Draw the formulas of a page."""
     return re.sub(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', _drawn, html,
                   flags=re.DOTALL)  # fmt: skip
+
+
+SAMPLE = Path("examples/van.yaml")
+"""The example whose whole reports can be opened on the page about reports."""
+
+
+def on_post_build(config: Any, **_: object) -> None:
+    """Write the sample reports beside the pages."""
+    import cardan
+
+    found = cardan.check(cardan.read(SAMPLE))
+    for code in {"en": "", **_languages()}:
+        for ending in ("html", "pdf", "xlsx"):
+            at = Path(config["site_dir"]) / "reports" / f"{SAMPLE.stem}.{code}.{ending}"
+            at.parent.mkdir(parents=True, exist_ok=True)
+            found.report(at, lang=code)
+
+
+def samples() -> str:
+    """Return links to the sample reports, a row for each language."""
+    rows = ["| | page | document | workbook |", "|---|---|---|---|"]
+    for code, name in {"en": "English", **_languages()}.items():
+        links = [
+            f'<a href="{SAMPLE.stem}.{code}.{ending}">{ending.upper()}</a>'
+            for ending in ("html", "pdf", "xlsx")
+        ]
+        rows.append(f"| {name} | {' | '.join(links)} |")
+    return "\n".join(rows)
 
 
 def nomenclature() -> str:
@@ -94,29 +169,67 @@ def gallery() -> str:
         tree = ast.parse(text)
         headline, _, rest = (ast.get_docstring(tree) or "").partition("\n")
         code = "\n".join(text.splitlines()[tree.body[0].end_lineno :]).strip()
-        pages += [f"## {headline}", rest.strip(), _figure(file), '??? example "The code"']
+        pages += [
+            f"## {headline}",
+            rest.strip(),
+            _kept(text, lambda file=file: _figure(file)),
+            '??? example "The code"',
+        ]
         pages.append(_indented(f"```python\n{code}\n```"))
     return "\n\n".join(pages)
 
 
+def _kept(text: str, make: Callable[[], str]) -> str:
+    """Return what was made of a text by this package, from before where it is there."""
+    made = KEPT / f"{hashlib.sha256((text + _package()).encode()).hexdigest()}.txt"
+    if not made.exists():
+        made.parent.mkdir(parents=True, exist_ok=True)
+        part = made.with_suffix(f".{os.getpid()}")  # another process may make the same
+        part.write_text(make(), encoding="utf-8")
+        part.replace(made)
+    return made.read_text(encoding="utf-8")
+
+
+@cache
+def _package() -> str:
+    """Return a digest of all that a page is made with: package, examples, this file."""
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    for folder in ("src/cardan", "examples", "docs"):
+        for file in sorted(Path(folder).rglob("*")):
+            if file.suffix in (".py", ".yaml", ".csv", ".po", ".json"):
+                digest.update(str(file).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
 def _figure(file: Path) -> str:
-    """Return what a page draws, as an image inside the text."""
+    """Return what a page draws, as an image inside the text, or what it prints.
+
+    A page that solves a bracket and draws nothing takes minutes for a few lines of text: it says
+    how to run it.
+    """
     import base64
     import io
     import runpy
+    from contextlib import redirect_stdout
 
     import matplotlib.pyplot as plt
 
     from cardan.base.errors import NotInstalled
 
+    text = file.read_text(encoding="utf-8")
+    draws = "matplotlib" in text
+    if "study.bracket" in text and not draws:
+        return f"*Solved when it is run: `python docs/gallery/{file.name}`, a minute or two.*"
     plt.switch_backend("agg")
+    printed = io.StringIO()
     plt.show = lambda: None  # type: ignore[assignment]
     try:
-        runpy.run_path(str(file))
+        with redirect_stdout(printed):
+            runpy.run_path(str(file))
     except NotInstalled as needed:
         return f"*Not drawn here: {needed}.*"
-    if not plt.get_fignums():
-        return ""
+    if not draws:
+        return f"```text\n{printed.getvalue().rstrip()}\n```" if printed.getvalue() else ""
     drawn = io.BytesIO()
     plt.gcf().savefig(drawn, format="png", dpi=100, bbox_inches="tight")
     plt.close("all")
@@ -129,15 +242,151 @@ def _indented(text: str) -> str:
 
 
 def keys() -> str:
-    """Return every key of the application file, table by table."""
+    """Return every key of the application file, table by table, with an example of each."""
     from cardan import files
 
     schema = files.schema()
-    tables = schema["$defs"]
+    tables = {name: table for name, table in schema["$defs"].items() if "properties" in table}
     first = schema["$ref"].rpartition("/")[2]
+    examples = _examples(tables, first)
     return "\n\n".join(
-        _table(name, tables[name]) for name in [first, *(t for t in tables if t != first)]
+        _keys_of(name, tables[name], examples.get(name, {}))
+        for name in [first, *(t for t in tables if t != first)]
     )
+
+
+def _keys_of(name: str, schema: dict[str, Any], examples: dict[str, str]) -> str:
+    """Return the keys of a table: those that differ in their unit alone share a row."""
+    rows = [f"### {name}", "", schema.get("description", ""), ""]
+    rows += [
+        "| key | required | range | default | example | what it is |",
+        "|---|---|---|---|---|---|",
+    ]
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for key, entry in schema["properties"].items():
+        said, _, unit = entry.get("description", "").rpartition(", ")
+        measured = bool(unit) and key.endswith(f"_{unit}")
+        base = key.removesuffix(f"_{unit}") if measured else key
+        groups.setdefault(base, []).append(
+            (key, said if measured else entry.get("description", ""))
+        )
+    for base, group in groups.items():
+        (key, said), *others = group
+        said, _, default = said.partition(" (default ")
+        entry = schema["properties"][key]
+        shown = [f"`{key}`", *(f"`{other.removeprefix(base)}`" for other, _ in others)]
+        example = next((f"{k}: {examples[k]}" for k, _ in group if k in examples), "")
+        if not example and "enum" in entry:
+            example = f"{key}: {entry['enum'][-1]}"
+        rows.append(
+            f"| {', '.join(shown)} | {_required(schema, [k for k, _ in group], groups)} "
+            f"| {_cell(_range(entry))} | {default.removesuffix(')')} "
+            f"| {f'`{_cell(example)}`' if example else ''} | {_cell(said)}{_kind(entry)} |"
+        )
+    return "\n".join(rows)
+
+
+def _required(
+    schema: dict[str, Any], mine: list[str], groups: dict[str, list[tuple[str, str]]]
+) -> str:
+    """Return whether a table cannot do without a key, or which other keys may stand for it."""
+    if mine[0] in schema.get("required", []):
+        return "yes"
+    bases = {key: base for base, group in groups.items() for key, _ in group}
+    for one in schema.get("allOf", []):
+        choices = [k for c in one.get("oneOf", []) for k in c.get("required", [])]
+        if mine[0] not in choices or any("not" in c for c in one["oneOf"]):
+            continue
+        others = dict.fromkeys(bases[k] for k in choices if k not in mine)
+        return f"or {', '.join(f'`{o}`' for o in others)}" if others else "yes"
+    return ""
+
+
+def _range(entry: dict[str, Any]) -> str:
+    """Return what may stand at a key, as people write it."""
+    if len(entry.get("enum", [])) > 16:
+        return "a name of the catalogue"
+    if "enum" in entry:
+        return ", ".join(str(v) for v in entry["enum"])
+    if "anyOf" in entry:
+        kinds = dict.fromkeys(_range(e) for e in entry["anyOf"])
+        return " or ".join(k for k in kinds if k)
+    match entry.get("type"):
+        case "boolean":
+            return "true, false"
+        case "array":
+            few, many = entry.get("minItems", 0), entry.get("maxItems", 0)
+            each = _range(entry.get("items", {}))
+            size = f"{many}" if few == many else f"{few} to {many}" if few else f"up to {many}"
+            return f"{size} × ({each})" if each else f"a list of {size}"
+        case "number" | "integer":
+            above, low = entry.get("exclusiveMinimum"), entry.get("minimum")
+            below, high = entry.get("exclusiveMaximum"), entry.get("maximum")
+            lower = f"> {above:g}" if above is not None else "" if low is None else f"≥ {low:g}"
+            upper = f"< {below:g}" if below is not None else "" if high is None else f"≤ {high:g}"
+            if low is not None and high is not None:
+                return f"{low:g} … {high:g}"
+            return ", ".join(filter(None, (lower, upper))) or "number"
+        case "object":
+            return "by name"
+        case None:
+            return "table" if "$ref" in entry else ""
+        case _:
+            return "text"
+
+
+def _examples(tables: dict[str, Any], first: str) -> dict[str, dict[str, str]]:
+    """Return how starters, examples and these pages write each key of each table."""
+    import csv
+    import io
+
+    import yaml
+
+    found: dict[str, dict[str, str]] = {}
+
+    def take(node: Any, names: list[str]) -> None:
+        if isinstance(node, list):
+            for item in node:
+                take(item, names)
+        if not isinstance(node, dict):
+            return
+        fitting = [n for n in names if set(node) <= set(tables[n]["properties"])]
+        if not fitting:  # a table of names: of loads, of lines
+            for item in node.values():
+                take(item, names)
+        for name in fitting[:1]:
+            for key, value in node.items():
+                entry = tables[name]["properties"][key]
+                inside = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
+                take(value, [n for n in inside if n in tables])
+                written = yaml.safe_dump(
+                    value, default_flow_style=True, width=200, allow_unicode=True
+                )
+                text = written.removesuffix("...\n").strip()
+                mine = found.setdefault(name, {})
+                if len(text) <= 40 and "..." not in text and not isinstance(value, dict):
+                    mine.setdefault(key, text)
+
+    sources = ("src/cardan/files/starters", "examples", "docs/gallery", "tests/verify")
+    for folder in sources:
+        for file in sorted(Path(folder).glob("*.yaml")):
+            read = yaml.safe_load(file.read_text(encoding="utf-8"))
+            if isinstance(read, dict) and set(read) <= set(tables[first]["properties"]):
+                take(read, [first])
+    sheets = {"joints": "Joint", "materials": "Material", "plies": "Ply", "details": "Detail"}
+    for stem, name in sheets.items():
+        text = Path(f"src/cardan/files/catalogues/{stem}.csv").read_text(encoding="utf-8")
+        for row in csv.DictReader(io.StringIO(text)):
+            for key, value in row.items():
+                if value and len(value) <= 40 and key in tables[name]["properties"]:
+                    found.setdefault(name, {}).setdefault(key, value)
+    for page in sorted(Path("docs").glob("*.md")):
+        for block in re.findall(
+            r"^```yaml\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        ):
+            with suppress(yaml.YAMLError):  # some show a part of a file, with dots
+                take(yaml.safe_load(block), [first, *tables])
+    return found
 
 
 def contract() -> str:
@@ -267,7 +516,27 @@ def over_speed() -> str:
     return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
 
 
+def seeds() -> str:
+    """Return what the first documents show, and what shows it here."""
+    import yaml
+
+    listed = yaml.safe_load(Path("docs/seeds.yaml").read_text(encoding="utf-8"))
+    pages: list[str] = []
+    for document, entries in listed.items():
+        rows = ["| there | here | how |", "|---|---|---|"]
+        for e in entries:
+            run = e.get("run", "")
+            if run and not run.startswith(("cardan ", "python ")):
+                run = f'python -c "{run}"'.replace("\n", "\\n")
+            how = f"`{run.replace('|', chr(92) + '|')}`" if run else "not reproduced"
+            rows.append(f"| {_cell(e['item'])} | {_cell(e['shows'])} | {how} |")
+        pages.append(f"## {document}\n\n" + "\n".join(rows))
+    return "\n\n".join(pages)
+
+
 WRITERS = {
+    "[[seeds]]": seeds,
+    "[[samples]]": samples,
     "[[bearing over speed]]": over_speed,
     "[[floors]]": floors,
     "[[reports]]": reports,
@@ -295,7 +564,7 @@ def _table(name: str, schema: dict[str, Any]) -> str:
 def _kind(entry: dict[str, Any]) -> str:
     """Return which object an entry holds, if it holds one."""
     found = re.findall(r'"\$ref": "#/\$defs/(\w+)"', json.dumps(entry))
-    names = dict.fromkeys(found)
+    names = dict.fromkeys(n for n in found if not n.endswith("_names"))
     return "".join(f" → [{name}](#{name.lower()})" for name in names)
 
 
@@ -362,3 +631,10 @@ def _drawn(found: re.Match[str]) -> str:
 
     display = "block" if found[2] == "[" else "inline"
     return convert(unescape(found[3]), display=display)
+
+
+if __name__ == "__main__":
+    import sys
+
+    for name in sys.argv[1:]:
+        _made(Path(name))

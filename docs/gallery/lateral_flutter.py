@@ -26,7 +26,7 @@ def rate(speed, torque, follower, difference):
 
 
 LEVELS = [0, 0.02, 0.05, 0.1, 0.2]
-speeds, torques = np.linspace(0.1, 3, 150), np.linspace(0, 0.5, 80)
+speeds, torques = np.linspace(0.1, 3, 75), np.linspace(0, 0.5, 41)
 x, y = np.meshgrid(speeds, torques)
 figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), sharey=True)
 cases = (("follows the shaft", 1, 0), ("stays along the input", 0, 0), ("unequal bearings", 1, 0.2))

@@ -107,7 +107,8 @@ def differing(ours: Path, theirs: Path) -> set[str]:
 
 
 def run(house: Path, *args: str) -> str:
-    environment = {**os.environ, "PYTHONPATH": str(house), "PYTHONIOENCODING": "utf-8"}
+    environment = {**os.environ, "PYTHONPATH": str(house), "PYTHONIOENCODING": "utf-8",
+                   "COLUMNS": "160"}  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-m", "cardan", *args], capture_output=True, text=True, cwd=house,
         env=environment, check=False, encoding="utf-8",
@@ -126,7 +127,7 @@ def test_what_is_added_touches_the_files_the_page_names(house):
 
 
 def test_a_quantity_is_in_every_medium(house):
-    said = run(house, "check", "truck.yaml")
+    said = run(house, "check", "truck.yaml", "--states")
     assert re.search(r"^fail  Distance between joints +\S.* <= +1300 +mm", said, re.MULTILINE)
     assert re.search(r"^Distance between joints, shaft 2 +mm( +[\d.]+){7}$", said, re.MULTILINE)
     document = json.loads(run(house, "check", "truck.yaml", "--json"))

@@ -58,7 +58,7 @@ def written(folder: Path, text: str, name: str = "application.yaml") -> Path:
 
 
 def test_check_says_the_verdict_first_and_every_number_after(small):
-    result = run("check", small)
+    result = run("check", "--states", small)
     first, *_ = result.stdout.splitlines()
     assert re.fullmatch(r"One shaft: PASS \(0 fail, 0 warn, [1-9]\d+ pass\)", first)
     assert "limits: protractor" in result.stdout
@@ -73,7 +73,8 @@ def test_check_names_what_has_no_answer_for_want_of_data(tmp_path):
     result = run("check", written(tmp_path, SMALL.replace("protractor", "heavy-truck")))
     assert result.exit_code == 1
     assert result.stdout.startswith("One shaft: INCOMPLETE")
-    said = result.stdout[result.stdout.index("Without an answer") :].splitlines()
+    open_ends = result.stdout[result.stdout.index("Without an answer") :]
+    said = re.sub(r"\n {3,}", " ", open_ends).splitlines()  # a line that goes on is one
     assert any("elastic limit" in x and "required, and needs a joint size" in x for x in said)
     assert any("Needle bearing life" in x and "needs duty" in x for x in said)
     assert not any("Clearance" in x for x in said)  # nothing is in the way
@@ -172,9 +173,35 @@ def test_all_has_a_row_for_each_check_and_without_it_each_limit_has_one():
 
     assert len(rows("--all")) == len(checks)
     limits = {(c["quantity"], c["source"], c["sense"]) for c in checks}
-    assert len(rows()) == len(limits)
+    bad = {(c["quantity"], c["source"], c["sense"]) for c in checks if c["verdict"] != "pass"}
+    assert len(rows()) == len(bad)
+    said = run("check", file).stdout
+    assert f"{len(limits) - len(bad)} more limits pass" in said
+    assert "Speed and strength" not in said
+    assert "Speed and strength" in run("check", "--states", file).stdout
     grades = [row[:4] for row in rows("--all")]
     assert grades == sorted(grades, key=["fail", "warn", "pass"].index)
+
+
+@pytest.mark.parametrize("wide", [80, 120])
+@pytest.mark.parametrize("options", [(), ("--all",), ("--lang", "it"), ("--states",)])
+def test_a_check_fits_the_terminal_and_cuts_nothing(wide, options, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(wide))
+    shown = run("check", *options, EXAMPLES / "refuse-collector-6x2.yaml").stdout
+    assert max(map(len, shown.splitlines())) <= wide
+    assert "…" not in shown
+    # A number stands in one line with what it counts.
+    assert not re.search(r"(joint|shaft|bearing|giunto|albero|supporto)\n\s*\d", shown)
+
+
+def test_nobody_s_colours_are_forced_on_them(small, monkeypatch):
+    runner = CliRunner()
+    for name, value, coloured in (("NO_COLOR", "1", False), ("FORCE_COLOR", "1", True)):
+        monkeypatch.delenv("NO_COLOR", raising=False)
+        monkeypatch.setenv("TERM", "xterm")
+        monkeypatch.setenv(name, value)
+        shown = runner.invoke(cli, ["check", "-q", str(small)], color=name == "NO_COLOR").output
+        assert ("\x1b" in shown) == coloured
 
 
 def test_json_goes_to_standard_output_and_nothing_else_with_it(small):
@@ -410,8 +437,9 @@ def test_explain_says_of_a_quantity_what_it_is_and_who_says_so(key):
     q = QUANTITIES[key]
     result = run("explain", key)
     assert result.exit_code == 0
+    shown = " ".join(result.stdout.split())  # wherever lines end
     for said in (q.name, q.symbol, q.stated, str(q.source), *q.where, *q.where.values()):
-        assert said in result.stdout
+        assert " ".join(said.split()) in shown
 
 
 @pytest.mark.parametrize("word", ["Torsional acceleration", "aceleração torcional"])
@@ -439,10 +467,11 @@ def test_verify_recomputes_published_cases_and_they_agree():
     assert result.exit_code == 0
     assert "WRONG" not in result.stdout
     cases = json.loads(run("verify", "--json").stdout)
+    shown = " ".join(result.stdout.split())  # wherever lines end
     assert result.stdout.count("\nok    ") == len(cases) >= 30
     for case in cases:
         assert abs(case["computed"] - case["published"]) <= case["within"]
-        assert case["source"] in result.stdout
+        assert case["source"] in shown
 
 
 def test_verify_stands_on_many_sources_and_tells_what_is_derived():

@@ -26,6 +26,6 @@ def test_every_key_of_a_starter_is_explained(kind):
 
 
 def test_starters_are_named():
-    assert kinds() == ("small", "truck")
-    with pytest.raises(ValueError, match="there is no starter lorry; there are: small, truck"):
+    assert kinds() == ("6x4", "bus", "industrial", "small", "truck")
+    with pytest.raises(ValueError, match="there is no starter lorry; there are: 6x4, bus, "):
         starter("lorry")

@@ -471,7 +471,7 @@ def test_the_line_is_that_of_the_application(broken):
 @pytest.mark.parametrize(
     ("code", "said"),
     [
-        ("pt", ("REPROVADO (1 reprovado", "Vida à fadiga", "uma gravação em que todos",
+        ("pt", ("REPROVADO (1 reprovado", "Vida em fadiga", "uma medição em que todos",
                 "pedido na linha de comando")),
         ("it", ("NON CONFORME (1 non conforme", "una registrazione in cui tutti i suoi canali",
                 "richiesto sulla riga di comando")),

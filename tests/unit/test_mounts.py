@@ -179,3 +179,14 @@ def test_things_are_moved_in_the_states_that_others_are_measured_by(truck):
     lasting = np.flatnonzero(truck.lasting)
     torque = np.abs(truck.demand.torque)
     assert torque[[s for s in within if s in lasting]].max() == torque[lasting].max()
+
+
+def test_a_bearing_is_not_tried_beyond_its_shaft():
+    """A shaft of 851 mm has no 25 mm behind 830: what would help is told without it."""
+    far = TRUCK.read_text().replace("from_rear_joint_mm: 130", "from_rear_joint_mm: 830")
+    assert far != TRUCK.read_text()
+    found = assess(files.loads(far, folder=TRUCK.parent))
+    (place,) = [a for a in fitted(found.responses[0]) if a.what == "bearing_place"]
+    assert place.high == 0
+    assert place.low == -50 * mm
+    assert sensitivities(found)

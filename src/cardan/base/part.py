@@ -11,7 +11,7 @@ PartKind: TypeAlias = Literal[
     "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",
     "hot spot", "gauge", "engine", "flywheel", "clutch", "clutch disc", "gearbox",
     "gearbox input", "pinion", "axle housing", "half shafts", "wheels", "tyres", "wind-up",
-    "vehicle",
+    "vehicle", "member", "front axle", "driven rear axle", "rear axle", "auxiliary axle",
     "sheet", "cut edge", "weld toe", "bolt border",
 ]  # fmt: skip
 

@@ -13,6 +13,7 @@ from stat import S_ISREG
 from typing import Any, TypeAlias
 
 from cardan.base.errors import BadFile, Problem
+from cardan.border import byhand
 
 LONGEST = 2_000_000
 """Characters in a file: a truck needs some thousands, a linkage table from CAD many more."""
@@ -155,6 +156,8 @@ def number(scalar: Scalar) -> tuple[float | None, str]:
         return None, ""
     if scalar.quoted and _NUMBER.fullmatch(text):
         return None, f"a text in quotes is no number: write {text}"
+    if by_hand := byhand.hint(text):
+        return None, by_hand
     for trap, hint in _TRAPS:
         if found := re.fullmatch(trap, text, re.ASCII):
             return None, found.expand(hint)

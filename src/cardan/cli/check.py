@@ -18,6 +18,7 @@ from cardan.cli.common import (
     progress,
     publish,
     put_lines,
+    screen,
     write_json,
     written,
 )
@@ -42,7 +43,10 @@ from cardan.cli.ending import kindly, leave
 @LIMITS
 @OUTSIDE
 @LANG
-@click.option("--all", "every", is_flag=True, help="A row for each check, not for each limit.")
+@click.option("--all", "every", is_flag=True, help="Every check and the numbers of every state.")
+@click.option("--states", is_flag=True, help="The numbers of every state.")
+@click.option("--phasings", is_flag=True, help="The line with its yokes in every way.")
+@click.option("--state", metavar="NAME", help="The state that reports draw; by default the worst.")
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -59,6 +63,9 @@ def check(
     allow_outside: bool,
     lang: str,
     every: bool,
+    states: bool,
+    phasings: bool,
+    state: str | None,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -90,7 +97,7 @@ def check(
         documents = [contract.approval(a) for a in found]
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
-        told = _story(files, found, say=say, quiet=quiet)
+        told = _story(files, found, say=say, quiet=quiet, state=state)
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -107,11 +114,21 @@ def check(
             put_lines(terminal.summary(one, say))
     elif json_out != "-":
         if len(found) > 1:
-            put_lines(terminal.comparison(_variants(files, found), say))
+            put_lines(terminal.comparison(_variants(files, found), say, width=screen()))
         else:
             helps = sensitivities(found[0])
             sizes = _sizes(found[0], helps)
-            put_lines(terminal.approval(found[0], helps=helps, sizes=sizes, every=every, say=say))
+            shown = terminal.approval(
+                found[0],
+                helps=helps,
+                sizes=sizes,
+                every=every,
+                states=states,
+                phasings=phasings,
+                say=say,
+                width=screen(),
+            )
+            put_lines(shown)
     leave(*(a.verdict for a in found))
 
 
@@ -134,7 +151,9 @@ def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
     return [Variant(name=p.stem, approval=a) for p, a in zip(paths, found, strict=True)]
 
 
-def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) -> Any:
+def _story(
+    paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool, state: str | None
+) -> Any:
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
 
@@ -142,7 +161,7 @@ def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool) 
     if len(found) > 1:
         return story.comparison(_variants(paths, found), say=say, issue=issue)
     with progress(say("looking for corrections"), quiet=quiet) as tell:
-        return story.whole(found[0], say=say, issue=issue, tell=tell)
+        return story.whole(found[0], say=say, issue=issue, state=state, tell=tell)
 
 
 def _issue(paths: tuple[Path, ...]) -> Any:

@@ -1,6 +1,8 @@
 """What commands share: their options, how files are read, how far a run is, what is printed."""
 
 import json
+import os
+import shutil
 import sys
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
@@ -13,6 +15,7 @@ import click
 from cardan.base.errors import DesignError
 
 _TEXTS = Path(__file__).parents[1] / "report" / "text"
+_STARTERS = Path(__file__).parents[1] / "files" / "starters"
 
 
 class Languages(click.Choice[str]):
@@ -20,6 +23,13 @@ class Languages(click.Choice[str]):
 
     def __init__(self) -> None:
         super().__init__(("en", *sorted(p.stem for p in _TEXTS.glob("*.po"))))
+
+
+class Kinds(click.Choice[str]):
+    """The files there are to start from."""
+
+    def __init__(self) -> None:
+        super().__init__(tuple(sorted(p.stem for p in _STARTERS.glob("*.yaml"))))
 
 
 OUT = click.Path(path_type=Path)
@@ -77,8 +87,21 @@ def read(file: Path, limits: str | None, *, allow_outside: bool, outputs: Output
         name, found = files.limits(limits)
         application = replace(application, profile=name, limits=found)
     for warning in application.warnings:
-        note(f"warning: {warning.located(str(file))}")
+        note(_doubt(warning, str(file)))
     return application
+
+
+def _doubt(warning: Any, file: str) -> str:
+    """Return what looks odd in a file, in the language that the command is asked for."""
+    context = click.get_current_context(silent=True)
+    lang = context.params.get("lang", "en") if context else "en"
+    if lang == "en":
+        return f"warning: {warning.located(file)}"
+    from cardan.report.language import Language
+    from cardan.report.wording import located
+
+    say = Language(lang)
+    return f"{say('warning')}: {located(warning, file, say)}"
 
 
 def approved(
@@ -158,9 +181,22 @@ def progress(doing: str, *, quiet: bool = False) -> Generator[Progress, None, No
 # --------------------------------------------------------------------------- printing
 
 
+def screen() -> int:
+    """Return how many columns what is printed may take: the terminal's, or what COLUMNS says."""
+    from cardan.report.screen import WIDTH
+
+    wide = shutil.get_terminal_size((WIDTH, 24)).columns
+    return max(wide, 60)
+
+
 def put(text: str, *, nl: bool = True) -> None:
-    """Print an answer on standard output."""
-    click.echo(text, nl=nl, file=sys.stdout)
+    """Print an answer on standard output, in colours where a terminal shows them.
+
+    NO_COLOR and a dumb terminal take them away, FORCE_COLOR brings them into a pipe.
+    """
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    coloured = False if plain else True if os.environ.get("FORCE_COLOR") else None
+    click.echo(text, nl=nl, file=sys.stdout, color=coloured)
 
 
 def put_lines(lines: Iterable[str]) -> None:

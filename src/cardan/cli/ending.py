@@ -32,10 +32,14 @@ class Refused(click.ClickException):
 
     exit_code = BAD_INPUT
 
+    def __init__(self, message: str, word: str = "error") -> None:
+        super().__init__(message)
+        self.word = word
+
     def show(self, file: Any = None) -> None:
         """Print the reasons."""
         for line in self.message.splitlines() or [""]:
-            click.echo(f"error: {line}", file=file or sys.stderr)
+            click.echo(f"{self.word}: {line}", file=file or sys.stderr)
 
 
 def kindly(command: Command) -> Command:
@@ -48,9 +52,20 @@ def kindly(command: Command) -> Command:
         except BrokenPipeError:
             raise
         except (CardanError, OSError) as error:
-            raise Refused(str(error)) from error
+            raise _told(error, kwargs.get("lang", "en")) from error
 
     return guarded  # type: ignore[return-value]
+
+
+def _told(error: Exception, lang: str) -> Refused:
+    """Return an error in the words of a language."""
+    if lang == "en":
+        return Refused(str(error))
+    from cardan.report.language import Language
+    from cardan.report.wording import refused
+
+    say = Language(lang)
+    return Refused(refused(error, say), word=say("error"))
 
 
 def refuse(message: str) -> NoReturn:

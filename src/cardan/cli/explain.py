@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from cardan.cli.common import LANG, put_lines
+from cardan.cli.common import LANG, put_lines, screen
 from cardan.cli.ending import kindly, refuse
 
 
@@ -20,6 +20,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
     from cardan.quantity.quantities import QUANTITIES
     from cardan.report import terminal
     from cardan.report.language import Language
+    from cardan.report.screen import folded
 
     if quantity is None:
         put_lines(f"{key:<28} {Language(lang).name(key)}" for key in QUANTITIES)
@@ -34,7 +35,7 @@ def explain(quantity: str | None, *, lang: str) -> None:
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         refuse(f"there is no quantity {quantity}{hint} (`cardan explain` lists them all)")
     for q in meant:
-        put_lines(terminal.explanation(q, Language(lang)))
+        put_lines(folded(terminal.explanation(q, Language(lang)), screen()))
 
 
 def _names(quantity: Any) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from cardan.cli.common import (
     progress,
     put_lines,
     read,
+    screen,
     write_json,
 )
 from cardan.cli.ending import kindly, leave
@@ -55,6 +56,7 @@ def fix(
     """
     from cardan.report import terminal
     from cardan.report.language import Language
+    from cardan.report.screen import folded
     from cardan.study.approval import approve
     from cardan.study.fix import fix as search
 
@@ -68,5 +70,5 @@ def fix(
 
         write_json(contract.proposals(found), json_out)
     if json_out != "-":
-        put_lines(terminal.proposals(found, say))
+        put_lines(folded(terminal.proposals(found, say), screen()))
     leave(found[0].verdict if found else approve(application).verdict)

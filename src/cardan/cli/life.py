@@ -124,7 +124,12 @@ from cardan.cli.ending import kindly, leave
 )
 @click.option("--joint-orders", default="2,4", show_default=True)
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")
-@click.option("--engine-orders", default="3,6", show_default=True)
+@click.option(
+    "--engine-orders",
+    default="",
+    help="Half its cylinders, and twice that; 3,6 assumed, and then in direct gear order 2 may "
+    "always be the engine's.",
+)
 @click.option("--axle-ratio", type=float, help="Shaft turns per wheel turn: wheel orders.")
 @click.option("--tyre-radius-m", type=float, help="With the axle ratio: kilometres.")
 @click.option("--torque", metavar="CHANNEL[:UNIT]", help="Shaft torque.")

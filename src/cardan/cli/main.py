@@ -18,8 +18,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 gc.set_threshold(50_000, 20, 50)
 
 NAMES = (
-    "bracket", "catalogue", "check", "explain", "fix", "life", "new", "schema", "serve", "size",
-    "stability", "verify",
+    "bracket", "catalogue", "check", "explain", "fix", "joint", "life", "new", "schema", "serve",
+    "size", "stability", "verify",
 )  # fmt: skip
 """The commands: each is the function of its name in the module of its name."""
 

@@ -2,7 +2,7 @@
 
 import click
 
-from cardan.cli.common import JSON, claim, put_lines, write_json
+from cardan.cli.common import JSON, claim, put_lines, screen, write_json
 from cardan.cli.ending import kindly
 
 
@@ -24,5 +24,5 @@ def verify(*, json_out: str | None) -> None:
 
         write_json(contract.published(cases), json_out)
     if json_out != "-":
-        put_lines(terminal.published(cases))
+        put_lines(terminal.published(cases, width=screen()))
     raise SystemExit(0 if all(c.agrees for c in cases) else 1)

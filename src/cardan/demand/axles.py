@@ -239,6 +239,30 @@ def line_loads(
     )
 
 
+def axle_by_axle(
+    vehicle: Vehicle, load: LoadState, *, friction: ArrayLike = 0.0, times: float = 1.0
+) -> tuple[FloatArray, FloatArray]:
+    """Return the load of every axle at rest, and as all driven wheels are about to slip.
+
+    At rest on level ground, at slip on the vehicle's grade; `times` as heavy.
+
+    Returns
+    -------
+    (..., axles) N twice
+        In the order of `each_axle`.
+    """
+    level, slope = (axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade))
+    pulled = at_slip(
+        slope,
+        friction=friction,
+        cg_height=0.0 if load.cg_height is None else load.cg_height,
+        wheelbase=vehicle.wheelbase,
+        front_share=float(vehicle.driven_front > 0),
+        rear_share=vehicle.rear_share,
+    )
+    return each_axle(level, vehicle), each_axle(pulled, vehicle)
+
+
 def driven_axles(vehicle: Vehicle, *, drives: Drives) -> int:
     """Return the number of driven axles in a group; each has two driven points."""
     rear, front = vehicle.driven_rear, vehicle.driven_front

@@ -1,10 +1,11 @@
 """How a line follows what carries it: axle and centre bearings move, the chain stays connected."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.errors import DesignError
 from cardan.model.layout import Layout, hung, joined, unit
 from cardan.model.parts import Line
 
@@ -21,11 +22,23 @@ class Ride:
         About y: the nose of a pinion that faces the gearbox rises.
     arm : (..., 3) m
         From the wheel centre to the joint the axle carries, before it moves.
+    lead : (...) m
+        What the axle ahead, where joint 1 leaves one, has risen more than this.
     """
 
     shift: ArrayLike = 0.0
     pitch: ArrayLike = 0.0
     arm: ArrayLike = (0.0, 0.0, 0.0)
+    lead: ArrayLike = 0.0
+
+    def ahead(self, arm: FloatArray) -> "Ride":
+        """Return the ride of the axle ahead, with the joint it carries (..., 3) m from its wheels.
+
+        It rides like this one, but for the lead of a tandem's articulation.
+        """
+        lead = np.asarray(self.lead, dtype=float)
+        up = np.stack([0 * lead, 0 * lead, lead], axis=-1)
+        return replace(self, shift=np.asarray(self.shift, dtype=float) + up, arm=arm, lead=0.0)
 
     def carried(self, point: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where a joint centre and a member's direction (..., 3) have gone."""
@@ -39,6 +52,21 @@ def _pitched(vector: FloatArray, pitch: ArrayLike) -> FloatArray:
     sin, cos = np.sin(pitch), np.cos(pitch)
     x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
     return np.stack(np.broadcast_arrays(x * cos + z * sin, y, z * cos - x * sin), axis=-1)
+
+
+def _turned(
+    layout: Layout, bearing_shift: ArrayLike, last_shift: ArrayLike, pitch: ArrayLike
+) -> Layout:
+    """Return a layout whose lengths nobody gives: only its pinion can turn where it is."""
+    if np.any(np.asarray(bearing_shift) != 0) or np.any(np.asarray(last_shift) != 0):
+        msg = "what moves a bearing or the axle needs length_mm of every shaft"
+        raise DesignError(msg)
+    d = layout.directions
+    ride = Ride(shift=np.zeros(3), pitch=pitch, arm=np.zeros(3))
+    _, pinion = ride.carried(np.zeros(3), d[..., -1, :])
+    turned = joined(d[..., 0, :], d[..., 1:-1, :], pinion)
+    points = np.broadcast_to(layout.points, (*turned.shape[:-2], *layout.points.shape[-2:]))
+    return Layout(points=points, directions=turned)
 
 
 def moved(
@@ -86,6 +114,8 @@ def moved(
     Derived.
     """
     points, d = layout.points, layout.directions
+    if not line.measured:
+        return _turned(layout, bearing_shift, last_shift, pinion_pitch)
     steps = np.diff(points, axis=-2)[..., :-1, :]
     lengths = np.linalg.norm(steps, axis=-1)
     behind = stacked(s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing)

@@ -16,7 +16,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError, about
-from cardan.demand.axles import LineLoads, driven_axles, line_loads
+from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
 from cardan.demand.suspension import (
@@ -45,6 +45,7 @@ __all__ = [
     "Standing",
     "demand",
     "demand_under",
+    "each_axle_load",
     "moved",
     "resolve",
     "said_speed",
@@ -317,6 +318,36 @@ def _first(*values: ArrayLike | None) -> ArrayLike | None:
 # --------------------------------------------------------------------------- loads
 
 
+def each_axle_load(line: ResolvedLine) -> tuple[FloatArray, FloatArray]:
+    """Return the load of every axle of the vehicle in each state, at rest and at slip.
+
+    Returns
+    -------
+    (..., S, axles) N twice
+        In the order of `cardan.demand.axles.each_axle`; nan where a state's load is not given,
+        no axles at all without a vehicle.
+    """
+    vehicle = line.vehicle
+    if vehicle is None:
+        none = np.zeros((len(line.states), 0))
+        return none, none
+    friction = line.tyre.friction if line.tyre else 0.0
+    unknown = np.full((1, vehicle.axle_count), np.nan)
+    found = [
+        (unknown, unknown)
+        if loading.load is None
+        else axle_by_axle(vehicle, loading.load, friction=friction, times=loading.times)
+        for loading in line.loadings
+    ]
+    return _side_by_side(rest for rest, _ in found), _side_by_side(slip for _, slip in found)
+
+
+def _side_by_side(each: Iterable[FloatArray]) -> FloatArray:
+    """Return loads of the states one by one, (..., 1, A) or (A,), as (..., S, A)."""
+    rows = [row if row.ndim > 1 else row[None] for row in each]
+    return np.concatenate(np.broadcast_arrays(*rows), axis=-2)
+
+
 def _each_loading(line: ResolvedLine) -> dict[tuple[str, float], LineLoads]:
     """Return the loads that a line feels under each loading of the vehicle, by its key."""
     every = {loading.key: loading for loading in (*line.loadings, line.reference_loading)}
@@ -466,7 +497,13 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     for k, (s, loading) in enumerate(zip(line.states, line.loadings, strict=True)):
         with about(f"states[{k + 1}]"):
             risen.append(rise(s, loading, free=bool(line.free[k])))
-    return _by_state(risen)
+    # A tandem's forward axle is behind its main line, the other behind that from axle to axle.
+    sign = 1.0 if line.installed.output_joint is None else -1.0
+    rocked = (
+        sign * s.articulation if f and line.installed.drives == "rear" else 0.0
+        for s, f in zip(line.states, line.free, strict=True)
+    )
+    return _by_state(risen) + _by_state(rocked)
 
 
 def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
@@ -486,6 +523,9 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             shift=stacked((line.ahead * dx, 0.0, travel)),
             pitch=line.ahead * np.where(yields, pitch, turned),
             arm=stacked((x, 0.0, z)),
+            lead=_by_state(
+                2 * s.articulation if f else 0.0 for s, f in zip(states, free, strict=True)
+            ),
         ),
         yields=yields,
         slip_back=slip_back,
@@ -598,5 +638,5 @@ def _ridden(
         last_shift=ride.shift,
         pinion_pitch=np.asarray(ride.pitch) + np.asarray(shim),
         pinion_arm=ride.arm,
-        first=None if first is None else replace(ride, arm=stacked((first[0], 0.0, first[1]))),
+        first=None if first is None else ride.ahead(stacked((first[0], 0.0, first[1]))),
     )

@@ -47,12 +47,16 @@ class Suspect:
     tone: Tone
 
 
+FIRING = (3.0, 6.0)
+"""Orders of an engine of which nothing is said: six cylinders."""
+
+
 def suspects(
     shaft: Rotation,
     *,
     joint_orders: Sequence[float] = (2.0, 4.0),
     engine: Rotation | None = None,
-    engine_orders: Sequence[float] = (3.0, 6.0),
+    engine_orders: Sequence[float] = FIRING,
     wheel: Rotation | None = None,
     wheel_orders: Sequence[float] = (1.0, 2.0),
 ) -> tuple[Suspect, ...]:

@@ -569,7 +569,8 @@ IDENTIFIED = 300.0
 def causes(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
     angle: Angle | None = None, torque: tuple[str, float] | None = None,
-    predicted: dict[str, float] | None = None, progress: Progress | None = None,
+    predicted: dict[str, float] | None = None, orders_said: bool = True,
+    progress: Progress | None = None,
 ) -> Causes:  # fmt: skip
     """Share the damage at every gauge among its causes.
 
@@ -588,11 +589,15 @@ def causes(
         Channel of the shaft torque, and N m in its unit.
     predicted : Pa per N m
         Order-2 stress expected at a gauge per shaft torque, by gauge name.
+    orders_said
+        Whether the engine's orders are its own; if they are assumed, it may have four cylinders.
     progress
         Told how far it is.
     """
     shaft = how.suspects[0].tone.rotation
     joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
+    if not orders_said:
+        joints.engine_orders += (2.0,)
     stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
     times: list[FloatArray] = []
     amplitudes: list[FloatArray] = []
@@ -635,7 +640,7 @@ def causes(
         doubts += [said(OF_GAUGE, gauge=gauge.name, doubt=doubt) for doubt in one.doubts]
     if joints.engine is None:
         doubts.append(said(NO_ENGINE))
-    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and 2.0 not in joints.engine_orders:
+    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and not orders_said:
         doubts.append(said(DIRECT, share=f"{share:.0%}"))
     if torque is None:
         doubts.append(said(NO_TORQUE))

@@ -13,7 +13,7 @@ the share of damage removed, 1 - D(without j)/D, with an interval.
 Source: derived from first principles; Ljung, System Identification (1999), ch. 4 and 9.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -659,8 +659,10 @@ def identified(
             if others and others[0].energy > first.energy:
                 theirs = _punctual(others[0], most=angle.lag)
                 other = _line(scene(theirs, asked), y, 2, most=2)
+                # What turns once a turn with the speed's square is unbalance.
+                by_torque, by_speed = (_solve(other.columns[k::2], y)[1] for k in (0, 1))
                 share = removed(other.wave.real) + 0.05
-                if other.strength >= FOUND and share > high:
+                if other.strength >= FOUND and by_torque > by_speed and share > high:
                     high = share
                     doubts.append(doubt)
         return high
@@ -750,8 +752,7 @@ def identified(
         low = min(low, 0.5 * middle)
         doubts.append(UNTRUSTED)
     if engine is not None:
-        # In direct gear an engine turns with the shaft, and four cylinders shake at order 2.
-        apart = _apart(best, engine, {*engine_orders, 2.0}, time)
+        apart = _apart(best, engine, engine_orders, time)
         if apart is not None:
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
@@ -769,7 +770,7 @@ def identified(
 
 
 def _apart(
-    scene: _Scene, engine: Rotation, orders: Iterable[float], time: FloatArray
+    scene: _Scene, engine: Rotation, orders: Sequence[float], time: FloatArray
 ) -> FloatArray | None:
     """Return where no engine order runs with order 2 (n,), 0 to 1; None where none hardly does."""
     turning = scene.speed > SLOWEST / 2

@@ -275,6 +275,9 @@ class StateTable(StateGeometryTable):
     load: str | None = key("the vehicle's load state that counts", default=None)
     travel: Travel | None = key("rise of the axle from the reference state", default=None)
     pitch: Pitch | None = key("turn of the axle, pinion nose up positive", default=None)
+    articulation: Travel | None = key(
+        "of a tandem: its forward axle up and the other down by this", default=None
+    )
     torque: Torque | None = key("at the gearbox output", default=None)
     speed: Speed | None = key("of the gearbox output", default=None)
     drivelines: Annotated[
@@ -292,6 +295,9 @@ class StateTable(StateGeometryTable):
         if self.load is not None and self.load not in loads:
             hint = nearest(self.load, loads)
             self.at("load").refuse("the vehicle has no such load state", hint, got=self.load)
+        if self.articulation is not None and not any(i.output_joint for i in lines):
+            hint = "give the line between the axles an output_joint"
+            self.at("articulation").refuse("no line runs from axle to axle", hint)
         load = self.load
         if load is None and kind is None and self.name in loads:
             load = self.name
@@ -301,6 +307,7 @@ class StateTable(StateGeometryTable):
             load=load,
             travel=self.travel,
             pitch=self.pitch,
+            articulation=self.articulation or 0.0,
             torque=self.torque,
             speed=self.speed,
             layouts=layouts or None,

@@ -237,7 +237,7 @@ class CampaignTable(Table):
     pulses: Annotated[int, Whole(10_000)] = key("of it, a turn", default=1)
     engine: str | None = key("CHANNEL[:UNIT] of the engine's speed", default=None)
     engine_orders: Annotated[tuple[float, ...], ListOf(Number(above=0, most=100))] = key(
-        "orders it excites: half its cylinders, and twice that", default=(3.0, 6.0)
+        "orders it excites: half its cylinders, and twice that; 3 and 6 assumed", default=()
     )
     torque: str | None = key("CHANNEL[:UNIT] of the shaft's torque", default=None)
     axle_ratio: Annotated[float, Number(above=0, most=100)] | None = key(

@@ -251,6 +251,7 @@ _OF_KINDS = {
     "bearing_Lc": ("cross", "double cardan"),
     "cross_width": ("cross", "double cardan"),
     "cup_diameter": ("cross", "double cardan"),
+    "cup_length": ("cross", "double cardan"),
     "needle_circle": ("cross", "double cardan"),
 }
 """Which kinds of joint a key belongs to, of those that not all have."""
@@ -296,6 +297,7 @@ class JointTable(Table):
     speed_max: PositiveSpeed | None = key("largest speed", default=None)
     cross_width: Size | None = key("width over the cross's bearings", default=None)
     cup_diameter: Size | None = key("outside diameter of a bearing cup", default=None)
+    cup_length: Size | None = key("of a bearing cup, in its yoke", default=None)
     needle_circle: Size | None = key("pitch circle diameter of the needles", default=None)
     swing_diameter: Size | None = key("of the circle the yokes turn in", default=None)
     tube_outer: Size | None = key("outside diameter of the tube it is made for", default=None)
@@ -334,6 +336,7 @@ class JointTable(Table):
             speed_max=self.speed_max,
             cross_width=self.cross_width,
             cup_diameter=self.cup_diameter,
+            cup_length=self.cup_length,
             needle_circle=self.needle_circle,
             mass=self.mass,
             source=_source(self.source, self.how_read),

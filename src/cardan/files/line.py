@@ -1,7 +1,8 @@
 """A line of a file: shafts, joints, axle, and what a correction may move."""
 
 from collections.abc import Iterator
-from math import isclose, pi
+from dataclasses import replace
+from math import isclose, nan, pi
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -360,6 +361,10 @@ class LineTable(GeometryTable):
     def _shaft(self, k: int, between: float) -> Shaft:
         """Return shaft k from 0; where nobody gives its length the points do, m."""
         table = self.shafts[k]
+        if self._bare:
+            shaft = table.shaft(nan)
+            hangs = k < len(self.shafts) - 1 and shaft.centre_bearing is None
+            return replace(shaft, centre_bearing=CentreBearing()) if hangs else shaft
         if table.length is not None:
             return table.shaft(table.length)
         try:
@@ -368,19 +373,27 @@ class LineTable(GeometryTable):
             message = f"between joints {k + 1} and {k + 2}: {error}"
             self.at("points", k + 2).refuse(message, f"see shaft {k + 1}")
 
+    @property
+    def _bare(self) -> bool:
+        """Whether nobody gives a length: slopes alone tell how the line turns."""
+        return self.points is None and all(s.length is None for s in self.shafts)
+
     def _laid_out(self) -> Layout:
-        lengths = [s.length for s in self.shafts]
+        lengths = [nan if self._bare else s.length for s in self.shafts]
         if self.points is None and any(length is None for length in lengths):
             raise Spoilt  # noted elsewhere
         return self.layout(lengths)
 
     def _complete(self) -> None:
-        """Refuse shafts without a length, hanging on nothing, or a last one that hangs."""
+        """Refuse shafts without a length, hanging on nothing, or a last one that hangs.
+
+        Where none has a length, a protractor went under the vehicle and nothing else is told.
+        """
         *hung, last = self.shafts
-        for shaft in self.shafts:
+        for shaft in self.shafts if not self._bare else ():
             if shaft.length is None and self.points is None:
                 shaft.at().note("length_mm is missing: joint centre to joint centre")
-        for k, shaft in enumerate(hung, 1):
+        for k, shaft in enumerate(hung if not self._bare else (), 1):
             if shaft.centre_bearing is None:
                 hint = "give centre_bearing: {from_rear_joint_mm: ...}"
                 message = f"shaft {k} of {len(self.shafts)} needs a centre bearing"
@@ -388,7 +401,7 @@ class LineTable(GeometryTable):
         if last.centre_bearing is not None:
             hint = "it runs between two joints; add the shaft behind it, or remove this"
             last.at("centre_bearing").note("the last shaft hangs on no bearing", hint)
-        if last.centre_bearing or not all(s.centre_bearing for s in hung):
+        if last.centre_bearing or not (self._bare or all(s.centre_bearing for s in hung)):
             raise Spoilt
 
     def _sizes(self) -> tuple[JointSize | None, ...]:

@@ -11,7 +11,7 @@ def kinds() -> tuple[str, ...]:
 
 
 def starter(kind: str = "small") -> str:
-    """Return a commented application file to start from: `small` or `truck`.
+    """Return a commented application file to start from, one of `kinds`.
 
     Raises
     ------

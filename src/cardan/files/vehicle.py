@@ -431,6 +431,9 @@ class SuspensionTable(Table):
     reference: SuspensionState = key("state in which the geometry is given", default="gvw")
     full_rebound_deflection: Deflection | None = key("where a check strap stops it", default=None)
     jounce_deflection: Deflection | None = key("where a bump stop stops it", default=None)
+    axle_to_frame: Length | None = key(
+        "from the axle's centre up to the frame, in the reference state", default=None
+    )
 
     def build(self) -> Suspension:
         """Return the suspension in SI."""
@@ -445,6 +448,7 @@ class SuspensionTable(Table):
             reference=self.reference,
             full_rebound_deflection=self.full_rebound_deflection,
             jounce_deflection=self.jounce_deflection,
+            axle_to_frame=self.axle_to_frame,
         )
 
 

@@ -139,7 +139,8 @@ def loads(
             Cycle.of(Cycle(w).values(turn.samples) * power[..., : w.shape[-3], :, None])
             for w in (torques, moments)
         )
-    joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
+    with np.errstate() if line.measured else np.errstate(invalid="ignore"):
+        joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
     return Loads(
         joint_forces=Cycle(joints),
         joint_moments=moments,

@@ -57,6 +57,8 @@ class State:
     """Name of the load state whose axle loads count; by default that of `kind`."""
     travel: Metre | None = None
     pitch: Radian | None = None
+    articulation: Metre = 0.0
+    """Of a tandem: what its forward axle rises over the mean of both, and the other falls."""
     torque: NewtonMetre | None = None
     speed: RadianPerSecond | None = None
     layouts: dict[str, Layout] | None = None

@@ -76,6 +76,8 @@ class Movable:
     reach: tuple[float, float]
     step: float
     """How far it is moved to see what that does."""
+    room: Callable[[Line], tuple[float, float]] = lambda _: (-np.inf, np.inf)
+    """How far a line lets it go."""
     resolution: float = 0.0
     """Steps a workshop can set; 0: any."""
     choice: bool = False
@@ -138,6 +140,14 @@ def _set_ahead(line: Line) -> int:
     return int(bool(places) and all(np.min(place) > 0 for place in places))
 
 
+def _along_its_shaft(line: Line) -> tuple[float, float]:
+    """Not past its joint, nor into the first tenth of its shaft."""
+    hung = [(s.length, s.centre_bearing.from_rear_joint) for s in line.shafts if s.centre_bearing]
+    back = min(float(np.min(place)) for _, place in hung)
+    forth = min(float(np.min(0.9 * np.asarray(length) - place)) for length, place in hung)
+    return -back, max(forth, 0.0)
+
+
 _DECLARED = (
     Movable(
         key="bearing_height", says="centre bearings, up positive",
@@ -182,7 +192,8 @@ _DECLARED = (
     Movable(
         key="bearing_place", says="all centre bearings, away from their rear joints positive",
         of="line", measure="length", count=_set_ahead,
-        move=_bring_ahead, reach=(-50 * mm, 50 * mm), step=25 * mm, resolution=5 * mm, fitted=True,
+        move=_bring_ahead, reach=(-50 * mm, 50 * mm), room=_along_its_shaft, step=25 * mm,
+        resolution=5 * mm, fitted=True,
         forth="all bearings {amount} mm farther from their rear joints",
         back="all bearings {amount} mm nearer their rear joints",
     ),

@@ -1,7 +1,7 @@
 """The parts of a line: tube, joint, centre bearing, spline, shaft. All SI."""
 
 from dataclasses import dataclass
-from math import pi
+from math import isnan, pi
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cardan.base.errors import DesignError, failing, positive
@@ -162,10 +162,18 @@ class JointSize:
     speed_max: float | None = None
     cross_width: Metre | None = None
     cup_diameter: Metre | None = None
+    cup_length: Metre | None = None
     needle_circle: Metre | None = None
     mass: Kilogram | None = None
     source: Source = ASSUMED
     note: str = ""
+
+    @property
+    def across(self) -> Metre | None:
+        """Between the middles of opposite cups, which carry the torque; None if not known."""
+        if self.cross_width is None or self.cup_length is None:
+            return None
+        return self.cross_width - self.cup_length
 
     def source_of(self, rating: str) -> Source:
         """Return the source of one of its values, by the name that it has here."""
@@ -231,7 +239,8 @@ class Shaft:
 
     `phase` is the yoke phase: 0 where the pin axes of its two yokes are parallel
     (aligned), pi/2 crossed. `yoke_mass` is the mass at its front and rear end beyond the
-    tube. `polar_inertia` replaces what tube and yokes add up to.
+    tube. `polar_inertia` replaces what tube and yokes add up to. A length of nan is not known:
+    how a line turns does not depend on it, and what does is nan.
     """
 
     length: Metre
@@ -251,9 +260,11 @@ class Shaft:
     """ISO 21940-11 grade G, mm/s as the standard prints it."""
 
     def __post_init__(self) -> None:
-        positive("a shaft", length=self.length, polar_inertia=self.polar_inertia_given)
+        unknown = isinstance(self.length, float) and isnan(self.length)
+        length = None if unknown else self.length
+        positive("a shaft", length=length, polar_inertia=self.polar_inertia_given)
         bearing = self.centre_bearing
-        if bearing is None:
+        if bearing is None or unknown:
             return
         place = bearing.from_rear_joint
         if wrong := failing(place < self.length, self.length, place):
@@ -316,6 +327,11 @@ class Line:
     def joint_count(self) -> int:
         """Number of joints: one more than shafts."""
         return len(self.shafts) + 1
+
+    @property
+    def measured(self) -> bool:
+        """Whether the lengths of its shafts are known, and not slopes alone."""
+        return not any(isinstance(s.length, float) and isnan(s.length) for s in self.shafts)
 
     @property
     def kinds(self) -> tuple[JointKind, ...]:

@@ -318,6 +318,8 @@ class Suspension:
     reference: SuspensionState = "gvw"
     full_rebound_deflection: Metre | None = None
     jounce_deflection: Metre | None = None
+    axle_to_frame: Metre | None = None
+    """From the centre of the axle up to the frame, in the reference state."""
 
     def __post_init__(self) -> None:
         positive(

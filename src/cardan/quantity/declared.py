@@ -29,11 +29,11 @@ Of: TypeAlias = Callable[[Response], FloatArray]
 """Computes a quantity of a line, (..., states, parts) SI; nan where nothing is known."""
 Parts: TypeAlias = Callable[[Response], tuple[Part, ...]]
 Section: TypeAlias = Literal[
-    "Demand", "Joints", "Excitation", "Centre bearings", "Gearbox, axle and spline",
-    "Speed and strength", "Room",
+    "Demand", "Axle loads", "Slopes and lengths", "Joints", "Excitation", "Centre bearings",
+    "Gearbox, axle and spline", "Couples and forks", "Speed and strength", "Room",
 ]  # fmt: skip
 
-BY_PART = ("Joints", "Centre bearings")
+BY_PART = ("Axle loads", "Joints", "Centre bearings", "Couples and forks")
 """Sections that tell all of one part before the next; the others go by quantity."""
 
 WRITTEN = {
@@ -219,6 +219,10 @@ class Quantity:
             else None
             for size, value in rated
         )
+
+    def of_parts(self, r: Response) -> tuple[Part, ...]:
+        """Return the parts of a line that have it."""
+        return self.parts(r) if self.parts else ()
 
     def values(self, r: Response) -> FloatArray:
         """Return its values, (..., states, parts) SI; nan where a need is not met."""

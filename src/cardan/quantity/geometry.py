@@ -10,6 +10,7 @@ from cardan.quantity.declared import (
     double_cardans,
     joints,
     of_kind,
+    shafts,
     tripods,
 )
 from cardan.quantity.response import Response
@@ -25,7 +26,54 @@ def _odd_joints(r: Response) -> tuple[Part, ...]:
     return tuple(Part("joint", k + 1) for k in r.lone)
 
 
+def _members(r: Response) -> tuple[Part, ...]:
+    """Return the members: gearbox output, shafts, pinion."""
+    return (Part("gearbox"), *shafts(r), Part("pinion"))
+
+
 DECLARED = (
+    Quantity(
+        key="side_slope",
+        signed=True,
+        name="Side view slope",
+        symbol="σv",
+        unit="deg",
+        equation="σv = atan(−dz / dx), down to the rear is positive",
+        where={"d": "direction of the member"},
+        source=SOUZA.at("table 8"),
+        of=lambda r: r.layout.side,
+        parts=_members,
+        section="Slopes and lengths",
+        contract="members.side_slope_deg",
+    ),
+    Quantity(
+        key="top_slope",
+        signed=True,
+        name="Top view slope",
+        symbol="σh",
+        unit="deg",
+        equation="σh = atan(dy / dx), to the right going rearward is positive",
+        where={"d": "direction of the member"},
+        source=SOUZA.at("table 8"),
+        of=lambda r: r.layout.top,
+        quiet=True,
+        parts=_members,
+        section="Slopes and lengths",
+        contract="members.top_slope_deg",
+    ),
+    Quantity(
+        key="shaft_length",
+        name="Shaft length",
+        symbol="L",
+        unit="mm",
+        equation="L = |Pk₊₁ − Pk|, joint centre to joint centre",
+        where={"Pk": "centre of joint k"},
+        source=SOUZA.at("table 10"),
+        of=lambda r: r.layout.lengths,
+        parts=shafts,
+        section="Slopes and lengths",
+        contract="shafts.length_mm",
+    ),
     Quantity(
         key="joint_angle",
         at_points=True,

@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
-from cardan.demand.states import Demand
+from cardan.demand.states import Demand, each_axle_load
 from cardan.kinematics import constant_velocity, equivalent
 from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
 from cardan.kinematics.equivalent import Excitation
@@ -28,6 +28,7 @@ from cardan.loads import (
     small_angle,
     unbalance,
 )
+from cardan.loads.cycle import Cycle
 from cardan.loads.rubber import Suspended
 from cardan.loads.running import Running
 from cardan.model.application import (
@@ -307,6 +308,96 @@ class Response:
         return peak + once.bearing_forces if once else peak
 
     @cached_property
+    def axle_loads(self) -> tuple[FloatArray, FloatArray]:
+        """Load of every axle of the vehicle at rest and at the slip limit, (..., axles) N each."""
+        return each_axle_load(self.demand.standing.line)
+
+    @cached_property
+    def axle_to_frame(self) -> FloatArray:
+        """From the axle's centre up to the frame, (...) m; nan where nobody gives it."""
+        suspension = self.demand.standing.line.suspension
+        given = suspension.axle_to_frame if suspension else None
+        return (np.nan if given is None else given) - self.demand.travel
+
+    @cached_property
+    def couples(self) -> tuple[FloatArray, FloatArray]:
+        """Largest secondary couple of each joint on the member ahead and behind, (..., n) N m.
+
+        What is left of a cross's moment across a member: T tan β at most on the driving one.
+        """
+        moment, d = self.loads.joint_moments.waves, self.layout.directions
+        ahead, behind = (_across(moment, axis).peak for axis in (d[..., :-1, :], d[..., 1:, :]))
+        return ahead, behind
+
+    @cached_property
+    def bending(self) -> FloatArray:
+        """Largest bending moment in each shaft, (..., n-1) N m, at the state's torque.
+
+        Without weight a shaft carries nothing between its joints and its bearing, so the
+        moment is largest at one of them.
+        """
+        ahead, behind = self.couples
+        ends = np.maximum(behind[..., :-1], ahead[..., 1:])
+        hung = [s.centre_bearing.from_rear_joint for s in self.line.shafts if s.centre_bearing]
+        if not hung:
+            return ends
+        light = (
+            loads(self.layout, self.turn, self.line, torque=self.demand.torque)
+            if self.gravity
+            else self.loads
+        )
+        force = light.joint_forces.waves[..., 1:-1, :, :]
+        moment = light.joint_moments.waves[..., 1:-1, :, :]
+        d = self.layout.directions[..., 1:-2, :]
+        arm = (stacked(hung)[..., None] * d)[..., None, :]
+        inside = _across(-moment - np.cross(arm, force), d).peak
+        return np.concatenate(
+            [
+                np.maximum(ends[..., :-1], inside),
+                ends[..., -1:],
+            ],
+            axis=-1,
+        )
+
+    @cached_property
+    def tube_stress_utilisation(self) -> FloatArray:
+        """Von Mises stress of torque and bending in each tube over yield, (..., n-1)."""
+        torque, bending = np.abs(self.demand.torque), self.bending
+
+        def used(tube: Tube | CompositeTube | None, moment: FloatArray) -> FloatArray:
+            if not isinstance(tube, Tube) or tube.material.yield_strength is None:
+                return np.full_like(moment, np.nan)
+            shear = strength.tube_shear(torque, outer=tube.outer, inner=tube.inner)
+            normal = strength.tube_bending(moment, outer=tube.outer, inner=tube.inner)
+            stress = strength.von_mises(shear, normal=normal)
+            return self.application.shock_factor * stress / tube.material.yield_strength
+
+        tubes = (s.tube for s in self.line.shafts)
+        return stacked(used(t, m) for t, m in zip(tubes, np.moveaxis(bending, -1, 0), strict=True))
+
+    @cached_property
+    def journal_force(self) -> FloatArray:
+        """Largest force on a journal of each cross and its fork arm, (..., n) N.
+
+        At the state's torque; nan where the size of the cross is not known.
+        """
+        across = stacked(np.nan if s is None or s.across is None else s.across for s in self.sizes)
+        uneven = np.abs(self.turn.phasors[..., :-1])
+        uneven = np.concatenate([np.zeros_like(uneven[..., :1]), uneven], axis=-1)
+        largest = np.abs(self.demand.torque)[..., None] * (1 + uneven) / (1 - uneven)
+        return strength.cross_force(largest, across=across, angle=self.angles)
+
+    @property
+    def cup_pressure(self) -> FloatArray:
+        """Mean pressure of each joint's cups in their yokes, (..., n) Pa; nan where unknown."""
+        sizes = [
+            (np.nan, np.nan) if s is None else (s.cup_diameter or np.nan, s.cup_length or np.nan)
+            for s in self.sizes
+        ]
+        diameter, length = (stacked(column) for column in zip(*sizes, strict=True))
+        return strength.cup_pressure(self.journal_force, diameter=diameter, length=length)
+
+    @cached_property
     def joint_swing(self) -> FloatArray:
         """Speed swing of each double cardan by itself, (..., n) 1; nan of others."""
         return self._of_kind(
@@ -392,7 +483,8 @@ class Response:
 
         Weight, where it is asked for, is added as it is: it knows no small angles.
         """
-        cycle = small_angle(self.layout, self.line, torque=self.demand.torque)
+        with np.errstate() if self.line.measured else np.errstate(invalid="ignore"):
+            cycle = small_angle(self.layout, self.line, torque=self.demand.torque)
         weight = loads(self.layout, self.turn, self.line, torque=0.0, gravity=self.gravity)
         return cycle.static + weight.bearing_forces.static, cycle.dynamic
 
@@ -587,7 +679,8 @@ class Response:
             modes = modes[..., : 2 * (self.line.joint_count - 2)]  # the rest bends tubes
             speed = np.asarray(p.speed, dtype=float)[..., None]
             for k in orders:
-                found = np.fmin(found, np.abs(k * speed / modes - 1).min(axis=-1))
+                ratio = k * speed / np.where(modes > 0, modes, 1e-300)  # torque may buckle a line
+                found = np.fmin(found, np.abs(ratio - 1).min(axis=-1))
         return np.where(self.lasting, found, np.nan)
 
     @cached_property
@@ -627,9 +720,15 @@ def _alone(tube: Tube | CompositeTube, length: FloatArray) -> FloatArray:
 
 def _line_modes(line: Line, lengths: FloatArray) -> whirl.Modes | None:
     """Return a line's critical modes; None without tubes."""
-    if any(s.tube is None for s in line.shafts):
+    if any(s.tube is None for s in line.shafts) or not np.isfinite(lengths).all():
         return None
     return whirl.critical_modes(beams.line_beams(line, lengths=lengths))
+
+
+def _across(moment: Any, axis: FloatArray) -> Cycle:
+    """Return what is across axes (..., 3) of moments with waves (..., K, 3)."""
+    along = axis[..., None, :]
+    return Cycle(moment - (moment * along).sum(-1, keepdims=True) * along)
 
 
 def respond(

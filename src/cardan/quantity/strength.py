@@ -7,7 +7,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.formula import Constant, written
 from cardan.base.part import LINE, Part
-from cardan.base.source import AE7, DERIVED, GWB, SEHERR, Source
+from cardan.base.source import AE7, DERIVED, GWB, SEHERR, SOUZA, Source
 from cardan.base.units import rpm
 from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import (
@@ -30,7 +30,7 @@ from cardan.quantity.declared import (
 )
 from cardan.quantity.response import Response
 from cardan.shaft.life import n_beta, wear
-from cardan.shaft.strength import tube_utilisation
+from cardan.shaft.strength import cup_pressure, tube_utilisation
 from cardan.shaft.whirl import critical_speed
 
 _RPM = Constant(1 / rpm, "30/π", "30/PI()")
@@ -48,6 +48,12 @@ def _hung(r: Response) -> tuple[Part, ...]:
 _WHIRLING = Need(
     gives=TUBES.gives,
     met=lambda r: np.concatenate([TUBES.met(r), ALL_TUBES.met(r)], axis=-1),
+)
+
+
+_CUPS = Need(
+    gives="a joint size with cross_width_mm, cup_length_mm and cup_diameter_mm",
+    met=lambda r: np.array([[s is not None and s.across is not None for s in r.sizes]]),
 )
 
 
@@ -192,6 +198,101 @@ DECLARED = (
         parts=shafts,
         needs=(TORQUE, TUBES, YIELD),
         section="Speed and strength",
+    ),
+    Quantity(
+        key="tube_stress_utilisation",
+        name="Tube shear and bending over yield",
+        symbol="σv/Re",
+        unit="1",
+        equation="K √(σ² + 3 τ²) / Re, σ = 32 M D / (π (D⁴ − d⁴)), τ = 16 T D / (π (D⁴ − d⁴))",
+        where={
+            "K": "shock factor",
+            "M": "bending moment of the secondary couples, largest round a turn",
+            "D, d": "tube diameters",
+            "Re": "yield strength",
+        },
+        source=SEHERR,
+        use="Of a steel tube away from welds and yokes, at the state's torque; the largest bending "
+        "taken together with the largest torque.",
+        of=lambda r: r.tube_stress_utilisation,
+        parts=shafts,
+        needs=(TORQUE, TUBES, YIELD),
+        section="Speed and strength",
+        contract="shafts.tube_stress_utilisation",
+    ),
+    Quantity(
+        key="couple_ahead",
+        name="Secondary couple on the member ahead",
+        symbol="Mv",
+        unit="Nm",
+        equation="Mv = max over a turn of |M − (M · d) d|, T tan β of one joint",
+        where={"M": "moment of the cross", "d": "direction of the member"},
+        source=SOUZA.at("figure 39"),
+        use="At the state's torque, rigid and without friction.",
+        of=lambda r: r.couples[0],
+        parts=joints,
+        needs=(TORQUE,),
+        section="Couples and forks",
+        contract="joints.couple_ahead_Nm",
+    ),
+    Quantity(
+        key="couple_behind",
+        name="Secondary couple on the member behind",
+        symbol="Mh",
+        unit="Nm",
+        equation="Mh = max over a turn of |M − (M · d) d|, T sin β of one joint",
+        where={"M": "moment of the cross", "d": "direction of the member"},
+        source=SOUZA.at("figure 40"),
+        use="At the state's torque, rigid and without friction.",
+        of=lambda r: r.couples[1],
+        parts=joints,
+        needs=(TORQUE,),
+        section="Couples and forks",
+        contract="joints.couple_behind_Nm",
+    ),
+    Quantity(
+        key="bending_moment",
+        name="Bending moment in the shaft",
+        symbol="M",
+        unit="Nm",
+        equation="largest of the secondary couples at its ends and the moment at its bearing",
+        source=SOUZA.at("figures 41, 42"),
+        use="At the state's torque, rigid and without friction.",
+        of=lambda r: r.bending,
+        parts=shafts,
+        needs=(TORQUE,),
+        section="Couples and forks",
+        contract="shafts.bending_Nm",
+    ),
+    Quantity(
+        key="journal_force",
+        name="Force on a journal and its fork arm",
+        symbol="F",
+        unit="N",
+        equation="F = T / (a cos β)",
+        where={"T": "largest torque of the driving yoke", "a": "between the middles of the cups"},
+        source=SOUZA.at("figure 39"),
+        use="At the state's torque, without shock.",
+        of=lambda r: r.journal_force,
+        parts=joints,
+        needs=(TORQUE, _CUPS),
+        section="Couples and forks",
+        contract="joints.journal_force_N",
+    ),
+    Quantity(
+        key="cup_pressure",
+        name="Pressure of a cup in its yoke",
+        symbol="p",
+        unit="MPa",
+        equation=written(cup_pressure, "F", diameter="d", length="l"),
+        where={"F": "force on a journal", "d, l": "diameter and length of a cup"},
+        source=DERIVED,
+        use="Mean over the projected area.",
+        of=lambda r: r.cup_pressure,
+        parts=joints,
+        needs=(TORQUE, _CUPS),
+        section="Couples and forks",
+        contract="joints.cup_pressure_MPa",
     ),
     Quantity(
         key="tube_buckling_utilisation",

@@ -6,7 +6,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.formula import written
-from cardan.base.part import LINE, Part
+from cardan.base.part import LINE, Part, PartKind
 from cardan.base.source import DERIVED, GILLESPIE, J3311, SOUZA, WONG
 from cardan.demand.torque import slip_torque
 from cardan.model.application import KIND_GROUPS, RIDING, Installed
@@ -29,6 +29,22 @@ def _suspended(r: Response) -> tuple[Part, ...]:
     own = _springs(r, mine)
     asked = (own is None and not before) or (own is not None and all(own is not s for s in sprung))
     return (LINE,) if asked else ()
+
+
+def _axles(r: Response) -> tuple[Part, ...]:
+    """Return the vehicle's axles, told by its first line."""
+    vehicle, lines = r.application.vehicle, r.application.lines
+    if vehicle is None or r.line.name != lines[0].line.name:
+        return ()
+    counts: tuple[tuple[PartKind, int], ...] = (
+        ("front axle", vehicle.front_group),
+        ("driven rear axle", vehicle.driven_rear),
+        ("rear axle", vehicle.rear_group - vehicle.driven_rear),
+        ("auxiliary axle", len(vehicle.auxiliary)),
+    )
+    return tuple(
+        Part(kind, k if count > 1 else 0) for kind, count in counts for k in range(1, count + 1)
+    )
 
 
 def _springs(r: Response, installed: Installed) -> Suspension | None:
@@ -164,6 +180,7 @@ DECLARED = (
         use="At rest on level ground. A group's axles share its load as the application says.",
         of=of_line(lambda r: r.demand.axle_load),
         parts=line,
+        contract="axle_load_N",
     ),
     Quantity(
         key="driven_load",
@@ -181,6 +198,59 @@ DECLARED = (
         use="All driven wheels slip at once; no air drag or rolling resistance.",
         of=of_line(lambda r: r.demand.driven_load),
         parts=line,
+        contract="driven_load_N",
+    ),
+    Quantity(
+        key="axle_load_rest",
+        name="Axle load at rest",
+        symbol="Ni",
+        unit="N",
+        equation="Nr = (W lf − Σ A x) / L,  Nf = W − Nr − Σ A, each shared by its axles",
+        where={
+            "W": "weight",
+            "lf": "centre of gravity behind the front axle",
+            "L": "wheelbase",
+            "A, x": "load and place of auxiliary axles on air",
+        },
+        source=GILLESPIE.at("ch. 1"),
+        use="On level ground. The axles of a group share its load as the application says.",
+        of=lambda r: r.axle_loads[0][..., : len(_axles(r))],
+        parts=_axles,
+        section="Axle loads",
+        contract="axles.rest_N",
+    ),
+    Quantity(
+        key="axle_load_slip",
+        name="Axle load at tyre slip",
+        symbol="Ni′",
+        unit="N",
+        equation="Nr′ = (Nr + μ sf W h/L) / (1 − μ (sr − sf) h/L)",
+        where={
+            "μ": "friction",
+            "h": "height of the centre of gravity",
+            "L": "wheelbase",
+            "sf, sr": "driven shares of the front and rear load",
+        },
+        source=WONG.at("ch. 3"),
+        use="All driven wheels slip at once, on the vehicle's grade; no air drag.",
+        of=lambda r: r.axle_loads[1][..., : len(_axles(r))],
+        parts=_axles,
+        section="Axle loads",
+        contract="axles.slip_N",
+    ),
+    Quantity(
+        key="axle_to_frame",
+        signed=True,
+        name="Axle centre to frame",
+        symbol="hF",
+        unit="mm",
+        equation="hF = what the application gives in the reference state − z",
+        where={"z": "axle travel"},
+        source=SOUZA.at("figure 43"),
+        of=of_line(lambda r: r.axle_to_frame),
+        parts=line,
+        section="Slopes and lengths",
+        contract="axle_to_frame_mm",
     ),
     Quantity(
         key="axle_travel",

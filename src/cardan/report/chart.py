@@ -19,6 +19,9 @@ from cardan.report.svg import DASHES, FAINT, GRADED, GRID, INK, PALETTE, Figure
 WIDTH, HEIGHT = 540.0, 330.0
 LEFT, RIGHT, TOP, BOTTOM = 66.0, 16.0, 14.0, 44.0
 
+LEAST = 5
+"""Categories that bars are drawn as wide as for, at least."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
@@ -309,9 +312,10 @@ def bars(
 ) -> Figure:
     """Return a chart of bars: a group of them for each category."""
     y = bounds(*(v for _, v in groups), *(lv.value for lv in levels), top or 0.0, zero=True)
+    spare = max(0.0, (LEAST - len(categories)) / 2)  # or one state would be one giant bar
     chart = Chart(
         say=say,
-        x=(-0.5, len(categories) - 0.5),
+        x=(-0.5 - spare, len(categories) - 0.5 + spare),
         y=y,
         x_label=x_label,
         y_label=y_label,

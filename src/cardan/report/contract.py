@@ -18,6 +18,7 @@ from cardan.kinematics.equivalent import EquivalentJoint, Excitation
 from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import ANSWERED, QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import phased
 from cardan.study.approval import Approval, Coverage
 from cardan.study.data import Datum
 from cardan.study.finding import VIBRATION
@@ -46,6 +47,7 @@ def approval(of: Approval) -> dict[str, Any]:
         "verdict": of.verdict,
         "profile": of.application.profile,
         "states": states,
+        "phasings": {r.line.name: phased.document(r) for r in of.responses},
         "checks": [check(c) for c in of.checks],
         "coverage": coverage(of.coverage),
         "studies": list(of.studies),
@@ -228,6 +230,9 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
     return {
         "points": _points(r, s),
         "joints": [{"force_N": peak} for peak in peaks],
+        "members": [{"member": str(part)} for part in QUANTITIES["side_slope"].of_parts(r)],
+        "shafts": [{"shaft": k + 1} for k in range(r.line.joint_count - 1)],
+        "axles": [{"axle": str(part)} for part in QUANTITIES["axle_load_rest"].of_parts(r)],
         **_angles(r.excitation, s),
         "approximations": {n: _excitation(e, s) for n, e in r.approximations.items()},
         "centre_bearings": [

@@ -4,15 +4,17 @@ Side view as seen from the vehicle's left (rear to the right, up is up), top vie
 above (rear to the right, the vehicle's right up), end views looking forward from the axle.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.errors import DesignError
 from cardan.base.part import Part
 from cardan.base.units import deg, mm
+from cardan.base.verdict import Check
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
@@ -21,6 +23,7 @@ from cardan.report import svg
 from cardan.report.chart import Chart, Series
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
+from cardan.report.wording import badness
 
 WIDTH = 1040.0
 LEFT, RIGHT, TOP, BOTTOM = 24.0, 170.0, 30.0, 46.0
@@ -42,11 +45,80 @@ def worst_state(response: Response) -> int:
     return int(np.nanargmax(shakes))
 
 
+def state_to_show(response: Response, checks: Iterable[Check], name: str | None = None) -> int:
+    """Return the number of the state to draw: one of a name, else where the worst check is.
+
+    Without a check in a state it is that which shakes most.
+    """
+    states = response.demand.states
+    if name is not None:
+        if name not in states:
+            msg = f"there is no state {name} to draw; there are: {', '.join(states)}"
+            raise DesignError(msg)
+        return states.index(name)
+    mine = [c for c in checks if c.line == response.line.name and c.when.name in states]
+    worst = min(mine, key=badness, default=None)
+    return worst_state(response) if worst is None else states.index(worst.when.name)
+
+
+def in_state(response: Response, say: Language, s: int) -> Figure:
+    """Return the side view of a line in one state, tubes and obstacles true to scale.
+
+    The room an obstacle leaves in that state stands beside it.
+    """
+    layout, c = response.layout[s], ACROSS["side"]
+    rise = float(np.broadcast_to(response.demand.travel, response.angles.shape[:-1])[s])
+    there = tuple(_lifted(o, rise) for o in response.obstacles)
+    thick = max(t.tube.outer if t.tube else 0.05 for t in response.line.shafts)
+    page = _page(layout, layout, there, c, thick=thick, exaggerations=(1,))
+    angles = np.diff(layout.side)
+    state = say.state(response.demand.states[s])
+    title = say("The line in {state}, from the left, true to scale", state=state)
+    true = response.angles[s]
+    alt = f"{title}. " + "; ".join(
+        f"{say.part(Part('joint', k))}: {say.short(a / deg, 3)} deg" for k, a in enumerate(true, 1)
+    )
+    room = response.clearances[s].min(axis=0) if there else ()
+    drawn = [
+        *(
+            _bar(o, page, c, say("{room} mm free", room=say.short(float(free) / mm, 4)))
+            for o, free in zip(there, room, strict=True)
+        ),
+        *_members(response, layout, page, c, layout.side, say),
+        *_bearings(response, layout, page, c, say),
+        *_joints(layout, page, c, angles, say),
+        *_scale_bar(page, say),
+    ]
+    said = say.list(
+        *(f"{say.part(Part('joint', k))} {say.short(a / deg, 3)}°" for k, a in enumerate(true, 1))
+    )
+    note = say(
+        "At each joint its angle in this view, on each shaft its slope and length. True joint "
+        "angles: {angles}.",
+        angles=said,
+    )
+    return Figure(
+        title=title, svg=svg.drawing(WIDTH, page.height, *drawn, alt=alt), alt=alt, note=note
+    )
+
+
+def _lifted(o: Obstacle, rise: float) -> Obstacle:
+    """Return an obstacle where the axle has risen by so much."""
+    up = rise * o.travel_share
+    (x1, y1, z1), (x2, y2, z2) = o.start, o.end
+    return replace(o, start=(x1, y1, z1 + up), end=(x2, y2, z2 + up))
+
+
+def drawable(response: Response) -> bool:
+    """Return whether somebody knows where the line runs, and not its slopes alone."""
+    return response.line.measured
+
+
 def drawings(response: Response, say: Language) -> tuple[Figure, ...]:
-    """Return every drawing of a line."""
+    """Return every drawing of a line; without lengths it has no views."""
+    names = ("side", "top") if drawable(response) else ()
     return (
-        view(response, say, name="side"),
-        view(response, say, name="top"),
+        *(view(response, say, name=name) for name in names),
         phasing(response, say),
         joint_planes(response, say),
         phasors(response, say),
@@ -115,7 +187,13 @@ def view(response: Response, say: Language, *, name: str) -> Figure:
 
 
 def _page(
-    reference: Layout, layout: Layout, obstacles: tuple[Obstacle, ...], c: int, *, thick: float
+    reference: Layout,
+    layout: Layout,
+    obstacles: tuple[Obstacle, ...],
+    c: int,
+    *,
+    thick: float,
+    exaggerations: Sequence[int] = EXAGGERATIONS,
 ) -> _Page:
     """Return the scales of a view in which everything has room."""
     points = np.concatenate(
@@ -132,7 +210,7 @@ def _page(
     low = min([float(up.min()) - thick / 2, *(a for a, _ in near)]) - 0.02
     high = max([float(up.max()) + thick / 2, *(b for _, b in near)]) + 0.02
     scale = (WIDTH - LEFT - RIGHT) / (length * (1 + 2 * STUB))
-    times = next((k for k in EXAGGERATIONS if (high - low) * scale * k <= TALLEST), 1)
+    times = next((k for k in exaggerations if (high - low) * scale * k <= TALLEST), 1)
     height = max((high - low) * scale * times, 60.0) + TOP + BOTTOM + 40
     spare = (height - TOP - BOTTOM) / (scale * times) - (high - low)
     return _Page(
@@ -236,6 +314,19 @@ def _joints(
 
 def _obstacle(o: Obstacle, page: _Page, c: int, say: Language, response: Response) -> str:
     """Return an obstacle with the least room that any state leaves it."""
+    k = response.obstacles.index(o)
+    free = response.clearances[..., k].min(-1)
+    s = int(np.argmin(free))
+    least = say(
+        "{room} mm in {state}",
+        room=say.short(free[s] / mm, 4),
+        state=say.state(response.demand.states[s]),
+    )
+    return _bar(o, page, c, least)
+
+
+def _bar(o: Obstacle, page: _Page, c: int, said: str) -> str:
+    """Return an obstacle with words beside its name."""
     (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
     bar = svg.element(
         "path",
@@ -246,21 +337,13 @@ def _obstacle(o: Obstacle, page: _Page, c: int, say: Language, response: Respons
         stroke_linecap="round",
         stroke_opacity=0.55,
     )
-    k = response.obstacles.index(o)
-    free = response.clearances[..., k].min(-1)
-    s = int(np.argmin(free))
-    least = say(
-        "{room} mm in {state}",
-        room=say.short(free[s] / mm, 4),
-        state=say.state(response.demand.states[s]),
-    )
     # Beside it, and inside the page where it reaches beyond.
     x = page.x(max(x1, x2) + o.radius) + 6
     y = float(np.clip(page.y((y1 + y2) / 2), TOP, page.height - BOTTOM))
     return (
         svg.group([bar], transform=page.matrix)
         + svg.text(x, y - 2, o.name, font_size=10.5, fill="#7a4a1c")
-        + svg.text(x, y + 11, least, font_size=10.5, fill="#7a4a1c")
+        + svg.text(x, y + 11, said, font_size=10.5, fill="#7a4a1c")
     )
 
 

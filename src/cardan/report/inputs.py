@@ -70,7 +70,7 @@ def _general(a: Application, say: Language) -> Iterator[tuple[str, str]]:
     both = (("gravity", a.include_gravity), ("unbalance", a.include_unbalance))
     yield say("loads include"), say.list(*(say(name) for name, on in both if on))
     if a.duty_cycle:
-        yield say("duty cycle"), f"{a.duty_cycle.name} ({a.duty_cycle.source})"
+        yield say("duty cycle"), f"{a.duty_cycle.name} ({say.source(str(a.duty_cycle.source))})"
     for k, p in enumerate(a.duty, 1):
         said = say.list(
             f"{say.short(100 * p.share)} %",

@@ -2,12 +2,15 @@
 
 Every text is looked up by its English wording in a catalogue of `cardan.report.text`, names
 of quantities too, so the code that prints it can be read. A catalogue is all that a language
-needs: its file names it, and its head says which decimal sign it writes.
+needs: its file names it, and its head says which decimal sign it writes and how it counts. What a
+catalogue lacks is said in English; the tests, and `make texts`, list it.
 """
 
+import gettext
 import json
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -23,7 +26,16 @@ _FOLDER = Path(__file__).with_name("text")
 CODES = ("en", *sorted(p.stem for p in _FOLDER.glob("*.po")))
 """The languages by code: English, and one for each catalogue."""
 
+LACKED: set[tuple[str, str]] = set()
+"""What was asked of a catalogue that lacks it, and was said in English: code and text."""
+
 _STATES = frozenset(get_args(SuspensionState))
+
+_PIECES = re.compile(r"(; |: |, (?=citing )| \(|\))")
+"""What stands between the pieces of a source."""
+
+_PLACES = re.compile(r"(?<=, )(ch\.|chapter|section|table)(?= \d)")
+"""Words for a place in a publication, ahead of its number."""
 
 Key = tuple[str, str]
 """Context, "" for most, and English wording."""
@@ -52,15 +64,47 @@ def _entries(text: str) -> Iterator[tuple[Key, str]]:
             name = word.strip() or name
             parts[name] = parts.get(name, "") + json.loads(quote + rest)
         if "msgid" in parts:
-            yield (parts.get("msgctxt", ""), parts["msgid"]), parts["msgstr"]
+            key = parts.get("msgctxt", ""), parts["msgid"]
+            forms = [text for name, text in parts.items() if name.startswith("msgstr[")]
+            yield key, _BETWEEN.join(forms) if forms else parts["msgstr"]
+
+
+_BETWEEN = "\0"
+"""Between the plural forms of a text, as in gettext's own compiled catalogues."""
 
 
 @cache
+def _head(code: str) -> Mapping[str, str]:
+    """Return the fields of a catalogue's head."""
+    head = catalogue(code).get(("", ""), "")
+    return dict(line.split(": ", 1) for line in head.splitlines() if ": " in line)
+
+
 def _decimal(code: str) -> str:
     """Return the decimal sign that a catalogue's head names; a point where it names none."""
-    head = catalogue(code).get(("", ""), "")
-    fields = dict(line.split(": ", 1) for line in head.splitlines() if ": " in line)
-    return fields.get("X-Decimal", ".")
+    return _head(code).get("X-Decimal", ".")
+
+
+@cache
+def _form(code: str) -> Callable[[int], int]:
+    """Return which form a count takes, by the rule of a catalogue's head; English's without."""
+    rule = _head(code).get("Plural-Forms", "").partition("plural=")[2]
+    return gettext.c2py(rule.strip(" ;") or "n != 1")
+
+
+_NAMED = re.compile(r"\{(\d)\}")
+"""What a refusal names, by its place in the sentence."""
+
+
+@cache
+def _refusals(code: str) -> tuple[tuple[re.Pattern[str], str], ...]:
+    """Return what readers refuse, as patterns with their translation, those that say most first."""
+    found = {e: t for (context, e), t in catalogue(code).items() if context == "error"}
+    said = sorted(found, key=lambda e: -len(_NAMED.sub("", e)))
+    return tuple(
+        (re.compile(_NAMED.sub("(.+?)", re.sub(r"([^\w\s{}])", r"\\\1", e)), re.DOTALL), found[e])
+        for e in said
+    )
 
 
 @dataclass(frozen=True)
@@ -75,16 +119,23 @@ class Language:
             raise ValueError(msg)
 
     def __call__(self, said: str, /, **values: object) -> str:
-        """Return a text of the catalogue with its values filled in.
+        """Return a text of the catalogue with its values filled in; in English where it lacks it.
 
-        Raises
-        ------
-        KeyError
-            If the catalogue has no translation.
+        Of a text that has plural forms, the last.
         """
-        if self.code != "en":
-            said = catalogue(self.code)["", said]
+        if self.code != "en" and said and ("", said) not in catalogue(self.code):
+            LACKED.add((self.code, said))
+        said = self.given(said).rpartition(_BETWEEN)[2]
         return said.format(**values) if values else said
+
+    def count(self, one: str, many: str, count: int, /, **values: object) -> str:
+        """Return a text in the form that a count takes; {count} in it is the count.
+
+        >>> EN.count("{count} shaft", "{count} shafts", 2)
+        '2 shafts'
+        """
+        forms = catalogue(self.code).get(("", one), f"{one}{_BETWEEN}{many}").split(_BETWEEN)
+        return forms[_form(self.code)(count)].format(count=count, **values)
 
     def said(self, of: Said) -> str:
         """Return a sentence that was made below, its words and sentences inside it too."""
@@ -98,12 +149,47 @@ class Language:
 
     def given(self, said: str) -> str:
         """Return a text that is ours or a publication's: translated where it is ours."""
-        return catalogue(self.code).get(("", said), said)
+        return catalogue(self.code).get(("", said), said) if said else said
+
+    def source(self, said: str) -> str:
+        """Return what a source says in our words; titles of publications stay as they are.
+
+        A source is made of pieces, `normal 0.67 (safety 1.5): House practice, assumed`, and a
+        piece that the catalogue has is said in the language.
+        """
+        if self.code == "en":
+            return said
+        if ("", said) in catalogue(self.code):
+            return self(said)
+        return "".join(
+            piece if k % 2 else self._piece(piece) for k, piece in enumerate(_PIECES.split(said))
+        )
+
+    def _piece(self, said: str) -> str:
+        """Return a piece of a source: ours, or one of a bound like `normal 300`."""
+        bound = re.fullmatch(r"(normal|maximum) (\S+)", said)
+        if bound:
+            return f"{self(bound[1])} {self.pointed(bound[2])}"
+        if said and ("", said) in catalogue(self.code):
+            return self(said)
+        return _PLACES.sub(lambda found: self(found[0]), said)
+
+    def error(self, said: str) -> str:
+        """Return what a reader refuses, in the language where the catalogue has its sentence.
+
+        Errors are made in English where they are found, far below; here their sentences are
+        known by their pattern, and what they name is put where the language has it.
+        """
+        tries = ((pattern.fullmatch(said), other) for pattern, other in _refusals(self.code))
+        found, other = next(((f, o) for f, o in tries if f), (None, said))
+        if found is None:
+            return said
+        return _NAMED.sub(lambda at: self.error(found[int(at[1]) + 1]), other)
 
     def name(self, quantity: str) -> str:
         """Return the name of a quantity."""
         english = QUANTITIES[quantity].name
-        return english if self.code == "en" else catalogue(self.code)["quantity", english]
+        return catalogue(self.code).get(("quantity", english), english)
 
     def part(self, part: Part) -> str:
         """Return what a number is of; what the user named keeps its name."""
@@ -134,7 +220,8 @@ class Language:
             case "speed":
                 return self(when.name)
             case "launch":
-                return self("launch in gear {gear}, {time} s", gear=when.name, time=when.what)
+                return self("launch in gear {gear}, {time} s", gear=when.name,
+                            time=self.pointed(str(when.what)))  # fmt: skip
             case "duty":
                 return self("duty cycle, {state}", state=self.state(when.name))
             case "state":
@@ -158,7 +245,8 @@ class Language:
         return self.pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
 
     def short(self, value: float, digits: int = 6) -> str:
-        """Return a number without the zeros that say nothing."""
+        """Return a number without the zeros that say nothing; what is left of nothing is 0."""
+        value = 0.0 if abs(value) < 5e-10 else value
         return self.pointed(f"{value:.{digits}g}")
 
     def percent(self, margin: float) -> str:

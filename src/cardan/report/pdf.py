@@ -21,6 +21,7 @@ from cardan.report.paper import (
     shown,
     texts,
 )
+from cardan.report.svg import Figure
 
 FONT = "Libertinus Serif"
 """The typesetter brings it along; drawings are set in it too."""
@@ -56,6 +57,22 @@ def pages(of: Story, *, ppi: float) -> list[bytes]:
     """Return the pages of the same document as PNG pictures, to be looked at."""
     found = _set(of, format="png", ppi=ppi)
     return found if isinstance(found, list) else [found]
+
+
+def pixels(figure: Figure, *, ppi: float = 144) -> bytes:
+    """Return a figure as a PNG picture, in letters that every computer draws alike.
+
+    Raises
+    ------
+    MissingExtra
+        If typst is not installed.
+    """
+    typst = needed("typst")
+    drawn = _drawn(figure.svg.replace("<svg ", f'<svg font-family="{FONT}" ', 1))
+    page = '#set page(width: auto, height: auto, margin: 0pt)\n#image("figure.svg")\n'
+    sources = {"main.typ": page.encode(), "figure.svg": drawn.encode()}
+    found = typst.compile(sources, ignore_system_fonts=True, format="png", ppi=ppi)
+    return found[0] if isinstance(found, list) else found
 
 
 def _set(of: Story, **options: Any) -> Any:

@@ -50,7 +50,8 @@ def _plots(r: Response, say: Language) -> Iterator[Figure]:
         yield from round_the_turn(r, say)
         for quantity in ACCELERATIONS:
             yield over_travel(r, say, quantity=quantity)
-    for k in range(r.line.joint_count - 2 if np.isfinite(r.demand.torque).any() else 0):
+    loaded = r.line.measured and np.isfinite(r.demand.torque).any()
+    for k in range(r.line.joint_count - 2 if loaded else 0):
         yield bearing_ellipse(r, say, bearing=k)
         yield bearing_orders(r, say, bearing=k)
         if r.worst and r.held is not None:

@@ -81,21 +81,28 @@ METHODS = {
 def sections(response: Response) -> tuple[Section, ...]:
     """Return everything a line does, state by state, without what nothing is known of."""
     kept = (
-        Section(title=title, rows=tuple(r for r in _rows(response, title) if not _unknown(r)))
+        Section(title=title, rows=tuple(_told(list(_rows(response, title)))))
         for title in get_args(Heading)
     )
     return tuple(s for s in kept if s.rows)
 
 
+def _told(rows: list[Row]) -> Iterator[Row]:
+    """Yield what something is known of: an approximation stands under its quantity's own row."""
+    for row in rows:
+        beside = (r for r in rows if r.method and (r.quantity, r.part) == (row.quantity, row.part))
+        if not _unknown(row) or (not row.method and not all(_unknown(r) for r in beside)):
+            yield row
+
+
 def line_title(response: Response, say: Language) -> str:
     """Return the heading of a line: its name, its shafts and joints."""
     shafts = len(response.line.shafts)
-    said = (
-        "Line {line}: {shafts} shaft, {joints} joints"
-        if shafts == 1
-        else "Line {line}: {shafts} shafts, {joints} joints"
-    )
-    return say(said, line=response.line.name, shafts=shafts, joints=shafts + 1)
+    return say(
+        "Line {line}: {shafts}, {joints}", line=response.line.name,
+        shafts=say.count("{count} shaft", "{count} shafts", shafts),
+        joints=say.count("{count} joint", "{count} joints", shafts + 1),
+    )  # fmt: skip
 
 
 def _unknown(row: Row) -> bool:

@@ -57,18 +57,20 @@ def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[s
         yield say("Not asked: {what}.", what=doubt)
     rows = list(of.checks) if every else list(worst_of_parts(of.checks))
     yield ""
-    yield (
-        f"{BOLD}{'':6}{say('quantity'):<36}{say('part'):<24}{say('where it is worst'):<26}"
-        f"{say('value'):>9}  {say('limit'):<12}{PLAIN}"
-    )
-    for c in sorted(rows, key=lambda c: (-GRADES.index(c.grade), c.quantity, c.margin)):
+    rows.sort(key=lambda c: (-GRADES.index(c.grade), c.quantity, c.margin))
+    head = say("quantity"), say("part"), say("where it is worst")
+    said = [(say.name(c.quantity), say.part(c.part), say.occasion(c.when)) for c in rows]
+    wide = [2 + max(map(len, column)) for column in zip(head, *said, strict=True)]
+    grade = 2 + max((len(say(c.grade)) for c in rows), default=4)
+    columns = "".join(f"{word:<{w}}" for word, w in zip(head, wide, strict=True))
+    yield f"{BOLD}{'':{grade}}{columns}{say('value'):>9}  {say('limit'):<12}{PLAIN}"
+    for c, cells in zip(rows, said, strict=True):
         q = QUANTITIES[c.quantity]
+        names = "".join(f"{word:<{w}}" for word, w in zip(cells, wide, strict=True))
         sense = say("outside") if c.limit.band else c.limit.sense
         yield (
-            f"{_coloured(c.grade, say, 6)}{say.name(c.quantity):<36.35}"
-            f"{say.part(c.part):<24.23}{say.occasion(c.when):<26.25}"
-            f"{say.number(c.value / q.factor):>9}  {sense} {say.number(c.bound / q.factor)} "
-            f"{q.unit_name}"
+            f"{_coloured(c.grade, say, grade)}{names}{say.number(c.value / q.factor):>9}  "
+            f"{sense} {say.number(c.bound / q.factor)} {q.unit_name}"
         )
     for caption, head, lines, _ in tables(found, say):
         yield ""
@@ -223,7 +225,7 @@ def _assumed(of: Stability, say: Language) -> TableOf:
                 f"{say.number(a.typical.value / unit)} {name}".strip(),
                 f"{say.number(a.typical.low / unit)}-{say.number(a.typical.high / unit)}",
                 _moved(moved.get(a.quantity), of, say),
-                a.typical.how_read,
+                say.source(a.typical.how_read),
             )
         )
     head = (say("value"), say("assumed"), say("range"), say("modes that move by 2 % or more"),

@@ -12,7 +12,7 @@ from cardan.base.part import Part
 from cardan.base.verdict import Check, Grade, Verdict, worst
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.report import bracket_chapter, vibration_chapter
+from cardan.report import bracket_chapter, phased, vibration_chapter
 from cardan.report.blocks import (
     Block,
     Chapter,
@@ -27,7 +27,7 @@ from cardan.report.blocks import (
 )
 from cardan.report.compare import Compared, Variant, differences, effects
 from cardan.report.data import blocks as data_used
-from cardan.report.drawing import drawings
+from cardan.report.drawing import drawable, drawings, in_state, state_to_show
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
 from cardan.report.plots import plots
@@ -61,12 +61,20 @@ __all__ = ["Issue", "Story", "approval", "comparison", "figures", "verdict", "wh
 
 
 def whole(
-    of: Approval, *, say: Language, issue: Issue, tell: Callable[[int, int], None] | None = None
+    of: Approval,
+    *,
+    say: Language,
+    issue: Issue,
+    state: str | None = None,
+    tell: Callable[[int, int], None] | None = None,
 ) -> Story:
-    """Return the story of one application, with what would help and the best corrections."""
+    """Return the story of one application, with what would help and the best corrections.
+
+    The line is drawn in a `state`; by default in the one that decides.
+    """
     helps = sensitivities(of)
     fixes = fix(of.application, count=3, tell=tell) if helps else ()
-    return approval(of, helps=helps, fixes=fixes, say=say, issue=issue)
+    return approval(of, helps=helps, fixes=fixes, say=say, issue=issue, state=state)
 
 
 def approval(
@@ -77,24 +85,28 @@ def approval(
     say: Language,
     issue: Issue,
     more: Sequence[Chapter] = (),
+    state: str | None = None,
 ) -> Story:
-    """Return the story of one application: the verdict first, then what to change.
+    """Return the story of one application: on its first page what decides and what to change.
 
-    A chapter for each study that was asked; `more` follow them.
+    The line is drawn in a `state`, by default the one that decides. A chapter for each study
+    that was asked; `more` follow them, and what was given stands at the end.
     """
     several = len(of.responses) > 1
+    first = tuple(_first_page(of, helps, fixes, say, state=state))
     chapters = [
-        Chapter(title=say("Verdict"), blocks=tuple(verdict(of, say))),
+        Chapter(title=say("Verdict"), blocks=first),
+        Chapter(title=say("Limits"), blocks=tuple(verdict(of, say))),
         Chapter(title=say("What to change"), blocks=tuple(_changes(of, helps, fixes, say))),
-        Chapter(title=say("Inputs"), blocks=tuple(_inputs(of, say))),
     ]
     for response in of.responses:
         chapters += _line(response, of.checks, say, several=several)
     chapters += [
         *_studies(of, say),
         *more,
-        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
+        Chapter(title=say("Inputs"), blocks=(*_inputs(of, say), *_given(say, issue))),
+        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
     ]
     return Story(
         language=say.code,
@@ -103,7 +115,7 @@ def approval(
         grade=of.verdict,
         verdict=say(of.verdict).upper(),
         facts=(
-            (say("Checks"), counts(of, say)),
+            (say("Coverage"), _covered(of, say)),
             (say("Limits"), of.application.profile),
             (say("States"), say.list(*(say.state(s.name) for s in of.application.states))),
             *signs(issue, say),
@@ -157,11 +169,12 @@ def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
                     title=title,
                     blocks=(
                         *_states(r, v.approval.checks, say),
-                        Figures(figures=drawings(r, say)[:2], wide=True),
+                        Figures(figures=drawings(r, say)[: 2 if drawable(r) else 1], wide=True),
                     ),
                 )
             )
-    chapters.append(Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))))
+    signed = (*_approval(say, issue), *_given(say, issue))
+    chapters.append(Chapter(title=say("Approval"), blocks=signed))
     grades: list[Verdict] = [v.approval.verdict for v in of]
     return Story(
         language=say.code,
@@ -184,41 +197,59 @@ def signs(issue: Issue, say: Language) -> Iterator[tuple[str, str]]:
     yield say("Made with"), f"cardan {__version__}"
 
 
+DECIDING = 3
+"""Rows of the first page: the limits that decide, and the first things to change."""
+
+
+def _covered(of: Approval, say: Language) -> str:
+    """Return how much of what was asked is answered, and how near the nearest limit is."""
+    said = say(
+        "{answered} of {asked} questions answered", answered=of.coverage.answered,
+        asked=of.coverage.asked,
+    )  # fmt: skip
+    if of.smallest_margin is None:
+        return said
+    margin = say("smallest margin {margin}", margin=say.percent(of.smallest_margin))
+    return f"{said}; {margin}"
+
+
+def _first_page(
+    of: Approval,
+    helps: Sequence[Sensitivity],
+    fixes: Sequence[Proposal],
+    say: Language,
+    *,
+    state: str | None,
+) -> Iterator[Block]:
+    """Yield what decides: three rows, the line in the state that does, what to change."""
+    rows = worst_of_each(of.checks)[:DECIDING]
+    several = len(of.responses) > 1
+    if rows:
+        yield _rows(rows, say, caption=say("What decides"), several=several)
+    names = [r.line.name for r in of.responses]
+    line = next((c.line for c in rows if c.line in names), names[0] if names else None)
+    for r in of.responses:
+        if r.line.name == line and drawable(r):
+            s = state_to_show(r, rows if state is None else (), state)
+            yield Figures(figures=(in_state(r, say, s),), wide=True)
+    said: list[tuple[str, tuple[str, ...]]] = []
+    if fixes:
+        title, moves = _proposal(1, fixes[0], say)
+        said.append((title, moves[: len(fixes[0].moves)]))
+    for one in helps[:DECIDING]:
+        moves = tuple(moves_that_help(one, say)[:1]) or (say("nothing that can be moved"),)
+        said.append((problem(one, say, several=several), moves))
+    if said:
+        yield Points(caption=say("What to change first"), points=tuple(said))
+
+
 def verdict(of: Approval, say: Language) -> Iterator[Block]:
     """Yield the worst check of each limit and where the limits come from."""
     rows = worst_of_each(of.checks)
-    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     several = len(of.responses) > 1
-
-    def row(c: Check) -> tuple[str, ...]:
-        q = QUANTITIES[c.quantity]
-        return (
-            say(c.grade),
-            say.name(q.key),
-            place(c, say, several=several),
-            say.number(c.value / q.factor),
-            f"{sense(c, say)} {say.number(c.bound / q.factor)}",
-            q.unit_name,
-            say.percent(c.margin),
-            f"[{sources.index(cited(c.limit.source, say)) + 1}]",
-        )
-
-    yield Table(
-        caption=say("Every limit, where it is worst"),
-        head=(
-            say("verdict"),
-            say("limit"),
-            say("where it is worst"),
-            say("value"),
-            say("bound"),
-            say("unit"),
-            say("margin"),
-            say("source"),
-        ),
-        rows=tuple(row(c) for c in rows),
-        words=3,
-        grades=tuple((c.grade, *[""] * 7) for c in rows),
-    )
+    sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
+    yield _rows(rows, say, caption=say("Every limit, where it is worst"), several=several,
+                sources=sources)  # fmt: skip
     yield Points(
         caption=say("Where the limits come from"),
         points=tuple((f"[{k}] {source}", ()) for k, source in enumerate(sources, 1)),
@@ -234,6 +265,48 @@ def verdict(of: Approval, say: Language) -> Iterator[Block]:
         )
     if found := notes(of, say):
         yield Text(paragraphs=tuple(found))
+
+
+def _rows(
+    rows: Sequence[Check],
+    say: Language,
+    *,
+    caption: str,
+    several: bool,
+    sources: Sequence[str] = (),
+) -> Table:
+    """Return checks as a table; with `sources` their numbers stand at the end."""
+
+    def row(c: Check) -> tuple[str, ...]:
+        q = QUANTITIES[c.quantity]
+        return (
+            say(c.grade),
+            say.name(q.key),
+            place(c, say, several=several),
+            say.number(c.value / q.factor),
+            f"{sense(c, say)} {say.number(c.bound / q.factor)}",
+            q.unit_name,
+            say.percent(c.margin),
+            *((f"[{sources.index(cited(c.limit.source, say)) + 1}]",) if sources else ()),
+        )
+
+    head = (
+        say("verdict"),
+        say("limit"),
+        say("where it is worst"),
+        say("value"),
+        say("bound"),
+        say("unit"),
+        say("margin"),
+        *((say("source"),) if sources else ()),
+    )
+    return Table(
+        caption=caption,
+        head=head,
+        rows=tuple(row(c) for c in rows),
+        words=3,
+        grades=tuple((c.grade, *[""] * (len(head) - 1)) for c in rows),
+    )
 
 
 def _changes(
@@ -271,7 +344,9 @@ def _changes(
         )
     # Moves are tried on what the driveline answers: nobody knows one against what others find.
     beyond = [
-        c for c in of.checks if c.grade != "pass" and QUANTITIES[c.quantity].study != DRIVELINE
+        c
+        for c in of.checks
+        if c.grade != "pass" and QUANTITIES[c.quantity].study not in ("", DRIVELINE)
     ]
     if beyond:
         yield Points(
@@ -295,7 +370,7 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
     won = say(
-        "smallest margin {margin}, cost {cost}",
+        "{margin} from a warning, cost {cost}",
         margin=say.percent(p.margin),
         cost=say.short(round(p.cost, 2)),
     )
@@ -321,16 +396,20 @@ def _line(
 ) -> Iterator[Chapter]:
     """Yield results, drawings and plots of one line."""
     end = f": {r.line.name}" if several else ""
-    first, second, *others = drawings(r, say)
+    *views, phases, planes, sums = drawings(r, say)
     yield Chapter(
         title=say("Results by state") + end,
-        blocks=(Text(paragraphs=(line_title(r, say) + ".",)), *_states(r, checks, say)),
+        blocks=(
+            Text(paragraphs=(line_title(r, say) + ".",)),
+            *_states(r, checks, say),
+        ),
     )
     yield Chapter(
         title=say("Drawings") + end,
         blocks=(
-            Figures(figures=(first, second, others[0]), wide=True),
-            Figures(figures=tuple(others[1:])),
+            Figures(figures=(*views, phases), wide=True),
+            *phased.table(r, say),
+            Figures(figures=(planes, sums)),
         ),
     )
     yield Chapter(title=say("Plots") + end, blocks=(Figures(figures=plots(r, say)),))
@@ -402,12 +481,11 @@ def _not_asked(of: Finding[Any], say: Language) -> Iterator[Block]:
 
 
 def _equations(of: Approval, say: Language) -> Iterator[Block]:
-    """Yield the declaration of every quantity this report shows."""
-    shown = {row.quantity for r in of.responses for s in sections(r) for row in s.rows}
-    shown |= {c.quantity for c in of.checks}
+    """Yield the declaration of every quantity that a limit of this report asks about."""
+    shown = {c.quantity for c in of.checks} | {u.quantity for u in of.coverage.unanswered}
     used = [q for key, q in QUANTITIES.items() if key in shown]
     yield Table(
-        caption=say("Quantities of this report"),
+        caption=say("Quantities that limits ask about; `cardan explain` tells every other"),
         head=(say("quantity"), say("symbol"), say("equation"), say("limits of use"), say("source")),
         rows=tuple(
             (
@@ -426,7 +504,7 @@ def _equations(of: Approval, say: Language) -> Iterator[Block]:
 
 
 def _approval(say: Language, issue: Issue) -> Iterator[Block]:
-    """Yield the revision block, for two companies to sign, and what the file said."""
+    """Yield the revision block, for two companies to sign."""
     yield Table(
         caption=say("Revisions"),
         head=(say("revision"), say("date"), say("change"), say("made by"), say("checked by")),
@@ -441,6 +519,10 @@ def _approval(say: Language, issue: Issue) -> Iterator[Block]:
         words=3,
         blank=True,
     )
+
+
+def _given(say: Language, issue: Issue) -> Iterator[Block]:
+    """Yield what the files said."""
     for file, text in zip(issue.files, issue.texts, strict=False):
         yield Verbatim(caption=say("Application file {file}", file=file), text=text)
 

@@ -3,16 +3,21 @@
 Text is marked with colours; whoever prints it takes them out where there is no terminal.
 """
 
-import re
+import sys
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import phased
 from cardan.report.language import CODES, EN, Language
-from cardan.report.sheet import Row, line_title, sections
+from cardan.report.screen import WIDTH, beside, folded, headings, wrapped
+from cardan.report.screen import bare as bare  # for whoever prints
+from cardan.report.sheet import line_title, sections
 from cardan.report.wording import (
     badness,
     cited,
@@ -38,11 +43,8 @@ if TYPE_CHECKING:  # one check of one design is not to wait for these
 
     Sizes = dict[tuple[str, str], Remedy]
 
-LABEL = 48
-"""Width of the names of rows."""
-
-COLUMN = 13
-"""Width of a state's column."""
+FEW = 5
+"""Limits that are shown at least, though they pass."""
 
 COLOURS: dict[Verdict, str] = {
     "pass": "\x1b[32m", "warn": "\x1b[33m", "incomplete": "\x1b[35m", "fail": "\x1b[1;31m",
@@ -73,53 +75,100 @@ def approval(
     helps: Iterable[Sensitivity],
     sizes: "Sizes | None" = None,
     every: bool = False,
+    states: bool = False,
+    phasings: bool = False,
     say: Language = EN,
+    width: int = WIDTH,
 ) -> Iterator[str]:
-    """Yield everything an approval has to say, line by line of text.
+    """Yield what an approval has to say, line by line of text, the worst first.
 
-    With `every` each check has its row; without, each limit has one, the worst. `sizes` are
-    other parts, for what nothing moved answers.
+    Without `every` each limit that does not pass has one row, where it is worst, and where
+    they are few the nearest of the others; with it each check has its row. `states` adds the
+    numbers of every state; `sizes` are other parts, for what nothing moved answers.
     """
-    yield from verdict(of, say, every=every)
-    yield from _helps(tuple(helps), sizes or {}, say, several=len(of.responses) > 1)
-    for response in of.responses:
-        yield from _line(response, say)
+    yield from verdict(of, say, every=every, brief=not every, width=width)
+    several = len(of.responses) > 1
+    yield from folded(_helps(tuple(helps), sizes or {}, say, several=several), width)
+    if every or phasings:
+        for response in of.responses:
+            yield from _phased(response, say, width, several=several)
+    if every or states:
+        for response in of.responses:
+            yield from _line(response, say, width)
+    elif not phasings:
+        yield ""
+        yield from folded([say("--states shows the numbers of every state, --all every check.")],
+                          width)  # fmt: skip
 
 
-def verdict(of: Approval, say: Language = EN, *, every: bool = False) -> Iterator[str]:
-    """Yield the verdict, each limit where it is worst, what has no answer, and notes."""
-    yield from summary(of, say)
-    yield say("limits: {profile}", profile=of.application.profile)
-    yield from checks(of, say, every=every)
-    yield from without_answer(unanswered(of, say), of.coverage, say)
-    yield from notes(of, say)
+def verdict(
+    of: Approval,
+    say: Language = EN,
+    *,
+    every: bool = False,
+    brief: bool = False,
+    width: int = WIDTH,
+) -> Iterator[str]:
+    """Yield the verdict, each limit where it is worst, what has no answer, and notes.
+
+    `brief` leaves out the limits that pass, but the few nearest.
+    """
+    yield from folded(summary(of, say), width)
+    yield from folded(facts(of, say), width)
+    yield from checks(of, say, every=every, brief=brief, width=width)
+    yield from folded(without_answer(unanswered(of, say), of.coverage, say), width)
+    yield from folded(notes(of, say), width)
     if of.data:
         from cardan.report import data
 
+        title = say("Data it stands on, and how it was read (`cardan catalogue` has its sources)")
         yield ""
-        yield _bold(
-            say("Data it stands on, and how it was read (`cardan catalogue` has its sources)")
-        )
-        yield from (f"  {line}" for line in data.lines(of, say))
+        yield from folded([_bold(title), *(f"  {line}" for line in data.lines(of, say))], width)
 
 
-def block(of: "Table") -> Iterator[str]:
-    """Yield a table of a story, columns as wide as they need to be."""
-    rows = [of.head, *of.rows]
-    wide = [max(len(row[k]) for row in rows) for k in range(len(of.head))]
+def facts(of: Approval, say: Language) -> Iterator[str]:
+    """Yield the profile that a verdict is by, and how near the nearest limit is."""
+    said = say("limits: {profile}", profile=of.application.profile)
+    if of.smallest_margin is None:
+        yield said
+        return
+    yield say("{limits}; smallest margin {margin}", limits=said,
+              margin=say.percent(of.smallest_margin))  # fmt: skip
+
+
+def block(of: "Table", width: int | None = None) -> Iterator[str]:
+    """Yield a table of a story, columns as wide as they need to be, heads in several lines.
+
+    On a screen of a width, columns that have no room stand below, beside the first again.
+    """
+    cells = [max([0, *(len(row[k]) for row in of.rows)]) for k in range(len(of.head))]
+    wide = [max(c, *map(len, h.split() or [""])) for c, h in zip(cells, of.head, strict=True)]
+    heads = [wrapped(h, w) for h, w in zip(of.head, wide, strict=True)]
+    wide = [max(w, *map(len, h)) for w, h in zip(wide, heads, strict=True)]
     yield ""
     yield _bold(of.caption)
-    for row in rows:
-        cells = [
-            f"{cell:<{w}}" if k < of.words else f"{cell:>{w}}"
-            for k, (cell, w) in enumerate(zip(row, wide, strict=True))
-        ]
-        yield "  " + "  ".join(cells).rstrip()
+    lead = max(of.words, 1)
+    for some in _fitting(wide, lead, width):
+        high = max(len(heads[k]) for k in some)
+        rows = [tuple(([""] * (high - len(h)) + h)[-high:][k] for h in heads) for k in range(high)]
+        for row in (*rows, *of.rows):
+            line = (
+                f"{row[k]:<{wide[k]}}" if k < of.words else f"{row[k]:>{wide[k]}}" for k in some
+            )
+            yield "  " + "  ".join(line).rstrip()
 
 
-def bare(lines: Iterable[str]) -> str:
-    """Return lines as one text without colours, for where nobody prints to a terminal."""
-    return re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(lines))
+def _fitting(wide: Sequence[int], lead: int, width: int | None) -> Iterator[list[int]]:
+    """Yield places of columns that fit beside the first ones."""
+    rest = list(range(lead, len(wide)))
+    while rest or lead == len(wide):
+        some, room = list(range(lead)), (width or sys.maxsize) - sum(2 + w for w in wide[:lead])
+        while rest and (len(some) == lead or 2 + wide[rest[0]] <= room):
+            room -= 2 + wide[rest[0]]
+            some.append(rest.pop(0))
+        yield some
+        if not rest:
+            return
 
 
 def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> Iterator[str]:
@@ -133,34 +182,48 @@ def without_answer(found: Sequence[str], coverage: Coverage, say: Language) -> I
         yield from (f"  {line}" for line in found)
 
 
-def comparison(of: "Sequence[Variant]", say: Language = EN) -> Iterator[str]:
+def comparison(of: "Sequence[Variant]", say: Language = EN, *, width: int = WIDTH) -> Iterator[str]:
     """Yield variants side by side: verdicts, what differs in the input, each limit."""
     from cardan.report.compare import differences, effects
 
-    yield _bold(say("Variants side by side"))
-    wide = 22
-    head = "".join(_fit(f"{k}. {v.name}", wide) for k, v in enumerate(of, 1))
-    yield f"{'':6}{'':40}{head}"
-    verdicts = "".join(
-        _graded(v.approval.verdict, _fit(say(v.approval.verdict).upper(), wide)) for v in of
-    )
-    yield f"{'':6}{_fit(say('verdict'), 40)}{verdicts}"
-    yield ""
-    yield _bold(say("What differs in the input"))
-    rows = differences(of, say)
-    for row in rows:
-        yield f"{'':6}{_fit(row.name, 40)}" + "".join(_fit(v, wide) for v in row.values)
-    if not rows:
-        yield "      " + say("nothing")
-    yield ""
-    yield _bold(say("What it does to each limit, where it is worst"))
-    for row in effects(of, say):
-        shown = "".join(
-            _graded(g, _fit(v, wide)) if g else _fit(v, wide)
-            for v, g in zip(row.values, row.grades, strict=True)
-        )
-        yield f"{'*' if row.changed else ' ':6}{_fit(row.name, 40)}{shown}"
-    yield say("* the verdict differs")
+    wide = 20
+    most = max(1, (width - 2 - 24) // wide)
+    room = max(width - 2 - wide * min(len(of), most), 24)
+    changes, results = differences(of, say), effects(of, say)
+
+    def row(
+        name: str, values: Sequence[str], grades: Sequence[Verdict | None], mark: str = " "
+    ) -> Iterator[str]:
+        cells = [wrapped(v, wide - 1) for v in values]
+        for k, (title, *line) in enumerate(zip_longest(wrapped(name, room - 1), *cells)):
+            shown = (
+                _graded(g, text) if g else text
+                for g, text in zip(grades, (f"{t or '':>{wide}}" for t in line), strict=True)
+            )
+            yield f"{mark if k == 0 else ' '} {title or '':<{room}}{''.join(shown)}".rstrip()
+
+    for start in range(0, len(of), most):
+        some = slice(start, start + most)
+        none = (None,) * len(of[some])
+        yield _bold(say("Variants side by side"))
+        names = [f"{k}. {v.name}" for k, v in enumerate(of, 1)][some]
+        yield from (f"  {'':{room}}{line}" for line in headings(names, wide))
+        found: list[Verdict] = [v.approval.verdict for v in of[some]]
+        yield from row(say("verdict"), [say(v).upper() for v in found], found)
+        yield ""
+        yield _bold(say("What differs in the input"))
+        for one in changes:
+            yield from row(one.name, one.values[some], none)
+        if not changes:
+            yield "  " + say("nothing")
+        yield ""
+        yield _bold(say("What it does to each limit, where it is worst"))
+        for one in results:
+            mark = "*" if one.changed else " "
+            yield from row(one.name, one.values[some], one.grades[some], mark)
+        yield say("* the verdict differs")
+        if start + most < len(of):
+            yield ""
 
 
 def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
@@ -172,12 +235,15 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         )
         return
     before = say.percent(of[0].before)
-    yield say("Line {line}, smallest margin as installed {margin}.", line=of[0].line, margin=before)
+    yield say(
+        "Line {line}: the limits that moving changes are {margin} from a warning as installed.",
+        line=of[0].line, margin=before,
+    )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
     for k, p in enumerate(of, 1):
         yield ""
         margin, cost = say.percent(p.margin), say.short(round(p.cost, 2))
-        won = say("smallest margin {margin}, cost {cost}", margin=margin, cost=cost)
+        won = say("{margin} from a warning, cost {cost}", margin=margin, cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
@@ -190,10 +256,10 @@ def explanation(q: Quantity, say: Language = EN) -> Iterator[str]:
     yield from (f"      {symbol}: {say.given(meaning)}" for symbol, meaning in q.where.items())
     if q.use:
         yield f"  {say('Limits of use')}: {say.given(q.use)}"
-    yield f"  {say('Source')}: {q.source}"
+    yield f"  {say('Source')}: {cited(q.source, say)}"
     yield from _limits_on(q, say)
     others = "; ".join(f"{c}: {Language(c).name(q.key)}" for c in CODES if c != "en")
-    yield f"  Key: {q.key}; {others}"
+    yield f"  {say('Key')}: {q.key}; {others}"
 
 
 def _limits_on(q: Quantity, say: Language) -> Iterator[str]:
@@ -226,9 +292,10 @@ KINDS = {
 """Heads of `cardan verify`."""
 
 
-def published(cases: "Iterable[Published]") -> Iterator[str]:
+def published(cases: "Iterable[Published]", *, width: int = WIDTH) -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
-    yield f"{'':6}{'case':<66}{'published':>13}{'computed':>13}{'difference':>12}"
+    room = width - 6 - 13 - 13 - 11
+    yield f"{'':6}{'case':<{room}}{'published':>13}{'computed':>13}{'difference':>11}"
     kind = ""
     for c in cases:
         if c.kind != kind:
@@ -236,46 +303,109 @@ def published(cases: "Iterable[Published]") -> Iterator[str]:
             yield ""
             yield _bold(KINDS[kind])
         word = _graded("pass", "ok    ") if c.agrees else _graded("fail", "WRONG ")
-        yield (
-            f"{word}{_fit(c.title, 66)}{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
-        )
-        yield f"{'':6}{'':2}{c.source}"
+        numbers = f"{c.expected:>13.6g}{c.computed:>13.6g}{c.difference:>+11.2%}"
+        first, *others = beside(c.title, numbers, room)
+        yield f"{word}{first}"
+        yield from (f"{'':6}{line}" for line in others)
+        yield from folded([f"{'':6}{'':2}{c.source}"], width)
 
 
-def checks(of: Approval, say: Language, *, every: bool = False) -> Iterator[str]:
+def checks(
+    of: Approval, say: Language, *, every: bool = False, brief: bool = False, width: int = WIDTH
+) -> Iterator[str]:
     """Yield a table of checks, those that do not pass first, and the sources of its limits."""
     rows = sorted(of.checks, key=badness) if every else worst_of_each(of.checks)
-    yield from table(rows, say, several=len(of.responses) > 1)
+    shown = rows
+    if brief:
+        bad = sum(c.grade != "pass" for c in rows)
+        shown = rows[: max(bad, FEW)]
+    yield from table(shown, say, several=len(of.responses) > 1, width=width)
+    if rest := rows[len(shown) :]:
+        means = (
+            "One more limit passes, by {margin}; --all shows it."
+            if len(rest) == 1
+            else "{count} more limits pass, the nearest by {margin}; --all shows them."
+        )
+        said = say(means, count=len(rest), margin=say.percent(rest[0].margin))
+        yield from folded([said], width)
 
 
-def table(rows: Sequence[Check], say: Language, *, several: bool = False) -> Iterator[str]:
-    """Yield a table of checks as they come, and the sources of their limits."""
+def table(
+    rows: Sequence[Check], say: Language, *, several: bool = False, width: int = WIDTH
+) -> Iterator[str]:
+    """Yield a table of checks as they come, and the sources of their limits.
+
+    Where a check is worst stands beside its name if the screen is wide, else below it.
+    """
     if not rows:
         return
     sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
-    wide = 2 + max(len(say(g)) for g in GRADES)
-    yield ""
-    yield _bold(
-        f"{'':{wide}}{_fit(say('limit'), 36)}{_fit(say('where it is worst'), 56)}"
-        f"{say('value'):>9} {'':8}{_fit(say('limit'), 9)}"
-        f"{_fit(say('unit'), 9)}{say('margin'):>7}  {say('source')}"
+    grade = 2 + max(len(say(g)) for g in GRADES)
+    numbers = _aligned(
+        [(say("value"), "", say("limit"), say("unit"), say("margin"), "")]
+        + [_numbers(c, say, sources.index(cited(c.limit.source, say)) + 1) for c in rows],
+        right=(0, 4),
     )
-    for c in rows:
-        q = QUANTITIES[c.quantity]
-        yield (
-            f"{_graded(c.grade, f'{say(c.grade):<{wide}}')}{_fit(say.name(c.quantity), 36)}"
-            f"{_fit(place(c, say, several=several), 56)}"
-            f"{say.number(c.value / q.factor):>9} {_sense(c, say):<8}"
-            f"{_fit(say.number(c.bound / q.factor), 9)}"
-            f"{_fit(q.unit_name, 9)}{say.percent(c.margin):>7}"
-            f"  [{sources.index(cited(c.limit.source, say)) + 1}]"
+    places = [(say.name(c.quantity), place(c, say, several=several)) for c in rows]
+    room = width - grade - 2 - len(numbers[0])
+    name, where = (max(map(len, column)) for column in zip(*places, strict=True))
+    split = min(name, room * 4 // 9)
+    apart = split >= min(name, 30) and room - split - 2 >= min(where, 40)
+    yield ""
+    head = say("limit"), say("where it is worst")
+    if apart:
+        left = f"{head[0]:<{split + 2}}{head[1]}"
+    else:
+        left = say.list(*head) if len(say.list(*head)) <= room else head[0]
+    yield _bold(f"{'':{grade}}{left:<{room + 2}}{numbers[0]}".rstrip())
+    for c, (what, at), row in zip(rows, places, numbers[1:], strict=True):
+        if apart:
+            lines = _two(what, at, split, room)
+        else:
+            lines = [*wrapped(what, room), *(f"  {x}" for x in wrapped(at, width - grade - 2))]
+        first, *others = lines
+        yield (f"{_graded(c.grade, f'{say(c.grade):<{grade}}')}{first:<{room + 2}}{row}").rstrip()
+        yield from (f"{'':{grade}}{line}" for line in others)
+    yield from folded((f"  [{k}] {source}" for k, source in enumerate(sources, 1)), width)
+
+
+def _numbers(c: Check, say: Language, source: int) -> tuple[str, ...]:
+    """Return the cells of a check: value, sense, limit, unit, margin, number of its source."""
+    q = QUANTITIES[c.quantity]
+    return (
+        say.number(c.value / q.factor), _sense(c, say), say.number(c.bound / q.factor),
+        q.unit_name, say.percent(c.margin), f"[{source}]",
+    )  # fmt: skip
+
+
+def _aligned(rows: Sequence[tuple[str, ...]], *, right: Sequence[int]) -> list[str]:
+    """Return rows as lines as long as each other: columns a space apart, some to the right."""
+    wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        " ".join(
+            f"{cell:>{w}}" if k in right else f"{cell:<{w}}"
+            for k, (cell, w) in enumerate(zip(row, wide, strict=True))
         )
-    yield from (f"  [{k}] {source}" for k, source in enumerate(sources, 1))
+        for row in rows
+    ]
+
+
+def _two(first: str, second: str, split: int, room: int) -> list[str]:
+    """Return lines of two texts beside each other."""
+    left, right = wrapped(first, split), wrapped(second, room - split - 2)
+    return [f"{a:<{split + 2}}{b}".rstrip() for a, b in zip_longest(left, right, fillvalue="")]
 
 
 def _sense(c: Check, say: Language) -> str:
     """Return how a value stands to its limit, in characters of any terminal."""
     return say("outside") if c.limit.band else c.limit.sense
+
+
+def _phased(r: Response, say: Language, width: int, *, several: bool) -> Iterator[str]:
+    """Yield a line with its yokes in every way."""
+    for one in phased.table(r, say):
+        caption = f"{r.line.name}: {one.caption}" if several else one.caption
+        yield from block(replace(one, caption=caption), width)
 
 
 def _helps(
@@ -309,31 +439,38 @@ def instead(check: Check, remedy: "Remedy | None", say: Language) -> str:
     return other_part(remedy, say)
 
 
-def _line(r: Response, say: Language) -> Iterator[str]:
-    """Yield the numbers of one line, rows over states."""
+def _line(r: Response, say: Language, width: int) -> Iterator[str]:
+    """Yield the numbers of one line, rows over states, as many states beside each other as fit."""
     yield ""
     yield _bold(line_title(r, say))
-    head = "".join(f"{_cut(say.state(s), COLUMN - 1):>{COLUMN}}" for s in r.demand.states)
     for section in sections(r):
-        yield ""
-        yield _bold(f"{_fit(say(section.title), LABEL)}{'':8}{head}")
-        yield from (_row(row, say) for row in section.rows)
+        labels = [row.label(say) for row in section.rows]
+        unit = 2 + max(len(row.unit) for row in section.rows)
+        room = min(max(map(len, labels)) + 3, max(32, width * 3 // 8))
+        cells = [[say.number(v) for v in row.values] for row in section.rows]
+        column = 2 + max(7, *(len(cell) for row in cells for cell in row))
+        most = max(1, (width - room - unit) // column)
+        for start in range(0, len(r.demand.states), most):
+            some = slice(start, start + most)
+            yield ""
+            head = headings([say.state(s) for s in r.demand.states[some]], column)
+            title = wrapped(say(section.title), room + unit - 1)
+            names = [""] * (len(head) - len(title)) + title
+            heads = [""] * (len(title) - len(head)) + head
+            for name, states in zip(names, heads, strict=True):
+                yield _bold(f"{name:<{room + unit}}{states}".rstrip())
+            for row, label, values in zip(section.rows, labels, cells, strict=True):
+                numbers = f"{row.unit:<{unit}}" + "".join(f"{v:>{column}}" for v in values[some])
+                yield from _hanging(label, numbers, room)
 
 
-def _row(row: Row, say: Language) -> str:
-    """Return a row of numbers."""
-    values = "".join(f"{say.number(v):>{COLUMN}}" for v in row.values)
-    return f"{_fit(row.label(say), LABEL)}{_fit(row.unit, 8)}{values}"
-
-
-def _fit(text: str, width: int) -> str:
-    """Return a text in a column of a width, with a space behind it, cut where it is longer."""
-    return f"{_cut(text, width - 1):<{width}}"
-
-
-def _cut(text: str, width: int) -> str:
-    """Return a text, cut where it is longer than a width."""
-    return text if len(text) <= width else f"{text[: width - 1]}…"
+def _hanging(label: str, numbers: str, room: int) -> Iterator[str]:
+    """Yield a row of numbers; of a long name the last line stands beside them."""
+    indent = len(label) - len(label.lstrip())
+    *others, last = wrapped(label.strip(), room - 3 - indent)
+    yield from (f"{'':{indent}}{line}" for line in others)
+    lead = " " * (indent + 2 if others else indent)
+    yield f"{lead + last:<{room}}{numbers}".rstrip()
 
 
 def _bold(text: str) -> str:

@@ -1,8 +1,10 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cardan.base.errors import BadFile, Problem
 from cardan.base.part import LINE
 from cardan.base.source import Source
 from cardan.base.units import mm, rpm
@@ -34,9 +36,13 @@ def counts(of: Approval, say: Language) -> str:
 def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] = ()) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""
     grades = [c.grade for c in checks]
-    said = [f"{grades.count(g)} {say(g)}" for g in reversed(GRADES)]
+    said = [
+        say.count("{count} fail", "{count} fail", grades.count("fail")),
+        say.count("{count} warn", "{count} warn", grades.count("warn")),
+        say.count("{count} pass", "{count} pass", grades.count("pass")),
+    ]
     if missed:
-        said.append(say("{count} unanswered", count=len(missed)))
+        said.append(say.count("{count} unanswered", "{count} unanswered", len(missed)))
     return ", ".join(said)
 
 
@@ -148,7 +154,7 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
     said = f"{one.check.line}: {said}" if several else said
     if len(one.states) < 2:
         return said
-    return said + " (" + say("{count} states", count=len(one.states)) + ")"
+    return said + " (" + say.count("{count} state", "{count} states", len(one.states)) + ")"
 
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
@@ -257,10 +263,24 @@ def notes(of: Approval, say: Language) -> list[str]:
     return found
 
 
+def located(of: Problem, file: str, say: Language) -> str:
+    """Return what is wrong in a file as one line, in the language."""
+    told = replace(of, message=say.error(of.message), hint=say.error(of.hint))
+    if of.value:
+        told = replace(told, message=f"{told.message} ({say.error(f'got {of.value}')})", value="")
+    return told.located(file)
+
+
+def refused(error: Exception, say: Language) -> str:
+    """Return why something was refused, in the language; a bad file problem by problem."""
+    if isinstance(error, BadFile):
+        return "\n".join(located(p, error.file, say) for p in error.problems)
+    return say.error(str(error))
+
+
 def cited(source: Source, say: Language) -> str:
     """Return a source and how it was read, in the language where it is no publication."""
-    title = say.given(source.title)
-    said = f"{title}, {source.place}" if source.place else title
+    said = say.source(f"{source.title}, {source.place}" if source.place else source.title)
     read = how_read(source, say)
     return f"{said} ({read})" if read else said
 

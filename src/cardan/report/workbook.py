@@ -37,6 +37,7 @@ from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.report import front
 from cardan.report.book import (
     EITHER_WAY,
     EMPTY,
@@ -85,6 +86,7 @@ def workbook(of: Approval, *, say: Language) -> bytes:
     file.set_properties({"created": UNDATED})  # the same application, the same bytes
     book = Book(file, say)
     tags = dict(zip((r.line.name for r in of.responses), _tags(of), strict=True))
+    opening = front.open_front(book)
     inputs = book.sheet(say("Inputs"))
     top = _general(inputs, of.application)
     for r in of.responses:
@@ -100,6 +102,7 @@ def workbook(of: Approval, *, say: Language) -> bytes:
         if finding.study != DRIVELINE and (finding.checks or finding.unanswered)
     ]
     verdict(inputs, top, judged, name="verdict")
+    front.fill(opening, of, judged)
     book.originals()
     book.file.close()
     return _computed_anew(raw.getvalue())

@@ -75,6 +75,14 @@ class Approval:
         return verdict_of(self.checks, missed=bool(self.coverage.missed))
 
     @property
+    def smallest_margin(self) -> float | None:
+        """The least share of a deciding bound that is free, over all checks; None without any.
+
+        What fails is measured to the maximum it passed, all else to the normal bound.
+        """
+        return min((c.margin for c in self.checks), default=None)
+
+    @property
     def studies(self) -> tuple[str, ...]:
         """The studies that the verdict is of."""
         return tuple(f.study for f in self.findings if f.answer is not None)

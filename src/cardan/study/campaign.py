@@ -186,7 +186,7 @@ class Campaign:
     estimate_speed: str | None = None
     joint_orders: str = "2,4"
     engine: str | None = None
-    engine_orders: str = "3,6"
+    engine_orders: str = ""
     axle_ratio: float | None = None
     tyre_radius_m: float | None = None
     torque: str | None = None
@@ -241,7 +241,8 @@ class Campaign:
                 )
                 raise DesignError(msg)
         for name in ("joint_orders", "engine_orders"):
-            wrong = [n for n in numbers(getattr(self, name)) if not 0 < n <= 100]
+            given = getattr(self, name)
+            wrong = [n for n in numbers(given) if not 0 < n <= 100] if given else []
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)

@@ -19,7 +19,7 @@ from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
-from cardan.fatigue.cause import separation, suspects
+from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
@@ -436,12 +436,13 @@ def _causes(
     ratio, shaft = campaign.axle_ratio, angle.rotation
     named = suspects(
         shaft, joint_orders=numbers(campaign.joint_orders), engine=campaign.engine_of(recording),
-        engine_orders=numbers(campaign.engine_orders),
+        engine_orders=numbers(campaign.engine_orders) if campaign.engine_orders else FIRING,
         wheel=None if ratio is None else shaft.geared(1 / ratio),
     )  # fmt: skip
     return room.causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
-        angle=angle, torque=campaign.torque_of(recording), predicted=predicted, progress=progress,
+        angle=angle, torque=campaign.torque_of(recording), predicted=predicted,
+        orders_said=bool(campaign.engine_orders), progress=progress,
     )  # fmt: skip
 
 

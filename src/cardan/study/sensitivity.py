@@ -86,7 +86,7 @@ def _moved(
     if not (missed and movable):
         yield from (Sensitivity(check=m.check, states=m.states, effects=()) for m in missed)
         return
-    steps = np.array([MOVABLES[a.what].step for a in movable])
+    steps = np.array([_step(a) for a in movable])
     within = _deciding(response, {m.state for m in missed})
     amounts = np.concatenate([np.diag(-steps), np.diag(steps)])
     line = tried(in_states(response, within), movable, amounts)
@@ -104,6 +104,12 @@ def _moved(
         )
         helpful = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.gain(e) > 0)
         yield replace(one, effects=tuple(sorted(helpful, key=one.gain, reverse=True)))
+
+
+def _step(a: Adjustable) -> float:
+    """Return how far something is moved to see what that does: other mounts as far as they go."""
+    movable = MOVABLES[a.what]
+    return min(movable.step, -a.low, a.high) if movable.fitted else movable.step
 
 
 def _missed(response: Response, quantities: set[str]) -> Iterator[_Missed]:

@@ -1,0 +1,103 @@
+"""A line with its yokes put together in every way a spline allows by quarters: side by side."""
+
+from dataclasses import dataclass
+from itertools import product
+from math import pi
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.units import Radian
+from cardan.kinematics.equivalent import EquivalentJoint, Excitation
+from cardan.quantity.response import Response, respond
+
+MOST = 5
+"""Shafts whose yokes are turned; 32 lines side by side are more than anybody reads."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phasing:
+    """A line with other yoke phases: 0 is aligned, a quarter turn crossed.
+
+    Attributes
+    ----------
+    phases : (n-1,) rad
+        Of every shaft.
+    installed
+        Whether that is how the application has it.
+    states : (S,)
+        Names of the states.
+    exact, ae7
+        What it excites in each of them, (S,): exactly, and by the field's addition of squares.
+    """
+
+    phases: tuple[Radian, ...]
+    installed: bool
+    states: tuple[str, ...]
+    exact: Excitation
+    ae7: Excitation
+
+
+def phasings(response: Response) -> tuple[Phasing, ...]:
+    """Return a line with every shaft between two crosses aligned and crossed.
+
+    The line as installed is among them, first if its phases are no quarters. A line without
+    such a shaft, or one whose yokes are not to be chosen, has none.
+
+    Notes
+    -----
+    Source: Souza (2014), figure 36 and tables 4 and 5, there for two shafts.
+    """
+    crosses, own = response.line.crosses, tuple(float(p) for p in response.line.phases)
+    free = [k for k in range(len(own)) if crosses[k] and crosses[k + 1]][-MOST:]
+    if not free or np.ndim(response.phases) != 1:
+        return ()
+    found = [
+        tuple(turned.get(k, p) for k, p in enumerate(own))
+        for quarters in product((0.0, pi / 2), repeat=len(free))
+        for turned in (dict(zip(free, quarters, strict=True)),)
+    ]
+    if not any(_same(own, one) for one in found):
+        found.insert(0, own)
+    several = respond(
+        response.application,
+        response.demand,
+        lay=response.lay,
+        phases=np.array(found)[:, None, :],
+    )
+    exact, ae7 = several.excitation, several.approximations["ae7"]
+    return tuple(
+        Phasing(
+            phases=one,
+            installed=_same(own, one),
+            states=response.demand.states,
+            exact=_one(exact, k),
+            ae7=_one(ae7, k),
+        )
+        for k, one in enumerate(found)
+    )
+
+
+def _same(one: tuple[Radian, ...], other: tuple[Radian, ...]) -> bool:
+    """Return whether yokes stand alike: half a turn on they are the same."""
+    return all(abs((a - b + pi / 2) % pi - pi / 2) < 1e-9 for a, b in zip(one, other, strict=True))
+
+
+def _one(of: Excitation, k: int) -> Excitation:
+    """Return what one of several lines excites."""
+
+    def joint(many: EquivalentJoint) -> EquivalentJoint:
+        return EquivalentJoint(angle=_at(many.angle, k), acceleration=_at(many.acceleration, k))
+
+    return Excitation(
+        torsional=joint(of.torsional),
+        drive=joint(of.drive),
+        coast=joint(of.coast),
+        drive_torque=None if of.drive_torque is None else _at(of.drive_torque, k),
+        coast_torque=None if of.coast_torque is None else _at(of.coast_torque, k),
+        irregularity=_at(of.irregularity, k),
+    )
+
+
+def _at(values: FloatArray, k: int) -> FloatArray:
+    return values[k] if values.ndim > 1 else values

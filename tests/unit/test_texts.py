@@ -1,0 +1,180 @@
+"""What is said in other languages: nothing is missing, numbers agree, one word for one thing."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.cli import cli
+from cardan.files import limit
+from cardan.files.cycle import cycle
+from cardan.files.cycle import names as cycles
+from cardan.quantity.quantities import QUANTITIES
+from cardan.report import language
+from cardan.report.language import CODES, EN, Language, catalogue
+
+OTHERS = CODES[1:]
+ROOT = Path(__file__).parents[2]
+
+
+def test_what_a_catalogue_lacks_is_said_in_english():
+    language.LACKED.clear()
+    assert Language("it")("nobody ever wrote this {n}", n=2) == "nobody ever wrote this 2"
+    assert {("it", "nobody ever wrote this {n}")} == language.LACKED
+    assert Language("pt").count("{count} moose", "{count} mooses", 2) == "2 mooses"
+
+
+@pytest.mark.parametrize(
+    ("code", "count", "said"),
+    [
+        ("en", 1, "1 shaft"), ("en", 2, "2 shafts"), ("en", 0, "0 shafts"),
+        ("pt", 0, "0 árvore"), ("pt", 1, "1 árvore"), ("pt", 2, "2 árvores"),
+        ("it", 0, "0 alberi"), ("it", 1, "1 albero"), ("it", 3, "3 alberi"),
+    ],
+)  # fmt: skip
+def test_words_agree_with_their_number(code, count, said):
+    """Portuguese counts nought with one, Italian with many."""
+    assert Language(code).count("{count} shaft", "{count} shafts", count) == said
+
+
+def test_a_text_with_forms_asked_without_a_count_is_one_text():
+    assert Language("it")("{count} shaft", count=7) == "7 alberi"
+
+
+def sources():
+    """Every source and note that a report may print."""
+    for name in limit.names():
+        yield from (str(one.source) for one in limit.limits(name)[1])
+    yield from (str(cycle(name).source) for name in cycles())
+    yield from (str(q.source) for q in QUANTITIES.values())
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_we_say_about_a_source_is_translated(code):
+    """Titles of publications begin with a capital or a digit; what does not is ours to say."""
+    said = set(sources())
+    assert len(said) > 60
+    pieces = {
+        piece
+        for text in said if ("", text) not in catalogue(code)
+        for piece in language._PIECES.split(text)[::2]
+    }  # fmt: skip
+    ours = {
+        p for p in pieces
+        if re.match("[a-z]|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
+    }  # fmt: skip
+    assert len(ours) > 25
+    assert sorted(p for p in ours if ("", p) not in catalogue(code)) == []
+
+
+def test_a_source_is_said_in_its_pieces():
+    say = Language("pt")
+    said = "normal 0.67 (safety 1.5): House practice, assumed; maximum 1: Dana, Rating, table 2"
+    assert say.source(said) == (
+        "normal 0,67 (segurança 1,5): Prática da casa, suposta; máximo 1: Dana, Rating, tabela 2"
+    )
+    assert EN.source(said) == said
+
+
+def words(text):
+    return set(re.findall(r"[^\W\d_]+", text.lower()))
+
+
+@pytest.mark.parametrize(
+    ("code", "english", "unless", "asked", "never"),
+    [
+        # The shaft is the árvore, the axle the eixo; semieixos are half shafts.
+        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles", "axis"}, "", {"eixo", "eixos"}),
+        ("pt", {"coast", "coasting"}, set(), "reten", {"arrasto"}),
+        ("pt", {"pitch"}, set(), "inclina", {"rotação"}),
+        ("pt", {"recording"}, set(), "", {"gravação"}),
+        ("pt", {"gearbox"}, set(), "", {"caixa"}),
+        ("it", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"ponte", "assale"}),
+        ("it", {"coast", "coasting"}, set(), "rilasci", set()),
+        ("it", {"needle", "needles"}, set(), "rullini", {"aghi"}),
+        ("it", {"assumed"}, set(), "", {"supposto", "supposti", "assunto", "assunta"}),
+        ("it", {"rpm"}, set(), "rpm", {"giri"}),
+    ],
+)  # fmt: skip
+def test_one_word_for_one_thing(code, english, unless, asked, never):
+    texts = {e: t for (context, e), t in catalogue(code).items() if context != "error"}
+    about = {e: t for e, t in texts.items() if words(e) & english - unless}
+    about = {e: t for e, t in about.items() if not words(e) & unless and "`" not in e}
+    assert about
+    wrong = {e: t for e, t in about.items() if asked not in t.lower() or words(t) & never}
+    assert wrong == {}
+
+
+def refusals():
+    """Sentences that readers write out where they refuse something; {0} is what is named."""
+    for room in ("border", "files"):
+        for module in sorted((ROOT / "src/cardan" / room).glob("*.py")):
+            for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+                name = (
+                    ast.unparse(node.func).rpartition(".")[2] if isinstance(node, ast.Call) else ""
+                )
+                if name in ("note", "refuse", "warn"):
+                    yield from filter(None, map(sentence, node.args))
+
+
+def sentence(node):
+    """A text as a pattern, or nothing where it is none or says too little."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value if " " in node.value.strip() else ""
+    if isinstance(node, ast.JoinedStr):
+        parts, named = [], 0
+        for part in node.values:
+            if isinstance(part, ast.Constant):
+                parts.append(part.value)
+            else:
+                parts.append(f"{{{named}}}")
+                named += 1
+        said = "".join(parts)
+        return said if len(re.findall(r"[a-z]{3,}", said)) > 1 else ""
+    return ""
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_readers_refuse_is_translated(code):
+    said = set(refusals())
+    assert len(said) > 80
+    missing = sorted(s for s in said if ("error", s) not in catalogue(code))
+    # What is missing is said in English. New sentences come faster than translations; not too many.
+    assert len(missing) <= 0.1 * len(said), missing
+
+
+@pytest.mark.parametrize(
+    ("code", "refused", "said"),
+    [
+        ("pt", "unknown key", "chave desconhecida"),
+        ("it", "did you mean torque_Nm?", "si intendeva torque_Nm?"),
+        ("pt", "must be a number of 0 or more", "deve ser um número de 0 ou mais"),
+        ("it", "no catalogue has a tube 100x33", "nessun catalogo ha un tubo 100x33"),
+        ("pt", "nobody ever refused this", "nobody ever refused this"),
+        ("en", "unknown key", "unknown key"),
+    ],
+)  # fmt: skip
+def test_a_refusal_is_known_by_its_pattern(code, refused, said):
+    assert Language(code).error(refused) == said
+
+
+def test_a_bad_file_is_told_in_the_language_asked_for(tmp_path):
+    file = tmp_path / "t.yaml"
+    file.write_text("title: x\nsped_rpm: 2,5\n", encoding="utf-8")
+    result = CliRunner().invoke(cli, ["check", str(file), "--lang", "pt"])
+    assert result.exit_code == 2
+    assert f"erro: {file}:2:1: sped_rpm: chave desconhecida; quis dizer speed_rpm?" in result.output
+
+
+def test_what_looks_odd_is_told_in_the_language_asked_for(tmp_path):
+    file = tmp_path / "t.yaml"
+    text = files.starter("small").replace(
+        "outer_mm: 101.6, wall_mm: 3.2", "outer_mm: 101.6, wall_mm: 30"
+    )
+    file.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(cli, ["check", str(file), "--lang", "it", "--quiet"])
+    assert "avviso: " in result.output
+    assert "insolitamente grande" in result.output
