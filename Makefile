@@ -68,7 +68,7 @@ $(VENV)/cardan-%: $(VENV)/cardan
 	$(INSTALL) .[$*]
 	@touch $@
 
-$(PAGE): $(wildcard web/src/*) web/index.html web/vite.config.ts web/node_modules
+$(PAGE): $(wildcard web/src/*) web/types.mjs src/cardan/web/messages.schema.json web/index.html web/vite.config.ts web/node_modules
 	cd web && npm run --silent build -- --logLevel error
 	@touch $@
 
@@ -88,5 +88,5 @@ node_modules/axe-core:
 	npm install --silent --no-save --no-package-lock axe-core@4.14.1
 
 clean:
-	rm -rf $(VENV) node_modules web/node_modules src/cardan/web/static site build dist \
+	rm -rf $(VENV) node_modules web/node_modules web/made src/cardan/web/static site build dist \
 	  $(VENV)-peers

@@ -17,7 +17,8 @@ class PageHook(BuildHookInterface[Any]):
         del build_data
         root = Path(self.root)
         page, sources = root / "src/cardan/web/static/index.html", root / "web"
-        newest = max((p.stat().st_mtime for p in (sources / "src").glob("*")), default=0.0)
+        read = (*(sources / "src").glob("*"), root / "src/cardan/web/messages.schema.json")
+        newest = max((p.stat().st_mtime for p in read if p.exists()), default=0.0)
         if version == "editable" or (page.exists() and page.stat().st_mtime >= newest):
             return
         npm = shutil.which("npm")

@@ -3,119 +3,42 @@
 Needs the built page: `make browser` builds it.
 """
 
-import os
-import shutil
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from workbench import PATIENCE, running  # noqa: E402
+from browsing import (
+    CHAIN,
+    SETTLED,
+    TRUCK,
+    browsing,
+    clean,
+    drag,
+    edited,
+    on,
+    opened,
+    serious,
+    text_of,
+    wait,
+    workbench,
+)
+from workbench import PATIENCE
 
-from cardan import files  # noqa: E402
-from cardan.report.language import CODES  # noqa: E402
-from cardan.study.approval import approve  # noqa: E402
-from cardan.web import server  # noqa: E402
+from cardan import files
+from cardan.report.language import CODES
+from cardan.study.approval import approve
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
-
-AXE = Path(os.environ.get("AXE", ROOT / "node_modules/axe-core/axe.min.js"))
-TRUCK = (ROOT / "examples/refuse-collector-6x2.yaml").read_text("utf-8")
-CHAIN = (ROOT / "examples/three-joint-chain.yaml").read_text("utf-8")
-SETTLED = (
-    "return document.querySelector('.strip .counts .pass')"
-    " && !document.querySelector('.strip.open')"
-)
-
-
-@contextmanager
-def browsing(width=1440, height=1000, *, deep=False):
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    drawn = (
-        ("--use-angle=swiftshader", "--enable-unsafe-swiftshader") if deep else ("--disable-gpu",)
-    )
-    options = webdriver.ChromeOptions()
-    for flag in ("--headless=new", "--no-sandbox", f"--window-size={width},{height}", *drawn,
-                 "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):  # fmt: skip
-        options.add_argument(flag)
-    options.binary_location = shutil.which("chromium") or shutil.which("google-chrome") or ""
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
-    try:
-        yield driver
-    finally:
-        driver.quit()
 
 
 @pytest.fixture(scope="module")
 def browser():
     with browsing() as driver:
         yield driver
-
-
-@contextmanager
-def workbench(tmp_path, text=TRUCK, name="truck.yaml"):
-    path = tmp_path / name
-    if not path.exists():
-        path.write_text(text, "utf-8")
-    with running(path, tmp_path / "drafts", built=server.front()) as house:
-        yield house, path
-
-
-def wait(driver, script, *arguments):
-    """Return what a script comes to, once that is something."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        if found := driver.execute_script(script, *arguments):
-            return found
-        time.sleep(0.03)
-    said = driver.execute_script("return document.querySelector('main')?.innerText.slice(0, 300)")
-    msg = f"{script}: {said} {driver.get_log('browser')}"
-    raise TimeoutError(msg)
-
-
-def opened(driver, house):
-    driver.get("about:blank")
-    driver.get_log("browser")  # of pages before: their servers are gone
-    driver.get(house.address)
-    wait(driver, SETTLED)
-
-
-def text_of(driver):
-    return driver.execute_script("return document.querySelector('textarea').value")
-
-
-def on(driver, handle):
-    return driver.find_element("css selector", f"[data-handle='{handle}']")
-
-
-def drag(driver, handle, dx, dy, steps=6):
-    from selenium.webdriver.common.action_chains import ActionChains
-
-    at = driver.find_element("css selector", f"[data-handle='{handle}'] .dot")
-    hand = ActionChains(driver, duration=10).move_to_element(at).click_and_hold()
-    for _ in range(steps):
-        hand.move_by_offset(dx, dy)
-    return hand
-
-
-def edited(driver, was):
-    """Return the text once it is another, and settled."""
-    wait(driver, "return document.querySelector('textarea').value !== arguments[0]", was)
-    wait(driver, SETTLED)
-    return text_of(driver)
-
-
-def clean(driver):
-    log = [e for e in driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")]
-    assert [e for e in log if "GPU" not in e["message"] and "GL Driver" not in e["message"]] == []
 
 
 def test_a_dragged_bearing_changes_drawing_verdict_and_file(browser, tmp_path):
@@ -288,7 +211,7 @@ def test_an_unsaved_edit_survives_a_crash_and_another_program(browser, tmp_path)
 def test_what_is_typed_is_checked_and_said_where_it_is_wrong(browser, tmp_path):
     with workbench(tmp_path, CHAIN) as (house, _):
         opened(browser, house)
-        put = """const e = document.querySelector('textarea'); e.value = arguments[0];
+        put = """const e = document.querySelector('.editor textarea'); e.value = arguments[0];
             e.dispatchEvent(new Event('input', {bubbles: true}));"""
         browser.execute_script(put, CHAIN.replace("2800", "fast"))
         wait(browser, "return document.querySelector('.problems .fail')")
@@ -303,7 +226,7 @@ def test_what_is_typed_is_checked_and_said_where_it_is_wrong(browser, tmp_path):
 def test_three_dimensions_are_drawn(tmp_path):
     with browsing(deep=True) as driver, workbench(tmp_path, CHAIN) as (house, _):
         opened(driver, house)
-        driver.find_elements("css selector", ".views .chips button")[1].click()
+        driver.find_elements("css selector", ".views .chips button")[-1].click()
         wait(driver, "return document.querySelector('.canvas canvas')")
         colours = """
             const c = document.querySelector('.canvas canvas');
@@ -318,16 +241,6 @@ def test_three_dimensions_are_drawn(tmp_path):
             time.sleep(0.1)
         assert driver.execute_script(colours) > 50
         clean(driver)
-
-
-def serious(driver):
-    driver.execute_script(AXE.read_text(encoding="utf-8"))
-    report = driver.execute_async_script(
-        "const done = arguments[arguments.length - 1]; axe.run().then(done, e => done(String(e)));"
-    )
-    assert report["passes"]
-    return [(v["id"], v["impact"], v["nodes"][0]["html"][:200]) for v in report["violations"]
-            if v["impact"] in ("serious", "critical")]  # fmt: skip
 
 
 @pytest.mark.parametrize("code", CODES)

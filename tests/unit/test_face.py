@@ -105,7 +105,7 @@ def test_a_notebook_shows_the_verdict_and_each_limit(found):
     tags = shown(found._repr_html_())
     said = " ".join(tags.said)
     assert "FAIL" in said
-    assert {"table", "td"} <= tags.seen
+    assert {"table", "td", "svg"} <= tags.seen
     for text in (
         "Clearance",
         "jounce, pulling away in reverse, shaft 3",

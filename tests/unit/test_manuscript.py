@@ -10,7 +10,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import deg, mm
 from cardan.demand.motion import moved
 from cardan.demand.states import demand, resolve
-from cardan.files.manuscript import Manuscript
+from cardan.files.manuscript import Manuscript, Raw
 from cardan.files.placing import phased, placed
 from cardan.model.layout import unit
 from cardan.quantity.response import respond
@@ -54,6 +54,31 @@ def test_comments_order_quotes_and_line_ends_stay():
     assert new == 'a: 2.00  # one\r\nb: "20: 4"\r\nc: {d: 3, e: [4, -7.25]} # six\r\n'
 
 
+def test_quoted_text_is_replaced_whole_however_it_is_written():
+    text = """a: "\\x31 \\"x\\": y" # one\nb: 'it''s'\nc: "two\n  lines"\nd: 4\n"""
+    new = Manuscript(text).with_({"a": 2.0, "b": "3: 4", "c": "one"})
+    assert new == 'a: 2 # one\nb: "3: 4"\nc: one\nd: 4\n'
+
+
+def test_a_value_is_written_in_place_of_a_name_for_it_there_alone():
+    text = "a: &n 1.50\nb: *n  # as a\nc: {d: *n, e: 2}\n"
+    assert Manuscript(text).with_({"b": 3}) == "a: &n 1.50\nb: 3  # as a\nc: {d: *n, e: 2}\n"
+    new = Manuscript(text).with_({"c.d": 4, "b": 3})
+    assert new == "a: &n 1.50\nb: 3  # as a\nc: {d: 4, e: 2}\n"
+    assert Manuscript(new).written("a") == "1.50"
+
+
+def test_items_are_put_before_a_lists_others():
+    rows = [Raw("{x: 0}"), Raw("{x: 1}")]
+    text = "a:\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 2}]\n"
+    assert Manuscript(text).with_({"a[+]": rows, "b[+]": rows}) == (
+        "a:\n  - {x: 0}\n  - {x: 1}\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 0}, {x: 1}, {x: 2}]\n"
+    )
+    for at in ("c[+]", "a[1][+]"):
+        with pytest.raises(BadFile, match="no list"):
+            Manuscript(text).with_({at: rows})
+
+
 def test_a_key_that_is_not_there_is_put_into_its_table():
     text = "a:\n  - x: 1\n    y: 2\n  - {x: 1}\n"
     script = Manuscript(text)
@@ -64,11 +89,12 @@ def test_a_key_that_is_not_there_is_put_into_its_table():
 @pytest.mark.parametrize(
     ("text", "at", "says"),
     [
-        ("a: &n 1\nb: *n\n", "b", "names stand for it"),
+        ("a: &n [1, 2]\nb: *n\n", "b[1]", "names stand for it"),
+        ("a: &n {c: 1}\nb: *n\n", "b.c", "names stand for it"),
+        ("a: [&n 1, *n]\n", "a[2]", "names stand for it"),
         ("a: &n 1\nb: *n\n", "a", "names stand for it"),
         ("a: 1\n", "b.c", "nor does the table"),
         ("a: [1, 2]\n", "a", "a table or a list"),
-        ('a: "\\x31"\n', "a", "changed by hand"),
         ("? {a: 1}\n: 2\n", "a", "a key must be a word"),
     ],
 )
@@ -87,11 +113,12 @@ ANGLES = SLOPES.replace(
     "gearbox_slope: {side_deg: 1.0}\n"
     "  joint_angles: {side_deg: [-2.0, 3.5, -2.5], top_deg: [0.5, 0.1, -0.6]}",
 )
+NAMED = {p.stem: p for p in EXAMPLES}
 TEXTS = {
-    "points": (EXAMPLES[1]).read_text("utf-8"),
+    "points": NAMED["refuse-collector-6x2"].read_text("utf-8"),
     "slopes": SLOPES,
     "angles": ANGLES,
-    "lines": (EXAMPLES[2]).read_text("utf-8"),
+    "lines": NAMED["tandem-6x4"].read_text("utf-8"),
 }
 
 

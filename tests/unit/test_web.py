@@ -214,7 +214,8 @@ def test_every_word_of_the_front_is_known_and_no_other():
 
 
 def test_the_front_is_small_and_needs_three_packages():
-    lines = sum(len(p.read_text("utf-8").splitlines()) for p in (ROOT / "web/src").iterdir())
+    written = (ROOT / "web/src").glob("*.ts*")
+    lines = sum(len(p.read_text("utf-8").splitlines()) for p in written)
     assert lines < 4000
     asked_for = json.loads((ROOT / "web/package.json").read_text("utf-8"))["dependencies"]
     assert set(asked_for) == {"preact", "three", "uplot"}
@@ -513,6 +514,24 @@ def test_what_cannot_be_opened_is_said(tmp_path):
     binary.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(BadFile, match="no UTF-8"):
         Desk(binary, drafts=tmp_path)
+
+
+def test_a_browser_is_started_with_a_code_that_opens_once(own, monkeypatch):
+    """Whoever may list processes sees that code, and comes too late with it."""
+    house, _ = own
+    code = house.opening.rpartition("#")[2]
+    assert code != house.token
+    with page(house, token=code) as one:
+        assert one.hello()["token"] == house.token
+    for late in (code, ""):
+        with pytest.raises(InvalidStatus), reached(house, token=late or "x"):
+            pass
+    code = house.opening.rpartition("#")[2]
+    monkeypatch.setattr("cardan.web.guard.monotonic", lambda: time.monotonic() + 61)
+    with pytest.raises(InvalidStatus), reached(house, token=code):
+        pass
+    with page(house) as one:
+        assert one.hello()
 
 
 # ------------------------------------------------------------------ how it lives and ends

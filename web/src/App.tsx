@@ -2,19 +2,25 @@
 
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
+import { Change } from "./Change";
 import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
 import { Editor } from "./Editor";
 import { number, percent } from "./format";
+import { Guide } from "./Guide";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
+import { Library, Reports } from "./Library";
+import { Limits } from "./Limits";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
-import { store, worst, type Known } from "./store";
+import { Speed } from "./Speed";
+import { store, VIEWS, worst, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
+import { Pin, Variants } from "./Variants";
 import { still, useKnown } from "./use";
 
 type Both = { known: Known; shown: Shown };
@@ -53,29 +59,37 @@ export function App() {
       <Head known={known} />
       <main id="main">
         <Notices known={known} />
-        {known.file === null && known.connection === "open" && <Files known={known} />}
+        {known.file === null && known.connection === "open" && <Library known={known} />}
         {known.connection === "refused" && (
           <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>
         )}
+        {known.file === null && known.connection === "open" && <Guide known={known} />}
         {shown && (
           <>
-            <Strip known={known} />
-            <div class="columns">
+            {known.view !== "new" && <Strip known={known} />}
+            {!known.fixed && <Tabs known={known} />}
+            {known.view === "new" && <Guide known={known} />}
+            {known.view === "variants" && <Variants known={known} />}
+            {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
+            {known.view === "limits" && <Limits known={known} />}
+            {known.view === "library" && <><Reports known={known} /><Library known={known} /></>}
+            {known.view === "speed" && <Speed known={known} shown={shown} />}
+            {known.view === "line" && <div class="columns">
               <div class="left">
                 <Views known={known} shown={shown} />
                 <StillPoser known={known} shown={shown} />
                 <Angles known={known} shown={shown} />
-                <StillParts known={known} shown={shown} />
-                <StillEditor known={known} />
+                {!known.fixed && <StillParts known={known} shown={shown} />}
+                {!known.fixed && <StillEditor known={known} />}
               </div>
               <div class="right">
                 <Heat known={known} />
                 <Detail known={known} />
-                <StillHelps known={known} />
+                {!known.fixed && <StillHelps known={known} />}
                 <Phasors known={known} shown={shown} />
-                <StillDials known={known} shown={shown} />
+                {!known.fixed && <StillDials known={known} shown={shown} />}
               </div>
-            </div>
+            </div>}
           </>
         )}
         {!shown && known.file !== null && known.history && (
@@ -86,6 +100,18 @@ export function App() {
         )}
       </main>
     </>
+  );
+}
+
+/** The views of an application; the verdict stands above each. */
+function Tabs({ known }: { known: Known }) {
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), library: t("Library"), new: t("New") };
+  return (
+    <nav class="tabs chips" aria-label={t("Views")}>
+      {VIEWS.map((view) => (
+        <button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>
+      ))}
+    </nav>
   );
 }
 
@@ -138,9 +164,11 @@ function Head({ known }: { known: Known }) {
       )}
       <div class="tools">
         {known.connection === "lost" && <span class="note fail" role="status">{t("connection lost")}</span>}
+        {!known.fixed && <>
         <button disabled={!history?.past.length} onClick={() => store.undo()} title="Ctrl+Z" aria-label={t("undo")}>↶</button>
         <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
+        </>}
         <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak((e.currentTarget as HTMLSelectElement).value)}>
           {known.languages.map((code) => <option key={code} value={code}>{code}</option>)}
         </select>
@@ -190,20 +218,6 @@ function Notices({ known }: { known: Known }) {
         </p>
       )}
     </div>
-  );
-}
-
-function Files({ known }: { known: Known }) {
-  return (
-    <section class="card files" aria-labelledby="files">
-      <header><h2 id="files">{t("Files")}</h2></header>
-      {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
-      <ul>
-        {known.files.map((name, k) => (
-          <li key={name}><button class="link" onClick={() => store.open(k)}>{name}</button></li>
-        ))}
-      </ul>
-    </section>
   );
 }
 
@@ -276,6 +290,7 @@ function Views({ known, shown }: { known: Known; shown: Shown }) {
           {!deep && ` · ${t("light: the other states; dashed: as installed")}`}
         </span>
         <div class="chips" role="group" aria-label={t("Drawing")}>
+          {!known.fixed && <Pin known={known} />}
           <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
           <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
         </div>

@@ -3,9 +3,9 @@
 import { useMemo, useRef } from "preact/hooks";
 import { fixed, signed } from "./format";
 import { grade } from "./marks";
-import { store, type Known } from "./store";
+import { store, type Job, type Known } from "./store";
 import { t } from "./text";
-import type { Drag, Handle, Laid, Line, Live, Maybe, Obstacle, Point } from "./types";
+import type { Drag, Ghost, Handle, Laid, Line, Live, Maybe, Obstacle, Point } from "./types";
 import { useHand, useWidth } from "./use";
 import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
 
@@ -51,6 +51,8 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
   };
   const clearance = posed?.clearance ?? line.clearance[state];
   const title = view === "side" ? t("Side view, from the left") : t("Top view");
+  const before = known.behind === null ? undefined : (known.jobs.ghost as Job<Ghost> | undefined)?.answer?.lines.find((l) => l.name === line.name);
+  const ghost = before?.states[live.states[state]?.name ?? ""];
   const mine = known.handles.filter((h) => h.line === line.name);
 
   return (
@@ -73,6 +75,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
           {line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />))}
         </g>
         <path class="installed" d={path(points(line.installed))} aria-hidden="true" />
+        {ghost && <path class="ghost" d={path(points(ghost))} aria-hidden="true" />}
         <g aria-hidden="true">
           {obstacles.map((o) => (
             <Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />

@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { fixed } from "./format";
-import { useWidth } from "./use";
+import { colour, useWidth } from "./use";
 
 export interface Series {
   name: string;
@@ -20,7 +20,14 @@ export interface Axis {
   digits: number;
 }
 
-const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+/** What is drawn beside the curves: values they are held against, places, a range of x. */
+export interface Beside {
+  levels?: { value: number; said?: string; grade?: string }[];
+  spots?: { x: number; y: number }[];
+  shade?: [number, number] | null;
+  /** The top of the left axis; by default what the curves need. */
+  top?: number;
+}
 
 export function Plot(of: {
   x: number[];
@@ -32,13 +39,14 @@ export function Plot(of: {
   height: number;
   label: string;
   theme: string;
+  beside?: Beside;
 }) {
   const [box, width] = useWidth(420);
   const root = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const at = useRef(of.at);
   at.current = of.at;
-  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour, s.right]), of.unit, of.left, of.right, of.height, of.theme]);
+  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour, s.right]), of.unit, of.left, of.right, of.height, of.theme, of.beside]);
 
   useEffect(() => {
     const element = root.current;
@@ -51,7 +59,7 @@ export function Plot(of: {
         height: of.height,
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, ...(of.beside?.top ? { y: { range: [0, of.beside.top] as [number, number] } } : {}) },
         pxAlign: 0,
         padding: [8, of.right ? 0 : 12, 0, 0],
         axes: [
@@ -71,6 +79,7 @@ export function Plot(of: {
         ],
         hooks: {
           draw: [
+            (u) => besides(u, of.beside ?? {}),
             (u) => {
               if (at.current === null || at.current === undefined) return;
               const x = u.valToPos(at.current, "x", true);
@@ -112,6 +121,47 @@ export function Plot(of: {
       </p>
     </div>
   );
+}
+
+function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  if (shade) {
+    const [a, b] = shade.map((x) => u.valToPos(x, "x", true)) as [number, number];
+    ctx.fillStyle = colour("--accent");
+    ctx.globalAlpha = 0.1;
+    ctx.fillRect(a, bbox.top, b - a, bbox.height);
+    ctx.globalAlpha = 1;
+  }
+  ctx.font = `${11 * devicePixelRatio}px system-ui`;
+  ctx.lineWidth = 1.3 * devicePixelRatio;
+  let [x, last] = [0, -99];
+  for (const { value, said, grade } of [...levels].sort((a, b) => a.value - b.value)) {
+    const y = u.valToPos(value, "y", true);
+    ctx.strokeStyle = ctx.fillStyle = colour(grade ? `--${grade}` : "--faint");
+    ctx.setLineDash(grade ? [8, 5] : [2, 3]);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    if (!said) continue;
+    // Names of neighbours stand beside each other.
+    x = Math.abs(y - last) < 13 * devicePixelRatio ? x : bbox.left + bbox.width;
+    x -= ctx.measureText(said).width + 8;
+    last = y;
+    ctx.fillText(said, x, y - 3);
+  }
+  ctx.setLineDash([]);
+  ctx.strokeStyle = colour("--ink");
+  for (const { x, y } of spots) {
+    ctx.beginPath();
+    ctx.arc(u.valToPos(x, "x", true), u.valToPos(y, "y", true), 4 * devicePixelRatio, 0, 7);
+    ctx.stroke();
+  }
+  ctx.restore();
 }
 
 const data = (x: number[], series: Series[]): uPlot.AlignedData => [x, ...series.map((s) => s.values)] as uPlot.AlignedData;

@@ -2,11 +2,12 @@
 
 import { useMemo } from "preact/hooks";
 import { fixed, number, signed } from "./format";
+import { PasteInto } from "./Guide";
 import { Plot, type Series } from "./Plot";
-import { store, type Known } from "./store";
+import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Shown } from "./Drawing";
-import type { Curve } from "./types";
+import type { Curve, Ghost } from "./types";
 
 export function Poser({ known, shown }: { known: Known; shown: Shown }) {
   const { live, index, free } = shown;
@@ -147,6 +148,8 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
   const { line, state } = shown;
   const at = shown.free ? known.pose?.at : undefined;
   const of = (key: "angles" | "side_angles" | "top_angles" | "positions"): number[] => at?.[key] ?? line[key][state] ?? [];
+  const ghost = known.behind === null || at ? undefined : (known.jobs.ghost as Job<Ghost> | undefined)?.answer?.lines.find((l) => l.name === line.name);
+  const before = ghost?.angles[shown.live.states[state]?.name ?? ""];
   const plunge = at ? at.plunge : line.plunge[state];
   const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
   return (
@@ -161,6 +164,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
             <tr>
               <th scope="col">{t("joint")}</th>
               <th scope="col" class="n">{t("angle")}</th>
+              {before && <th scope="col" class="n">{known.variants[known.behind ?? 0]?.name}</th>}
               <th scope="col" class="n">{t("side view")}</th>
               <th scope="col" class="n">{t("top view")}</th>
               <th scope="col" class="n">{t("plane at")}</th>
@@ -172,6 +176,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
               <tr key={k}>
                 <th scope="row">{k + 1}</th>
                 <td class="n strong">{fixed(angle, 3)}°</td>
+                {before && <td class="n before">{fixed(before[k], 3)}°</td>}
                 <td class="n">{signed(of("side_angles")[k] ?? 0, 3)}°</td>
                 <td class="n">{signed(of("top_angles")[k] ?? 0, 3)}°</td>
                 <td class="n">{fixed(of("positions")[k], 1)}°</td>
@@ -187,6 +192,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
         {!shown.free && line.torque[state] !== null && <span>{t("torque")} <b>{number(line.torque[state])} N·m</b></span>}
         {!shown.free && line.speed[state] !== null && <span>{t("speed")} <b>{number(line.speed[state])} rpm</b></span>}
       </p>
+      {!known.fixed && <PasteInto known={known} line={shown.index} />}
     </section>
   );
 }

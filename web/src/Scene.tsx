@@ -6,6 +6,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { grade } from "./marks";
 import { store, type Known } from "./store";
 import { t } from "./text";
+import { colour } from "./use";
 import type { Point } from "./types";
 import type { Shown } from "./Drawing";
 
@@ -91,7 +92,7 @@ export default function Scene({ known, shown }: { known: Known; shown: Shown }) 
   );
 }
 
-const css = (name: string): THREE.Color => new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+const css = (name: string): THREE.Color => new THREE.Color(colour(name));
 
 function build(s: Stage, shown: Shown): void {
   for (const child of [...s.line.children]) {

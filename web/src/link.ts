@@ -21,7 +21,7 @@ export class Link {
   private tries = 0;
 
   constructor(
-    private readonly token: string,
+    private token: string,
     private readonly told: (message: Told) => void,
     private readonly state: (connection: Connection) => void,
   ) {}
@@ -40,7 +40,12 @@ export class Link {
       this.tries = 0;
       this.state("open");
     };
-    socket.onmessage = (event) => this.told(JSON.parse(String(event.data)) as Told);
+    socket.onmessage = (event) => {
+      const told = JSON.parse(String(event.data)) as Told;
+      // A code that let this page in does so once.
+      if (told.type === "welcome") sessionStorage.setItem(KEY, (this.token = told.token));
+      this.told(told);
+    };
     socket.onclose = () => {
       this.tries += 1;
       // Never let in: another token, or nobody there any more.

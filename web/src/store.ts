@@ -2,25 +2,10 @@
 
 import * as History from "./history";
 import { speak } from "./format";
+import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
-import type {
-  Catalogue,
-  Drag,
-  Edits,
-  Explained,
-  Full,
-  Handle,
-  Help,
-  Limit,
-  Live,
-  Pose,
-  PoseAsked,
-  Problem,
-  Question,
-  Row,
-  Told,
-} from "./types";
+import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
 export interface Selected {
   row: string;
@@ -41,6 +26,7 @@ export interface Known {
   languages: string[];
   quantities: Record<string, Explained>;
   catalogue: Catalogue;
+  profiles: string[];
   files: string[];
   file: number | null;
   history: History.History | null;
@@ -59,32 +45,37 @@ export interface Known {
   notice: Notice | null;
   held: string | null;
   theme: "auto" | "light" | "dark";
+  view: View;
+  /** Whether nobody answers and nothing can be changed: a page by itself. */
+  fixed: boolean;
+  jobs: Record<string, Job>;
+  variants: Named[];
+  revisions: (Named & { said: string })[];
+  /** Which variant is drawn behind what is shown. */
+  behind: number | null;
+}
+
+export const VIEWS = ["line", "speed", "change", "variants", "limits", "library", "new"] as const;
+export type View = (typeof VIEWS)[number];
+
+/** What takes long: its answer, or what of it is known so far. */
+export interface Job<Answer = unknown, Part = unknown> {
+  id: number;
+  /** What it was asked about: the text and the arguments. */
+  of: string;
+  running: boolean;
+  part: Part | null;
+  answer: Answer | null;
+  why: string;
+  problems?: Problem[] | undefined;
 }
 
 const start: Known = {
-  connection: "opening",
-  version: "",
-  lang: "en",
-  languages: ["en"],
-  quantities: {},
-  catalogue: { joints: [], tubes: [] },
-  files: [],
-  file: null,
-  history: null,
-  live: null,
-  handles: [],
-  full: null,
-  settled: false,
-  pose: null,
-  asked: {},
-  problems: [],
-  helps: null,
-  helping: false,
-  selected: null,
-  order: [],
-  notice: null,
-  held: null,
-  theme: "auto",
+  connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
+  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
+  full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
+  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, variants: [], revisions: [],
+  behind: null,
 };
 
 interface Gesture {
@@ -132,7 +123,7 @@ export const remember = (key: string, value: string): void => {
 export class Store {
   known: Known = start;
   private readonly watchers = new Set<() => void>();
-  private link: Link | null = null;
+  private link: Link | Frozen | null = null;
   private ids = 0;
   private sent: Sent | null = null;
   private next: Waiting | null = null;
@@ -159,14 +150,18 @@ export class Store {
   connect(): void {
     const theme = remembered("cardan-theme");
     if (theme === "light" || theme === "dark") this.theme(theme);
-    this.link = new Link(token(), (m) => this.told(m), (c) => this.connected(c));
+    const kept = document.getElementById("live")?.textContent;
+    const told = (m: Told): void => this.told(m);
+    const connected = (c: Connection): void => this.connected(c);
+    this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
+    this.set({ fixed: Boolean(kept) });
     this.link.open();
   }
 
   private connected(connection: Connection): void {
     this.sent = this.next = null;
     this.commits = [];
-    this.set({ connection });
+    this.set({ connection, jobs: {} });
     if (connection === "open") {
       const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
       this.link?.say({ type: "hello", lang });
@@ -185,6 +180,7 @@ export class Store {
           languages: m.languages,
           quantities: m.quantities,
           catalogue: m.catalogue,
+          profiles: m.profiles,
           files: m.files,
         });
         if (this.known.file !== null) this.rejoin(this.known.file);
@@ -219,7 +215,106 @@ export class Store {
         break;
       case "kept":
         break;
+      case "frozen":
+        this.set({ revisions: m.revisions });
+        break;
+      case "files":
+        this.set({ files: m.files, view: "line" });
+        break;
+      case "part":
+        this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
+        break;
+      case "done": {
+        const why = m.fault ?? m.problems?.[0]?.message ?? "";
+        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems } : { running: false, answer: m, why });
+        break;
+      }
     }
+  }
+
+  // ------------------------------------------------------------------ what takes long
+
+  /** Ask for a job, unless it is under way or answered already; a newer one takes its place. */
+  work(job: string, args: object = {}, text = this.known.history?.text ?? "", file?: number): void {
+    const of = this.about({ ...args, ...(file === undefined ? {} : { file }) }, text);
+    const now = this.known.jobs[job];
+    if (now?.of === of && (now.running || now.answer)) return;
+    if (now?.running) this.link?.say({ type: "cancel", id: now.id });
+    this.ids += 1;
+    const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
+    this.set({ jobs: { ...this.known.jobs, [job]: next } });
+    this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
+  }
+
+  /** What a job is about: another text, argument or language is another job. */
+  about(args: object, text = this.known.history?.text): string {
+    return JSON.stringify([text, args, this.known.lang]);
+  }
+
+  /** Make the edits that a job found, once. */
+  taken(job: string, edits: Edits): void {
+    const { [job]: _, ...jobs } = this.known.jobs;
+    this.set({ jobs });
+    if (Object.keys(edits).length) this.apply(edits);
+  }
+
+  // ------------------------------------------------------------------ variants
+
+  private keepVariants(variants: Named[]): void {
+    this.set({ variants });
+    if (this.known.file !== null) this.link?.say({ type: "pin", file: this.known.file, variants });
+  }
+
+  pin(): void {
+    this.pending?.();
+    const { variants, history } = this.known;
+    if (history) this.beside(String.fromCharCode(65 + variants.length), history.text);
+  }
+
+  beside(name: string, text: string): void {
+    const { variants } = this.known;
+    if (variants.length >= 12) return;
+    this.keepVariants([...variants, { name, text }]);
+    this.lay(variants.length);
+  }
+
+  freeze(by: string, note: string): void {
+    this.pending?.();
+    const { file, history } = this.known;
+    if (history && file !== null) this.link?.say({ type: "freeze", file, text: history.text, by, note });
+  }
+
+  rename(k: number, name: string): void {
+    this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v)));
+  }
+
+  unpin(k: number): void {
+    this.lay(null);
+    this.keepVariants(this.known.variants.filter((_, i) => i !== k));
+  }
+
+  lay(behind: number | null): void {
+    this.set({ behind });
+    const text = behind === null ? undefined : this.known.variants[behind]?.text;
+    if (text !== undefined) this.work("ghost", {}, text);
+  }
+
+  create(title: string, text: string): void {
+    this.link?.say({ type: "create", title, text });
+  }
+
+  stop(job: string): void {
+    const now = this.known.jobs[job];
+    if (now?.running) this.link?.say({ type: "cancel", id: now.id });
+  }
+
+  private worked(job: string, id: number, change: Partial<Job>): void {
+    const now = this.known.jobs[job];
+    if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
+  }
+
+  show(view: View): void {
+    this.set({ view });
   }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
@@ -256,6 +351,10 @@ export class Store {
       selected: null,
       order: [],
       held: null,
+      jobs: {},
+      variants: m.variants,
+      revisions: m.revisions,
+      behind: null,
     });
     this.ask({ text: history.text });
   }
@@ -354,8 +453,8 @@ export class Store {
   private kept(live: Live): Live {
     const lines = this.known.live?.lines;
     const written = (k: number) => {
-      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [] } = lines?.[k] ?? {};
-      return { phase_at, tube_at, tube_now, joint_at, joint_now };
+      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [], movable = [] } = lines?.[k] ?? {};
+      return { phase_at, tube_at, tube_now, joint_at, joint_now, movable };
     };
     return { ...live, lines: live.lines.map((l, k) => ({ ...l, ...written(k) })) };
   }

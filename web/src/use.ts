@@ -32,6 +32,15 @@ export function useWidth(first: number): [(element: HTMLElement | null) => void,
   return [take.current, width];
 }
 
+let probe: HTMLElement | null = null;
+
+/** A colour of the page by its name, as it is now: light or dark. */
+export function colour(name: string): string {
+  probe ??= document.body.appendChild(document.createElement("i"));
+  probe.style.color = `var(${name})`;
+  return getComputedStyle(probe).color;
+}
+
 export interface Hand {
   onPointerDown: (e: PointerEvent) => void;
   onPointerMove: (e: PointerEvent) => void;

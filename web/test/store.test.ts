@@ -55,13 +55,13 @@ beforeEach(async () => {
   vi.stubGlobal("sessionStorage", box);
   vi.stubGlobal("localStorage", box);
   vi.stubGlobal("navigator", { language: "en" });
-  vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" } });
+  vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" }, getElementById: () => null });
   vi.stubGlobal("requestAnimationFrame", () => 0);
   store = new (await import("../src/store")).Store();
   store.connect();
   socket = Socket.last;
   socket.onopen?.();
-  socket.tell({ type: "welcome", version: "1", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
+  socket.tell({ type: "welcome", version: "1", token: "token", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
   socket.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: null, stale: false });
   socket.answer();
   socket.said = [];
@@ -145,7 +145,7 @@ describe("the document", () => {
     const again = Socket.last;
     expect(again).not.toBe(socket);
     again.onopen?.();
-    again.tell({ type: "welcome", version: "1", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
+    again.tell({ type: "welcome", version: "1", token: "token", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
     again.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: null, stale: false });
     expect(store.known.history?.text).toBe("a*");
     expect(again.asked().at(-1)?.text).toBe("a*");

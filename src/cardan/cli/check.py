@@ -37,6 +37,7 @@ from cardan.cli.ending import kindly, leave
 @click.option("--html", metavar="OUT", type=OUT, help="A page that needs nothing else.")
 @click.option("--pdf", metavar="OUT", type=OUT, help="A document to sign.")
 @click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
+@click.option("--live", metavar="OUT", type=OUT, help="The workbench's page, by itself.")
 @ALSO
 @click.option("--bracket", is_flag=True, help="The same as --with bracket; takes a while.")
 @LIMITS
@@ -55,6 +56,7 @@ def check(
     html: Path | None,
     pdf: Path | None,
     xlsx: Path | None,
+    live: Path | None,
     also: tuple[str, ...],
     bracket: bool,
     limits: str | None,
@@ -76,9 +78,11 @@ def check(
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
-    outputs = claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx)
+    outputs = claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx, live=live)
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
+    if live and (len(files) > 1 or limits):
+        raise CardanError(say("a page by itself holds one application, with its own limits"))
     studies = (*also, "bracket") if bracket else also
     with progress(say("asking"), quiet=quiet) as tell:
         found = [
@@ -99,6 +103,12 @@ def check(
         from cardan.report import workbook
 
         written(xlsx, workbook.workbook(found[0], say=say), say)
+    if live:
+        from cardan.web.live import page
+
+        for file, one in zip(files, found, strict=True):
+            text = one.application.written.text if one.application.written else ""
+            written(live, page(text, name=file.name, folder=str(file.parent), say=say), say)
     if quiet and json_out != "-":
         for one in found:
             put_lines(terminal.summary(one, say))

@@ -40,6 +40,6 @@ def serve(opened: Path, *, port: int, no_browser: bool) -> None:
         if not no_browser:
             import webbrowser
 
-            webbrowser.open(house.address)
+            webbrowser.open(house.opening)
 
     server.serve(house, listening, ready=ready)

@@ -108,16 +108,19 @@ def loads(
     name: str = "application",
     folder: Path | None = None,
     allow_outside: bool = False,
+    warn: bool = True,
 ) -> Application:
     """Return the application a text describes; `read` is the same for a file.
 
     `name` is what errors call the text. Profiles and catalogues of the user's own are files
-    in `folder`; a text without one stands alone.
+    in `folder`; a text without one stands alone. Without `warn` nobody asks whether what can
+    be read looks wrong.
     """
-    return understood(Written(text=text, name=name, folder=folder, allow_outside=allow_outside))
+    written = Written(text=text, name=name, folder=folder, allow_outside=allow_outside)
+    return understood(written, warn=warn)
 
 
-def understood(written: Written) -> Application:
+def understood(written: Written, *, warn: bool = True) -> Application:
     """Return the application of a text with its changes made."""
     name = written.name
     root, problems = parse(written.text, name)
@@ -146,9 +149,8 @@ def understood(written: Written) -> Application:
         application=application,
     )
     spread = any(np.ndim(to) for to in written.changes.values())
-    return replace(
-        application, written=read, warnings=() if spread else _warnings(application, reading)
-    )
+    told = _warnings(application, reading) if warn and not spread else ()
+    return replace(application, written=read, warnings=told)
 
 
 def catalogue_of(application: Application) -> Catalogue:

@@ -6,6 +6,7 @@ stands; a key that its table does not give is put in front of the table's others
 
 import re
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from cardan.base.errors import BadFile, Problem
 from cardan.border.document import Mapping as TableNode
@@ -14,8 +15,17 @@ from cardan.border.document import Node, Scalar, Sequence, parse
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
 _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._/x-]*")
 """Texts that need no quotes wherever they stand."""
+_QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", re.DOTALL)
+_NAMED = re.compile(r"[^\s:#'\"]+[ \t]*:[ \t]+(\*[^\s,\]}]+)")
+"""A key with a name in place of its value."""
 _AHEAD = re.compile(r"(?: |- )*")
 """What may stand in a line before the first key of a table."""
+
+
+class Raw(str):
+    """A value that is written as it is: a table or a list on one line."""
+
+    __slots__ = ()
 
 
 class Manuscript:
@@ -54,7 +64,7 @@ class Manuscript:
         node = self._nodes.get(address)
         return node.text if isinstance(node, Scalar) else None
 
-    def with_(self, changes: Mapping[str, float | str | list[float]]) -> str:
+    def with_(self, changes: Mapping[str, float | str | list[Any]]) -> str:
         """Return the text with other values, numbers in the units of their keys.
 
         Raises
@@ -69,26 +79,62 @@ class Manuscript:
             text = text[:start] + new + text[end:]
         return text
 
-    def _edit(self, at: str, to: float | str | list[float]) -> tuple[int, int, str]:
-        """Return from where to where a change goes, and what it puts there."""
+    def _edit(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
+        """Return from where to where a change goes, and what it puts there.
+
+        `[+]` at the end of an address is a new item of a list, or some, before its others.
+        """
+        if at.endswith("[+]"):
+            return self._item(at.removesuffix("[+]"), to)
         node = self._nodes.get(at)
         if node is None:
             return self._insertion(at, to)
         if id(node) in self._shared:
+            if used := self._used(at):
+                return *used, token(
+                    to, ""
+                )  # here alone; elsewhere the name stands for it as before
             raise self._refused(at, node, "*names stand for it in other places: change it by hand")
         if not isinstance(node, Scalar):
             raise self._refused(at, node, "is a table or a list: change what stands in it")
         start = self._offset(node)
         if node.quoted:
-            found = next((q for q in "'\"" if self._is(start, f"{q}{node.text}{q}")), None)
+            found = _QUOTED.match(self.text, start)
             if found is None:
                 raise self._refused(at, node, "is written in a way that has to be changed by hand")
-            return start, start + len(node.text) + 2, _token(to, "")
+            return start, found.end(), token(to, "")
         if not self._is(start, node.text) or not node.text:
             raise self._refused(at, node, "is written in a way that has to be changed by hand")
-        return start, start + len(node.text), _token(to, node.text)
+        return start, start + len(node.text), token(to, node.text)
 
-    def _insertion(self, at: str, to: float | str | list[float]) -> tuple[int, int, str]:
+    def _used(self, at: str) -> tuple[int, int] | None:
+        """Return where a name stands for a value, `key: *name`; None where it is not so."""
+        above, _, key = at.rpartition(".")
+        table = self._nodes.get(above)
+        if (
+            not isinstance(table, TableNode)
+            or id(table) in self._shared
+            or key not in table.entries
+        ):
+            return None
+        found = _NAMED.match(self.text, self._offset(table.entries[key][0]))
+        return found.span(1) if found else None
+
+    def _item(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
+        """Return the change that puts an item into a list, before the others."""
+        node = self._nodes.get(at)
+        if not isinstance(node, Sequence) or not node.items or id(node) in self._shared:
+            problem = Problem(message="is no list that an item can be put into", key=at)
+            raise BadFile(self.name, (problem,))
+        start = self._offset(node)
+        items = [token(item, "") for item in (to if isinstance(to, list) else [to])]
+        if self._is(start, "["):
+            return start + 1, start + 1, "".join(f"{item}, " for item in items)
+        breaks = "\r\n" if "\r\n" in self.text else "\n"
+        after = breaks + " " * (node.column - 1)
+        return start, start, "".join(f"- {item}{after}" for item in items)
+
+    def _insertion(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
         """Return the change that puts a key into its table, before the others."""
         above, _, key = at.rpartition(".")
         table = self._nodes.get(above)
@@ -97,7 +143,7 @@ class Manuscript:
                 message="does not stand in the file, nor does the table it belongs to", key=at
             )
             raise BadFile(self.name, (problem,))
-        said = f"{key}: {_token(to, '')}"
+        said = f"{key}: {token(to, '')}"
         start = self._offset(table)
         if self._is(start, "{"):
             return start + 1, start + 1, f"{said}, "
@@ -130,10 +176,12 @@ def _walk(node: Node, at: str) -> Iterator[tuple[str, Node]]:
             yield from _walk(item, f"{at}[{k}]")
 
 
-def _token(to: float | str | list[float], like: str) -> str:
+def token(to: float | str | list[Any], like: str) -> str:
     """Return a value as it is written, a number with as many decimals as stood there."""
     if isinstance(to, list):
-        return f"[{', '.join(_token(t, '') for t in to)}]"
+        return f"[{', '.join(token(t, '') for t in to)}]"
+    if isinstance(to, Raw):
+        return to
     if isinstance(to, str):
         plain = _PLAIN.fullmatch(to) and isinstance(Scalar(to, 1, 1).value, str)
         return to if plain and not to.endswith(" ") else '"' + _escaped(to) + '"'

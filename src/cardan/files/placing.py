@@ -5,7 +5,7 @@ number does but the lengths that follow.
 """
 
 from collections.abc import Iterable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from cardan.model.parts import CentreBearing, Line
 FINEST = {"length": 0.01 * mm, "slope": 1e-3 * deg}
 """What a written number is rounded to: a tenth of what anybody can measure in a frame."""
 
-Changes = dict[str, float | str | list[float]]
+Changes = dict[str, float | str | list[Any]]
 """By address, in the unit of its key."""
 
 

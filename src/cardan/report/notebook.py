@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from html import escape
 
 from cardan.report.blocks import Block, Chapter, Figures, Points, Table, Text
+from cardan.report.drawing import view
 from cardan.report.html import MARKS
 from cardan.report.language import Language
 from cardan.report.paper import shortened
@@ -37,7 +38,7 @@ def tag(name: str, *inside: str, **attributes: Value) -> Markup:
 
 
 def approval(of: Approval, say: Language) -> Markup:
-    """Return the verdict, each limit where it is worst, what has no answer, and notes."""
+    """Return the verdict, each line from its side, each limit where it is worst, and notes."""
     grade = of.verdict
     said = f"{MARKS[grade]} {say(grade).upper()}"
     return tag(
@@ -49,6 +50,7 @@ def approval(of: Approval, say: Language) -> Markup:
             tag("strong", said, style=f"color:{COLOURS[grade]}"),
             f" ({counts(of, say)}; {say('limits: {profile}', profile=of.application.profile)})",
         ),
+        *(Markup(view(r, say, name="side").svg) for r in of.responses),
         blocks(verdict(of, say)),
     )
 

@@ -5,11 +5,8 @@ reading them twice. Lengths are in mm, angles in deg, as on the page; what a lim
 is in the unit its quantity is shown in, and None where nothing is known.
 """
 
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -17,34 +14,32 @@ from typing import Any
 import numpy as np
 
 from cardan import files
-from cardan.base.arrays import FloatArray
 from cardan.base.errors import BadFile, CardanError, DesignError
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Check, Limit, worst
-from cardan.demand.states import demand, resolve
 from cardan.files.manuscript import Manuscript
-from cardan.files.placing import Changes, mounted, name_address, phase_address, phased, placed
+from cardan.files.placing import Changes, name_address, phase_address
 from cardan.kinematics.chain import pin_phases, turn
 from cardan.kinematics.equivalent import ae7_terms
-from cardan.model.application import Application, Installed
+from cardan.model.application import Installed
 from cardan.model.layout import Layout
 from cardan.model.parts import Shaft
-from cardan.quantity.quantities import ANSWERED, QUANTITIES
-from cardan.quantity.response import Response, respond
+from cardan.quantity.quantities import QUANTITIES
+from cardan.quantity.response import Response
+from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
-from cardan.report.wording import badness, cited, move, notes, occasion, place, unanswered
-from cardan.study.approval import Approval, approve
+from cardan.report.wording import badness, cited, move, notes, occasion, unanswered
+from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
-from cardan.study.moves import Move, corrected
+from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-
-SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
-"""Quantities that are sought over all operating points: a later answer than the others."""
-AT_ONCE = frozenset(ANSWERED) - SOUGHT
+from cardan.web import changes, guides, library, limits, script, speeds
+from cardan.web.changes import AT_ONCE, SOUGHT
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -53,52 +48,16 @@ ROUND = 72
 PHASES = 37
 """Yoke phases from 0 to 180 deg that the dial's sum is drawn for."""
 
-KEPT = 6
-"""Documents that are not read again when they are asked about again."""
 
-Json = dict[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class Document:
-    """A text, read once."""
-
-    text: str
-    name: str
-    folder: Path | None
-
-    @cached_property
-    def manuscript(self) -> Manuscript:
-        """The text as it can be written in."""
-        return Manuscript(self.text, self.name)
-
-    @cached_property
-    def application(self) -> Application:
-        """What it says."""
-        return files.loads(self.text, name=self.name, folder=self.folder)
-
-    @cached_property
-    def responses(self) -> tuple[Response, ...]:
-        """What its lines do in their states."""
-        app = self.application
-        return tuple(respond(app, demand(resolve(app, i))) for i in app.lines)
+def _nobody(_: Json) -> None:
+    """Tell nobody."""
 
 
-_READ: OrderedDict[tuple[str, str, Path | None], Document] = OrderedDict()
+def answer(question: Json, tell: Tell = _nobody) -> Json:
+    """Return the answer to a question; what is wrong with its document is an answer too.
 
-
-def document(text: str, name: str, folder: Path | None) -> Document:
-    """Return a document, the same one where it was asked about a moment ago."""
-    key = text, name, folder
-    found = _READ.pop(key, None) or Document(*key)
-    _READ[key] = found
-    while len(_READ) > KEPT:
-        _READ.popitem(last=False)
-    return found
-
-
-def answer(question: Json) -> Json:
-    """Return the answer to a question; what is wrong with its document is an answer too."""
+    A job that takes long is told of as it goes.
+    """
     folder = Path(question["folder"]) if question.get("folder") else None
     text, name = question["text"], question["name"]
     say = Language(question["lang"])
@@ -106,8 +65,11 @@ def answer(question: Json) -> Json:
         edits = _edits(document(text, name, folder), question)
         if edits:
             text = document(text, name, folder).manuscript.with_(edits)
-        read = document(text, name, folder)
-        found = _JOBS[question["job"]](read, question, say)
+        read = document(text, name, folder, hasty=bool(question.get("held") and edits))
+        if question["job"] in _JOBS:
+            found = _JOBS[question["job"]](read, question, say)
+        else:
+            found = _LONG[question["job"]](read, question["args"], say, tell)
     except CardanError as error:
         return {"text": text, "problems": _problems(error, text, name, folder)}
     return {"text": text, "edits": edits, **found}
@@ -147,8 +109,8 @@ def _live(read: Document, question: Json, say: Language) -> Json:
     app = read.application
     held = bool(question.get("held"))
     lines = [_line(r, None if held else read.manuscript, say) for r in read.responses]
-    limits = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
-    grades = {g for row in limits for s in row["grades"] for g in s if g is not None}
+    rows = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
+    grades = {g for row in rows for s in row["grades"] for g in s if g is not None}
     return {
         "title": app.title,
         "profile": app.profile,
@@ -157,7 +119,7 @@ def _live(read: Document, question: Json, say: Language) -> Json:
         "lines": lines,
         "obstacles": [_obstacle(o) for o in app.obstacles],
         **({} if held else {"handles": _handles(read)}),
-        "limits": limits,
+        "limits": rows,
         "pending": [row for r in read.responses for row in _pending(r, say)],
         "grade": worst([GRADES[g] for g in grades]) if grades else None,
         "warnings": [
@@ -191,7 +153,7 @@ def _full(read: Document, _: Json, say: Language) -> Json:
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
         "limits": [row for r in found.responses for row in _rows(r, SOUGHT, say)],
-        "others": [_other(c, found, say) for c in sorted(others, key=badness)],
+        "others": [other(c, found, say) for c in sorted(others, key=badness)],
     }
 
 
@@ -209,11 +171,69 @@ def _help(read: Document, _: Json, say: Language) -> Json:
                             value, say))
         ]  # fmt: skip
         bars.sort(key=lambda b: -b["gain"])
-        helps.append({**_other(one.check, found, say), "bars": bars})
+        helps.append({**other(one.check, found, say), "bars": bars})
     return {"helps": helps}
 
 
 _JOBS = {"live": _live, "pose": _pose, "full": _full, "help": _help}
+
+
+def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
+    """Return where another variant's lines run, to be drawn behind this one's."""
+    lines = [
+        {
+            "name": r.line.name,
+            "states": {
+                name: _laid(r.layout[s], r.demand.installed)
+                for s, name in enumerate(r.demand.states)
+            },
+            "angles": {name: fs(r.angles[s] / deg, 3) for s, name in enumerate(r.demand.states)},
+        }
+        for r in read.responses
+    ]
+    return {"lines": lines}
+
+
+def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
+    """Return variants beside the text itself: verdicts, what they say and what it does."""
+    given = args.get("variants", [])
+    named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
+    found: list[Variant] = []
+    for k, (name, one) in enumerate(named):
+        tell({"doing": name, "done": k, "of": len(named)})
+        found.append(Variant(name=name, approval=approve(one.application)))
+    return {
+        "variants": [
+            {
+                "name": v.name, "verdict": v.approval.verdict,
+                "counts": {g: sum(c.grade == g for c in v.approval.checks) for g in GRADES},
+            }
+            for v in found
+        ],
+        "differences": [{"name": d.name, "values": d.values} for d in differences(found, say)],
+        "effects": [
+            {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
+        ],
+    }  # fmt: skip
+
+
+_LONG = {
+    "library": library.status,
+    "report": library.report,
+    "script": script.script,
+    "limits": limits.listed,
+    "deviate": limits.deviation,
+    "fix": changes.corrections,
+    "map": changes.surface,
+    "moved": changes.moved,
+    "yield": changes.tolerated,
+    "ghost": _ghost,
+    "compare": _compare,
+    "guided": guides.guided,
+    "pasted": guides.pasted,
+    "speeds": speeds.speeds,
+    "torsion": speeds.torsion,
+}
 
 
 # --------------------------------------------------------------------------- lines
@@ -231,26 +251,26 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "name": line.name,
         "installed": _laid(installed.layout, installed),
         "states": [_laid(r.layout[s], installed) for s in range(len(r.demand.states))],
-        "tubes": [_f(s.tube.outer / mm) if s.tube else None for s in line.shafts],
+        "tubes": [f(s.tube.outer / mm) if s.tube else None for s in line.shafts],
         "tube_names": [_tube(s, say) for s in line.shafts],
         "joints": [s.name if s else "" for s in r.sizes],
         "phases": [round(s.phase / deg, 3) for s in line.shafts],
-        **(_written(installed, text) if text else {}),
-        "angles": _fs(r.angles / deg, 3),
-        "side_angles": _fs(r.side_angles / deg, 3),
-        "top_angles": _fs(r.top_angles / deg, 3),
-        "positions": _fs(r.positions / deg, 1),
-        "side": _fs(r.layout.side / deg, 3),
-        "top": _fs(r.layout.top / deg, 3),
-        "lengths": _fs(r.layout.lengths / mm, 1),
-        "plunge": _fs(r.spline_travel / mm, 2),
-        "travel": _fs(r.demand.travel / mm, 2),
-        "torque": _fs(r.demand.torque, 0),
-        "speed": _fs(r.demand.speed / rpm, 0),
-        "clearance": [_fs(c / mm, 2) for c in r.clearances],
+        **({**_written(installed, text), "movable": changes.told(r, say)} if text else {}),
+        "angles": fs(r.angles / deg, 3),
+        "side_angles": fs(r.side_angles / deg, 3),
+        "top_angles": fs(r.top_angles / deg, 3),
+        "positions": fs(r.positions / deg, 1),
+        "side": fs(r.layout.side / deg, 3),
+        "top": fs(r.layout.top / deg, 3),
+        "lengths": fs(r.layout.lengths / mm, 1),
+        "plunge": fs(r.spline_travel / mm, 2),
+        "travel": fs(r.demand.travel / mm, 2),
+        "torque": fs(r.demand.torque, 0),
+        "speed": fs(r.demand.speed / rpm, 0),
+        "clearance": [fs(c / mm, 2) for c in r.clearances],
         "obstacles": [r.application.obstacles.index(o) for o in r.obstacles],
         "phasors": [_phasors(r, s) for s in range(len(r.demand.states))],
-        "equivalent": _fs(r.excitation.torsional.angle / deg, 3),
+        "equivalent": fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
     }  # fmt: skip
 
@@ -286,9 +306,9 @@ def _laid(layout: Layout, installed: Installed) -> Json:
         if s.centre_bearing
     ]
     return {
-        "joints": _fs(p / mm, 2),
-        "bearings": [_fs(b / mm, 2) for b in bearings],
-        "ends": [_fs((p[0] - stub * d[0]) / mm, 2), _fs((p[-1] + stub * d[-1]) / mm, 2)],
+        "joints": fs(p / mm, 2),
+        "bearings": [fs(b / mm, 2) for b in bearings],
+        "ends": [fs((p[0] - stub * d[0]) / mm, 2), fs((p[-1] + stub * d[-1]) / mm, 2)],
     }
 
 
@@ -296,7 +316,7 @@ def _phasors(r: Response, s: int) -> list[Any]:
     """Return where the joints' sum gets to one by one, as AE-7 has it, deg² along 0 and 45 deg."""
     side, top, phases = r.uneven
     ends = np.cumsum(ae7_terms(side[s], top[s], phases=phases)) / deg**2
-    return [[0.0, 0.0], *([_f(float(t.real), 3), _f(float(t.imag), 3)] for t in ends)]
+    return [[0.0, 0.0], *([f(float(t.real), 3), f(float(t.imag), 3)] for t in ends)]
 
 
 def _rings(r: Response, s: int) -> list[Json]:
@@ -305,7 +325,7 @@ def _rings(r: Response, s: int) -> list[Json]:
     if not speed > 0:
         return []
     return [
-        {"grade": grade, "radius": _f(bound / speed**2 / deg**2, 3)}
+        {"grade": grade, "radius": f(bound / speed**2 / deg**2, 3)}
         for limit in r.application.limits
         if limit.quantity == "torsional_acceleration"
         for grade, bound in (("warn", limit.normal), ("fail", limit.maximum))
@@ -315,8 +335,8 @@ def _rings(r: Response, s: int) -> list[Json]:
 
 def _obstacle(o: Any) -> Json:
     return {
-        "name": o.name, "line": o.line, "radius": _f(o.radius / mm, 2), "share": o.travel_share,
-        "start": [_f(x / mm, 2) for x in o.start], "end": [_f(x / mm, 2) for x in o.end],
+        "name": o.name, "line": o.line, "radius": f(o.radius / mm, 2), "share": o.travel_share,
+        "start": [f(x / mm, 2) for x in o.start], "end": [f(x / mm, 2) for x in o.end],
     }  # fmt: skip
 
 
@@ -339,8 +359,8 @@ def _row(r: Response, a: Asked, k: int, say: Language) -> Json:
         **_limit(limit, r, k, say),
         "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
         "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
-        "values": [[_g(v) for v in row] for row in (a.values / q.factor).tolist()],
-        "margins": [[_g(v) for v in row] for row in margins.tolist()],
+        "values": [[g(v) for v in row] for row in (a.values / q.factor).tolist()],
+        "margins": [[g(v) for v in row] for row in margins.tolist()],
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
         **({"points": _points(r, a, say)} if a.spots is not None else {}),
     }
@@ -350,7 +370,7 @@ def _limit(limit: Limit, r: Response, k: int, say: Language) -> Json:
     q = QUANTITIES[limit.quantity]
 
     def shown(value: float | None) -> float | None:
-        return None if value is None else _g(value / q.factor)
+        return None if value is None else g(value / q.factor)
 
     return {
         "id": f"{r.line.name}/{limit.quantity}/{k}",
@@ -383,24 +403,6 @@ def _pending(r: Response, say: Language) -> Iterator[Json]:
             yield _limit(limit, r, k, say)
 
 
-def _other(c: Check, found: Approval, say: Language) -> Json:
-    """Return one check by itself."""
-    q = QUANTITIES[c.quantity]
-    return {
-        "quantity": c.quantity,
-        "line": c.line,
-        "name": say.name(c.quantity),
-        "where": place(c, say, several=len(found.responses) > 1),
-        "value": _g(c.value / q.factor),
-        "bound": _g(c.bound / q.factor),
-        "sense": "band" if c.limit.band else c.limit.sense,
-        "unit": q.unit_name,
-        "margin": _g(c.margin),
-        "grade": c.grade,
-        "source": cited(c.limit.source, say),
-    }
-
-
 def _bar(
     read: Document, installed: Installed, of: Check, moved: Move, value: float, say: Language
 ) -> Json | None:
@@ -409,23 +411,13 @@ def _bar(
     to = "maximum" if of.grade == "fail" else "normal"
     if not isfinite(value):
         return None
-    edits = _moved(read, installed, moved)
+    edits = changes.edits(read, installed.line.name, [moved])
     return {
         "said": move(moved, say),
-        "value": _g(value / QUANTITIES[of.quantity].factor),
-        "gain": _g(float(limit.margin(value, to=to)) - of.margin),  # type: ignore[arg-type]
+        "value": g(value / QUANTITIES[of.quantity].factor),
+        "gain": g(float(limit.margin(value, to=to)) - of.margin),  # type: ignore[arg-type]
         "edits": edits,
     }
-
-
-def _moved(read: Document, installed: Installed, moved: Move) -> Changes:
-    """Return the edits of a document that a move of a workshop comes to."""
-    r = next(r for r in read.responses if r.line.name == installed.line.name)
-    after = corrected(r, (moved.adjustable,), np.array([moved.amount]))
-    new = next(i for i in after.lines if i.line.name == installed.line.name)
-    edits = placed(installed, new.layout, read.manuscript)
-    edits |= phased(installed, new.line.phases, read.manuscript)
-    return edits | mounted(installed, new.line, read.manuscript)
 
 
 # --------------------------------------------------------------------------- sliders and dial
@@ -454,10 +446,10 @@ def _posed(read: Document, question: Json) -> Json:
     posed: Json = {
         "line": place_,
         "state": None if free else s,
-        "travel": _f(height / mm, 2),
-        "torque": _f(turned, 0),
-        "travel_reach": [_f(t / mm, 1) for t in reaches.travel],
-        "torque_reach": [_f(t, 0) for t in reaches.torque],
+        "travel": f(height / mm, 2),
+        "torque": f(turned, 0),
+        "travel_reach": [f(t / mm, 1) for t in reaches.travel],
+        "torque_reach": [f(t, 0) for t in reaches.torque],
     }
     shown, k = r, s
     try:
@@ -479,18 +471,18 @@ def _place(r: Response, s: int, base: Response) -> Json:
     """Return a line in one place of its axle."""
     return {
         "laid": _laid(r.layout[s], r.demand.installed),
-        "angles": _fs(r.angles[s] / deg, 3),
-        "side_angles": _fs(r.side_angles[s] / deg, 3),
-        "top_angles": _fs(r.top_angles[s] / deg, 3),
-        "positions": _fs(r.positions[s] / deg, 1),
-        "side": _fs(r.layout.side[s] / deg, 3),
-        "top": _fs(r.layout.top[s] / deg, 3),
-        "lengths": _fs(r.layout.lengths[s] / mm, 1),
-        "plunge": _f(float(r.spline_travel[s]) / mm, 2),
-        "clearance": _fs(r.clearances[s] / mm, 2),
+        "angles": fs(r.angles[s] / deg, 3),
+        "side_angles": fs(r.side_angles[s] / deg, 3),
+        "top_angles": fs(r.top_angles[s] / deg, 3),
+        "positions": fs(r.positions[s] / deg, 1),
+        "side": fs(r.layout.side[s] / deg, 3),
+        "top": fs(r.layout.top[s] / deg, 3),
+        "lengths": fs(r.layout.lengths[s] / mm, 1),
+        "plunge": f(float(r.spline_travel[s]) / mm, 2),
+        "clearance": fs(r.clearances[s] / mm, 2),
         "phasors": _phasors(r, s),
-        "equivalent": _f(float(r.excitation.torsional.angle[s]) / deg, 3),
-        "pitch": _f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),
+        "equivalent": f(float(r.excitation.torsional.angle[s]) / deg, 3),
+        "pitch": f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),
     }
 
 
@@ -507,11 +499,11 @@ def _curves(read: Document, r: Response, of: Reach, height: float, torque: float
                     torque=at["torque"])  # fmt: skip
         clear = over.clearances.min(axis=(-1, -2)) if over.obstacles else None
         found[f"over_{name}"] = {
-            "x": _fs(along / unit, 1),
-            "angles": _fs(over.angles.T / deg, 3),
-            "equivalent": _fs(over.excitation.torsional.angle / deg, 3),
-            "plunge": _fs(over.spline_travel / mm, 2),
-            "clearance": None if clear is None else _fs(clear / mm, 2),
+            "x": fs(along / unit, 1),
+            "angles": fs(over.angles.T / deg, 3),
+            "equivalent": fs(over.excitation.torsional.angle / deg, 3),
+            "plunge": fs(over.spline_travel / mm, 2),
+            "clearance": None if clear is None else fs(clear / mm, 2),
         }
     return found
 
@@ -527,35 +519,12 @@ def _turn(r: Response, s: int) -> Json:
         tried = np.tile(phases, (PHASES, 1))
         tried[:, k] = swept
         terms = ae7_terms(side[s], top[s], phases=pin_phases(tried, r.line.crosses))
-        over.append(_fs(np.sqrt(np.abs(terms.sum(-1))) / deg, 3))
+        over.append(fs(np.sqrt(np.abs(terms.sum(-1))) / deg, 3))
     speed = float(np.nan_to_num(r.demand.speed[s])) / rpm
     return {
-        "theta": _fs(np.linspace(0, 360, ROUND + 1), 1),
-        "speed": _fs(100 * (np.concatenate([one.speed, one.speed[:, :1]], axis=-1) - 1), 4),
-        "rpm": _f(speed, 0),
-        "phases": _fs(swept / deg, 1),
+        "theta": fs(np.linspace(0, 360, ROUND + 1), 1),
+        "speed": fs(100 * (np.concatenate([one.speed, one.speed[:, :1]], axis=-1) - 1), 4),
+        "rpm": f(speed, 0),
+        "phases": fs(swept / deg, 1),
         "over_phase": over,
     }
-
-
-# --------------------------------------------------------------------------- numbers
-
-
-def _f(value: float, digits: int = 3) -> float | None:
-    """Return a number with some decimals; None where there is none."""
-    return round(float(value), digits) + 0.0 if isfinite(value) else None
-
-
-def _g(value: float) -> float | None:
-    """Return a number with six figures; None where there is none."""
-    return float(f"{value:.6g}") if isfinite(value) else None
-
-
-def _fs(values: FloatArray, digits: int) -> Any:
-    """Return numbers as lists, with some decimals."""
-    rounded = np.round(np.asarray(values, dtype=float), digits) + 0.0
-    if np.isfinite(rounded).all():
-        return rounded.tolist()
-    told = rounded.astype(object)
-    told[~np.isfinite(rounded)] = None
-    return told.tolist()

@@ -7,13 +7,16 @@ A browser names a file by its number here, never by a path.
 
 import json
 import os
+import re
+import unicodedata
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import date
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from cardan.base.errors import BadFile, CardanError
+from cardan.base.errors import BadFile, CardanError, Problem
 from cardan.border.document import text_of
 from cardan.border.writer import write
 
@@ -89,7 +92,7 @@ class Desk:
         else:
             text_of(path)  # refuses what is no file, and says why
             found, self.folder = [path], path.parent
-        self.papers = tuple(Paper(path=p, name=p.name) for p in found)
+        self.papers = [Paper(path=p, name=p.name) for p in found]
 
     def open(self, number: int) -> dict[str, Any]:
         """Return a file's text, and its draft where there is one."""
@@ -103,7 +106,86 @@ class Desk:
             "mark": mark(text),
             "draft": draft["text"] if draft and draft["text"] != text else None,
             "stale": bool(draft and draft["mark"] != mark(text)),
+            "variants": self._variants(paper),
+            "revisions": self.revisions(number),
         }
+
+    def texts(self) -> list[dict[str, Any]]:
+        """Return what the files that can be read say, a draft before what is saved."""
+        found: list[dict[str, Any]] = []
+        for number, paper in enumerate(self.papers):
+            with suppress(CardanError):
+                saved, draft = paper.read(), self._draft(paper)
+                text = draft["text"] if draft else saved
+                found.append(
+                    {"file": number, "name": paper.name, "text": text, "draft": text != saved}
+                )
+        return found
+
+    # ------------------------------------------------------------------ revisions
+
+    def freeze(self, number: int, text: str, *, by: str, note: str) -> list[dict[str, str]]:
+        """Keep a text as a revision that nothing writes over, and return all of them.
+
+        It lies in the folder `revisions` beside the file, headed by who froze it and when.
+        """
+        paper, folder = self.papers[number], self.folder / "revisions"
+        folder.mkdir(exist_ok=True)
+        said = "; ".join(" ".join(s.split()) for s in (by, note) if s.strip())
+        head = f"# frozen {date.today().isoformat()}: {said}\n"
+        for k in range(1, MOST):
+            path = folder / f"{paper.path.stem}.{k}.yaml"
+            with suppress(FileExistsError):
+                path.touch(exist_ok=False)
+                write(path, head + text, replace=True)
+                return self.revisions(number)
+        raise BadFile(paper.name, (Problem(message=f"has {MOST} revisions already"),))
+
+    def revisions(self, number: int) -> list[dict[str, str]]:
+        """Return the revisions of a file, the last one first: name, what its head says, text."""
+        paper = self.papers[number]
+        found: list[tuple[int, dict[str, str]]] = []
+        folder = self.folder / "revisions"
+        for path in folder.glob("*.yaml") if folder.is_dir() else ():
+            stem, _, k = path.stem.rpartition(".")
+            if stem == paper.path.stem and k.isdecimal():
+                with suppress(CardanError):
+                    head, _, text = text_of(path).partition("\n")
+                    told = head.removeprefix("# frozen ")
+                    found.append((int(k), {"name": k, "said": told, "text": text}))
+        return [row for _, row in sorted(found, key=lambda r: -r[0])[:20]]
+
+    def pin(self, number: int, variants: list[dict[str, str]]) -> None:
+        """Keep variants of a file, each a name and a text, beside its draft."""
+        paper = self.papers[number]
+        if not variants:
+            self._place(paper, "variants").unlink(missing_ok=True)
+            return
+        self.drafts.mkdir(parents=True, exist_ok=True, mode=0o700)
+        held = json.dumps({"file": str(paper.path), "variants": variants}, ensure_ascii=False)
+        write(self._place(paper, "variants"), held, replace=True)
+
+    def create(self, title: str, text: str) -> int:
+        """Write a text into a new file, named after its title, and return its number.
+
+        Raises
+        ------
+        BadFile
+            If it cannot be written, or there are too many files.
+        """
+        if len(self.papers) >= MOST:
+            problem = Problem(message=f"a folder with more than {MOST} files is not listed")
+            raise BadFile(str(self.folder), (problem,))
+        plain = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
+        stem = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:40] or "driveline"
+        names = (f"{stem}{f'-{k}' if k else ''}.yaml" for k in range(MOST))
+        for path in (self.folder / name for name in names):
+            with suppress(FileExistsError):
+                path.touch(exist_ok=False)  # nobody else's: ours from here on
+                write(path, text, replace=True)
+                self.papers.append(Paper(path=path, name=path.name))
+                return len(self.papers) - 1
+        raise BadFile(str(self.folder), (Problem(message=f"has {MOST} files named {stem}"),))
 
     def keep(self, number: int, text: str, base: str) -> None:
         """Keep an unsaved text; `base` marks the file's text that it was edited from."""
@@ -136,16 +218,30 @@ class Desk:
         return mark(text)
 
     def _draft(self, paper: Paper) -> dict[str, str] | None:
+        held = self._held(paper, "draft")
+        return held if held and isinstance(held.get("text"), str) else None
+
+    def _variants(self, paper: Paper) -> list[dict[str, str]]:
+        held = self._held(paper, "variants")
+        found = held.get("variants") if held else None
+        rows = found if isinstance(found, list) else []
+        return [
+            {"name": row["name"], "text": row["text"]} for row in rows
+            if isinstance(row, dict) and all(isinstance(row.get(k), str) for k in ("name", "text"))
+        ]  # fmt: skip
+
+    def _held(self, paper: Paper, what: str) -> dict[str, Any] | None:
+        """Return what is kept of a file; nothing where it is broken, or another file's."""
         try:
-            held = json.loads(self._place(paper).read_text(encoding="utf-8"))
+            held = json.loads(self._place(paper, what).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
         whole = isinstance(held, dict) and held.get("file") == str(paper.path)
-        return held if whole and isinstance(held.get("text"), str) else None
+        return held if whole else None
 
-    def _place(self, paper: Paper) -> Path:
+    def _place(self, paper: Paper, what: str = "draft") -> Path:
         name = sha256(os.fsencode(paper.path)).hexdigest()[:32]
-        return self.drafts / f"{name}.json"
+        return self.drafts / f"{name}{'' if what == 'draft' else '.' + what}.json"
 
 
 def draft_folder() -> Path:

@@ -5,8 +5,10 @@ requests name a foreign host or origin, or say that they come from another site:
 refused before anything is read. The token keeps out other users of this machine.
 """
 
+import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
 from hmac import compare_digest
+from time import monotonic
 from typing import Any, TypeAlias
 
 Scope: TypeAlias = MutableMapping[str, Any]
@@ -36,12 +38,25 @@ HEADERS = {
 }
 
 
+ONCE = 60.0
+"""Seconds in which a browser that was started has to come."""
+
+
 class Guard:
     """Lets through what comes from the page itself; `port` is set once it is known."""
 
     def __init__(self, app: App, *, token: str, port: int) -> None:
         self.app, self.token = app, token
+        self._once, self._until = "", 0.0
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost", "[::1]")}
+
+    def once(self) -> str:
+        """Return a code that lets one page in, once and soon: others see how a browser is started.
+
+        That page is told the token.
+        """
+        self._once, self._until = secrets.token_urlsafe(24), monotonic() + ONCE
+        return self._once
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse, or pass on with the headers that every answer has."""
@@ -91,11 +106,13 @@ class Guard:
     def _known(self, scope: Scope) -> bool:
         """Return whether a socket brings the token, beside what it speaks."""
         spoken = [p.strip() for h in _of(scope, b"sec-websocket-protocol") for p in h.split(",")]
-        return (
-            len(spoken) == 2
-            and spoken[0] == PROTOCOL
-            and compare_digest(spoken[1].encode(), self.token.encode())
-        )
+        if len(spoken) != 2 or spoken[0] != PROTOCOL:
+            return False
+        said = spoken[1].encode()
+        if self._once and monotonic() < self._until and compare_digest(said, self._once.encode()):
+            self._once = ""
+            return True
+        return compare_digest(said, self.token.encode())
 
 
 async def refuse(status: int, why: str, send: Send) -> None:

@@ -9,13 +9,16 @@ import json
 import os
 import sys
 from asyncio.subprocess import PIPE, Process
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeAlias
 
-from cardan.web.worker import LENGTH, MOST
+from cardan.web.worker import LENGTH, MOST, PART
 
 LONGEST = 30.0
 """Seconds an answer may take."""
+
+Tell: TypeAlias = Callable[[dict[str, Any]], Awaitable[None]]
 
 
 class Lane:
@@ -28,8 +31,11 @@ class Lane:
         self._turn = asyncio.Lock()
         self._closed = False
 
-    async def ask(self, question: dict[str, Any]) -> dict[str, Any]:
-        """Return an answer; one with a `fault` where there is none."""
+    async def ask(self, question: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
+        """Return an answer; one with a `fault` where there is none.
+
+        `tell` is told of parts that come before it.
+        """
         data = json.dumps(question, separators=(",", ":")).encode()
         if len(data) > MOST:
             return {"fault": "too long"}
@@ -38,7 +44,7 @@ class Lane:
                 return {"fault": "closed"}
             process = await self._running()
             try:
-                return await asyncio.wait_for(self._asked(process, data), self.longest)
+                return await asyncio.wait_for(self._asked(process, data, tell), self.longest)
             except TimeoutError:
                 await self._end()
                 return {"fault": "too slow"}
@@ -73,13 +79,18 @@ class Lane:
         if self._process is not None:
             await self._process.wait()
 
-    async def _asked(self, process: Process, data: bytes) -> dict[str, Any]:
+    async def _asked(self, process: Process, data: bytes, tell: Tell | None) -> dict[str, Any]:
         assert process.stdin
         assert process.stdout
         process.stdin.write(LENGTH.pack(len(data)) + data)
         await process.stdin.drain()
-        size = LENGTH.unpack(await process.stdout.readexactly(LENGTH.size))[0]
-        return json.loads(await process.stdout.readexactly(size))
+        while True:
+            size = LENGTH.unpack(await process.stdout.readexactly(LENGTH.size))[0]
+            found = json.loads(await process.stdout.readexactly(size))
+            if PART not in found:
+                return found
+            if tell:
+                await tell(found[PART])
 
     async def _running(self) -> Process:
         """Return the process, a new one where there is none."""

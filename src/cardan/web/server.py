@@ -30,6 +30,9 @@ CONNECTIONS = 128
 SILENT = 10.0
 """Seconds a connection may take to ask anything."""
 
+JOB = 600.0
+"""Seconds a job may take: a search, a map, a report."""
+
 MESSAGE = 8_200_000
 """Bytes of a message: a text as long as a file may be, in letters of four bytes."""
 
@@ -131,7 +134,7 @@ def has_ipv6() -> bool:
 
 
 class House:
-    """What a running workbench consists of: files on the desk, two lanes, one page."""
+    """What a running workbench consists of: files on the desk, three lanes, one page."""
 
     def __init__(
         self, desk: Desk, *, port: int, built: Mapping[str, tuple[bytes, str]] | None = None
@@ -140,6 +143,7 @@ class House:
         self.built = front() if built is None else built
         self.token = secrets.token_urlsafe(24)
         self.quick, self.slow = Lane(), Lane(patient=True)
+        self.work = Lane(JOB, patient=True)  # starts when it is first asked
         self.pages = 0
         self.transports: WeakSet[Any] = WeakSet()
         self.server: Any = None
@@ -149,6 +153,11 @@ class House:
     def address(self) -> str:
         """Where the page is; the token stands behind #, which browsers send to nobody."""
         return f"http://127.0.0.1:{self.port}/#{self.token}"
+
+    @property
+    def opening(self) -> str:
+        """Where a browser is sent: every user of this machine can see what it is started with."""
+        return f"http://127.0.0.1:{self.port}/#{self.app.once()}"
 
     def _application(self) -> Any:
         from starlette.applications import Starlette
@@ -169,7 +178,9 @@ class House:
             self.pages += 1
             try:
                 await ws.accept(subprotocol=PROTOCOL)
-                await Session(ws, self.desk, self.quick, self.slow).run()
+                await Session(
+                    ws, self.desk, self.quick, self.slow, self.work, token=self.token
+                ).run()
             except WebSocketDisconnect:
                 pass
             except TimeoutError:  # it reads nothing: no goodbye would reach it
@@ -203,8 +214,12 @@ class House:
 
     def close(self) -> None:
         """End what answers."""
-        self.quick.close()
-        self.slow.close()
+        for lane in (self.quick, self.slow, self.work):
+            lane.close()
+
+    async def closed(self) -> None:
+        """Wait until what answers has ended."""
+        await asyncio.gather(*(lane.closed() for lane in (self.quick, self.slow, self.work)))
 
 
 def serve(
@@ -236,7 +251,7 @@ async def started(
         told.cancel()
     finally:
         house.close()  # at once: a second Ctrl-C leaves nothing behind either
-        await asyncio.gather(house.quick.closed(), house.slow.closed())
+        await house.closed()
 
 
 async def _told(server: Any, ready: Callable[[], None]) -> None:

@@ -6,9 +6,14 @@
     ask    id, text, drag, edits, pose     live: what follows a hand; then full: the verdict
     pose   id, text, pose                  posed: where a slider has the line
     help   id, text                        helped: what would help
+    job    id, job, text, args             part: what is known so far; then done: the answer
+    cancel id                              done, with a fault
     keep   file, text, mark                kept
     save   file, text, mark                saved, or conflict with the text on disk
     drop   file                            kept
+    pin    file, variants                  kept
+    freeze file, text, by, note            frozen: its revisions
+    create title, text                     files: their names; then opened
                                            disk: a file is another than it was
 
 What has the wrong shape ends the socket: the page sends no such thing.
@@ -16,17 +21,17 @@ What has the wrong shape ends the socket: the page sends no such thing.
 
 import asyncio
 import json
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, Protocol
 
 from cardan import __version__
 from cardan.base.errors import CardanError
-from cardan.border.document import LONGEST
+from cardan.files.limit import names as profiles
 from cardan.report.language import CODES, Language
 from cardan.study.drag import KINDS
-from cardan.web import words
+from cardan.web import jobs, words
 from cardan.web.desk import Conflict, Desk, readable
+from cardan.web.jobs import Wrong
 from cardan.web.lanes import Lane, Latest
 
 WATCH = 1.0
@@ -44,10 +49,6 @@ FARTHEST = 1e5
 Json = dict[str, Any]
 
 
-class Wrong(Exception):  # noqa: N818  never leaves this room
-    """A message that the page does not send."""
-
-
 class Socket(Protocol):
     """What a session needs of a socket."""
 
@@ -63,9 +64,12 @@ class Socket(Protocol):
 class Session:
     """One page, from its hello to its end."""
 
-    def __init__(self, socket: Socket, desk: Desk, quick: Lane, slow: Lane) -> None:
-        self.socket, self.desk = socket, desk
+    def __init__(
+        self, socket: Socket, desk: Desk, quick: Lane, slow: Lane, work: Lane, *, token: str
+    ) -> None:
+        self.socket, self.desk, self.work, self.token = socket, desk, work, token
         self.quick, self.slow = Latest(quick), Latest(slow)
+        self._jobs: dict[int, asyncio.Task[None]] = {}
         self.lang = "en"
         self.file: int | None = None
         self._sending = asyncio.Lock()
@@ -81,9 +85,10 @@ class Session:
             for task in done:
                 task.result()
         finally:
-            for task in (*loops, *filter(None, [self._rest])):
+            rest = (*loops, *self._jobs.values(), *filter(None, [self._rest]))
+            for task in rest:
                 task.cancel()
-            await asyncio.gather(*loops, return_exceptions=True)
+            await asyncio.gather(*rest, return_exceptions=True)
 
     # ------------------------------------------------------------------- what the page says
 
@@ -101,6 +106,8 @@ class Session:
         heard = {
             "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
             "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
+            "create": self._create, "pin": self._pin, "freeze": self._freeze,
+            "job": self._start, "cancel": self._cancel,
         }  # fmt: skip
         handle = heard.get(str(said.get("type")))
         if handle is None:
@@ -113,13 +120,32 @@ class Session:
         await self._tell(
             "welcome",
             version=__version__,
+            token=self.token,
             lang=self.lang,
             languages=words.languages(),
             texts=words.texts(say),
             quantities=words.quantities(say),
             catalogue=words.catalogue(),
+            profiles=list(profiles()),
             files=[p.name for p in self.desk.papers],
         )
+
+    async def _pin(self, said: Json) -> None:
+        number, variants = self._number(said), jobs.texts(said, "variants")
+        with suppress(CardanError, OSError):
+            await asyncio.to_thread(self.desk.pin, number, variants)
+            await self._tell("kept", file=number)
+
+    async def _create(self, said: Json) -> None:
+        title, text = jobs.text(said, "title", 200), jobs.text(said, "text")
+        try:
+            number = await asyncio.to_thread(self.desk.create, title, text)
+        except (CardanError, OSError) as error:
+            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+            await self._tell("refused", what="create", file=0, why=why)
+            return
+        await self._tell("files", files=[p.name for p in self.desk.papers])
+        await self._open({"file": number})
 
     async def _open(self, said: Json) -> None:
         number = self._number(said)
@@ -148,10 +174,69 @@ class Session:
     async def _ask_help(self, said: Json) -> None:
         self.slow.put(self._question(said, "help"))
 
+    async def _start(self, said: Json) -> None:
+        job = said.get("job")
+        if not isinstance(job, str) or job not in jobs.ARGUMENTS:
+            raise Wrong
+        if len(self._jobs) >= jobs.MOST:
+            await self._tell("done", id=jobs.whole(said, "id", 2**53), job=job, fault="too many")
+            return
+        question = self._question(said, job)
+        question["args"] = args = jobs.arguments(job, said.get("args"))
+        if job == "library":
+            args |= {"folder": question["folder"], "texts": await self._texts()}
+        elif files := args.pop("files", []):
+            every = {row["file"]: row for row in await self._texts()}
+            if first := every.get(self._number(said)):
+                question |= {"text": first["text"], "name": first["name"]}
+            args["variants"] = [
+                {"name": every[k]["name"], "text": every[k]["text"]} for k in files if k in every
+            ]
+        number = question["id"]
+        if number in self._jobs:
+            raise Wrong
+        task = self._jobs[number] = asyncio.create_task(self._work(question))
+        task.add_done_callback(lambda _: self._jobs.pop(number, None))
+
+    async def _texts(self) -> list[Json]:
+        """Return what the files on the desk say, a draft before what is saved."""
+        return await asyncio.to_thread(self.desk.texts)
+
+    async def _freeze(self, said: Json) -> None:
+        number, text = self._number(said), jobs.text(said, "text")
+        by, note = jobs.text(said, "by", 100), jobs.text(said, "note", 300)
+        try:
+            found = await asyncio.to_thread(self.desk.freeze, number, text, by=by, note=note)
+        except (CardanError, OSError) as error:
+            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+            await self._tell("refused", what="freeze", file=number, why=why)
+            return
+        await self._tell("frozen", file=number, revisions=found)
+
+    async def _cancel(self, said: Json) -> None:
+        task = self._jobs.get(jobs.whole(said, "id", 2**53))
+        if task:
+            task.cancel()
+
+    async def _work(self, question: Json) -> None:
+        """Answer what takes long, part by part; who cancels it ends the process it is done in."""
+        which = {"id": question["id"], "job": question["job"]}
+
+        async def part(told: Json) -> None:
+            await self._tell("part", **which, part=told)
+
+        try:
+            answer = await self.work.ask(question, part)
+        except asyncio.CancelledError:
+            await self._tell("done", **which, fault="cancelled")
+            return
+        answer.pop("text", None)
+        await self._tell("done", **which, **answer)
+
     async def _keep(self, said: Json) -> None:
-        number, text = self._number(said), _text(said, "text")
+        number, text = self._number(said), jobs.text(said, "text")
         with suppress(CardanError, OSError):
-            await asyncio.to_thread(self.desk.keep, number, text, _text(said, "mark"))
+            await asyncio.to_thread(self.desk.keep, number, text, jobs.text(said, "mark"))
             await self._tell("kept", file=number)
 
     async def _drop(self, said: Json) -> None:
@@ -159,9 +244,9 @@ class Session:
             await asyncio.to_thread(self.desk.drop, self._number(said))
 
     async def _save(self, said: Json) -> None:
-        number, text = self._number(said), _text(said, "text")
+        number, text = self._number(said), jobs.text(said, "text")
         try:
-            new = await asyncio.to_thread(self.desk.save, number, text, _text(said, "mark"))
+            new = await asyncio.to_thread(self.desk.save, number, text, jobs.text(said, "mark"))
         except Conflict:
             await self._tell_disk(number, conflict=True)
         except (CardanError, OSError) as error:
@@ -223,14 +308,14 @@ class Session:
     # ------------------------------------------------------------------- shapes
 
     def _number(self, said: Json) -> int:
-        return _whole(said, "file", len(self.desk.papers))
+        return jobs.whole(said, "file", len(self.desk.papers))
 
     def _question(self, said: Json, job: str) -> Json:
         """Return what the page asks, as a worker takes it: nothing else gets through."""
         question: Json = {
             "job": job,
-            "id": _whole(said, "id", 2**53),
-            "text": _text(said, "text"),
+            "id": jobs.whole(said, "id", 2**53),
+            "text": jobs.text(said, "text"),
             "name": self.desk.papers[self.file].name if self.file is not None else "application",
             "folder": str(self.desk.folder),
             "lang": self.lang,
@@ -248,26 +333,6 @@ class Session:
         return question
 
 
-def _text(said: Mapping[str, Any], key: str) -> str:
-    text = said.get(key)
-    if not isinstance(text, str) or len(text) > LONGEST + 1:
-        raise Wrong
-    return text
-
-
-def _whole(said: Mapping[str, Any], key: str, below: int) -> int:
-    value = said.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < below:
-        raise Wrong
-    return value
-
-
-def _number(value: Any, *, most: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= most:
-        raise Wrong
-    return float(value)
-
-
 def _pose(said: Any) -> Json:
     """Return a pose: of a line, in a state or where sliders have it."""
     if said is None:
@@ -275,10 +340,12 @@ def _pose(said: Any) -> Json:
     if not isinstance(said, dict):
         raise Wrong
     most = {"line": 100, "state": 1000}
-    pose: Json = {k: _whole(said, k, below) for k, below in most.items() if said.get(k) is not None}
+    pose: Json = {
+        k: jobs.whole(said, k, below) for k, below in most.items() if said.get(k) is not None
+    }
     for key in ("travel_mm", "torque_Nm"):
         if said.get(key) is not None:
-            pose[key] = _number(said[key], most=1e9)
+            pose[key] = jobs.number(said[key], most=1e9)
     return pose
 
 
@@ -291,9 +358,9 @@ def _drag(said: Any) -> Json:
         raise Wrong
     return {
         "kind": said["kind"],
-        "number": _whole(said, "number", 10_000),
-        "line": _text(said, "line"),
-        "by_mm": [_number(b, most=FARTHEST) for b in by],
+        "number": jobs.whole(said, "number", 10_000),
+        "line": jobs.text(said, "line"),
+        "by_mm": [jobs.number(b, most=FARTHEST) for b in by],
     }
 
 
@@ -304,9 +371,9 @@ def _edits(said: Any) -> Json:
     found: Json = {}
     for at, to in said.items():
         if isinstance(to, list) and len(to) <= 20:
-            found[at] = [_number(t, most=1e12) for t in to]
+            found[at] = [jobs.number(t, most=1e12) for t in to]
         elif isinstance(to, str) and len(to) <= 200 and to.isprintable():
             found[at] = to
         else:
-            found[at] = _number(to, most=1e12)
+            found[at] = jobs.number(to, most=1e12)
     return found

@@ -1,6 +1,7 @@
 """The process that answers: questions on standard input, answers on standard output.
 
-Each is a length of four bytes and as much JSON. It ends when nobody writes to it any more,
+Each is a length of four bytes and as much JSON; before an answer may go parts of it, under the
+key `part`. It ends when nobody writes to it any more,
 so it never outlives who started it; what takes too long is ended from outside.
 """
 
@@ -11,11 +12,14 @@ import signal
 import struct
 import sys
 from contextlib import suppress
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 LENGTH = struct.Struct(">I")
 MOST = 64_000_000
 """Bytes of a question or an answer."""
+
+PART = "part"
+"""The key of what is not the answer yet."""
 
 MEMORY = 4_000_000_000
 """Bytes of address space, where a process can be held to that."""
@@ -29,9 +33,17 @@ def main() -> None:
         os.nice(10)
     from cardan.web.answer import answer
 
+    def write(found: dict[str, Any]) -> None:
+        data = json.dumps(found, ensure_ascii=False, separators=(",", ":")).encode()
+        try:
+            answers.write(LENGTH.pack(len(data)) + data)
+            answers.flush()
+        except BrokenPipeError:  # who asked is gone
+            os._exit(0)
+
     while (question := _read(questions)) is not None:
         try:
-            found = answer(question)
+            found = answer(question, lambda part: write({PART: part}))
         except MemoryError:
             found = {"fault": "MemoryError"}
         except Exception as error:  # noqa: BLE001  a fault of ours is told, and asked about again
@@ -39,12 +51,7 @@ def main() -> None:
 
             traceback.print_exc()
             found = {"fault": type(error).__name__}
-        data = json.dumps(found, ensure_ascii=False, separators=(",", ":")).encode()
-        try:
-            answers.write(LENGTH.pack(len(data)) + data)
-            answers.flush()
-        except BrokenPipeError:  # who asked is gone
-            os._exit(0)
+        write(found)
 
 
 def _alone() -> tuple[BinaryIO, BinaryIO]:
@@ -66,7 +73,7 @@ def _limit() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
-def _read(stream: BinaryIO) -> dict[str, object] | None:
+def _read(stream: BinaryIO) -> dict[str, Any] | None:
     """Return the next question; None where there is no more."""
     head = stream.read(LENGTH.size)
     if len(head) < LENGTH.size:

@@ -1,0 +1,106 @@
+"""A folder of applications as a library: what each comes to; reports to take away."""
+
+from base64 import b64encode
+from collections import OrderedDict
+from datetime import date
+from hashlib import sha256
+from pathlib import Path
+
+from cardan.base.errors import CardanError
+from cardan.base.verdict import GRADES
+from cardan.report.language import CODES, Language
+from cardan.report.wording import badness, place
+from cardan.study.approval import Approval, approve
+from cardan.web.document import Document, Json, Tell, document, g
+
+KINDS = {
+    "html": "text/html", "pdf": "application/pdf", "json": "application/json",
+    "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+}  # fmt: skip
+"""Reports by the end of their name, and their media types."""
+
+KEPT = 500
+"""Texts whose status is not asked again."""
+
+_STATUS: OrderedDict[tuple[str, str], Json] = OrderedDict()
+
+
+def status(_: Document, args: Json, say: Language, tell: Tell) -> Json:
+    """Return what each of some texts comes to; those that cannot be read say why."""
+    found: list[Json] = []
+    given = args.get("texts", [])
+    for k, one in enumerate(given):
+        tell({"doing": one["name"], "done": k, "of": len(given), "rows": found})
+        key = sha256(one["text"].encode("utf-8", "surrogatepass")).hexdigest(), say.code
+        row = _STATUS.pop(key, None) or _status(one, args.get("folder"), say)
+        _STATUS[key] = row
+        while len(_STATUS) > KEPT:
+            _STATUS.popitem(last=False)
+        found.append({**row, "file": one["file"], "name": one["name"], "draft": one["draft"]})
+    return {"rows": found}
+
+
+def _status(one: Json, folder: str | None, say: Language) -> Json:
+    """Return title, verdict, counts and the worst check of a text."""
+    try:
+        read = document(one["text"], one["name"], Path(folder) if folder else None)
+        found = approve(read.application)
+    except CardanError as error:
+        return {"title": "", "verdict": None, "why": str(error).splitlines()[0][:300]}
+    worst = min(found.checks, key=badness, default=None)
+    return {
+        "title": found.application.title,
+        "profile": found.application.profile,
+        "verdict": found.verdict,
+        "counts": {grade: sum(c.grade == grade for c in found.checks) for grade in GRADES},
+        "worst": None if worst is None else {
+            "name": say.name(worst.quantity), "margin": g(worst.margin),
+            "where": place(worst, say, several=len(found.responses) > 1),
+        },
+        "why": "",
+    }  # fmt: skip
+
+
+def report(read: Document, args: Json, _: Language, tell: Tell) -> Json:
+    """Return a report as a file to take away, in any of the languages."""
+    kind = args.get("kind", "html")
+    say = Language(args["lang"] if args.get("lang") in CODES else "en")
+    tell({"doing": say("asking"), "done": 0, "of": 1})
+    data = _made(approve(read.application), read, kind, say, tell)
+    return {
+        "name": f"{Path(read.name).stem}.{say.code}.{kind}",
+        "media": KINDS[kind],
+        "data": b64encode(data).decode(),
+    }
+
+
+def _made(found: Approval, read: Document, kind: str, say: Language, tell: Tell) -> bytes:
+    if kind == "json":
+        import json
+
+        from cardan.report import contract
+
+        return (json.dumps(contract.approval(found), indent=1, ensure_ascii=False) + "\n").encode()
+    if kind == "xlsx":
+        from cardan.report import workbook
+
+        return workbook.workbook(found, say=say)
+    from cardan.report import story
+
+    issue = story.Issue(
+        date=date.today().isoformat(), files=(read.name,), texts=(read.text,),
+        prints=(sha256(read.text.encode("utf-8", "surrogatepass")).hexdigest()[:16],),
+    )  # fmt: skip
+    told = story.whole(
+        found, say=say, issue=issue,
+        tell=lambda done, of: tell(
+            {"doing": say("looking for corrections"), "done": done, "of": of}
+        ),
+    )  # fmt: skip
+    if kind == "pdf":
+        from cardan.report import pdf
+
+        return pdf.document(told)
+    from cardan.report import html
+
+    return html.page(told).encode()

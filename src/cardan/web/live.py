@@ -1,0 +1,103 @@
+"""The workbench's page over what was computed beforehand: one file that needs nobody to answer.
+
+States, travel, limits and the three dimensions are there; nothing can be changed. The page is
+the same as that of `cardan serve`, built once more into one script.
+"""
+
+import json
+from base64 import b64encode
+from hashlib import sha256
+from html import escape
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from cardan import __version__, files
+from cardan.base.errors import NotInstalled
+from cardan.report.language import Language
+from cardan.web import words
+from cardan.web.answer import answer
+from cardan.web.document import Json
+
+PLACES = 41
+"""Places of the axle that the slider stops at."""
+
+
+def page(text: str, *, name: str, folder: str | None, say: Language) -> str:
+    """Return an application as a page of its own.
+
+    Raises
+    ------
+    BadFile
+        If the text cannot be read.
+    NotInstalled
+        If the page has not been built.
+    """
+    style, code = _built()
+    told = json.dumps(_told(text, name, folder, say), ensure_ascii=False, separators=(",", ":"))
+    kept = told.replace("<", "\\u003c")  # no name of the file ends the element it stands in
+    title = escape(json.loads(told)["live"]["title"][:200])
+    lang = {"pt": "pt-BR"}.get(say.code, say.code)
+    policy = (
+        f"default-src 'none'; script-src {_hash(code)}; style-src {_hash(style)}; img-src data:"
+    )
+    return (
+        f'<!doctype html>\n<html lang="{lang}"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
+        f'<meta name="color-scheme" content="light dark"><title>{title}</title>'
+        f'<style>{style}</style></head><body><div id="page"></div>'
+        f'<script type="application/json" id="live">{kept}</script>'
+        f"<script>{code}</script></body></html>\n"
+    )
+
+
+def _built() -> tuple[str, str]:
+    """Return style and script of the page, as they stand in elements of their own."""
+    folder = resources.files("cardan.web").joinpath("static/live")
+    try:
+        style, code = (folder.joinpath(n).read_text("utf-8") for n in ("live.css", "live.js"))
+    except OSError:
+        msg = "the workbench's page is not built: `make serve` builds it where Node is installed"
+        raise NotInstalled(msg) from None
+    return style.replace("</style", "<\\/style"), code.replace("</script", "<\\/script")
+
+
+def _hash(of: str) -> str:
+    return f"'sha256-{b64encode(sha256(of.encode()).digest()).decode()}'"
+
+
+def _told(text: str, name: str, folder: str | None, say: Language) -> Json:
+    """Return everything that the page is told, in answer to whatever it asks."""
+    question = {"text": text, "name": name, "folder": folder, "lang": say.code}
+    files.loads(text, name=name, folder=Path(folder) if folder else None)  # refuses, and says why
+    live = answer({**question, "job": "live", "held": True})
+    lines = [_line(question, k, len(live["states"])) for k in range(len(live["lines"]))]
+    return {
+        "welcome": {
+            "version": __version__, "token": "", "lang": say.code, "languages": [say.code],
+            "texts": words.texts(say), "quantities": words.quantities(say),
+            "catalogue": {"joints": [], "tubes": []}, "profiles": [], "files": [name],
+        },
+        "live": {**live, "text": "", "handles": []},
+        "full": {**answer({**question, "job": "full"}), "text": ""},
+        "lines": lines,
+    }  # fmt: skip
+
+
+def _line(question: Json, line: int, states: int) -> Json:
+    """Return a line's poses: in every state, and over the travel of its axle."""
+
+    def pose(want: tuple[str, ...], **where: float) -> Json:
+        # Nothing wanted is what a held hand wants: the place alone.
+        asked = {**question, "job": "pose", "pose": {"line": line, **where}, "want": want}
+        return answer({**asked, "held": not want})["pose"]
+
+    found = [pose(("curves",), state=s) for s in range(states)]
+    low, high = found[0]["travel_reach"]
+    heights = np.linspace(low, high, PLACES) if high > low else np.array([])
+    return {
+        "states": found,
+        "travel": [pose((), travel_mm=float(z), torque_Nm=0.0) for z in heights],
+    }

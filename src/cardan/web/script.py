@@ -1,0 +1,52 @@
+"""What was done to a file with a hand, as a script and as commands that do it again."""
+
+from math import isfinite
+
+import numpy as np
+
+from cardan.base.errors import CardanError
+from cardan.files.change import addresses
+from cardan.files.manuscript import Manuscript
+from cardan.report.language import Language
+from cardan.web.document import Document, Json, Tell
+
+
+def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
+    """Return a Python script that makes of the saved file what is shown, and commands.
+
+    Numbers are changed by their addresses. What is no number, a part's name or a line that is
+    new, cannot be said so: it is named, and the file has to be saved for it.
+    """
+    name = read.name
+    try:
+        was, now = Manuscript(args.get("saved", ""), name), read.manuscript
+        known = addresses(read.application)
+        changed = {
+            at: float(np.ravel(known[at])[0])
+            for at in known
+            if at in now and was.written(at) is not None and was.written(at) != now.written(at)
+        }  # fmt: skip
+        other = sorted(
+            at
+            for at in {*was.addresses, *now.addresses} - changed.keys()
+            if was.written(at) != now.written(at)
+        )
+    except CardanError:
+        changed, other = {}, [name]
+    rows = "".join(f"    {at!r}: {v:.12g},\n" for at, v in changed.items() if isfinite(v))
+    lines = ["import cardan", "", f"app = cardan.read({name!r})"]
+    if rows:
+        lines.append("app = cardan.change(app, {\n" + rows + "})")
+    lines += ["found = cardan.check(app)", "print(found)", ""]
+    quoted = (
+        name if name.replace(".", "").replace("-", "").replace("_", "").isalnum() else repr(name)
+    )
+    return {
+        "script": "\n".join(lines),
+        "commands": [
+            f"cardan check {quoted} --lang {say.code}",
+            f"cardan fix {quoted} --lang {say.code}",
+            f"cardan serve {quoted}",
+        ],
+        "other": other[:20],
+    }

@@ -1,0 +1,419 @@
+"""The workbench's other views in a real browser: over speed, what to change, variants, limits.
+
+Needs the built page: `make browser` builds it.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from browsing import (
+    CHAIN,
+    SETTLED,
+    TRUCK,
+    arrived,
+    browsing,
+    clean,
+    edited,
+    on,
+    opened,
+    serious,
+    text_of,
+    wait,
+    workbench,
+)
+from workbench import PATIENCE
+
+from cardan import files
+from cardan.study.approval import approve
+
+pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with browsing() as driver:
+        yield driver
+
+
+def show(driver, view):
+    driver.find_element("css selector", f"[data-view={view}]").click()
+
+
+def said(driver, selector):
+    return driver.execute_script(
+        "return document.querySelector(arguments[0])?.innerText ?? ''", selector
+    )
+
+
+def press(driver, selector):
+    wait(driver, "return document.querySelector(arguments[0])", selector)
+    button = driver.find_element("css selector", selector)
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+    button.click()
+
+
+def test_forces_over_speed_campbell_and_launch(browser, tmp_path):
+    """The worst of the waterfall is what the check found by a search of its own."""
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        show(browser, "speed")
+        wait(browser, "return document.querySelector('.waterfall canvas')")
+        found = approve(files.loads(TRUCK))
+        worst = max(
+            (c for c in found.checks if c.quantity == "centre_bearing_dynamic"),
+            key=lambda c: c.value,
+        )
+        states = [s.name for s in found.application.states]
+        chips = browser.find_elements("css selector", ".chips[aria-label='State'] button")
+        chips[states.index(worst.when.name)].click()
+        at = f"centre bearing {worst.part.number}"
+        wait(browser, "return document.querySelector('.note').innerText")
+        named = "//div[@aria-label='Force']/button[.=$]".replace("$", f"'{at}'")
+        browser.find_element("xpath", named).click()
+        value = "return document.querySelector('.field p').innerText"
+        wait(browser, f"{value.replace('return', 'return /N, fail$/.test(')})")
+        told = browser.execute_script(value)
+        newtons = float(told.rpartition(": ")[2].split(" N")[0])
+        assert newtons == pytest.approx(worst.value, rel=0.01)  # speeds that are drawn, not sought
+        browser.find_element("css selector", ".field canvas").send_keys(Keys.ARROW_RIGHT)
+        wait(browser, f"{value} !== arguments[0]", told)
+        press(browser, ".vehicle .asking button")
+        wait(browser, "return document.querySelectorAll('.launch canvas').length >= 2")
+        assert len(browser.find_elements("css selector", ".campbell canvas")) == 3
+        assert serious(browser) == []
+        clean(browser)
+
+
+def test_a_job_can_be_stopped_and_asked_again(browser, tmp_path):
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        show(browser, "speed")
+        wait(browser, "return document.querySelector('.waterfall canvas')")
+        press(browser, ".vehicle .asking button")
+        wait(browser, "return document.querySelector('.vehicle [role=status]')")
+        press(browser, ".vehicle .asking button")
+        wait(browser, "return document.querySelector('.vehicle .fail')")
+        assert said(browser, ".vehicle .fail") == "stopped"
+        press(browser, ".vehicle .asking button")
+        wait(browser, "return document.querySelector('.launch')")
+
+
+def fill(driver, field, value):
+    box = driver.find_element("css selector", f"[data-field='{field}']")
+    box.clear()
+    box.send_keys(value)
+
+
+def test_five_numbers_become_a_file_and_a_verdict(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        fill(browser, "title", "Rear tipper: 4x2")
+        fill(browser, "speed", "2 500")
+        Select(browser.find_element("css selector", "[data-field=count]")).select_by_value("2")
+        for k, slope in enumerate(("3", "1,0", "4.5", "x"), 1):
+            fill(browser, f"members[{k}].side", slope)
+        for k, length in enumerate(("1200", "1500"), 1):
+            fill(browser, f"shafts[{k}].length", length)
+        fill(browser, "shafts[1].bearing", "140")
+        wait(browser, "return document.querySelector('.guided .problems .fail')")
+        assert "x" in said(browser, ".guided .problems")
+        fill(browser, "members[4].side", "2")
+        wait(browser, "return document.querySelector('.guided .make')")
+        assert said(browser, ".guided header b").lower() == "pass"
+        press(browser, ".make")
+        wait(browser, SETTLED)
+        (made,) = folder.glob("*.yaml")
+        assert made.name == "rear-tipper-4x2.yaml"
+        app = files.read(made)
+        assert app.title == "Rear tipper: 4x2"
+        assert [round(float(s), 1) for s in np.degrees(app.lines[0].layout.side)] == [3, 1, 4.5, 2]
+        assert approve(app).verdict == "pass"
+        assert "pass" in said(browser, ".verdict").lower()
+        assert serious(browser) == []
+        clean(browser)
+
+
+def test_points_are_pasted_from_a_spreadsheet(browser, tmp_path):
+    """Into a new file by the form, with x ahead; into one that is there, as a change of it."""
+    sheet = "joint\tx\ty\tz\nA\t0\t0\t0\nB\t-1200,5\t0\t-20\nC\t-2600\t0\t-150\n"
+    put = """const [e, v] = [document.querySelector(arguments[0]), arguments[1]]; e.value = v;
+        e.dispatchEvent(new Event(e.tagName === 'SELECT' ? 'change' : 'input', {bubbles: true}));"""
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        press(browser, "[data-way=points]")
+        browser.execute_script(put, "[data-field=count]", "2")
+        browser.execute_script(put, ".pasted textarea", sheet)
+        browser.execute_script(put, ".pasted select", "front")
+        fill(browser, "members[1].side", "2")
+        fill(browser, "members[4].side", "3,5")
+        fill(browser, "shafts[1].bearing", "150")
+        press(browser, ".guided .make")
+        wait(browser, SETTLED)
+        (made,) = folder.glob("*.yaml")
+        points = files.read(made).lines[0].layout.points
+        assert points == pytest.approx(np.array([[0, 0, 0], [1.2005, 0, -0.02], [2.6, 0, -0.15]]))
+        was = text_of(browser)
+        press(browser, ".paste summary")
+        browser.execute_script(put, ".paste textarea", "0 0 0\n1200 10 -25\n2600 0 -150")
+        press(browser, ".paste button")
+        now = edited(browser, was)
+        assert files.loads(now).lines[0].layout.points[1] == pytest.approx([1.2, 0.01, -0.025])
+        clean(browser)
+
+
+def test_variants_are_pinned_named_laid_behind_and_compared(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        press(browser, "[data-do=pin]")
+        wait(browser, "return document.querySelector('.ghost')")
+        path = "return document.querySelector(arguments[0]).getAttribute('d')"
+        before = browser.execute_script(path, ".ghost")
+        assert before == browser.execute_script(path, ".drawing .bold")
+        on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.ENTER)
+        now = edited(browser, was)
+        assert browser.execute_script(path, ".drawing .bold") != before
+        assert len(browser.find_elements("css selector", ".angles .before")) == 3
+        show(browser, "variants")
+        wait(browser, "return document.querySelector('.variants .differs')")
+        verdicts = [e.text for e in browser.find_elements("css selector", ".variants td b")]
+        assert verdicts == [approve(files.loads(t)).verdict for t in (now, was)]
+        name = browser.find_element("css selector", ".variants th input")
+        name.clear()
+        name.send_keys("<b>as built</b>", Keys.TAB)
+        wait(browser, "return document.querySelector('.variants select').innerText.includes('<b>')")
+        assert serious(browser) == []
+        browser.refresh()  # and again where the page is left and comes back
+        wait(browser, SETTLED)
+        show(browser, "variants")
+        wait(browser, "return document.querySelector('.variants .differs')")
+        name = browser.find_element("css selector", ".variants th input")
+        assert name.get_property("value") == "<b>as built</b>"
+        press(browser, "[data-do=take]")
+        wait(browser, "return document.querySelectorAll('.variants .differs').length === 0")
+        show(browser, "line")
+        assert text_of(browser) == was
+        clean(browser)
+
+
+def test_corrections_are_looked_for_and_one_is_applied(browser, tmp_path):
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "change")
+        wait(browser, "return document.querySelectorAll('.fix .tick').length === 5")
+        browser.find_elements("css selector", ".fix .tick input")[0].click()  # the bearing stays
+        press(browser, ".fix .asking button")
+        wait(browser, "return document.querySelector('.fix .asking progress')")
+        wait(browser, "return document.querySelector('.proposals li')")
+        listed = browser.find_elements("css selector", ".proposals li")
+        assert len(browser.find_elements("css selector", ".front g")) == len(listed)
+        assert all("bearing 1 up" not in one.text for one in listed)
+        verdict = listed[0].find_element("css selector", "b").text
+        press(browser, ".proposals button")
+        wait(browser, "return document.querySelector('.editor') || true")
+        show(browser, "line")
+        wait(browser, SETTLED)
+        now = edited(browser, was)
+        assert approve(files.loads(now)).verdict == verdict == "pass"
+        assert browser.find_element("css selector", "[data-do=behind]").get_property("value") == "0"
+        show(browser, "change")
+        assert serious(browser) == []
+        clean(browser)
+
+
+def test_a_map_is_chosen_on_and_a_yield_fills_in(browser, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "change")
+        value = "return document.querySelector('.map .field p')?.innerText ?? ''"
+        wait(browser, f"{value.replace('return', 'return (')}).includes('height of bearing 1')")
+        wait(browser, "return !document.querySelector('.map progress')")
+        told = browser.execute_script(value)
+        field = browser.find_element("css selector", ".map canvas")
+        field.send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_RIGHT)
+        wait(browser, f"{value} !== arguments[0]", told)
+        told = browser.execute_script(value)
+        press(browser, "[data-do=move]")
+        show(browser, "line")
+        now = edited(browser, was)
+        before, after = (files.loads(t).lines[0].layout.points for t in (was, now))
+        height = float(told.split("height of bearing 1 ")[1].split(" ")[0].replace("−", "-"))
+        assert 1000 * (after - before)[1, 2] != 0
+        assert height != 0
+        show(browser, "change")
+        press(browser, ".scatter .asking button")
+        wait(browser, "return document.querySelector('.scatter .figure')")
+        first = said(browser, ".scatter .figure")
+        wait(browser, "return !document.querySelector('.scatter progress')")
+        assert said(browser, ".scatter .figure") != first
+        assert "4096" in said(browser, ".scatter .figure")
+        clean(browser)
+
+
+def test_a_limit_is_deviated_from_by_who_signs_it(browser, tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        was = text_of(browser)
+        show(browser, "limits")
+        row = "//section[contains(@class, 'limits')]//tr[th[starts-with(., 'Torsional acc')]]"
+        wait(browser, "return document.querySelector('.limits tbody tr')")
+        button = browser.find_element("xpath", f"{row}//button")
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        button.click()
+        fill(browser, "normal", "340,5")
+        assert browser.find_element("css selector", "[data-do=sign]").get_property("disabled")
+        fill(browser, "reason", "narrow frame: <b>3 mm</b>")
+        fill(browser, "by", "Q. Engineer")
+        press(browser, "[data-do=sign]")
+        wait(browser, "return document.querySelector('.limits .differs')")
+        assert "signed Q. Engineer" in said(browser, ".limits .differs")
+        wait(browser, SETTLED)
+        assert "pass" in said(browser, ".verdict").lower()
+        assert serious(browser) == []
+        show(browser, "line")
+        now = text_of(browser)
+        (one,) = [m for m in files.loads(now).limits if "signed" in str(m.source)]
+        assert (one.normal, one.maximum) == (340.5, 500.0)
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+        show(browser, "limits")
+        wait(browser, "return document.querySelector('[data-do=profile]')")
+        chosen = Select(browser.find_element("css selector", "[data-do=profile]"))
+        chosen.select_by_visible_text("spicer")
+        wait(browser, "return document.querySelector('.limits .note').innerText === 'spicer'")
+        clean(browser)
+
+
+def test_a_folder_is_a_library(browser, tmp_path):
+    """Status of each file, found by words, held side by side; one that is broken says why."""
+    with workbench(tmp_path, folder=True) as (_, folder):
+        (folder / "chain.yaml").write_text(CHAIN, "utf-8")
+        (folder / "slow.yaml").write_text(CHAIN.replace("2800", "1400"), "utf-8")
+        (folder / "broken.yaml").write_text("title: [", "utf-8")
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelectorAll('.library li').length === 3")
+        rows = {
+            row.text.split()[1]: row.text
+            for row in browser.find_elements("css selector", ".library li")
+        }
+        assert rows["chain.yaml"].startswith("warn")
+        assert rows["slow.yaml"].startswith("pass")
+        assert rows["broken.yaml"].startswith("unreadable")
+        for box in browser.find_elements("css selector", ".library li input")[1:]:
+            box.click()
+        press(browser, "[data-do=compare]")
+        wait(browser, "return document.querySelector('.differs')")
+        assert "1400" in said(browser, ".differs")
+        fill(browser, "search", "SLOW")
+        wait(browser, "return document.querySelectorAll('.library li').length === 1")
+        assert serious(browser) == []
+        browser.find_element("css selector", ".library .link").click()
+        wait(browser, SETTLED)
+        assert "1400" in text_of(browser)
+        clean(browser)
+
+
+def test_reports_are_taken_and_a_revision_is_frozen(tmp_path):
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select
+
+    taken = tmp_path / "taken"
+    with browsing() as driver, workbench(tmp_path, CHAIN, "chain.yaml") as (house, path):
+        driver.execute_cdp_cmd(
+            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(taken)}
+        )
+        opened(driver, house)
+        was = text_of(driver)
+        show(driver, "library")
+        wait(driver, "return document.querySelector('.reports')")
+        starts = {"html": b"<!doctype html", "pdf": b"%PDF", "xlsx": b"PK\x03\x04", "json": b"{"}
+        for kind, start in starts.items():
+            language, wanted = driver.find_elements("css selector", ".reports select")
+            Select(language).select_by_visible_text("it")
+            Select(wanted).select_by_visible_text(kind)
+            press(driver, ".reports .asking button")
+            made = taken / f"chain.it.{kind}"
+            end = time.monotonic() + PATIENCE
+            while not made.exists() and time.monotonic() < end:
+                time.sleep(0.05)
+            assert made.read_bytes()[: len(start)].lower() == start.lower()
+        assert '<html lang="it"' in (taken / "chain.it.html").read_text("utf-8").lower()
+        fill(driver, "by", "Q. Engineer")
+        fill(driver, "note", "as built: <i>first</i>")
+        press(driver, "[data-do=freeze]")
+        wait(driver, "return document.querySelector('.revisions li')")
+        frozen = path.parent / "revisions" / "chain.1.yaml"
+        head, _, text = frozen.read_text("utf-8").partition("\n")
+        assert (head.split(": ", 1)[1], text) == ("Q. Engineer; as built: <i>first</i>", was)
+        assert serious(driver) == []
+        show(driver, "line")
+        on(driver, "side/main/bearing/1").send_keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.ENTER)
+        edited(driver, was)
+        show(driver, "library")
+        press(driver, ".revisions li button")
+        wait(driver, "return document.querySelector('.variants .differs')")
+        assert "slopes" in said(driver, ".variants .differs") or "angles" in said(
+            driver, ".variants .differs"
+        )
+        assert files.loads(frozen.read_text("utf-8")).title == files.loads(CHAIN).title
+        clean(driver)
+
+
+def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
+    from cardan.report.language import Language
+    from cardan.web import live
+
+    path = tmp_path / "live.html"
+    path.write_text(live.page(TRUCK, name="t.yaml", folder=None, say=Language("pt")), "utf-8")
+    assert path.stat().st_size < 1_200_000
+    with browsing(deep=True) as driver:
+        driver.get_log("browser")
+        driver.get(path.as_uri())
+        wait(driver, SETTLED)
+        assert driver.execute_script("return document.documentElement.lang") == "pt-BR"
+        shown = said(driver, ".angles table")
+        driver.find_elements("css selector", ".poser .chips button")[4].click()
+        wait(
+            driver,
+            "return document.querySelector('.angles table').innerText !== arguments[0]",
+            shown,
+        )
+        still = said(driver, ".angles table")
+        slide = """const e = document.querySelector('.poser input[type=range]');
+            e.value = -40; e.dispatchEvent(new Event('input', {bubbles: true}));"""
+        driver.execute_script(slide)
+        wait(
+            driver,
+            "return document.querySelector('.angles table').innerText !== arguments[0]",
+            still,
+        )
+        driver.find_element("css selector", ".cell.fail").click()
+        wait(driver, "return document.querySelector('.detail .equation')")
+        driver.find_elements("css selector", ".views .chips button")[1].click()
+        wait(driver, "return document.querySelector('.canvas canvas')")
+        assert not driver.find_elements("css selector", ".grip, textarea, .tabs, .save")
+        assert serious(driver) == []
+        asked = driver.execute_script("return performance.getEntriesByType('resource').length")
+        assert asked == 0
+        clean(driver)

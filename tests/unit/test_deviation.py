@@ -1,0 +1,117 @@
+"""A limit changed for one application: written where it belongs, signed, all others as before."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from cardan import files
+from cardan.base.errors import BadFile, DesignError
+from cardan.base.source import Source
+from cardan.files.deviation import Deviation, deviated
+from cardan.files.manuscript import Manuscript
+from cardan.quantity.quantities import QUANTITIES
+
+ROOT = Path(__file__).parents[2]
+CHAIN = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
+TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
+BARE = "\n".join(line for line in TRUCK.splitlines() if not line.startswith("limits:")) + "\n"
+WAYS = {
+    "named": TRUCK,
+    "none": BARE,
+    "another overridden": TRUCK.replace(
+        "limits: heavy-truck",
+        "limits:  # ours\n  profile: heavy-truck\n  overrides:\n"
+        "    - quantity: clearance\n      maximum: 10  # tight\n      source: us",
+    ),
+    "in a row": TRUCK.replace(
+        "limits: heavy-truck",
+        "limits: {profile: heavy-truck, "
+        'overrides: [{quantity: clearance, maximum: 10, source: "us"}]}',
+    ),
+    "own": CHAIN.replace(
+        "limits: protractor",
+        "limits:\n  - {quantity: joint_angle, normal: 6, source: a}\n"
+        "  - {quantity: joint_angle, unit: rad, maximum: 0.2, states: [riding], source: b}\n"
+        "  - {quantity: torsional_acceleration, maximum: 500, source: c}",
+    ),
+}
+SIGN = {"reason": "narrow frame: 3 mm", "by": 'Q. "Engineer"', "on": "2026-11-22"}
+
+
+def signed(text, which, **bounds):
+    app = files.loads(text)
+    script = Manuscript(text)
+    to = Deviation(**{"normal": None, "maximum": None, **bounds, **SIGN})
+    return app, script.with_(deviated(script, app.limits, which, to, profile=app.profile))
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_one_limit_is_another_and_the_rest_is_as_it_was(way):
+    text = WAYS[way]
+    for which, limit in enumerate(files.loads(text).limits):
+        if limit.band is not None:
+            continue
+        q = QUANTITIES[limit.quantity]
+        bounds = {
+            key: 1.1 * b / q.factor
+            for key in ("normal", "maximum") if (b := getattr(limit, key)) is not None
+        }  # fmt: skip
+        app, new = signed(text, which, **bounds)
+        after = files.loads(new)
+        changed = [m for m in after.limits if "signed" in str(m.source)]
+        assert len(changed) == 1
+        (one,) = changed
+        for key in ("normal", "maximum"):
+            was = getattr(limit, key)
+            assert getattr(one, key) == (
+                None if was is None else pytest.approx(1.1 * was, rel=1e-9)
+            )
+        assert str(one.source).startswith(f"deviation from {app.profile}, ")
+        told = f": {SIGN['reason']}; signed {SIGN['by']}, 2026-11-22; before: {limit.source}"
+        assert told in str(one.source)
+
+        def bare(m):
+            keep = {
+                k: round(v, 9) for k in ("normal", "maximum") if (v := getattr(m, k)) is not None
+            }
+            return replace(m, source=Source(""), **keep)
+
+        others = [m for k, m in enumerate(app.limits) if k != which]
+        rest = [m for m in after.limits if m is not one]
+        assert sorted(map(str, map(bare, rest))) == sorted(map(str, map(bare, others)))
+        assert bare(replace(one, normal=limit.normal, maximum=limit.maximum)) == bare(limit)
+        # And everything but the limits stays as it was written.
+        gone = set(text.splitlines()) - set(new.splitlines())
+        assert len(gone) <= 2
+
+
+def test_a_second_deviation_remembers_the_first_source():
+    _, once = signed(TRUCK, 0, normal=310, maximum=520)
+    k = next(k for k, m in enumerate(files.loads(once).limits) if "signed" in str(m.source))
+    app, twice = signed(once, k, normal=320, maximum=540)
+    (one,) = [m for m in files.loads(twice).limits if "signed" in str(m.source)]
+    assert str(one.source).count("before: ") == 1
+    assert str(files.loads(TRUCK).limits[0].source) in str(one.source)
+    assert "310 | 520" in str(one.source)
+    assert len(app.limits) == len(files.loads(twice).limits)
+
+
+def test_who_and_why_are_needed_and_a_limit_must_be_one():
+    with pytest.raises(BadFile) as found:
+        Deviation(normal=None, maximum=None, reason=" ", by="", on="2026-11-22")
+    assert {p.key for p in found.value.problems} == {"reason", "by", "normal"}
+    with pytest.raises(DesignError, match="safe side"):
+        signed(TRUCK, 0, normal=600, maximum=500)  # warns after it fails
+    with pytest.raises(BadFile, match="take it out by hand"):
+        signed(WAYS["own"], 0, maximum=7)
+
+
+def test_a_deviation_changes_the_verdict_as_any_limit_does():
+    from cardan.study.approval import assess
+
+    app = files.loads(CHAIN)
+    k = next(k for k, m in enumerate(app.limits) if m.quantity == "torsional_acceleration")
+    assert assess(app).verdict == "warn"
+    _, new = signed(CHAIN, k, normal=340, maximum=500)
+    assert assess(files.loads(new)).verdict == "pass"

@@ -1,0 +1,106 @@
+"""A first file from what was typed or pasted, by people who write 3,5 and copy tables."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cardan import files
+from cardan.base.errors import BadFile
+from cardan.files.guided import drafted
+from cardan.files.pasted import hardpoints, number
+
+FORM = {
+    "title": "Tipper", "speed": "2 500", "torque": "8000", "unit": "mm", "limits": "protractor",
+    "members": [{"side": "3"}, {"side": "1,0"}, {"side": "4.5°"}, {"side": "2", "top": "-0,5"}],
+    "shafts": [{"length": "1200", "bearing": "140", "tube": "100x3"},
+               {"length": "1500", "phase": "90"}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ("3,5", 3.5), ("3.5", 3.5), (" -3,5° ", -3.5), ("1 234,5", 1234.5), ("1.234,5", 1234.5),
+        ("1,234.5", 1234.5), ("1,234", 1.234), ("1\u00a0800", 1800.0), ("\u22122", -2.0),
+        ("2e3", 2000.0), (".5", 0.5), ("", None), ("3 mm", None), ("about 3", None),
+        ("1,2,3", None), ("nan", None), ("inf", None), ("1 2", None), ("--1", None),
+    ],
+)  # fmt: skip
+def test_a_number_as_it_is_typed(said, value):
+    assert number(said) == value
+
+
+@given(st.floats(-1e6, 1e6).map(lambda v: round(v, 3)))
+def test_a_number_survives_either_decimal_sign(value):
+    for said in (f"{value:.3f}", f"{value:.3f}".replace(".", ",")):
+        assert number(said) == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        "1\t2\t3\n4\t5\t6", "x y z\n1 2 3\n4 5 6\n", "A;1;2;3\nB;4;5;6",
+        "J1\t1,0\t2\t3\r\nJ2\t4\t5\t6,0",
+        "| 1 | 2 | 3 |\n| 4 | 5 | 6 |", "name\tnote\tx\ty\tz\nA\tfront\t1\t2\t3\nB\t\t4\t5\t6\n\n",
+    ],
+)  # fmt: skip
+def test_a_table_as_a_spreadsheet_copies_it(sheet):
+    assert hardpoints(sheet) == ((1, 2, 3), (4, 5, 6))
+
+
+def test_a_row_that_is_no_point_is_named():
+    with pytest.raises(BadFile) as found:
+        hardpoints("A\t1\t2\t3\nB\t4\tfive\t6\nC\t7\t8\n")
+    assert [(p.key, p.value, p.line) for p in found.value.problems] == [
+        ("row 2", "five", 2), ("row 3", "C", 3),
+    ]  # fmt: skip
+    for sheet in ("", "x y z", "1 2 3"):
+        with pytest.raises(BadFile, match="a row of x, y and z"):
+            hardpoints(sheet)
+
+
+def test_a_form_is_the_file_that_says_it():
+    app = files.loads(drafted(FORM))
+    (installed,) = app.lines
+    assert np.degrees(installed.layout.side) == pytest.approx([3, 1, 4.5, 2])
+    assert np.degrees(installed.layout.top) == pytest.approx([0, 0, 0, -0.5])
+    first, second = installed.line.shafts
+    assert first.tube.outer == 0.1
+    assert first.centre_bearing.from_rear_joint == pytest.approx(0.14)
+    assert np.degrees(second.phase) == pytest.approx(90)
+    assert (app.title, app.profile) == ("Tipper", "protractor")
+
+
+def test_a_form_in_inches_and_by_points():
+    app = files.loads(drafted({**FORM, "unit": "in", "shafts": [
+        {"length": "48", "bearing": "6"}, {"length": "60"}]}))  # fmt: skip
+    assert app.lines[0].layout.lengths == pytest.approx([48 * 0.0254, 60 * 0.0254])
+    form = {**FORM, "points": "0 0 0\n-1000 50 -20\n-2500 0 -100", "axes": "front"}
+    app = files.loads(drafted(form))
+    assert app.lines[0].layout.points[1] == pytest.approx([1.0, -0.05, -0.02])
+    assert np.degrees(app.lines[0].layout.side[[0, -1]]) == pytest.approx([3, 2])
+
+
+def test_every_field_that_is_wrong_is_named():
+    form = {**FORM, "speed": "fast", "members": [{"side": "x"}, {}, {"side": "1"}, {"side": "2"}]}
+    with pytest.raises(BadFile) as found:
+        drafted({**form, "shafts": [{}, {"length": "1"}]})
+    assert {p.key for p in found.value.problems} == {
+        "speed", "members[1].side", "members[2].side", "shafts[1].length", "shafts[1].bearing",
+    }  # fmt: skip
+    with pytest.raises(BadFile, match="1 to 6 shafts"):
+        drafted({**FORM, "shafts": []})
+
+
+@given(st.text(max_size=30), st.text(max_size=12))
+def test_whatever_is_typed_is_a_file_or_a_reason(title, typed):
+    try:
+        text = drafted({**FORM, "title": title, "torque": typed})
+    except BadFile:
+        return
+    # What it cannot be is said as of any file: nothing else goes wrong.
+    with suppress(BadFile):
+        assert files.loads(text).lines

@@ -1,0 +1,393 @@
+"""What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
+
+import json
+import subprocess
+import sys
+from base64 import b64decode
+from pathlib import Path
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed
+from workbench import PATIENCE, page, running
+
+from cardan import files
+from cardan.study.approval import approve, assess
+from cardan.web.answer import answer
+
+ROOT = Path(__file__).parents[2]
+TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
+CHAIN = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("desk")
+    (folder / "truck.yaml").write_text(TRUCK, "utf-8")
+    with running(folder / "truck.yaml", folder / "drafts") as found:
+        yield found
+
+
+def job(name, text=TRUCK, parts=None, lang="en", **args):
+    question = {"job": name, "text": text, "name": "x.yaml", "folder": None, "lang": lang}
+    found = answer({**question, "args": args}, (parts if parts is not None else []).append)
+    assert "problems" not in found, found
+    return found
+
+
+# ------------------------------------------------------------------ how they run
+
+
+def test_a_job_tells_parts_and_then_its_answer(house):
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        one.say("job", id=7, job="speeds", text=text, args={"state": 1})
+        done = one.hear("done")
+        assert (done["id"], done["job"], done["said"]) == (7, "speeds", "empty")
+        one.say("job", id=8, job="torsion", text=text, args={})
+        part = one.hear("part")
+        assert part["id"] == 8
+        assert part["part"]["doing"]
+        one.say("cancel", id=8)
+        assert one.hear("done") == {"type": "done", "id": 8, "job": "torsion",
+                                    "fault": "cancelled"}  # fmt: skip
+        one.say("job", id=9, job="speeds", text=text, args={})
+        assert one.hear("done")["bearings"]
+
+
+def test_a_hand_is_answered_while_a_job_runs(house):
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        one.say("job", id=3, job="torsion", text=text, args={})
+        one.hear("part")
+        told = one.ask(text, edits={"driveline.shafts[1].phase_deg": 10})
+        assert told["lines"][0]["phases"][0] == 10
+        one.say("cancel", id=3)
+        assert one.hear("done")["fault"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"job": "nothing", "args": {}},
+        {"job": "speeds", "args": {"state": -1}},
+        {"job": "speeds", "args": {"path": "/etc/passwd"}},
+        {"job": "speeds", "args": []},
+        {"job": ["speeds"], "args": {}},
+        {"job": "speeds", "args": {}, "id": "7"},
+    ],
+)
+def test_a_job_of_another_shape_ends_the_socket(house, said):
+    with page(house) as one:
+        one.hello()
+        one.say("job", **{"id": 1, "text": TRUCK, **said})
+        with pytest.raises(ConnectionClosed):
+            one.hear("done")
+
+
+def test_what_is_wrong_with_a_text_is_told(house):
+    with page(house) as one:
+        one.hello()
+        one.say("job", id=1, job="speeds", text="title: [", args={})
+        assert one.hear("done")["problems"][0]["line"] > 0
+
+
+# ------------------------------------------------------------------ over speed
+
+
+def test_a_waterfall_has_the_worst_that_the_check_seeks():
+    """The check seeks the worst speed; a waterfall has many: none is worse, one is as bad."""
+    found = assess(files.loads(TRUCK))
+    for quantity, key in (("centre_bearing_dynamic", "dynamic"), ("centre_bearing_peak", "peak")):
+        checks = [c for c in found.checks if c.quantity == quantity]
+        states = [s.name for s in found.application.states]
+        for c in sorted(checks, key=lambda c: c.value)[-2:]:
+            told = job("speeds", state=states.index(c.when.name))
+            bearing = told["bearings"][int(c.part.number) - 1]
+            every = np.array(bearing[key], dtype=float)
+            assert np.nanmax(every) == pytest.approx(c.value, rel=0.01)
+            assert np.nanmax(every) <= c.value * (1 + 1e-4)
+            graded = np.array(bearing["grades"][key], dtype=float)
+            assert ("pass", "warn", "fail")[int(np.nanmax(graded))] == c.grade
+
+
+def test_orders_add_up_to_what_shakes():
+    told = job("speeds", state=1)
+    for b in told["bearings"]:
+        _, *joints = (np.array(o, dtype=float) for o in b["orders"])
+        whole = np.array(b["dynamic"], dtype=float)
+        # Each is told to a tenth of a newton.
+        assert np.nanmax(np.abs(sum(joints) - whole)) <= 0.21
+
+
+def test_resonances_are_where_orders_meet_frequencies():
+    told = job("speeds", state=1)
+    assert [d["title"] for d in told["diagrams"]] == ["The line on its bearings", "Bending"]
+    rubber = told["diagrams"][0]
+    assert len(rubber["modes"]) == 4
+    for meet in rubber["meets"]:
+        order = float(meet["said"].rpartition(" ")[2])
+        assert meet["rpm"] * order / 60 == pytest.approx(meet["Hz"], abs=0.5 * order / 60 + 0.01)
+    for order in rubber["orders"]:
+        n = float(order["said"].rpartition(" ")[2])
+        assert order["Hz"][1] == pytest.approx(n * rubber["rpm"][1] / 60, abs=0.02)
+
+
+def test_the_vehicle_in_torsion_is_that_of_the_study():
+    from cardan.study.stability import stability
+
+    of = stability(files.loads(TRUCK))
+    parts: list[dict[str, object]] = []
+    told = job("torsion", parts=parts)
+    assert parts
+    assert len(told["diagrams"]) == len(of.gears)
+    assert told["diagrams"][0]["range"][1] == pytest.approx(
+        np.nanmax(of.closed.ranges[0, :, 1]) * 30 / np.pi, abs=1
+    )
+    assert [round(one.peak[one.first]) for one in of.launches] == [
+        round(one["peak"]) for one in told["launches"]
+    ]
+
+
+# ------------------------------------------------------------------ from a form
+
+FORM = {
+    "title": "A", "speed": "2500", "limits": "protractor",
+    "members": [{"side": "3"}, {"side": "1"}, {"side": "2"}], "shafts": [{"length": "1200"}],
+}  # fmt: skip
+
+
+def test_a_form_comes_to_what_its_file_comes_to():
+    told = job("guided", text="", **FORM)
+    found = assess(files.loads(told["draft"]))
+    assert told["verdict"] == found.verdict
+    assert told["angles"] == pytest.approx([2, 1])
+    assert len(told["checks"]) == min(8, len(found.checks))
+
+
+def test_pasted_points_are_edits_of_any_form_of_line():
+    for text, rows in ((TRUCK, "0 0 0\n1000 0 -35\n2000 0 -90\n3350 -40 -146"),
+                       (CHAIN, "0 0 0\n1300 0 -60\n2810 0 -160")):  # fmt: skip
+        told = job("pasted", text=text, points=rows)
+        after = files.loads(live(text, told["edits"])["text"])
+        wanted = np.array([[float(v) for v in row.split()] for row in rows.split("\n")]) / 1000
+        got = after.lines[0].layout.points
+        # Joint 1 of a line by angles is its own origin; its numbers are to 0.001 deg.
+        assert got - got[0] == pytest.approx(wanted - wanted[0], abs=2e-4)
+
+
+def live(text, edits):
+    question = {"job": "live", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
+    return answer({**question, "edits": edits})
+
+
+def test_a_new_file_never_takes_the_place_of_another(tmp_path):
+    (tmp_path / "tipper.yaml").write_text("mine", "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        assert one.hello()["files"] == ["tipper.yaml"]
+        for name, title in (("tipper-1.yaml", "Tipper"), ("etc-passwd.yaml", "../../etc/passwd"),
+                            ("driveline.yaml", "カルダン")):  # fmt: skip
+            one.say("create", title=title, text="title: new\n")
+            assert one.hear("files", "refused")["files"][-1] == name
+            assert one.hear("opened")["saved"] == "title: new\n"
+            assert (tmp_path / name).read_text("utf-8") == "title: new\n"
+        assert (tmp_path / "tipper.yaml").read_text("utf-8") == "mine"
+        assert len([p for p in tmp_path.iterdir() if p.suffix == ".yaml"]) == 4
+
+
+# ------------------------------------------------------------------ variants
+
+
+def test_variants_are_compared_as_the_report_compares_them():
+    other = CHAIN.replace("2800", "1400")
+    parts = []
+    told = job("compare", text=CHAIN, parts=parts, variants=[{"name": "slow", "text": other}])
+    assert [v["name"] for v in told["variants"]] == ["", "slow"]
+    assert [v["verdict"] for v in told["variants"]] == [
+        approve(files.loads(t)).verdict for t in (CHAIN, other)
+    ]
+    assert any("2800" in d["values"][0] and "1400" in d["values"][1] for d in told["differences"])
+    row = next(e for e in told["effects"] if "Torsional acceleration" in e["name"])
+    first, second = (float(v.split(" (")[0]) for v in row["values"])
+    assert first / second == pytest.approx(4, rel=1e-3)  # with the speed squared
+    assert [p["done"] for p in parts] == [0, 1]
+
+
+def test_variants_stay_with_their_file(tmp_path):
+    (tmp_path / "a.yaml").write_text(CHAIN, "utf-8")
+    kept = [{"name": "\u202ex<script>", "text": CHAIN + "# 2\n"}]
+    for start in range(2):  # and after a start of another server
+        with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+            one.hello()
+            if start == 0:
+                assert one.open()["variants"] == []
+                one.say("pin", file=0, variants=kept)
+                one.hear("kept")
+            assert one.open()["variants"] == kept
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        one.say("pin", file=0, variants=[{"name": "x" * 101, "text": ""}])
+        with pytest.raises(ConnectionClosed):
+            one.hear("kept")
+
+
+# ------------------------------------------------------------------ what to change
+
+
+def test_corrections_are_those_of_the_command_and_their_edits_make_them():
+    from cardan.study.fix import fix
+
+    told = job("fix", text=CHAIN, hold=["bearing_height 1", "no such thing"])
+    found = fix(files.loads(CHAIN), hold=["bearing_height 1"], count=6)
+    assert [p["verdict"] for p in told["proposals"]] == [p.verdict for p in found]
+    assert [p["margin"] for p in told["proposals"]] == pytest.approx(
+        [p.margin for p in found], rel=1e-5
+    )
+    for p in told["proposals"]:
+        assert approve(files.loads(live(CHAIN, p["edits"])["text"])).verdict == p["verdict"]
+
+
+@pytest.mark.parametrize("line", [0, 1])
+def test_what_may_move_is_named_as_hold_knows_it(line):
+    text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
+    rows = live(text, {})["lines"][line]["movable"]
+    assert len({r["id"] for r in rows}) == len(rows) > 1
+    assert all(r["low"] <= 0 <= r["high"] for r in rows)
+    free = [r["id"] for r in rows if r["free"]]
+    assert free
+
+
+def test_each_cell_of_a_map_is_what_a_check_of_it_finds():
+    parts = []
+    told = job("map", text=TRUCK, parts=parts, x="bearing_height 2", y="shim 1")
+    assert [len(p["map"]["grades"]) for p in parts] == [9, 17]
+    assert len(told["grades"]) == len(told["x"]["values"]) == 33
+    for r, c in ((0, 0), (16, 8), (32, 32)):
+        moves = [{"id": told[k]["id"], "amount": told[k]["values"][i]}
+                 for k, i in (("x", c), ("y", r))]  # fmt: skip
+        after = live(TRUCK, job("moved", text=TRUCK, moves=moves)["edits"])
+        rows = [row for row in after["limits"] if row["grades"]]
+        grades = [g for row in rows for s in row["grades"] for g in s if g is not None]
+        assert told["grades"][r][c] == max(grades)
+        name = told["names"][told["decides"][r][c]]
+        mine = [m for row in rows if row["name"] == name for s in row["margins"] for m in s
+                if m is not None]  # fmt: skip
+        # Edits are written to 0.01 mm and 0.001 deg.
+        assert told["margins"][r][c] == pytest.approx(min(mine), abs=2e-3)
+
+
+def test_a_coarse_map_has_the_cells_of_the_fine_one():
+    parts = []
+    told = job("map", text=CHAIN, parts=parts, x="bearing_height 1", y="shim 1")
+    coarse = np.array(parts[0]["map"]["margins"])
+    assert coarse == pytest.approx(np.array(told["margins"])[::4, ::4], abs=1e-9)
+
+
+def test_a_yield_fills_in_and_gets_surer():
+    parts = []
+    sigmas = [{"id": "bearing_height 1", "amount": 3.0}, {"id": "shim 1", "amount": 0.5}]
+    told = job("yield", text=CHAIN, parts=parts, sigmas=sigmas, count=1024)
+    wide = [p["yield"]["yield"][2] - p["yield"]["yield"][1] for p in parts]
+    assert told["count"] == 1024 == parts[-1]["done"]
+    assert wide[-1] < wide[0]
+    assert np.sum(told["cases"]) == 1024
+    assert sum(v[0] for v in told["shares"].values()) == pytest.approx(1, abs=2e-4)
+    # The same by single checks of cases drawn by another generator.
+    rng = np.random.default_rng(5)
+    good, count = 0, 60
+    for high, turn in rng.normal(0, (3.0, 0.5), (count, 2)):
+        moves = [{"id": "bearing_height 1", "amount": high}, {"id": "shim 1", "amount": turn}]
+        after = live(CHAIN, job("moved", text=CHAIN, moves=moves)["edits"])
+        good += after["grade"] in ("pass", "warn")
+    expected = told["yield"][0]
+    spread = 4 * np.sqrt(max(expected * (1 - expected), 0.25 / count) / count)  # four sigma
+    assert good / count == pytest.approx(expected, abs=spread)
+
+
+def test_a_share_of_none_or_all_is_not_certain():
+    from cardan.study.maps import share
+
+    assert share(0, 100)[1:] == pytest.approx((0.0, 0.0370), abs=1e-4)  # Wilson, by hand
+    assert share(100, 100)[1:] == pytest.approx((0.9630, 1.0), abs=1e-4)
+    assert share(50, 100)[1:] == pytest.approx((0.4038, 0.5962), abs=1e-4)
+
+
+# ------------------------------------------------------------------ the library
+
+
+def test_a_library_is_what_each_file_comes_to(tmp_path):
+    for name, text in (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK)):
+        (tmp_path / name).write_text(text, "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        one.say("keep", file=0, text=CHAIN.replace("2800", "1400"), mark="x")
+        one.hear("kept")
+        one.say("job", id=1, job="library", text="", args={})
+        first, second, third = one.hear("done")["rows"]
+        assert (first["verdict"], first["draft"]) == ("pass", True)  # what is not saved counts
+        assert second["verdict"] is None
+        assert second["why"]
+        assert third["verdict"] == approve(files.loads(TRUCK)).verdict
+        assert third["worst"]["name"]
+        one.say("job", id=2, job="compare", text="", file=0, args={"files": [2]})
+        told = one.hear("done")
+        assert [v["name"] for v in told["variants"]] == ["", "c.yaml"]
+        one.say("job", id=3, job="library", text="", args={"texts": []})
+        with pytest.raises(ConnectionClosed):
+            one.hear("done")
+
+
+@pytest.mark.parametrize("lang", ["en", "pt", "it"])
+@pytest.mark.parametrize("kind", ["html", "json", "xlsx"])
+def test_a_report_is_that_of_the_command(kind, lang):
+    question = {"job": "report", "text": CHAIN, "name": "x.yaml", "folder": None, "lang": "en"}
+    told = answer({**question, "args": {"kind": kind, "lang": lang}})
+    data = b64decode(told["data"])
+    assert told["name"] == f"x.{lang}.{kind}"
+    if kind == "json":
+        assert json.loads(data)["verdict"] == approve(files.loads(CHAIN)).verdict
+    elif kind == "html":
+        assert b"Three-joint chain" in data
+        assert f'lang="{ {"pt": "pt-BR"}.get(lang, lang) }"'.encode() in data
+    else:
+        assert data.startswith(b"PK")
+
+
+def test_revisions_are_never_written_over(tmp_path):
+    (tmp_path / "a.yaml").write_text(CHAIN, "utf-8")
+    (tmp_path / "revisions").mkdir()
+    (tmp_path / "revisions" / "a.1.yaml").write_text("# frozen 2020-01-01: Z\nold\n", "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        one.hello()
+        assert [r["text"] for r in one.open()["revisions"]] == ["old\n"]
+        one.say("freeze", file=0, text=CHAIN, by="Q\n# x: y", note="")
+        told = one.hear("frozen")["revisions"]
+        assert [r["name"] for r in told] == ["2", "1"]
+        assert told[0]["text"] == CHAIN
+        assert "\n" not in told[0]["said"]
+        assert (tmp_path / "revisions" / "a.1.yaml").read_text("utf-8").endswith("old\n")
+        assert one.hello()["files"] == ["a.yaml"]
+
+
+def test_a_script_does_again_what_a_hand_did(tmp_path):
+    """Run as anybody would: it comes to what the page shows."""
+    (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")
+    now = live(TRUCK, {"driveline.points_mm[3][3]": -90.5, "driveline.shafts[2].phase_deg": 15})
+    question = {"job": "script", "text": now["text"], "name": "truck.yaml", "folder": None}
+    told = answer({**question, "lang": "en", "args": {"saved": TRUCK}})
+    assert told["other"] == []
+    done = subprocess.run(
+        [sys.executable, "-c", told["script"]], cwd=tmp_path, capture_output=True, text=True,
+        check=True, timeout=PATIENCE,
+    )  # fmt: skip
+    after = files.loads(now["text"])
+    counts = [sum(c.grade == g for c in assess(after).checks) for g in ("fail", "warn", "pass")]
+    assert "({} fail, {} warn, {} pass".format(*counts) in done.stdout
+    swapped = live(TRUCK, {"driveline.shafts[2].tube": "100x3"})["text"]
+    told = answer({**question, "text": swapped, "lang": "en", "args": {"saved": TRUCK}})
+    assert told["other"] == ["driveline.shafts[2].tube"]
+    assert "change" not in told["script"]
+    for command in told["commands"]:
+        assert command.startswith("cardan ")

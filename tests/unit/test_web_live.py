@@ -1,0 +1,94 @@
+"""A page by itself: what was computed beforehand, in one file that asks nobody."""
+
+import json
+import re
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from cardan import files
+from cardan.base.errors import BadFile, NotInstalled
+from cardan.cli import cli
+from cardan.report.language import CODES, Language
+from cardan.study.approval import approve
+from cardan.web import live
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+TRUCK = next(p for p in EXAMPLES if p.stem.startswith("refuse"))
+
+
+@pytest.fixture
+def built(monkeypatch):
+    """The page in place of the built one: what is asked is what stands around it."""
+    monkeypatch.setattr(live, "_built", lambda: ("p{color:red}", "let a = '<\\/script>'"))
+
+
+def kept(page):
+    found = re.search(r'<script type="application/json" id="live">(.*?)</script>', page, re.DOTALL)
+    return json.loads(found[1])
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+@pytest.mark.usefixtures("built")
+def test_it_holds_the_verdict_and_every_state(path):
+    text = path.read_text("utf-8")
+    page = live.page(text, name=path.name, folder=str(path.parent), say=Language("it"))
+    told, found = kept(page), approve(files.loads(text))
+    assert told["full"]["verdict"] == found.verdict
+    assert len(told["lines"]) == len(found.responses)
+    for line in told["lines"]:
+        assert [p["state"] for p in line["states"]] == list(range(len(told["live"]["states"])))
+        heights = [p["travel"] for p in line["travel"]]
+        assert heights == sorted(heights)
+        assert len(heights) in (0, live.PLACES)
+    assert told["live"]["handles"] == []
+    assert len(page.encode()) < 300_000  # what is left of 1.2 MB beside the page itself
+
+
+@pytest.mark.usefixtures("built")
+def test_its_policy_names_what_stands_in_it_and_no_name_gets_out():
+    name = '</script><script>alert(1)</script>" onload="x'
+    text = TRUCK.read_text("utf-8").replace("Refuse collector 6x2, three shafts", json.dumps(name))
+    page = live.page(text, name="x.yaml", folder=None, say=Language("en"))
+    assert kept(page)["live"]["title"] == name
+    assert page.count("<script") == page.count("</script>") == 2
+    policy = re.search(r'content="(default-src[^"]*)"', page)[1]
+    for element in ("script", "style"):
+        inside = re.search(rf"<{element}>(.*?)</{element}>", page, re.DOTALL)[1]
+        digest = b64encode(sha256(inside.encode()).digest()).decode()
+        assert f"{element}-src 'sha256-{digest}'" in policy
+    assert "unsafe" not in policy
+    assert not re.search(r"(src|href)=|https?:", page.split('id="live"')[0])
+
+
+@pytest.mark.usefixtures("built")
+def test_it_is_written_by_a_check(tmp_path):
+    out = tmp_path / "out.html"
+    for code in CODES:
+        done = CliRunner().invoke(
+            cli, ["check", str(TRUCK), "-q", "--live", str(out), "--lang", code]
+        )
+        assert done.exit_code == 1
+        assert kept(out.read_text("utf-8"))["welcome"]["lang"] == code
+    many = CliRunner().invoke(cli, ["check", *map(str, EXAMPLES[:2]), "--live", str(out)])
+    assert many.exit_code == 2
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(TRUCK.read_text("utf-8"), "utf-8")
+    over = CliRunner().invoke(cli, ["check", str(mine), "--live", str(mine)])
+    assert over.exit_code == 2
+    assert mine.read_text("utf-8") == TRUCK.read_text("utf-8")
+
+
+def test_what_is_missing_is_said(monkeypatch, tmp_path):
+    monkeypatch.setattr("cardan.web.live.resources.files", lambda _: tmp_path)
+    with pytest.raises(NotInstalled, match="make serve"):
+        live.page(TRUCK.read_text("utf-8"), name="x", folder=None, say=Language("en"))
+
+
+@pytest.mark.usefixtures("built")
+def test_a_text_that_is_none_is_refused():
+    with pytest.raises(BadFile):
+        live.page("title: [", name="x", folder=None, say=Language("en"))

@@ -1,0 +1,79 @@
+"""Every answer of the workbench has the shape that its front's types are made of."""
+
+import json
+from importlib.resources import files as resources
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from cardan.report.language import CODES, Language
+from cardan.web import words
+from cardan.web.answer import answer
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+SCHEMA = json.loads(resources("cardan.web").joinpath("messages.schema.json").read_text("utf-8"))
+TRUCK = next(p for p in EXAMPLES if p.stem.startswith("refuse")).read_text("utf-8")
+CHAIN = next(p for p in EXAMPLES if p.stem.startswith("three")).read_text("utf-8")
+FORM = {
+    "title": "A", "speed": "2500", "limits": "protractor",
+    "members": [{"side": "3"}, {"side": "1"}, {"side": "2"}], "shafts": [{"length": "1200"}],
+}  # fmt: skip
+
+
+def wrong(name, told):
+    told = {k: v for k, v in json.loads(json.dumps(told)).items() if k not in ("text", "edits")}
+    schema = {**SCHEMA, "$ref": f"#/$defs/{name}"}
+    errors = Draft202012Validator(schema).iter_errors(told)
+    return [(list(e.absolute_path), e.message[:200]) for e in errors]
+
+
+def asked(job, text, lang="en", **what):
+    question = {"job": job, "text": text, "name": "x.yaml", "folder": None, "lang": lang}
+    return answer(question | what)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_what_follows_a_hand_has_its_shape(path):
+    text = path.read_text("utf-8")
+    assert wrong("Live", asked("live", text)) == []
+    assert wrong("Full", asked("full", text)) == []
+
+
+def test_a_slider_and_what_helps_have_theirs():
+    told = asked("pose", TRUCK, pose={"travel_mm": 10, "torque_Nm": 500})
+    assert wrong("Pose", told["pose"]) == []
+    assert [w for h in asked("help", CHAIN)["helps"] for w in wrong("Help", h)] == []
+
+
+def test_a_welcome_has_its_shape():
+    assert wrong("Catalogue", words.catalogue()) == []
+    for code in CODES:
+        for explained in words.quantities(Language(code)).values():
+            assert wrong("Explained", explained) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "job", "text", "args"),
+    [
+        ("Speeds", "speeds", TRUCK, {"state": 1}), ("Speeds", "speeds", CHAIN, {}),
+        ("Guided", "guided", "", FORM), ("Ghost", "ghost", TRUCK, {}),
+        ("Compared", "compare", CHAIN, {"variants": [{"name": "b", "text": TRUCK}]}),
+        ("MapOf", "map", CHAIN, {"x": "bearing_height 1", "y": "shim 1"}),
+        ("Yield", "yield", CHAIN, {"sigmas": [{"id": "shim 1", "amount": 0.2}], "count": 128}),
+        ("LimitsOf", "limits", TRUCK, {}),
+    ],
+)  # fmt: skip
+def test_a_job_has_its_shape(name, job, text, args):
+    assert wrong(name, asked(job, text, args=args)) == []
+
+
+def test_a_correction_has_its_shape():
+    assert wrong("Corrections", asked("fix", CHAIN, args={})) == []
+
+
+def test_another_shape_is_seen():
+    told = asked("live", CHAIN)
+    assert wrong("Live", {**told, "more": 1})
+    assert wrong("Live", {**told, "worst": "one"})
+    assert wrong("Live", {k: v for k, v in told.items() if k != "states"})

@@ -1,0 +1,192 @@
+// What to change: corrections with holds, a map of two moves, what remains where moves scatter.
+
+import { useEffect, useState } from "preact/hooks";
+import type { Shown } from "./Drawing";
+import { Field } from "./Field";
+import { fixed, number, percent } from "./format";
+import { GRADES } from "./marks";
+import { Asking, edges } from "./Speed";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Corrections, MapOf, Movable, Yield } from "./types";
+
+type Both = { known: Known; shown: Shown };
+
+export function Change(both: Both) {
+  return (
+    <div class="columns">
+      <div class="left"><Fix {...both} /><Scatter {...both} /></div>
+      <div class="right"><Map {...both} /></div>
+    </div>
+  );
+}
+
+function Fix({ known, shown }: Both) {
+  const [hold, set] = useState<string[]>([]);
+  const job = known.jobs.fix as Job<Corrections> | undefined;
+  const args = { line: shown.index, hold };
+  const found = job?.answer?.proposals;
+  return (
+    <section class="card fix" aria-labelledby="fix">
+      <header>
+        <h2 id="fix">{t("Corrections")}</h2>
+        <Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => { if (!known.helps) store.help(); store.work("fix", args); }} />
+      </header>
+      <fieldset>
+        <legend class="note">{t("what may move")}</legend>
+        {shown.line.movable.filter((m) => m.free).map((m) => (
+          <label key={m.id} class="tick">
+            <input type="checkbox" checked={!hold.includes(m.id)} onChange={() => set(hold.includes(m.id) ? hold.filter((h) => h !== m.id) : [...hold, m.id])} />
+            {m.said} <small>{reach(m)}{m.step > 0 && ` · ${t("in steps of {step}", { step: number(m.step) })}`}</small>
+          </label>
+        ))}
+      </fieldset>
+      {job?.running && !found && known.helps && (
+        <ul class="first">
+          {known.helps.flatMap((h) => h.bars.slice(0, 1).map((b) => ({ h, b }))).slice(0, 4).map(({ h, b }) => (
+            <li key={h.name + h.where}><button class="link" onClick={() => store.apply(b.edits)}>{b.said}</button>: {h.name} {number(b.value)} {h.unit}</li>
+          ))}
+        </ul>
+      )}
+      {found?.length === 0 && <p class="note">{t("Nothing that may move changes anything for the better.")}</p>}
+      {found && found.length > 0 && <Front of={found} />}
+      <ol class="proposals">
+        {found?.map((p, k) => (
+          <li key={k} class={p.verdict}>
+            <p><b class={p.verdict}>{t(p.verdict)}</b> {p.moves.join("; ")}</p>
+            <p class="note">{t("margin {margin} % after {before} %, cost {cost}", { margin: percent(p.margin), before: percent(p.before), cost: fixed(p.cost, 2) })}{p.left.map((c) => <small key={c.name + c.where}>{t("still")} {c.name}, {c.where}: {number(c.value)} {c.unit} ({percent(c.margin)} %)</small>)}</p>
+            <button disabled={Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
+          </li>
+        ))}
+      </ol>
+    </section>
+  );
+}
+
+const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${m.unit === "deg" ? "°" : m.unit}`;
+
+/** Cost against margin: each proposal a point to click on. */
+function Front({ of }: { of: Corrections["proposals"] }) {
+  const [costs, margins] = [of.map((p) => p.cost), of.map((p) => p.margin)];
+  const most = Math.max(...costs, 1e-9);
+  const [low, high] = [Math.min(...margins), Math.max(...margins)];
+  return (
+    <svg class="front" viewBox="0 0 320 120" role="group" aria-label={t("margin against cost")}>
+      <path class="axes" d="M30 10V100H310" />
+      <text x="310" y="116" text-anchor="end">{t("cost")}</text><text x="4" y="10">{t("margin")}</text>
+      {of.map((p, k) => {
+        const [x, y] = [36 + (260 * p.cost) / most, 92 - (76 * (p.margin - low)) / (high - low || 1)];
+        const go = (): void => { store.pin(); store.apply(p.edits); };
+        return (
+          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter") go(); }}>
+            <title>{p.moves.join("; ")}</title><circle cx={x} cy={y} r={7} /><text x={x + 11} y={y + 4}>{k + 1}</text>
+          </g>
+        );
+      })}
+    </svg>
+  );
+}
+
+function Choice({ of, value, set, label }: { of: Movable[]; value: string; set: (id: string) => void; label: string }) {
+  return (
+    <select aria-label={label} value={value} onChange={(e) => set((e.currentTarget as HTMLSelectElement).value)}>
+      {of.map((m) => <option key={m.id} value={m.id}>{m.said}</option>)}
+    </select>
+  );
+}
+
+function Map({ known, shown }: Both) {
+  const every = shown.line.movable;
+  const [x, setX] = useState(every[0]?.id ?? "");
+  const [y, setY] = useState((every.find((m) => m.id === "shim 1") ?? every[1])?.id ?? "");
+  const [sought, seek] = useState(false);
+  const [at, setAt] = useState<[number, number] | null>(null);
+  const args = { line: shown.index, x, y, sought };
+  useEffect(() => {
+    if (!known.held && !sought) store.work("map", args);
+  }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
+  const job = known.jobs.map as Job<MapOf, { map?: MapOf }> | undefined;
+  const of = (job?.running ? job.part?.map : undefined) ?? job?.answer;
+  const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;
+  useEffect(() => {
+    if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits);
+  }, [moved?.answer]);
+  const n = of?.x?.values.length ?? 0;
+  const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
+  const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, grade: of.grades[r]?.[c] ?? 0, margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
+  return (
+    <section class="card map" aria-labelledby="map">
+      <header>
+        <h2 id="map">{t("Map of two moves")}</h2>
+        <Asking job={job} name="map" stale={job?.of !== store.about(args)} ask={() => store.work("map", args)} />
+      </header>
+      <div class="fields">
+        <label>{t("to the right")}<Choice of={every.filter((m) => m.id !== y)} value={x} set={setX} label={t("to the right")} /></label>
+        <label>{t("up")}<Choice of={every.filter((m) => m.id !== x)} value={y} set={setY} label={t("up")} /></label>
+        <label class="tick"><input type="checkbox" checked={sought} onChange={() => seek(!sought)} />{t("with bearing forces over all speeds: takes longer")}</label>
+      </div>
+      {of?.x && of.y && cell && (
+        <>
+          <Field
+            label={t("Map of two moves: choose with the arrow keys")}
+            x={edges(of.x.values)}
+            y={edges(of.y.values)}
+            up
+            grades={of.grades}
+            strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 0))}
+            at={[r, c]}
+            choose={(row, column) => setAt([row, column])}
+            said={`${of.x.said} ${number(cell.x)} ${of.x.unit}, ${of.y.said} ${number(cell.y)} ${of.y.unit}: ${t(GRADES[cell.grade] ?? "")}, ${cell.name ?? ""} ${percent(cell.margin)} %`}
+            height={330}
+            theme={known.theme}
+          />
+          <p class="note">↑ {of.y.said} [{of.y.unit}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
+          <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{of.x.unit}] →</span><span>{number(of.x.values.at(-1))}</span></p>
+          <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
+          {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
+        </>
+      )}
+      {of && !of.x && <p class="note">{t("There are no two things to move.")}</p>}
+    </section>
+  );
+}
+
+/** One standard deviation of what a workshop sets, where nobody says: assumed. */
+const SIGMA: Record<string, number> = { mm: 1, deg: 0.17, percent: 5 };
+
+function Scatter({ known, shown }: Both) {
+  const every = shown.line.movable;
+  const [given, give] = useState<Record<string, string>>({});
+  const sigma = (m: Movable): string => given[m.id] ?? (m.choice ? "1" : m.free ? String(SIGMA[m.unit] ?? 1) : "0");
+  const sigmas = every.map((m) => ({ id: m.id, amount: Math.abs(Number(sigma(m).replace(",", "."))) || 0 })).filter((s) => s.amount > 0);
+  const args = { line: shown.index, sigmas, count: 4096 };
+  const job = known.jobs.yield as Job<Yield, { yield?: Yield }> | undefined;
+  const of = (job?.running ? job.part?.yield : undefined) ?? job?.answer;
+  const cases = of?.cases ?? [];
+  const most = Math.max(1, ...(cases[0] ?? []).map((_, k) => cases.reduce((sum, row) => sum + (row[k] ?? 0), 0)));
+  return (
+    <section class="card scatter" aria-labelledby="scatter">
+      <header>
+        <h2 id="scatter">{t("What remains under tolerances")}</h2>
+        <Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />
+      </header>
+      <div class="fields">
+        {every.map((m) => <label key={m.id}>{m.said} ± [{m.unit}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
+      </div>
+      <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
+      {of?.yield && (
+        <>
+          <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
+          <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
+            {cases.map((row, g) => row.map((v, k) => {
+              const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
+              return v > 0 && <rect key={`${g}/${k}`} class={GRADES[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
+            }))}
+            <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
+          </svg>
+          <ul class="others">{of.lost.map((l) => <li key={l.name}><b class="fail">{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
+        </>
+      )}
+    </section>
+  );
+}

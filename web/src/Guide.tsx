@@ -1,0 +1,163 @@
+// From a protractor's readings, or a pasted table, to a file and its verdict.
+
+import { useEffect, useState } from "preact/hooks";
+import { fixed, number, percent } from "./format";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Guided } from "./types";
+
+type Cells = Record<string, string>;
+interface Form {
+  title: string;
+  speed: string;
+  torque: string;
+  limits: string;
+  unit: string;
+  axes: string;
+  points: string;
+  members: Cells[];
+  shafts: Cells[];
+}
+
+const EMPTY: Form = { title: "", speed: "", torque: "", limits: "protractor", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}], shafts: [{}] };
+
+export function Guide({ known }: { known: Known }) {
+  const [form, set] = useState<Form>(EMPTY);
+  const [pasting, paste] = useState(false);
+  useEffect(() => {
+    const timer = setTimeout(() => store.work("guided", { ...form, points: pasting ? form.points : "" }, ""), 200);
+    return () => clearTimeout(timer);
+  }, [form, pasting, known.lang]);
+  const job = known.jobs.guided as Job<Guided> | undefined;
+  const wrong = new Map((job?.problems ?? []).map((p) => [p.key, p.message]));
+  const change = (part: Partial<Form>): void => set({ ...form, ...part });
+  const cell = (list: "members" | "shafts", k: number, key: string, value: string): void =>
+    change({ [list]: form[list].map((row, i) => (i === k ? { ...row, [key]: value } : row)) });
+  const count = (n: number): void => {
+    const shafts = Array.from({ length: n }, (_, k) => form.shafts[k] ?? {});
+    const members = [...form.members.slice(0, -1), ...Array<Cells>(Math.max(0, n + 1 - (form.members.length - 1))).fill({})];
+    change({ shafts, members: [...members.slice(0, n + 1), form.members.at(-1) ?? {}] });
+  };
+  const field = (key: string, name: string, value: string, put: (v: string) => void) => (
+    <input
+      value={value}
+      inputMode="decimal"
+      aria-label={name}
+      data-field={key}
+      aria-invalid={value !== "" && wrong.has(key)}
+      title={wrong.get(key) ?? ""}
+      onInput={(e) => put((e.currentTarget as HTMLInputElement).value)}
+    />
+  );
+  const n = form.shafts.length;
+  const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
+  const of = job?.problems ? null : job?.answer;
+  // What is empty yet is no mistake.
+  const typed = (job?.problems ?? []).filter((p) => p.value && (p.key !== "points" || form.points));
+  return (
+    <div class="columns">
+      <div class="left"><section class="card guide" aria-labelledby="guide">
+        <header>
+          <h2 id="guide">{t("From a protractor's readings")}</h2>
+          <span class="note">{t("slopes down to the rear are positive, to the right too")}</span>
+        </header>
+        <div class="fields">
+          <label>{t("title")}<input value={form.title} data-field="title" onInput={(e) => change({ title: (e.currentTarget as HTMLInputElement).value })} /></label>
+          <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
+          <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
+          <label>{t("shafts")}<select value={n} data-field="count" onChange={(e) => count(Number((e.currentTarget as HTMLSelectElement).value))}>{[1, 2, 3, 4, 5, 6].map((k) => <option key={k} value={k}>{k}</option>)}</select></label>
+          <label>{t("lengths in")}<select value={form.unit} onChange={(e) => change({ unit: (e.currentTarget as HTMLSelectElement).value })}><option>mm</option><option>in</option></select></label>
+          <label>{t("limits")}<select value={form.limits} data-field="limits" onChange={(e) => change({ limits: (e.currentTarget as HTMLSelectElement).value })}>{known.profiles.map((p) => <option key={p} value={p}>{p}</option>)}</select></label>
+        </div>
+        <div class="chips" role="group" aria-label={t("The line by")}>
+          <button aria-pressed={!pasting} onClick={() => paste(false)}>{t("slopes and lengths")}</button>
+          <button aria-pressed={pasting} data-way="points" onClick={() => paste(true)}>{t("points, pasted from a spreadsheet")}</button>
+        </div>
+        {pasting && <Pasted form={form} change={change} invalid={wrong.has("points") || [...wrong.keys()].some((k) => k.startsWith("row"))} />}
+        <div class="scroll" tabindex={0} role="region" aria-label={t("From a protractor's readings")}>
+          <table class="rows">
+            <thead>
+              <tr>
+                <th scope="col" /><th scope="col">{t("side slope [deg]")}</th><th scope="col">{t("top slope [deg]")}</th>
+                {!pasting && <th scope="col">{t("length")} [{form.unit}]</th>}
+                <th scope="col">{t("bearing ahead of the rear joint")} [{form.unit}]</th><th scope="col">{t("phase [deg]")}</th><th scope="col">{t("tube")}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {names.map((name, k) => {
+                const shaft = k > 0 && k <= n ? form.shafts[k - 1] : undefined;
+                const put = (key: string, label: string) => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v));
+                const sloped = !pasting || !shaft;
+                return (
+                  <tr key={k}>
+                    <th scope="row">{name}</th>
+                    {(["side", "top"] as const).map((view) => (
+                      <td key={view}>{sloped && field(`members[${k + 1}].${view}`, `${name}: ${t(view === "side" ? "side slope [deg]" : "top slope [deg]")}`, form.members[k]?.[view] ?? "", (v) => cell("members", k, view, v))}</td>
+                    ))}
+                    {!pasting && <td>{shaft && put("length", t("length"))}</td>}
+                    <td>{shaft && k < n && put("bearing", t("bearing ahead of the rear joint"))}</td>
+                    <td>{shaft && put("phase", t("phase [deg]"))}</td>
+                    <td>{shaft && (
+                      <select aria-label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} onChange={(e) => cell("shafts", k - 1, "tube", (e.currentTarget as HTMLSelectElement).value)}>
+                        <option value="" />{known.catalogue.tubes.map((o) => <option key={o.name}>{o.name}</option>)}
+                      </select>
+                    )}</td>
+                  </tr>
+                );
+              })}
+            </tbody>
+          </table>
+        </div>
+      </section></div>
+      <div class="right"><section class={`card guided ${of?.verdict ?? ""}`} aria-labelledby="comes">
+        <header>
+          <h2 id="comes">{t("What it comes to")}</h2>
+          {of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}
+        </header>
+        {!of && <ul class="problems">{typed.map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
+        {!of && typed.length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")}</p>}
+        {of && (
+          <>
+            <p class="facts">{of.angles.map((a, k) => <span key={k}>{t("joint {n}", { n: k + 1 })} <b>{fixed(a, 2)}°</b></span>)}<span>{t("equivalent angle")} <b>{fixed(of.equivalent, 2)}°</b></span></p>
+            <ul class="others">
+              {of.checks.map((c, k) => <li key={k} class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.sense === "<=" ? "≤" : "≥"} {number(c.bound)} {c.unit} ({percent(c.margin)} %)</li>)}
+            </ul>
+            <button class="make" onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>
+          </>
+        )}
+      </section></div>
+    </div>
+  );
+}
+
+/** A field that takes a table of points, in either of the axes they are drawn in. */
+export function Pasted({ form, change, invalid }: { form: { points: string; axes: string }; change: (part: { points?: string; axes?: string }) => void; invalid: boolean }) {
+  return (
+    <div class="pasted">
+      <textarea aria-label={t("x, y and z of every joint, a row each, gearbox first")} placeholder={t("x, y and z of every joint, a row each, gearbox first")} aria-invalid={invalid} value={form.points} rows={5} spellcheck={false} onInput={(e) => change({ points: (e.currentTarget as HTMLTextAreaElement).value })} />
+      <select aria-label={t("axes")} value={form.axes} onChange={(e) => change({ axes: (e.currentTarget as HTMLSelectElement).value })}>
+        <option value="rear">{t("x to the rear, y to the right, z up")}</option>
+        <option value="front">{t("x ahead, y to the left, z up")}</option>
+      </select>
+    </div>
+  );
+}
+
+/** Points of the line that is shown, pasted over those it has. */
+export function PasteInto({ known, line }: { known: Known; line: number }) {
+  const [form, set] = useState({ points: "", axes: "rear", unit: "mm" });
+  const job = known.jobs.pasted as Job<{ edits: Record<string, number> }> | undefined;
+  const edits = job?.running ? undefined : job?.answer?.edits;
+  useEffect(() => {
+    if (edits) store.taken("pasted", edits);
+  }, [edits]);
+  return (
+    <details class="more paste">
+      <summary>{t("Paste the joints' points from a spreadsheet")}</summary>
+      <Pasted form={form} change={(part) => set({ ...form, ...part })} invalid={job?.why !== undefined && job.why !== ""} />
+      <select aria-label={t("lengths in")} value={form.unit} onChange={(e) => set({ ...form, unit: (e.currentTarget as HTMLSelectElement).value })}><option>mm</option><option>in</option></select>{" "}
+      <button disabled={form.points.trim() === ""} onClick={() => store.work("pasted", { ...form, line })}>{t("put them in")}</button>
+      {job?.why && <p class="note fail">{job.why}</p>}
+    </details>
+  );
+}

@@ -1,0 +1,106 @@
+// The folder as a library: what each file comes to; reports to take away; frozen revisions.
+
+import { useEffect, useState } from "preact/hooks";
+import { percent } from "./format";
+import { Asking } from "./Speed";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Compared, Status } from "./types";
+import { Sides } from "./Variants";
+
+export function Library({ known }: { known: Known }) {
+  const [wanted, want] = useState("");
+  const [ticked, tick] = useState<number[]>([]);
+  useEffect(() => store.work("library", {}, ""), [known.files, known.history?.saved, known.lang]);
+  const job = known.jobs.library as Job<{ rows: Status[] }, { rows: Status[] }> | undefined;
+  const rows = (job?.running ? job.part?.rows : job?.answer?.rows) ?? [];
+  const bare = (s: string): string => s.toLowerCase().normalize("NFKD");
+  const shown = rows.filter((r) => bare(`${r.name} ${r.title} ${r.verdict ?? ""} ${r.profile ?? ""}`).includes(bare(wanted)));
+  const compare = known.jobs.compare as Job<Compared> | undefined;
+  return (
+    <>
+      <section class="card library" aria-labelledby="library">
+        <header>
+          <h2 id="library">{t("Files")}</h2>
+          <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want((e.currentTarget as HTMLInputElement).value)} />
+          <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          {job?.running && <span class="note" role="status">{t("asking …")}</span>}
+        </header>
+        {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
+        <ul>
+          {shown.map((r) => (
+            <li key={r.file}>
+              <input type="checkbox" aria-label={t("compare {file}", { file: r.name })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
+              <b class={r.verdict ?? "fail"}>{r.verdict ? t(r.verdict) : t("unreadable")}</b>
+              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{r.name}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
+              <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
+            </li>
+          ))}
+        </ul>
+      </section>
+      {ticked.length > 1 && compare?.answer && compare.answer.variants.length === ticked.length && (
+        <section class="card" aria-label={t("Variants side by side")}>
+          <Sides of={compare.answer} head={compare.answer.variants.map((v, k) => v.name || rows.find((r) => r.file === ticked[k])?.name || "")} />
+        </section>
+      )}
+    </>
+  );
+}
+
+/** What was clicked, as a script that does it again. */
+function Script({ known }: { known: Known }) {
+  const saved = known.history?.saved ?? "";
+  useEffect(() => store.work("script", { saved }), [known.history?.text, saved, known.lang]);
+  const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
+  if (!of) return null;
+  return (
+    <section class="card script" aria-labelledby="script">
+      <header><h2 id="script">{t("What was done, as a script")}</h2></header>
+      <pre tabindex={0} data-field="script">{of.script}</pre>
+      <pre tabindex={0}>{of.commands.join("\n")}</pre>
+      {of.other.length > 0 && <p class="note">{t("Changed too, and no number: save the file for it")}: {of.other.join(", ")}</p>}
+    </section>
+  );
+}
+
+export function Reports({ known }: { known: Known }) {
+  const [lang, speak] = useState(known.lang);
+  const [by, sign] = useState("");
+  const [note, say] = useState("");
+  const job = known.jobs.report as Job<{ name: string; media: string; data: string }> | undefined;
+  const [kind, ask] = useState("html");
+  useEffect(() => {
+    if (!job?.answer || job.running) return;
+    const { name, media, data } = job.answer;
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([bytes], { type: media })), download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    store.taken("report", {});
+  }, [job?.answer]);
+  return (
+    <div class="columns">
+      <div class="left"><section class="card reports" aria-labelledby="reports">
+        <header><h2 id="reports">{t("Reports")}</h2></header>
+        <div class="fields">
+          <label>{t("Language")}<select value={lang} onChange={(e) => speak((e.currentTarget as HTMLSelectElement).value)}>{known.languages.map((l) => <option key={l}>{l}</option>)}</select></label>
+          <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{["html", "pdf", "xlsx", "json"].map((k) => <option key={k}>{k}</option>)}</select></label>
+        </div>
+        <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
+      </section><Script known={known} /></div>
+      <div class="right"><section class="card revisions" aria-labelledby="revisions">
+        <header><h2 id="revisions">{t("Revisions")}</h2></header>
+        <div class="fields">
+          <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign((e.currentTarget as HTMLInputElement).value)} /></label>
+          <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say((e.currentTarget as HTMLInputElement).value)} /></label>
+        </div>
+        <button data-do="freeze" disabled={!by.trim()} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
+        <ol reversed class="proposals">
+          {known.revisions.map((r) => (
+            <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>
+          ))}
+        </ol>
+      </section></div>
+    </div>
+  );
+}

@@ -1,0 +1,79 @@
+// The limits with their sources: another profile, or a deviation that somebody signs.
+
+import { useEffect, useState } from "preact/hooks";
+import { number } from "./format";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { LimitsOf } from "./types";
+
+const EMPTY = { normal: "", maximum: "", reason: "", by: "" };
+
+export function Limits({ known }: { known: Known }) {
+  const [at, open] = useState<number | null>(null);
+  const [form, set] = useState(EMPTY);
+  useEffect(() => {
+    if (!known.held) store.work("limits");
+  }, [known.history?.text, known.held, known.lang]);
+  const of = (known.jobs.limits as Job<LimitsOf> | undefined)?.answer;
+  const job = known.jobs.deviate as Job<{ draft: string }> | undefined;
+  useEffect(() => {
+    if (!job?.answer || job.running) return;
+    store.taken("deviate", {});
+    store.type(job.answer.draft, false);
+    open(null);
+  }, [job?.answer]);
+  if (!of) return <p class="card note">…</p>;
+  const wrong = new Set((job?.problems ?? []).map((p) => p.key));
+  const field = (key: keyof typeof EMPTY, name: string) => (
+    <label>{name}<input data-field={key} value={form[key]} aria-invalid={wrong.has(key)} maxLength={key === "reason" ? 1000 : 40} onInput={(e) => set({ ...form, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
+  );
+  return (
+    <section class="card limits" aria-labelledby="limits">
+      <header>
+        <h2 id="limits">{t("Limits and their sources")}</h2>
+        <span class="note">{of.profile}</span>
+        {of.plain && (
+          <select aria-label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} onChange={(e) => store.apply({ limits: (e.currentTarget as HTMLSelectElement).value })}>
+            {[...new Set([of.named, ...known.profiles])].filter(Boolean).map((p) => <option key={p} value={p}>{p}</option>)}
+          </select>
+        )}
+      </header>
+      {job?.why && <p class="note fail" role="status">{job.why}</p>}
+      <div class="scroll" tabindex={0} role="region" aria-label={t("Limits and their sources")}>
+        <table class="rows">
+          <thead>
+            <tr><th scope="col">{t("limit")}</th><th scope="col" class="n">{t("warns past")}</th><th scope="col" class="n">{t("fails past")}</th><th scope="col">{t("in")}</th><th scope="col">{t("Source of the limit")}</th><td /></tr>
+          </thead>
+          <tbody>
+            {of.limits.map((m, k) => (
+              <>
+                <tr key={k} class={m.signed ? "differs" : ""}>
+                  <th scope="row">{m.name}{m.required && <small>{t("required")}</small>}</th>
+                  {m.band
+                    ? <td class="n" colSpan={2}>{t("outside")} {number(m.band[0])} … {number(m.band[1])} {m.unit}</td>
+                    : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${number(b)} ${m.unit}`}</td>)}
+                  <td>{m.states.join(", ")}</td>
+                  <td>{m.signed && <b class="warn">{t("deviation")} </b>}{m.source}</td>
+                  <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("deviate")}</button>}</td>
+                </tr>
+                {at === k && (
+                  <tr key={`f${k}`}>
+                    <td colSpan={6}>
+                      <div class="fields">
+                        {field("normal", `${t("warns past")} [${m.unit}]`)}
+                        {field("maximum", `${t("fails past")} [${m.unit}]`)}
+                        {field("reason", t("why"))}
+                        {field("by", t("signed by"))}
+                      </div>
+                      <button data-do="sign" class="make" disabled={!form.reason.trim() || !form.by.trim()} onClick={() => store.work("deviate", { which: k, ...form })}>{t("sign the deviation")}</button>
+                    </td>
+                  </tr>
+                )}
+              </>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,225 @@
+// What bearings carry over speed, gear by gear; where orders meet modes; the vehicle's torsion.
+
+import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Shown } from "./Drawing";
+import { Field } from "./Field";
+import { fixed, number } from "./format";
+import { GRADES } from "./marks";
+import { Plot, type Series } from "./Plot";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Diagram, Force, Speeds, Torsion } from "./types";
+
+export function Speed({ known, shown }: { known: Known; shown: Shown }) {
+  const { index, state } = shown;
+  useEffect(() => {
+    if (!known.held) store.work("speeds", { line: index, state });
+  }, [known.history?.text, known.held, index, state, known.lang]);
+  const job = known.jobs.speeds as Job<Speeds> | undefined;
+  const of = job?.answer;
+  return (
+    <div class="columns">
+      <div class="left">
+        {job?.why && <p class="notice fail">{job.why}</p>}
+        {of ? <Forces of={of} known={known} shown={shown} /> : <p class="card note">…</p>}
+        <Launches known={known} />
+      </div>
+      <div class="right">
+        {of?.diagrams.map((d) => <Campbell key={d.title} of={d} known={known} />)}
+        <Vehicle known={known} />
+      </div>
+    </div>
+  );
+}
+
+/** Edges between values that stand in the middle of cells. */
+export const edges = (values: number[]): number[] =>
+  values.length < 2
+    ? [(values[0] ?? 0) - 0.5, (values[0] ?? 0) + 0.5]
+    : [...values, NaN].map((v, k) => {
+        const [a, b] = [values[k - 1], values[k]];
+        if (a === undefined) return v - ((values[1] ?? 0) - v) / 2;
+        return b === undefined ? a + (a - (values[k - 2] ?? 0)) / 2 : (a + b) / 2;
+      });
+
+const shakenMost = (of: Speeds): number => {
+  const most = of.bearings.map((b) => Math.max(0, ...b.dynamic.flat().map((v) => v ?? 0)));
+  return Math.max(0, most.indexOf(Math.max(...most)));
+};
+
+function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }) {
+  const [force, setForce] = useState<Force>("dynamic");
+  const [bearing, setBearing] = useState(() => shakenMost(of));
+  const [at, setAt] = useState<[number, number] | null>(null);
+  const b = of.bearings[Math.min(bearing, of.bearings.length - 1)];
+  const worst = useMemo<[number, number]>(() => {
+    let found: [number, number] = [0, 0];
+    let most = -1;
+    b?.[force].forEach((row, r) => row.forEach((v, k) => { if ((v ?? -1) > most) [most, found] = [v ?? 0, [r, k]]; }));
+    return found;
+  }, [b, force]);
+  if (!b) return <p class="card note">{t("The line has no centre bearing, or nothing says its torque over speed.")}</p>;
+  const [g, k] = at && at[0] < of.gears.length && at[1] < of.rpm.length ? at : worst;
+  const values = b[force];
+  const most = Math.max(...values.flat().map((v) => v ?? 0), 1);
+  const bounds = b.limits[force].flatMap((l) => (["warn", "fail"] as const).flatMap((grade) => (l[grade] === null ? [] : [{ value: l[grade], grade, said: t(grade) }])));
+  const value = values[g]?.[k];
+  const grade = GRADES[b.grades[force][g]?.[k] ?? -1];
+  const cut: Series[] = [
+    { name: t(force === "peak" ? "largest force" : "all orders"), values: values[g] ?? [], colour: 0 },
+    ...of.orders.map((n, o) => ({ name: t("order {order}", { order: n }), values: b.orders[o]?.[g] ?? [], colour: o + 1, dash: true })),
+  ];
+  return (
+    <section class="card" aria-labelledby="forces">
+      <header>
+        <h2 id="forces">{t("Force on bearings over speed")}</h2>
+        <span class="note">{of.said}</span>
+      </header>
+      <div class="chips" role="group" aria-label={t("State")}>
+        {shown.live.states.map((s, i) => (
+          <button key={s.name} aria-pressed={i === of.state} onClick={() => store.pose({ line: shown.index, state: i })}>{s.said}</button>
+        ))}
+      </div>
+      <div class="chips" role="group" aria-label={t("Force")}>
+        {of.bearings.map((o, i) => <button key={o.said} aria-pressed={o === b} onClick={() => { setBearing(i); setAt(null); }}>{o.said}</button>)}
+        <span class="apart" />
+        <button aria-pressed={force === "dynamic"} onClick={() => { setForce("dynamic"); setAt(null); }}>{t("what shakes it")}</button>
+        <button aria-pressed={force === "peak"} onClick={() => { setForce("peak"); setAt(null); }}>{t("largest force")}</button>
+      </div>
+      <div class="waterfall">
+        <ul aria-hidden="true">{of.gears.map((o) => <li key={o.said}>{o.said}</li>)}</ul>
+        <Field
+          label={t("Force by gear and speed: choose with the arrow keys")}
+          x={edges(of.rpm)}
+          y={of.gears.map((_, i) => i).concat(of.gears.length)}
+          grades={b.grades[force]}
+          strength={(r, c) => 0.12 + 0.88 * ((values[r]?.[c] ?? 0) / most)}
+          at={[g, k]}
+          choose={(r, c) => setAt([r, c])}
+          said={`${of.gears[g]?.said}, ${number(of.rpm[k])} rpm: ${value === null || value === undefined ? "–" : `${number(value)} N`}${grade ? `, ${t(grade)}` : ""}`}
+          height={22 * of.gears.length}
+          theme={known.theme}
+        />
+      </div>
+      <Plot
+        x={of.rpm}
+        series={cut}
+        left={{ unit: "N", digits: 0 }}
+        unit={`${t("force [N]")} ${t("over the shaft's speed [rpm]")}: ${of.gears[g]?.said}`}
+        at={of.rpm[k] ?? null}
+        height={240}
+        theme={known.theme}
+        label={t("Orders of the force over speed, {gear}", { gear: of.gears[g]?.said ?? "" })}
+        beside={{ levels: bounds, top: 1.1 * Math.max(most, ...bounds.map((l) => l.value)) }}
+      />
+    </section>
+  );
+}
+
+function Campbell({ of, known }: { of: Diagram; known: Known }) {
+  const series: Series[] = of.orders.map((o, k) => ({ name: o.said, values: o.Hz, colour: k }));
+  return (
+    <section class="card campbell" aria-label={of.title}>
+      <header>
+        <h2>{of.title}</h2>
+        <span class="note">{t("where an order meets a frequency is resonance")}</span>
+      </header>
+      <Plot
+        x={of.rpm}
+        series={series}
+        left={{ unit: "Hz", digits: 0 }}
+        unit={t("frequency [Hz] over the shaft's speed [rpm]")}
+        height={230}
+        theme={known.theme}
+        label={`${of.title}: ${of.modes.map((m) => `${m.said} ${fixed(m.Hz, 1)} Hz`).join(", ")}`}
+        beside={{ levels: of.modes.map((m) => ({ value: m.Hz, said: m.said })), spots: of.meets.map((m) => ({ x: m.rpm, y: m.Hz })), shade: of.range, top: of.Hz_top }}
+      />
+      {of.meets.length > 0 && (
+        <details class="more">
+          <summary>{t("Resonances")} ({of.meets.length})</summary>
+          <ul>{of.meets.map((m) => <li key={m.said}>{m.said}: {number(m.rpm)} rpm, {fixed(m.Hz, 1)} Hz</li>)}</ul>
+        </details>
+      )}
+    </section>
+  );
+}
+
+function Vehicle({ known }: { known: Known }) {
+  const job = known.jobs.torsion as Job<Torsion, { doing: string }> | undefined;
+  const of = job?.answer;
+  const [gear, setGear] = useState(0);
+  const d = of?.diagrams[Math.min(gear, of.diagrams.length - 1)];
+  return (
+    <>
+      <section class="card vehicle" aria-labelledby="vehicle">
+        <header>
+          <h2 id="vehicle">{t("The whole vehicle in torsion, and its launches")}</h2>
+          <Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={job?.of !== store.about({})} />
+        </header>
+        {of && (
+          <div class="chips" role="group" aria-label={t("gear")}>
+            {of.diagrams.map((o, k) => <button key={o.title} aria-pressed={o === d} onClick={() => setGear(k)}>{o.title}</button>)}
+          </div>
+        )}
+      </section>
+      {d && <Campbell of={d} known={known} />}
+    </>
+  );
+}
+
+function Launches({ known }: { known: Known }) {
+  const of = (known.jobs.torsion as Job<Torsion> | undefined)?.answer;
+  return (
+    <>
+      {of?.launches.map((l) => (
+        <section key={l.said} class="card launch" aria-label={l.said}>
+          <header>
+            <h2>{l.said}</h2>
+            <span class="note">{t("largest {peak} N·m, T i {target} N·m", { peak: number(l.peak), target: number(l.target) })}{l.slid ? `, ${t("tyres slide")}` : ""}</span>
+          </header>
+          <Plot
+            x={l.time}
+            series={l.torque.map((s, k) => ({ name: s.said, values: s.values, colour: k, dash: k > 0 }))}
+            left={{ unit: "N·m", digits: 0 }}
+            unit={t("torque of the first shaft [N·m] over time [s]")}
+            height={200}
+            theme={known.theme}
+            label={l.said}
+            beside={{ levels: [{ value: l.target, said: "T i" }] }}
+          />
+          {l.bearings.length > 0 && (
+            <Plot
+              x={l.bearing_time}
+              series={l.bearings.map((s, k) => ({ name: s.said, values: s.values, colour: k + 1 }))}
+              left={{ unit: "N", digits: 0 }}
+              unit={t("force on the bearings [N] over time [s]")}
+              height={150}
+              theme={known.theme}
+              label={t("force on the bearings [N] over time [s]")}
+            />
+          )}
+        </section>
+      ))}
+    </>
+  );
+}
+
+/** A button that asks for a job, says how far it is, and stops it. */
+export function Asking(of: { job: Job<unknown, unknown> | undefined; ask: () => void; name: string; stale: boolean; word?: string; disabled?: boolean }) {
+  const part = of.job?.part as { doing?: string; done?: number; of?: number } | null | undefined;
+  return (
+    <span class="asking">
+      {of.job?.running ? (
+        <>
+          <span role="status" class="note">{part?.doing ?? t("asking …")}</span>
+          {part?.of !== undefined && <progress max={part.of} value={part.done ?? 0} aria-label={part.doing ?? of.name} />}
+          <button onClick={() => store.stop(of.name)}>{t("stop")}</button>
+        </>
+      ) : (
+        <button disabled={of.disabled || (!of.stale && of.job?.answer !== null)} onClick={of.ask}>{of.word ?? t("ask")}</button>
+      )}
+      {of.job?.why && <span class="note fail">{of.job.why === "cancelled" ? t("stopped") : of.job.why}</span>}
+      {of.stale && of.job?.answer !== null && of.job !== undefined && !of.job.running && <span class="note">{t("of the file as it was")}</span>}
+    </span>
+  );
+}

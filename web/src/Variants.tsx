@@ -1,0 +1,77 @@
+// Variants of the file: pinned, named, laid behind the drawing, and held side by side.
+
+import type { ComponentChild } from "preact";
+import { useEffect } from "preact/hooks";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Compared } from "./types";
+
+/** Pins what is shown, and chooses what is drawn behind it. */
+export function Pin({ known }: { known: Known }) {
+  return (
+    <>
+      <button data-do="pin" onClick={() => store.pin()}>{t("Pin this variant")}</button>
+      {known.variants.length > 0 && (
+        <select aria-label={t("Drawn behind")} data-do="behind" value={known.behind ?? ""} onChange={(e) => {
+          const value = (e.currentTarget as HTMLSelectElement).value;
+          store.lay(value === "" ? null : Number(value));
+        }}>
+          <option value="">{t("nothing behind")}</option>
+          {known.variants.map((v, k) => <option key={k} value={k}>{v.name}</option>)}
+        </select>
+      )}
+    </>
+  );
+}
+
+export function Variants({ known }: { known: Known }) {
+  useEffect(() => {
+    if (known.variants.length && !known.held) store.work("compare", { variants: known.variants });
+  }, [known.variants, known.history?.text, known.held, known.lang]);
+  const job = known.jobs.compare as Job<Compared> | undefined;
+  const of = job?.of === store.about({ variants: known.variants }) || known.held ? job?.answer : null;
+  const why = job?.why;
+  if (!known.variants.length) {
+    return (
+      <section class="card">
+        <p class="note">{t("Pin a variant, change something, and both stand side by side here.")}</p>
+        <Pin known={known} />
+      </section>
+    );
+  }
+  const names = [t("as shown"), ...known.variants.map((v) => v.name)];
+  return (
+    <section class="card variants" aria-labelledby="variants">
+      <header><h2 id="variants">{t("Variants side by side")}</h2><Pin known={known} /></header>
+      {why && <p class="note fail">{why}</p>}
+      <Sides
+        of={of && of.variants.length === names.length ? of : null}
+        head={names.map((name, k) => k === 0 ? name : (
+          <>
+            <input aria-label={t("name of variant {n}", { n: k })} value={name} maxLength={100} onChange={(e) => store.rename(k - 1, (e.currentTarget as HTMLInputElement).value)} />
+            <button class="plain" data-do="take" onClick={() => store.type(known.variants[k - 1]?.text ?? "", false)}>{t("take it")}</button>
+            <button class="plain" aria-label={t("drop variant {n}", { n: k })} onClick={() => store.unpin(k - 1)}>✕</button>
+          </>
+        ))}
+      />
+    </section>
+  );
+}
+
+/** What variants say differently, and what it does. */
+export function Sides({ of, head }: { of: Compared | null; head: ComponentChild[] }) {
+  return (
+    <div class="scroll" tabindex={0} role="region" aria-label={t("Variants side by side")}>
+      <table class="rows">
+        <thead><tr><td />{head.map((h, k) => <th key={k} scope="col">{h}</th>)}</tr></thead>
+        {of && (
+          <tbody>
+            <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict}>{t(v.verdict)}</b> <small>{v.counts.fail} {t("fail")}, {v.counts.warn} {t("warn")}</small></td>)}</tr>
+            {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
+            {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
+          </tbody>
+        )}
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,49 @@
+// In place of a server: answers that were computed beforehand, in a page of its own.
+
+import type { Connection } from "./link";
+import type { Full, Live, Pose, PoseAsked, Told } from "./types";
+
+interface Kept {
+  welcome: Omit<Extract<Told, { type: "welcome" }>, "type">;
+  live: Live;
+  full: Full;
+  lines: { states: Pose[]; travel: Pose[] }[];
+}
+
+export class Frozen {
+  private readonly kept: Kept;
+
+  constructor(
+    text: string,
+    private readonly told: (message: Told) => void,
+    private readonly state: (connection: Connection) => void,
+  ) {
+    this.kept = JSON.parse(text) as Kept;
+  }
+
+  open(): void {
+    this.state("open");
+  }
+
+  say(said: object): void {
+    const m = said as { type: string; id?: number; pose?: PoseAsked };
+    const { welcome, live, full } = this.kept;
+    const id = m.id ?? 0;
+    if (m.type === "hello") this.told({ type: "welcome", ...welcome });
+    if (m.type === "open") this.told({ type: "opened", file: 0, name: welcome.files[0] ?? "", saved: "", mark: "", draft: null, stale: false, variants: [], revisions: [] });
+    if (m.type === "ask") this.told({ type: "live", id, text: "", ...live, pose: this.pose({ line: 0, state: live.worst }) });
+    if (m.type === "ask") this.told({ type: "full", id, text: "", ...full });
+    if (m.type === "pose") this.told({ type: "posed", id, text: "", pose: this.pose(m.pose ?? {}) });
+  }
+
+  /** The pose that is nearest; its curves are those of the worst state. */
+  private pose({ line = 0, state, travel_mm }: PoseAsked): Pose {
+    const of = this.kept.lines[line] ?? { states: [], travel: [] };
+    const still = of.states[state ?? this.kept.live.worst] as Pose;
+    if (travel_mm === undefined) return still;
+    const away = (p: Pose): number => Math.abs(p.travel - travel_mm);
+    const near = of.travel.reduce((a, b) => (away(b) < away(a) ? b : a), of.travel[0] as Pose);
+    const { over_travel, turn } = still;
+    return { ...near, ...(over_travel ? { over_travel } : {}), ...(turn ? { turn } : {}), torque_reach: [0, 0] };
+  }
+}
