@@ -40,7 +40,8 @@ VIBRATION, BRACKET, RECORDING = map(_answered_by, ("vibration", "bracket", "reco
 ASKED = [*DRIVELINE, *VIBRATION, *BRACKET]
 """What `cardan check` can be asked, with the studies that answer it."""
 CATALOGUE = HERE / "verify/by_hand.csv"
-JOINT = {"peak_kNm": 38, "reversing_kNm": 13, "pulsating_kNm": 21.5, "bearing_Td_kNm": 3.1}
+RATED = {"peak_kNm": 38, "reversing_kNm": 13, "pulsating_kNm": 21.5, "bearing_Td_kNm": 3.1}
+JOINT = {**RATED, "cross_width_mm": 140, "cup_diameter_mm": 57, "cup_length_mm": 38}
 """A joint without limits of its own on angle and speed: what is asked is asked by one limit."""
 
 OF_KINDS = ("joint_swing", "joint_orbit", "tube_buckling_utilisation")
@@ -48,7 +49,7 @@ OF_KINDS = ("joint_swing", "joint_orbit", "tube_buckling_utilisation")
 KINDS = [
     {**JOINT, "kind": "double cardan", "centre_distance_mm": 80, "ball_from_rear_mm": 44},
     JOINT, JOINT,
-    {**JOINT, "kind": "tripod", "pitch_circle_mm": 90},
+    {**RATED, "kind": "tripod", "pitch_circle_mm": 90},
 ]  # fmt: skip
 PLIES = {"outer_mm": 120, "layup": [{"ply": "T300/5208", "angle_deg": [45, -45], "times": 6}]}
 
@@ -88,6 +89,7 @@ def base(which: str = "main") -> dict:
     keep, drop = ("inter-axle", "main") if odd else ("main", "inter-axle")
     found["drivelines"] = {keep: found["drivelines"][keep]}
     found["obstacles"] = [o for o in found["obstacles"] if o.get("line", "main") != drop]
+    found["suspension"]["axle_to_frame_mm"] = 420
     line = found["drivelines"][keep]
     line["joints"] = KINDS if which == "kinds" else [JOINT] * (3 if odd else 4)
     if which == "kinds":

@@ -19,6 +19,8 @@ from cardan.shaft.life import joint_life, life_rating, wear
 from cardan.study.selection import Asked, fits, smallest
 
 CATALOGUES = Path(shelf.__code__.co_filename).with_name("catalogues")
+WIDE = {"COLUMNS": "200"}
+"""Of a terminal that breaks no line."""
 
 
 def run(*arguments):
@@ -165,7 +167,7 @@ def test_a_files_own_catalogues_are_on_the_shelf(tmp_path):
 
 
 def test_explain_says_what_limits_a_quantity_and_how_that_was_read():
-    told = CliRunner().invoke(cli, ["explain", "tube_shear_utilisation"]).output
+    told = CliRunner(env=WIDE).invoke(cli, ["explain", "tube_shear_utilisation"]).output
     assert "Limits (heavy-truck): normal <= 0.6700, maximum <= 1.000" in told
     assert "House practice (by definition; normal: assumed)" in told
     band = CliRunner().invoke(cli, ["explain", "half_critical_band"]).output
@@ -183,8 +185,8 @@ def test_a_check_says_how_its_bound_was_read_and_what_it_stands_on():
     assert rows["joint", "2040"]["how_read"] == "from memory"
     assert rows["joint", "2040"]["apart"]["speed_max"] == "re-read"
     assert rows["tube", "120x4"]["parts"] == [1, 2, 3]
-    printed = CliRunner().invoke(cli, ["check", str(file), "--lang", "pt"]).output
-    assert "tubo 120x4 (eixo 1, eixo 2, eixo 3): relido; material: suposto" in printed
+    printed = CliRunner(env=WIDE).invoke(cli, ["check", str(file), "--lang", "pt"]).output
+    assert "tubo 120x4 (árvore 1, árvore 2, árvore 3): relido; material: suposto" in printed
 
 
 @pytest.mark.parametrize(

@@ -504,7 +504,7 @@ def test_what_may_move_and_how_far():
         ("bearing_height", 1, False), ("shim", 1, False), ("phase", 1, False), ("phase", 2, True),
     ]  # fmt: skip
     assert (found[0].low, found[0].high) == pytest.approx((-0.02, 0.03))
-    assert found[1] == Adjustable(what="shim", part=1, low=-3 * deg, high=3 * deg)
+    assert found[1] == Adjustable(what="shim", part=1, low=-3 * deg, high=3 * deg, step=0.5 * deg)
 
 
 # --- wrong files: every kind, the full message ---------------------------------------------
@@ -684,7 +684,7 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
         ("colour: red", ["f.yaml:11:1: colour: unknown key; there are: title, driveline, drivelines, "
          "torque_Nm, torque_kNm, torque_lbft, coast_torque_Nm, coast_torque_kNm, coast_torque_lbft, "
          "speed_rpm, speed_rad_s, vehicle, engine, gearbox, axle, tyre, suspension, states, "
-         "obstacles, limits and 14 more"]),
+         "obstacles, limits and 15 more"]),
     ],
 )  # fmt: skip
 def test_a_wrong_line_is_told_what_is_wrong(line, messages):

@@ -20,7 +20,8 @@ RUN = {e["run"]: e for e in ENTRIES if "run" in e}
 def printed(run):
     """What a command or a piece of Python prints."""
     if run.startswith("cardan "):
-        result = CliRunner().invoke(cli, shlex.split(run)[1:], catch_exceptions=False)
+        wide = CliRunner(env={"COLUMNS": "200"})  # names are not broken over lines
+        result = wide.invoke(cli, shlex.split(run)[1:], catch_exceptions=False)
         assert result.exit_code in (0, 1), result.output
         return result.output
     said = io.StringIO()

@@ -218,7 +218,7 @@ def test_the_users_own_catalogue_is_on_offer(tmp_path):
 def test_a_check_names_the_next_size_where_nothing_can_be_moved(weak, tmp_path):
     file = tmp_path / "truck.yaml"
     file.write_text(WEAK, encoding="utf-8")
-    printed = CliRunner().invoke(cli, ["check", str(file)]).output
+    printed = CliRunner(env={"COLUMNS": "200"}).invoke(cli, ["check", str(file)]).output
     assert "shaft 1: tube 5.000x0.083in in place of 3.000x0.065in gives 0.6326" in printed
     assert "nothing that can be moved; `cardan size` tries other parts" in printed  # of a warning
     sizes = next_sizes(weak, problems(weak))

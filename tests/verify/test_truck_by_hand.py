@@ -83,6 +83,21 @@ def expected(file):
 
 NOT_BY_PENCIL = {"resonance_distance"}
 """Modes on rubber under a torque: held against other numbers where they are computed."""
+BY_ITSELF = {
+    "axle_load_rest", "axle_load_slip", "axle_to_frame", "bending_moment", "couple_ahead",
+    "couple_behind", "cup_pressure", "journal_force", "shaft_length", "side_slope", "top_slope",
+    "tube_stress_utilisation",
+}  # fmt: skip
+"""Worked by hand one by one, in `tests/unit/test_delivered.py`; here they are not asked for."""
+TOLD_BY_ITSELF = (
+    "resonance_distance", "members", "shafts", "axles", "axle_to_frame_mm", "axle_load_N",
+    "driven_load_N",
+)  # fmt: skip
+OF_JOINTS_BY_ITSELF = (
+    "couple_ahead_Nm", "couple_behind_Nm", "journal_force_N", "cup_pressure_MPa",
+)  # fmt: skip
+"""The same in the document."""
+RIGID_SAYS_NOTHING = {"centre_bearing_dynamic", "centre_bearing_peak"}
 BEAM = {"critical_speed_ratio", "half_critical_band", "line_critical_speed", "bearing_resonance"}
 
 
@@ -103,12 +118,19 @@ EVERYWHERE = pytest.mark.parametrize(
 )
 
 
+def on_nothing_but_steel(file, line):
+    (of,) = (o for o in TRUCKS[file].lines if o.name == line)
+    return any(shaft.rubber == by_hand.RIGID for shaft in of.shafts)
+
+
 @EVERYWHERE
 def test_every_quantity_of_every_part(file, line, state):
     """No check without a value by hand, no value without its check."""
     for quantity in {q for q, of in (*checked(file), *expected(file)) if of == state}:
         ours, hand = (of(file).get((quantity, state), {}) for of in (checked, expected))
         ours, hand = ({p: v for (of, p), v in both.items() if of == line} for both in (ours, hand))
+        if quantity in RIGID_SAYS_NOTHING and on_nothing_but_steel(file, line):
+            hand = {}  # nobody says how soft its rubber is
         assert set(ours) == set(hand), quantity
         for part, value in hand.items():
             wanted = pytest.approx(value, rel=tolerance(quantity, part), abs=1e-15)
@@ -218,7 +240,10 @@ def told(file):
         assert state.pop("line") == first
         for of in (state, *lines.values()):
             assert of.pop("points")
-            of.pop("resonance_distance", None)
+            for key in TOLD_BY_ITSELF:
+                of.pop(key, None)
+            for row, key in product(of["joints"], OF_JOINTS_BY_ITSELF):
+                row.pop(key)
             for bearing in of["centre_bearings"]:
                 bearing.pop("on_rubber")
         assert set(lines) == set(others)
@@ -329,7 +354,7 @@ OF_OTHER_KINDS = {"tube_buckling_utilisation", "joint_swing", "joint_orbit"}
 
 
 def test_the_files_ask_about_every_quantity_that_can_be_limited():
-    wanted = set(ANSWERED) - OF_OTHER_KINDS - NOT_BY_PENCIL
+    wanted = set(ANSWERED) - OF_OTHER_KINDS - NOT_BY_PENCIL - BY_ITSELF
     for file in TRUCKS:
         assert {limit.quantity for limit in assessed(file).application.limits} == wanted
     assert {quantity for file in TRUCKS for quantity, _ in checked(file)} == wanted

@@ -343,8 +343,16 @@ def each_axle_load(line: ResolvedLine) -> tuple[FloatArray, FloatArray]:
 
 
 def _side_by_side(each: Iterable[FloatArray]) -> FloatArray:
-    """Return loads of the states one by one, (..., 1, A) or (A,), as (..., S, A)."""
+    """Return loads of the states one by one, (..., 1, A) or (A,), as (..., S, A).
+
+    A state without an axle that others let down has nan for it.
+    """
     rows = [row if row.ndim > 1 else row[None] for row in each]
+    most = max(row.shape[-1] for row in rows)
+    rows = [
+        np.concatenate([row, np.full((*row.shape[:-1], most - row.shape[-1]), np.nan)], axis=-1)
+        for row in rows
+    ]
     return np.concatenate(np.broadcast_arrays(*rows), axis=-2)
 
 

@@ -353,14 +353,9 @@ class Response:
         moment = light.joint_moments.waves[..., 1:-1, :, :]
         d = self.layout.directions[..., 1:-2, :]
         arm = (stacked(hung)[..., None] * d)[..., None, :]
-        inside = _across(-moment - np.cross(arm, force), d).peak
-        return np.concatenate(
-            [
-                np.maximum(ends[..., :-1], inside),
-                ends[..., -1:],
-            ],
-            axis=-1,
-        )
+        inside = np.maximum(ends[..., :-1], _across(-moment - np.cross(arm, force), d).peak)
+        last = np.broadcast_to(ends[..., -1:], (*inside.shape[:-1], 1))
+        return np.concatenate([inside, last], axis=-1)
 
     @cached_property
     def tube_stress_utilisation(self) -> FloatArray:
@@ -393,11 +388,11 @@ class Response:
     @property
     def cup_pressure(self) -> FloatArray:
         """Mean pressure of each joint's cups in their yokes, (..., n) Pa; nan where unknown."""
-        sizes = [
-            (np.nan, np.nan) if s is None else (s.cup_diameter or np.nan, s.cup_length or np.nan)
-            for s in self.sizes
-        ]
-        diameter, length = (stacked(column) for column in zip(*sizes, strict=True))
+        sizes = [(s and s.cup_diameter, s and s.cup_length) for s in self.sizes]
+        diameter, length = (
+            stacked(np.nan if v is None else v for v in column)
+            for column in zip(*sizes, strict=True)
+        )
         return strength.cup_pressure(self.journal_force, diameter=diameter, length=length)
 
     @cached_property
