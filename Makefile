@@ -51,7 +51,7 @@ front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
 
 slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
-	$(BIN)/python -m pytest -q -m slow -n 2
+	$(BIN)/python -m pytest -q -m "slow and not bracket and not oracle" -n 2
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants

@@ -751,7 +751,9 @@ def _best(fit: _Fit, *, phases: bool) -> _Found:
         options += [_solved(fit, turned, None) for turned in _otherwise(fit, best)]
     options += [_solved(fit, None, mode, best) for mode in _modes(fit, best)]
     better = min(options, key=lambda o: o.misfit)
-    return better if better.misfit < (1 - BETTER) * best.misfit else best
+    # What explains as much by numbers that are likely is better as well.
+    likelier = better.misfit < best.misfit and better.strain < UNLIKELY <= best.strain
+    return better if likelier or better.misfit < (1 - BETTER) * best.misfit else best
 
 
 def _solved(
