@@ -9,12 +9,13 @@ the states last: so the numbers of a line, which come as (V, 1), stand beside al
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray
+from cardan.base.frozen import dataclass
 from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
 

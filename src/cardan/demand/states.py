@@ -9,13 +9,14 @@ whose numbers come as (V, 1), the one before it.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError, about
+from cardan.base.frozen import dataclass
 from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved

@@ -10,12 +10,13 @@ of small complex joint angles instead, and everyone else in the field approximat
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate
 from math import ceil, pi, prod
 from typing import Any
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
+from cardan.base.frozen import dataclass
 from cardan.base.units import deg, rpm
 from cardan.kinematics.chain import Turn
 from cardan.kinematics.joint import irregularity, max_acceleration

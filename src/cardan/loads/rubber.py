@@ -25,7 +25,7 @@ engines.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.base.small import leading, solve, stretch, stretches, trailing, wide
 from cardan.kinematics.chain import Turn, cross
 from cardan.loads.shaken import Shaken

@@ -8,12 +8,12 @@ A spline that sticks holds any thrust between plus and minus its slip force, and
 suspension drives it to either end: the mean force is the worst of none and of both.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import Cycle, major_axis

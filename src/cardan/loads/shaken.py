@@ -4,12 +4,12 @@ Matrices (N, N, ...) and vectors (N, ...) have their cases last (`cardan.base.sm
 few coordinates, and are asked at thousands of speeds.
 """
 
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.small import beside, product, solve, stretch, wide
 
 Tie: TypeAlias = tuple[ComplexArray, ComplexArray | None]

@@ -8,12 +8,12 @@ is left to do at a point is the algebra of a few coordinates (`cardan.loads.shak
 Left out is the shafts' inertia, whose share is small where resonance is.
 """
 
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.small import leading, product, solve, stretch, stretches, wide
 from cardan.kinematics.chain import turn
 from cardan.loads.cycle import major_axis

@@ -21,12 +21,12 @@ shaft forward. Source: derived from first principles; confirmed with independent
 engines.
 """
 
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats, namespace, stacked, vectors
+from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, dot
 from cardan.loads.cycle import Cycle, major_axis

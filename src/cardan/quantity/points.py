@@ -7,12 +7,13 @@ and around the worst of these the speed is sought more closely (`worst`).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
 from cardan.demand.states import Demand, demand_pitched
