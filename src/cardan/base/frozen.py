@@ -89,6 +89,8 @@ def _init(cls: Any) -> Callable[..., None]:
             (named if f.kw_only else plain).append(entry)
         elif f.default_factory is not dataclasses.MISSING:
             value = f"_of_{f.name}()"
+        elif f.default is not dataclasses.MISSING:
+            value = f"_of_{f.name}"
         else:
             continue
         body.append(f"_set(self, {f.name!r}, {value})")
