@@ -89,6 +89,22 @@ def test_it_travels_hashes_and_inherits():
     assert pickle.loads(pickle.dumps(wide)) == wide
 
 
+def test_either_kind_inherits_from_the_other():
+    @dataclasses.dataclass(frozen=True)
+    class Theirs(Wide):
+        colour: str = "red"
+
+    @dataclass(frozen=True)
+    class Ours(Theirs):
+        weight: float = 2.0
+
+    for one in (Theirs(1.0, "tube", 3.0, "blue"), Ours(1.0, "tube", 3.0, "blue")):
+        assert (one.length, one.twice, one.colour) == (1.0, 6.0, "blue")
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            one.length = 2.0
+        assert replace(one, name="axle") != one
+
+
 def test_what_a_class_writes_itself_stays():
     @dataclass(frozen=True)
     class Said:

@@ -35,16 +35,24 @@ def dataclass(
 ) -> Any:
     """Make a class a dataclass as `dataclasses.dataclass` does, with the same arguments.
 
-    What is not frozen is left to the library. A class of this kind inherits from its own kind.
+    What is not frozen is left to the library. Either kind inherits from the other.
     """
 
     def made(cls: Any) -> Any:
         if not frozen:
             return dataclasses.dataclass(slots=slots, kw_only=kw_only, eq=eq, repr=repr)(cls)
-        own = vars(cls)
+        own = vars(cls).copy()
+        of = [getattr(base, "__dataclass_params__", None) for base in cls.__mro__[1:]]
+        # The library has frozen classes inherit from frozen ones alone.
         bare: Any = dataclasses.dataclass(
-            init=False, repr=False, eq=False, slots=slots, kw_only=kw_only
+            init=False,
+            repr=False,
+            eq=False,
+            slots=slots,
+            kw_only=kw_only,
+            frozen=any(p.frozen for p in of if p),
         )(cls)
+        bare.__dataclass_params__.frozen = True
         methods: dict[str, Any] = {"__init__": _first(bare)}
         methods |= {"__setattr__": _unset, "__delattr__": _kept}
         if repr:
