@@ -34,7 +34,7 @@ def test_what_needs_its_rows_exchanged_is_left_to_lapack():
     """A zero, and a number of 1e-20, where the first row starts."""
     a = np.array([[[0.0, 1.0], [1e-20, 1.0], [2.0, 1.0]], [[1.0, 0.0], [1.0, 1.0], [1.0, 3.0]]])
     a = np.moveaxis(a, 1, -1)
-    b = np.ones((2, 1, 3))
+    b = np.stack([np.full((1, 3), 1.0), np.full((1, 3), 2.0)])
     found = solve(a, b)
     for k in range(3):
         np.testing.assert_allclose(found[..., k], np.linalg.solve(a[..., k], b[..., k]), rtol=1e-12)
