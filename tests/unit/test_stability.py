@@ -174,8 +174,34 @@ def test_speeds_are_those_a_gear_and_a_state_have():
     assert np.isnan(high[4:, rebound]).all()  # idling in direct is faster than that
     assert high[0, windup] == pytest.approx(2500 / 6.70)
     assert np.isnan(vehicle.closed.ranges[:, vehicle.states.index("windup brake")]).all()
-    assert np.isfinite(vehicle.slipping.ranges[0, gvw]).all()
+    # The engine is let in where its curve starts, and the clutch slips until the line is there.
+    assert vehicle.slipping.ranges[0, gvw, 1] / rpm == pytest.approx(1000 / 6.70)
     assert np.isnan(vehicle.slipping.ranges[1:]).all()
+
+
+def test_order_2_that_meets_a_mode_while_the_clutch_slips_is_judged(truck):
+    """The engine is cut off, mode 1 is another, and a crawling vehicle stands on it."""
+    app = files.read(truck)
+    answer = approve(app, (VibrationStudy(),))
+    vehicle = answer.of("vibration")
+    low, high = vehicle.slipping.ranges[0, 0]
+    assert low < vehicle.slipping.frequencies[0, 0, 0] / 2 < high
+    when = Occasion("gear", "1", "the clutch slipping")
+    mine = {
+        c.part.number: c.value
+        for c in answer.checks
+        if c.quantity == "torsional_amplitude_utilisation" and c.when == when
+    }
+    line = app.lines[0].line
+    for k, size in enumerate(line.joints, 1):
+        part = Part("shaft", k) if k < line.joint_count else Part("pinion")
+        spring = vehicle.slipping.powertrain.springs.index((line.name, part))
+        worst = np.nanmax(vehicle.slipping.worst[0, :, spring])
+        assert mine[k] == pytest.approx(worst / size.reversing_torque, rel=1e-12)
+    assert mine[2] > 10 * max(
+        c.value for c in answer.checks
+        if c.quantity == "torsional_amplitude_utilisation" and not c.when.what
+    )  # fmt: skip
 
 
 def test_a_gear_that_runs_through_a_resonance_warns(found, truck):

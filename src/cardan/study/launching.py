@@ -105,6 +105,15 @@ def default_launches(application: Application) -> tuple[Launch, ...]:
     return application.launches or (Launch(), Launch(ramp=0.05, capacity=1.8))
 
 
+def held_speed(parts: Drivetrain, wanted: Launch) -> float:
+    """Return the speed the engine is held at, rad/s: where full load starts, if nobody says."""
+    engine = parts.application.engine
+    assert engine is not None  # nothing is launched without one
+    if wanted.engine_speed is not None:
+        return wanted.engine_speed
+    return max(float(engine.speed[0]), parts.idle)
+
+
 def start(
     parts: Drivetrain, asked: tuple[Demand, ...], wanted: Launch, *, step: float = 1e-3
 ) -> Started:
@@ -130,9 +139,7 @@ def start(
     capacity = wanted.capacity * clutch_torque
     if application.clutch is not None and application.clutch.capacity is not None:
         capacity = min(capacity, application.clutch.capacity)
-    turning = wanted.engine_speed
-    if turning is None:  # where full load starts: a driver who lets the clutch in gives that
-        turning = max(float(engine.speed[0]), parts.idle)
+    turning = held_speed(parts, wanted)
     B, n = len(CASES), line.size
     joints_count = np.array(
         [name != "joints straight" and "straight" not in name for name in CASES]

@@ -38,7 +38,7 @@ from cardan.dynamics.torsion import pins
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import JointSize, Line, Shaft
 from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
-from cardan.study.launching import Started, default_launches, start
+from cardan.study.launching import Started, default_launches, held_speed, start
 from cardan.study.powertrain import Assumption, Drivetrain, Powertrain, drivetrain
 
 Index: TypeAlias = tuple[IntArray, IntArray]
@@ -349,16 +349,20 @@ class _Running:
     def slipping_ranges(self) -> FloatArray:
         """Speeds while the clutch slips, (G, S, 2) rad/s: gears that vehicles start in.
 
-        Up to where the line turns as an idling engine would have it, in first gear and those
-        of the file's launches; below a fifth of it the launch itself is asked.
+        Up to where the clutch locks: the line turns as the engine is held at in first gear and
+        those of the file's launches; below a fifth of it the launch itself is asked.
         """
         top = self._fastest
         if self.main.gears is None:
             return np.full((*top.shape, 2), np.nan)
-        launched = {launch.gear for launch in self.application.launches} or {"1"}
-        starts = np.array([[name in launched] for name in self.parts.gears])
-        high = np.fmin((self.parts.idle / self.parts.ratios)[:, None], top)
-        high = np.where(starts & np.isfinite(top), high, np.nan)
+        held = dict.fromkeys({x.gear for x in self.application.launches} or {"1"}, self.parts.idle)
+        if self.application.engine is not None:
+            for launch in default_launches(self.application):
+                turning = held_speed(self.parts, launch)
+                held[launch.gear] = max(held.get(launch.gear, 0.0), turning)
+        turns = np.array([held.get(name, np.nan) for name in self.parts.gears])
+        high = np.fmin((turns / self.parts.ratios)[:, None], top)
+        high = np.where(np.isfinite(turns)[:, None] & np.isfinite(top), high, np.nan)
         return np.stack([0.2 * high, high], axis=-1)
 
     @property
@@ -733,6 +737,9 @@ def _lateral(shaft: Shaft, between: FloatArray, torque: float, loss: float) -> f
 Row = tuple[str, Occasion, Part, float]
 """What a limit is asked of: a line, when, a part of it, and the value."""
 
+SLIPPING = "the clutch slipping"
+"""What an occasion says of a gear while its clutch slips."""
+
 
 def _held(of: Stability, limit: Limit) -> tuple[list[Check], list[Unanswered]]:
     """Return a limit's checks, and where it got no number."""
@@ -817,43 +824,51 @@ def _hung(of: Stability) -> Iterator[Row]:
                     yield line.line.name, gear, Part("shaft", k), rate
 
 
-def _springs_at(of: Stability, line: Line, joint: int) -> int:
+def _spring_behind(of: Driven, line: Line, joint: int) -> int:
     """Return the place of the spring behind a joint of a line: its shaft, or the pinion."""
     part = Part("shaft", joint) if joint < line.joint_count else Part("pinion")
-    return of.closed.powertrain.springs.index((line.name, part))
+    return of.powertrain.springs.index((line.name, part))
+
+
+def clutched(of: Stability) -> Iterator[tuple[Driven, int, Occasion]]:
+    """Yield each gear with its clutch closed, and slipping where it does."""
+    for driven, how in ((of.closed, ""), (of.slipping, SLIPPING)):
+        for g, gear in enumerate(of.gears):
+            if np.isfinite(driven.ranges[g]).any():
+                yield driven, g, replace(gear, what=how)
 
 
 def _rated(of: Stability, *, rating: str) -> Iterator[Row]:
     """Yield vibratory, or largest, torque of each joint over its rating, in each gear."""
-    values = of.closed.worst if rating == "reversing_torque" else of.closed.peak
     for line in (v.line for v in of.lines):
         sizes: tuple[JointSize | None, ...] = line.joints or (None,) * line.joint_count
         for k, size in enumerate(sizes, 1):
             held = getattr(size, rating, None)
-            for g, gear in enumerate(of.gears):
-                mine = values[g, :, _springs_at(of, line, k)]
+            for driven, g, when in clutched(of):
+                values = driven.worst if rating == "reversing_torque" else driven.peak
+                mine = values[g, :, _spring_behind(driven, line, k)]
                 if np.isfinite(mine).any():
                     share = float(np.nanmax(mine)) / held if held else np.nan
-                    yield line.name, gear, Part("joint", k), share
+                    yield line.name, when, Part("joint", k), share
 
 
 def _reversals(of: Stability) -> Iterator[Row]:
     """Yield the largest vibratory torque of each line over its mean, in each gear."""
     for line in (v.line for v in of.lines):
-        places = [_springs_at(of, line, k) for k in range(1, line.joint_count + 1)]
-        for g, gear in enumerate(of.gears):
-            mine = of.closed.ratio[g][:, places]
+        for driven, g, when in clutched(of):
+            joints = range(1, line.joint_count + 1)
+            mine = driven.ratio[g][:, [_spring_behind(driven, line, k) for k in joints]]
             if np.isfinite(mine).any():
-                yield line.name, gear, LINE, float(np.nanmax(mine))
+                yield line.name, when, LINE, float(np.nanmax(mine))
 
 
 def _accelerations(of: Stability) -> Iterator[Row]:
     """Yield the largest acceleration of each line's pinion, in each gear."""
     for k, line in enumerate(v.line for v in of.lines):
-        for g, gear in enumerate(of.gears):
-            mine = of.closed.acceleration[g, :, k]
+        for driven, g, when in clutched(of):
+            mine = driven.acceleration[g, :, k]
             if np.isfinite(mine).any():
-                yield line.name, gear, Part("pinion"), float(np.nanmax(mine))
+                yield line.name, when, Part("pinion"), float(np.nanmax(mine))
 
 
 def launch_occasion(started: Started) -> Occasion:
