@@ -14,6 +14,7 @@ from scipy.linalg import eigh
 from cardan import files
 from cardan.base.errors import BadFile
 from cardan.base.part import Occasion, Part
+from cardan.base.units import g as gravity
 from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.demand.states import demand, demand_under
@@ -440,6 +441,23 @@ def test_the_geometry_follows_the_axle_as_it_winds_up(starts):
         expected = np.tan(beta / 2) ** 2 * np.exp(2j * place)
         assert bent(np.array([share * turned]))[0] == pytest.approx(expected, abs=1e-12)
     assert np.abs(bent(np.array([turned])) / bent(np.array([0.0])) - 1).max() > 0.05
+
+
+def test_a_grade_the_clutch_cannot_hold_is_no_launch(truck):
+    """It is said, by which torque, and its limits stand unanswered instead of passed."""
+    app = replace(files.read(truck), launches=(Launch(grade=np.arctan(0.6)),))
+    answer = approve(app, (VibrationStudy(),))
+    found = answer.of("vibration")
+    i, pinion = float(found.drivetrain.ratios[0]), app.lines[0].axle.ratio
+    mass = float(found.drivetrain.mass[found.states.index("gvw")])
+    takes = mass * gravity * (np.sin(np.arctan(0.6)) + 0.008 * np.cos(np.arctan(0.6)))
+    takes *= found.drivetrain.radius / pinion
+    assert max(app.engine.torque) * i < takes
+    assert found.launches == ()
+    ((_, why),) = found.unstarted
+    assert f"the road takes {takes:.0f} N·m" in why
+    silent = {u.quantity for u in answer.unanswered if u.when.kind == "launch"}
+    assert silent == {"launch_peak_utilisation", "launch_reversal"}
 
 
 def test_a_launch_needs_an_engine_and_its_gear(starts):

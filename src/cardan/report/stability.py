@@ -183,7 +183,7 @@ def _launches(of: Stability, say: Language) -> TableOf:
         shares, k = started.shares, started.first
         rows.append(
             (
-                say.occasion(launch_occasion(started)), say.number(started.torque),
+                say.occasion(launch_occasion(started.launch)), say.number(started.torque),
                 say.number(float(started.peak[k])), say.number(float(started.lowest[k])),
                 say.number(shares["ramp"]), say.percent(shares["joints"]),
                 say.percent(shares["firing"]), say.number(shares["if tyres could not slide"]),
@@ -624,7 +624,7 @@ def forced(of: Stability, say: Language) -> Figure:
 def started(of: Started, say: Language) -> Iterator[Figure]:
     """Yield a launch's torque, and the amplitude of order 2 in it, against time."""
     travel, k = of.travel, of.first
-    when = say.occasion(launch_occasion(of))
+    when = say.occasion(launch_occasion(of.launch))
     title = say("Torque of a start from rest, {launch}", launch=when)
     peak = say.number(float(of.peak[k]))
     yield plot(

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.base.part import Part
 from cardan.base.units import g
 from cardan.demand.states import Demand, demand_under
@@ -123,6 +123,8 @@ def start(
     ------
     DesignError
         If there is no engine to start it, or no such gear or load.
+    NotConverged
+        If its clutch cannot hold it on its grade, or the motion cannot be followed.
     """
     application = parts.application
     engine = application.engine
@@ -152,6 +154,19 @@ def start(
     resists = weight * (np.cos(wanted.grade) * ROLLING + max(np.sin(wanted.grade), 0.0))
     stuck = replace(line, relaxation=np.full(line.relaxation.shape, np.inf)).case(0)
     found = modes(stuck)
+    stall = (
+        (application.gearbox.converter_ratio if application.gearbox else 1.0) if converter else 1.0
+    )
+    if application.converter is not None:
+        stall = application.converter.stall_torque_ratio
+    gives = min(capacity, clutch_torque) * stall * i
+    takes = resists / r * powertrain.road_ratio
+    if gives <= takes:
+        msg = (
+            f"the vehicle does not start: the clutch brings {gives:.0f} N·m to the line, "
+            f"the road takes {takes:.0f} N·m"
+        )
+        raise NotConverged(msg)
     line, springs, road = _on_road(powertrain, line, 50 * float(line.stiffness.max() / i**2))
     tyres = [k for k, (_, p) in enumerate(springs) if p.kind == "tyres"]
     grip = _grips(parts, asked, state, r)
@@ -176,11 +191,6 @@ def start(
 
     firing, order = parts.firing_torque, parts.cylinders / 2
     input_at = powertrain.freedoms.index(("", Part("gearbox input")))
-    stall = (
-        (application.gearbox.converter_ratio if application.gearbox else 1.0) if converter else 1.0
-    )
-    if application.converter is not None:
-        stall = application.converter.stall_torque_ratio
 
     def driving(t: float, v: FloatArray) -> FloatArray:
         out = np.zeros((B, n))

@@ -37,6 +37,7 @@ from cardan.dynamics.periodic import growth
 from cardan.dynamics.torsion import pins
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import JointSize, Line, Shaft
+from cardan.model.turning import Launch
 from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
 from cardan.study.launching import Started, default_launches, held_speed, start
 from cardan.study.powertrain import Assumption, Drivetrain, Powertrain, drivetrain
@@ -192,6 +193,8 @@ class Stability:
         How the modes move with what was assumed.
     launches
         Starts from rest: those of the file, or a smooth one and a dropped clutch.
+    unstarted
+        Those that could not be followed, and why.
     doubts
         What could not be asked, in words.
     """
@@ -211,6 +214,7 @@ class Stability:
     shifts: tuple[Shift, ...]
     lines: tuple[LineVibration, ...]
     launches: tuple[Started, ...] = ()
+    unstarted: tuple[tuple[Launch, str], ...] = ()
     doubts: tuple[str, ...] = ()
 
 
@@ -286,6 +290,7 @@ def stability(
             LineVibration(line=d.installed.line, lateral=running.lateral(d, loss)) for d in asked
         ),
         launches=launches,
+        unstarted=tuple(running.unstarted),
         doubts=tuple(running.doubts),
     )
 
@@ -297,7 +302,7 @@ class _Running:
     parts: Drivetrain
     asked: tuple[Demand, ...]
     lost: list[str] = field(default_factory=list[str])
-    lost_launches: list[str] = field(default_factory=list[str])
+    unstarted: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
 
     @property
     def main(self) -> Demand:
@@ -319,7 +324,8 @@ class _Running:
         if self.lost:
             where = "; ".join(dict.fromkeys(self.lost))
             yield f"no steady forced motion settles, amplitudes by the joints' leads alone: {where}"
-        yield from self.lost_launches
+        for wanted, why in self.unstarted:
+            yield f"launch in gear {wanted.gear}: {why}"
 
     @cached_property
     def _driven(self) -> FloatArray:
@@ -612,7 +618,7 @@ class _Running:
             try:
                 yield start(self.parts, self.asked, wanted)
             except NotConverged as error:
-                self.lost_launches.append(f"launch in gear {wanted.gear}: {error}")
+                self.unstarted.append((wanted, str(error)))
 
     def lateral(self, asked: Demand, loss: float) -> FloatArray:
         """Return the largest lateral growth of each hung shaft in each gear, (G, shafts) 1/s."""
@@ -774,6 +780,15 @@ def _held(of: Stability, limit: Limit) -> tuple[list[Check], list[Unanswered]]:
                     limit=limit,
                 )
             )
+    if limit.quantity.startswith("launch_"):
+        silent_of += [
+            Unanswered(
+                limit=limit, line=of.lines[0].line.name, when=launch_occasion(launch), part=LINE,
+                needs=(why,),
+            )
+            for launch, why in of.unstarted
+            if _is_judged(of, launch)
+        ]  # fmt: skip
     return checks, silent_of
 
 
@@ -871,16 +886,19 @@ def _accelerations(of: Stability) -> Iterator[Row]:
                 yield line.name, when, Part("pinion"), float(np.nanmax(mine))
 
 
-def launch_occasion(started: Started) -> Occasion:
+def launch_occasion(of: Launch) -> Occasion:
     """Return when the numbers of a launch were asked for."""
-    return Occasion("launch", started.launch.gear, f"{started.launch.ramp:g}")
+    return Occasion("launch", of.gear, f"{of.ramp:g}")
+
+
+def _is_judged(of: Stability, launch: Launch) -> bool:
+    """Whether a launch is held against limits: a dropped clutch only if the file asks."""
+    return bool(of.application.launches) or launch.capacity <= 1
 
 
 def _judged(of: Stability) -> Iterator[Started]:
-    """Yield the launches that are held against limits: a dropped clutch only if the file asks."""
-    for started in of.launches:
-        if of.application.launches or started.launch.capacity <= 1:
-            yield started
+    """Yield the launches that are held against limits."""
+    yield from (started for started in of.launches if _is_judged(of, started.launch))
 
 
 def _launch_peaks(of: Stability) -> Iterator[Row]:
@@ -893,7 +911,7 @@ def _launch_peaks(of: Stability) -> Iterator[Row]:
                 peak = float(started.peak[started.springs.index((line.name, part))])
                 held = size and size.peak_torque
                 share = peak / held if held else np.nan
-                yield line.name, launch_occasion(started), Part("joint", k), share
+                yield line.name, launch_occasion(started.launch), Part("joint", k), share
 
 
 def _launch_reversals(of: Stability) -> Iterator[Row]:
@@ -902,4 +920,4 @@ def _launch_reversals(of: Stability) -> Iterator[Row]:
         for line in (v.line for v in of.lines):
             at = started.springs.index((line.name, Part("shaft", 1)))
             back = -float(started.lowest[at]) / float(started.peak[at])
-            yield line.name, launch_occasion(started), LINE, back
+            yield line.name, launch_occasion(started.launch), LINE, back
