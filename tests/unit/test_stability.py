@@ -597,6 +597,20 @@ def test_a_line_without_gears_is_asked_at_its_top_speed():
 # ----- faces -----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--gear", "77"], "--gear says which gear a chart shows: give --chart OUT beside it"),
+        (["--chart", "x.png"], "--chart draws SVG: x.svg instead of x.png"),
+        (["--damping-ratio", "5"], "5.0 is not in the range 1e-05<=x<1"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused_before_anything_runs(truck, options, said):
+    run = CliRunner().invoke(cli, ["stability", str(truck), *options])
+    assert run.exit_code == 2
+    assert said in run.output
+
+
 def test_command_writes_contract_and_chart(truck, tmp_path, found):
     chart = tmp_path / "chart.svg"
     run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])
