@@ -46,6 +46,7 @@ from cardan.report.wording import (
     out_of_reach,
     place,
     problem,
+    room,
     scattered,
     sense,
     sentence,
@@ -383,11 +384,8 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
-    won = say(
-        "{margin} from a warning, cost {cost}",
-        margin=say.percent(p.margin),
-        cost=say.short(round(p.cost, 2)),
-    )
+    cost = say.short(round(p.cost, 2))
+    won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
     moves = tuple(move(m, say) for m in p.moves)
     return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
         *moves,
