@@ -53,6 +53,13 @@ def test_products_and_columns():
     np.testing.assert_array_equal(trailing(both, of=2)[..., 2], v)
 
 
+def test_one_case_needs_no_axis():
+    a, b, v = some(3, 3), some(3, 2), some(3)
+    np.testing.assert_allclose(product(a, v), a @ v, rtol=1e-12)
+    np.testing.assert_allclose(product(a, b), a @ b, rtol=1e-12)
+    np.testing.assert_allclose(solve(a, b), np.linalg.solve(a, b), rtol=1e-9)
+
+
 def test_stretches_hold_every_case_once():
     cases = (30, 100, 7)
     seen = np.zeros(cases)

@@ -70,7 +70,8 @@ def product(a: Any, b: Any) -> Any:
     cases = np.broadcast_shapes(a.shape[2:], b.shape[2:] if b.ndim == a.ndim else b.shape[1:])
     found = np.empty((len(a), *b.shape[1 : b.ndim - a.ndim + 2], *cases), np.result_type(a, b))
     more = np.empty(found.shape[1:], found.dtype)
-    for row, into in zip(a, found, strict=True):  # row by row: all of it leaves the cache
+    for k, row in enumerate(a):  # row by row: all of it leaves the cache
+        into = found[k, ...]  # an array even of one number
         np.multiply(row[0], b[0], out=into)
         for j in range(1, len(b)):
             np.multiply(row[j], b[j], out=more)
