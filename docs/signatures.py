@@ -1,4 +1,4 @@
-"""API pages know `cardan.base.frozen.dataclass` for what it is: Griffe goes by the library's name."""
+"""API pages take `cardan.base.frozen.dataclass` for what it is; Griffe goes by its name alone."""
 
 from typing import Any
 
