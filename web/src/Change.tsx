@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
 import { fixed, number, percent } from "./format";
-import { GRADES } from "./marks";
+import { VERDICTS } from "./marks";
 import { Asking, edges } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -113,7 +113,7 @@ function Map({ known, shown }: Both) {
   }, [moved?.answer]);
   const n = of?.x?.values.length ?? 0;
   const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
-  const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, grade: of.grades[r]?.[c] ?? 0, margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
+  const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
   return (
     <section class="card map" aria-labelledby="map">
       <header>
@@ -132,11 +132,12 @@ function Map({ known, shown }: Both) {
             x={edges(of.x.values)}
             y={edges(of.y.values)}
             up
-            grades={of.grades}
-            strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 0))}
+            grades={of.verdicts}
+            among={VERDICTS}
+            strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 1))}
             at={[r, c]}
             choose={(row, column) => setAt([row, column])}
-            said={`${of.x.said} ${number(cell.x)} ${of.x.unit}, ${of.y.said} ${number(cell.y)} ${of.y.unit}: ${t(GRADES[cell.grade] ?? "")}, ${cell.name ?? ""} ${percent(cell.margin)} %`}
+            said={`${of.x.said} ${number(cell.x)} ${of.x.unit}, ${of.y.said} ${number(cell.y)} ${of.y.unit}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${percent(cell.margin)} %`}`}
             height={330}
             theme={known.theme}
           />
@@ -177,14 +178,15 @@ function Scatter({ known, shown }: Both) {
       {of?.yield && (
         <>
           <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{number(100 * share)} %</b> {t(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
-              return v > 0 && <rect key={`${g}/${k}`} class={GRADES[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
+              return v > 0 && <rect key={`${g}/${k}`} class={VERDICTS[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
             }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
-          <ul class="others">{of.lost.map((l) => <li key={l.name}><b class="fail">{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
+          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
         </>
       )}
     </section>

@@ -1,8 +1,9 @@
 // What of a drawing does not pass: looked up in the limits, nothing decided here.
 
-import type { Grade, Row } from "./types";
+import type { Grade, Row, Verdict } from "./types";
 
 export const GRADES: Grade[] = ["pass", "warn", "fail"];
+export const VERDICTS: Verdict[] = ["pass", "warn", "incomplete", "fail"];
 
 /** The worst grade of a part of a line in a state; null where no limit asks about it. */
 export function grade(
