@@ -16,6 +16,7 @@ import { Limits } from "./Limits";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
+import { Recording } from "./Recording";
 import { Speed } from "./Speed";
 import { store, VIEWS, worst, type Known, type View } from "./store";
 import { t } from "./text";
@@ -71,6 +72,8 @@ export function App() {
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
+            {known.view === "bracket" && <Later load={() => import("./Bracket")} known={known} />}
+            {known.view === "recording" && <Recording known={known} />}
             {known.view === "limits" && <Limits known={known} />}
             {known.view === "library" && <><Reports known={known} /><Library known={known} /></>}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
@@ -105,7 +108,7 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), library: t("Library"), new: t("New") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {VIEWS.map((view) => (
@@ -275,12 +278,15 @@ function worstState(row: Row): number {
   return found;
 }
 
+/** What is drawn in three dimensions is loaded when it is first looked at. */
+function Later<P extends object>({ load, ...props }: { load: () => Promise<{ default: ComponentType<P> }> } & P) {
+  const [Of, set] = useState<ComponentType<P> | null>(null);
+  useEffect(() => void load().then((m) => set(() => m.default)), []);
+  return Of ? <Of {...(props as unknown as P)} /> : <p class="note">…</p>;
+}
+
 function Views({ known, shown }: { known: Known; shown: Shown }) {
   const [deep, go] = useState(false);
-  const [Scene, load] = useState<ComponentType<{ known: Known; shown: Shown }> | null>(null);
-  useEffect(() => {
-    if (deep && !Scene) void import("./Scene").then((m) => load(() => m.default));
-  }, [deep]);
   return (
     <section class="card views" aria-labelledby="views">
       <header>
@@ -296,7 +302,7 @@ function Views({ known, shown }: { known: Known; shown: Shown }) {
         </div>
       </header>
       {deep ? (
-        Scene ? <Scene known={known} shown={shown} /> : <p class="note">…</p>
+        <Later load={() => import("./Scene")} known={known} shown={shown} />
       ) : (
         <>
           <Drawing known={known} shown={shown} view="side" />

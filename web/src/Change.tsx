@@ -63,7 +63,8 @@ function Fix({ known, shown }: Both) {
   );
 }
 
-const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${m.unit === "deg" ? "°" : m.unit}`;
+const unit = (of: string): string => ({ deg: "°", percent: "%" })[of] ?? of;
+const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${unit(m.unit)}`;
 
 /** Cost against margin: each proposal a point to click on. */
 function Front({ of }: { of: Corrections["proposals"] }) {
@@ -137,12 +138,12 @@ function Map({ known, shown }: Both) {
             strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 1))}
             at={[r, c]}
             choose={(row, column) => setAt([row, column])}
-            said={`${of.x.said} ${number(cell.x)} ${of.x.unit}, ${of.y.said} ${number(cell.y)} ${of.y.unit}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${percent(cell.margin)} %`}`}
+            said={`${of.x.said} ${number(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${number(cell.y)} ${unit(of.y.unit)}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${percent(cell.margin)} %`}`}
             height={330}
             theme={known.theme}
           />
-          <p class="note">↑ {of.y.said} [{of.y.unit}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
-          <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{of.x.unit}] →</span><span>{number(of.x.values.at(-1))}</span></p>
+          <p class="note">↑ {of.y.said} [{unit(of.y.unit)}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
+          <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{unit(of.x.unit)}] →</span><span>{number(of.x.values.at(-1))}</span></p>
           <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
         </>
@@ -172,7 +173,7 @@ function Scatter({ known, shown }: Both) {
         <Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />
       </header>
       <div class="fields">
-        {every.map((m) => <label key={m.id}>{m.said} ± [{m.unit}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
+        {every.map((m) => <label key={m.id}>{m.said} ± [{unit(m.unit)}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
       </div>
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (

@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { GRADES } from "./marks";
-import type { Maybe, Verdict } from "./types";
+import type { Maybe } from "./types";
 import { colour, useWidth } from "./use";
 
 export function Field(of: {
@@ -12,7 +12,7 @@ export function Field(of: {
   y: number[];
   /** By row and column: places in `among`; null where nothing is known. */
   grades: Maybe[][];
-  among?: Verdict[];
+  among?: string[];
   /** 0 faint to 1 full, by row and column. */
   strength?: (row: number, column: number) => number;
   at: [number, number];

@@ -49,13 +49,15 @@ export interface Known {
   /** Whether nobody answers and nothing can be changed: a page by itself. */
   fixed: boolean;
   jobs: Record<string, Job>;
+  /** A recording on its way to the server, or there. */
+  parcel: { id: number; name: string; got: number; size: number } | null;
   variants: Named[];
   revisions: (Named & { said: string })[];
   /** Which variant is drawn behind what is shown. */
   behind: number | null;
 }
 
-export const VIEWS = ["line", "speed", "change", "variants", "limits", "library", "new"] as const;
+export const VIEWS = ["line", "speed", "change", "variants", "bracket", "recording", "limits", "library", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */
@@ -74,7 +76,7 @@ const start: Known = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
-  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, variants: [], revisions: [],
+  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [],
   behind: null,
 };
 
@@ -161,7 +163,7 @@ export class Store {
   private connected(connection: Connection): void {
     this.sent = this.next = null;
     this.commits = [];
-    this.set({ connection, jobs: {} });
+    this.set({ connection, jobs: {}, parcel: null });
     if (connection === "open") {
       const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
       this.link?.say({ type: "hello", lang });
@@ -211,7 +213,10 @@ export class Store {
         this.disk(m.text, m.mark, m.conflict);
         break;
       case "refused":
-        this.set({ notice: { kind: "refused", why: m.why } });
+        this.set({ notice: { kind: "refused", why: m.why }, parcel: m.what === "bring" ? null : this.known.parcel });
+        break;
+      case "brought":
+        this.brought(m.id, m.got);
         break;
       case "kept":
         break;
@@ -244,6 +249,32 @@ export class Store {
     const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
     this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
+  }
+
+  // ------------------------------------------------------------------ a recording
+
+  private bringing: File | null = null;
+
+  /** Send a recording to the server, piece by piece, in place of the last. */
+  bring(file: File): void {
+    this.bringing = file;
+    this.ids += 1;
+    for (const job of ["recording", "life"]) this.stop(job);
+    const { recording: _, life: __, ...jobs } = this.known.jobs;
+    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size } });
+    this.link?.say({ type: "bring", id: this.ids, name: file.name.slice(-200), size: file.size });
+  }
+
+  private brought(id: number, got: number): void {
+    const [file, parcel] = [this.bringing, this.known.parcel];
+    if (!file || parcel?.id !== id) return;
+    this.set({ parcel: { ...parcel, got } });
+    if (got >= file.size) return;
+    const reader = new FileReader();
+    reader.onload = () => {
+      if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" });
+    };
+    reader.readAsDataURL(file.slice(got, got + 1_000_000));
   }
 
   /** What a job is about: another text, argument or language is another job. */
@@ -351,7 +382,7 @@ export class Store {
       selected: null,
       order: [],
       held: null,
-      jobs: {},
+      jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
       variants: m.variants,
       revisions: m.revisions,
       behind: null,

@@ -43,6 +43,7 @@ export type Told =
   | ({ type: "helped"; helps?: Help[] } & Answered)
   | { type: "part"; id: number; job: string; part: object }
   | { type: "done"; id: number; job: string; fault?: string; problems?: Problem[] }
+  | { type: "brought"; id: number; name: string; got: number; size: number }
   | { type: "kept"; file: number }
   | { type: "saved"; file: number; mark: string; text: string }
   | { type: "disk"; file: number; text: string; mark: string; conflict: boolean }

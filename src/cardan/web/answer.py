@@ -37,7 +37,7 @@ from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import changes, guides, library, limits, script, speeds
+from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
@@ -218,6 +218,9 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 _LONG = {
+    "recording": heard.brought,
+    "life": heard.lived,
+    "bracket": seated.seated,
     "library": library.status,
     "report": library.report,
     "script": script.script,
