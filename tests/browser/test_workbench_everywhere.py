@@ -111,7 +111,7 @@ def answered(driver, *, after=""):
         "'.asks progress, .asks [role=status]') && e.innerText !== arguments[0] && e.innerText",
         after,
     )
-    return driver.execute_script("return document.querySelector('.more .rows').innerText")
+    return driver.execute_script("return document.querySelector('.more .rows').textContent")
 
 
 def test_a_recording_is_dropped_its_suspects_decided_and_its_causes_told(tmp_path, run):
@@ -122,7 +122,7 @@ def test_a_recording_is_dropped_its_suspects_decided_and_its_causes_told(tmp_pat
         opened(driver, house)
         show(driver, "recording")
         driver.find_element("css selector", "[data-field=recording]").send_keys(str(run))
-        wait(driver, "return document.querySelectorAll('.channels li').length === 7")
+        wait(driver, "return document.querySelectorAll('.channels li').length === 6")
         assert driver.find_elements("css selector", ".trace .open")
         for field, value in (("amplitude", "80"), ("cycles", "2e6"), ("slope", "5")):
             driver.find_element("css selector", f"[data-field={field}]").send_keys(value)

@@ -98,6 +98,7 @@ function build(s: Stage, v: Variant, c: Case, of: Seated, plenty: number, marked
     const ball = new THREE.Mesh(new THREE.SphereGeometry(size / (at === chosen?.at ? 35 : 70), 16, 12), skin(at === chosen?.at ? "--fail" : "--ink"));
     ball.position.copy(put(at));
     ball.name = name;
+    [ball.material.depthTest, ball.renderOrder] = [false, 1];
     s.group.add(ball);
   }
   s.drawn = named;

@@ -103,15 +103,11 @@ function Map({ known, shown }: Both) {
   const [sought, seek] = useState(false);
   const [at, setAt] = useState<[number, number] | null>(null);
   const args = { line: shown.index, x, y, sought };
-  useEffect(() => {
-    if (!known.held && !sought) store.work("map", args);
-  }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
+  useEffect(() => { if (!known.held && !sought) store.work("map", args); }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
   const job = known.jobs.map as Job<MapOf, { map?: MapOf }> | undefined;
   const of = (job?.running ? job.part?.map : undefined) ?? job?.answer;
   const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;
-  useEffect(() => {
-    if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits);
-  }, [moved?.answer]);
+  useEffect(() => { if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits); }, [moved?.answer]);
   const n = of?.x?.values.length ?? 0;
   const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
   const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;

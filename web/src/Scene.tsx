@@ -15,9 +15,7 @@ export default function Scene({ known, shown }: { known: Known; shown: Shown }) 
   const points = [...shown.laid.joints, ...shown.laid.ends];
   const { box, stage, missing } = useStage(t("The line in three dimensions"), (s) => { build(s, shown); s.look(points, VIEWS.three as Point); }, [shown.line.name]);
 
-  useEffect(() => {
-    if (stage.current) build(stage.current, shown);
-  }, [known.live, known.full, shown.laid, shown.state, known.theme]);
+  useEffect(() => { if (stage.current) build(stage.current, shown); }, [known.live, known.full, shown.laid, shown.state, known.theme]);
 
   return (
     <figure class="view scene3">

@@ -7,11 +7,7 @@ import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
 import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
-export interface Selected {
-  row: string;
-  state: number;
-  part: number;
-}
+export interface Selected { row: string; state: number; part: number }
 
 export type Notice =
   | { kind: "restored" }
@@ -88,14 +84,7 @@ interface Gesture {
   want: ("curves" | "turn")[];
 }
 
-interface Sent {
-  id: number;
-  kind: "ask" | "pose";
-  commit: boolean;
-  held: boolean;
-  since: number;
-  shown: boolean;
-}
+interface Sent { id: number; kind: "ask" | "pose"; commit: boolean; held: boolean; since: number; shown: boolean }
 
 interface Waiting {
   kind: "ask" | "pose";
@@ -176,15 +165,7 @@ export class Store {
         learn(m.texts);
         speak(m.lang);
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({
-          version: m.version,
-          lang: m.lang,
-          languages: m.languages,
-          quantities: m.quantities,
-          catalogue: m.catalogue,
-          profiles: m.profiles,
-          files: m.files,
-        });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -271,16 +252,12 @@ export class Store {
     this.set({ parcel: { ...parcel, got } });
     if (got >= file.size) return;
     const reader = new FileReader();
-    reader.onload = () => {
-      if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" });
-    };
+    reader.onload = () => { if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" }); };
     reader.readAsDataURL(file.slice(got, got + 1_000_000));
   }
 
   /** What a job is about: another text, argument or language is another job. */
-  about(args: object, text = this.known.history?.text): string {
-    return JSON.stringify([text, args, this.known.lang]);
-  }
+  about(args: object, text = this.known.history?.text): string { return JSON.stringify([text, args, this.known.lang]); }
 
   /** Make the edits that a job found, once. */
   taken(job: string, edits: Edits): void {
@@ -315,9 +292,7 @@ export class Store {
     if (history && file !== null) this.link?.say({ type: "freeze", file, text: history.text, by, note });
   }
 
-  rename(k: number, name: string): void {
-    this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v)));
-  }
+  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v))); }
 
   unpin(k: number): void {
     this.lay(null);
@@ -330,9 +305,7 @@ export class Store {
     if (text !== undefined) this.work("ghost", {}, text);
   }
 
-  create(title: string, text: string): void {
-    this.link?.say({ type: "create", title, text });
-  }
+  create(title: string, text: string): void { this.link?.say({ type: "create", title, text }); }
 
   stop(job: string): void {
     const now = this.known.jobs[job];
@@ -344,9 +317,7 @@ export class Store {
     if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
   }
 
-  show(view: View): void {
-    this.set({ view });
-  }
+  show(view: View): void { this.set({ view }); }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
     const mine = this.known.history;
@@ -354,10 +325,7 @@ export class Store {
       // The server was away: what is on the page is newer than any draft.
       this.rejoining = false;
       const { now, conflict } = History.onDisk({ ...mine, saved: mine.saved }, m.saved, m.mark);
-      this.set({
-        history: now,
-        notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice,
-      });
+      this.set({ history: now, notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice });
       this.ask({ text: now.text });
       return;
     }
@@ -415,12 +383,7 @@ export class Store {
   // ------------------------------------------------------------------ questions
 
   private ask(question: Question, how: { commit?: boolean; since?: number } = {}): void {
-    this.put({
-      kind: "ask",
-      question: { pose: this.known.asked, ...question },
-      commit: how.commit ?? false,
-      since: how.since ?? performance.now(),
-    });
+    this.put({ kind: "ask", question: { pose: this.known.asked, ...question }, commit: how.commit ?? false, since: how.since ?? performance.now() });
   }
 
   private put(waiting: Waiting): void {
@@ -559,9 +522,7 @@ export class Store {
     this.keep();
   }
 
-  type(text: string, merge: boolean): void {
-    if (this.known.history) this.now(History.edited(this.known.history, text, merge));
-  }
+  type(text: string, merge: boolean): void { if (this.known.history) this.now(History.edited(this.known.history, text, merge)); }
 
   undo(): void {
     this.pending?.();
@@ -606,9 +567,7 @@ export class Store {
     this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
   }
 
-  dismiss(): void {
-    this.set({ notice: null });
-  }
+  dismiss(): void { this.set({ notice: null }); }
 
   // ------------------------------------------------------------------ what is looked at
 
@@ -682,9 +641,7 @@ export class Store {
 export function worst(row: Row): number {
   let found = Infinity;
   row.grades.forEach((of, s) =>
-    of.forEach((grade, p) => {
-      if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade);
-    }),
+    of.forEach((grade, p) => { if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade); }),
   );
   return found;
 }

@@ -91,12 +91,12 @@ def _response(read: Document, args: Json) -> Response:
 def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return corrections of a line with what each moves, gives, and would edit."""
     r = _response(read, args)
-    tell({"doing": say("looking for corrections"), "done": 0, "of": 1})
+    tell({"doing": say("looking for corrections")})
     free = {_id(a) for a in adjustables(r)}
     hold = [name for name in args.get("hold", []) if name in free]
     found = fix(
         read.application, line=r.line.name, hold=hold, count=6,
-        tell=lambda done, of: tell({"done": done, "of": of}),
+        tell=lambda done, of: tell({"done": done, "of": of} if of > 1 else {}),
     )  # fmt: skip
     return {
         "line": r.line.name,

@@ -72,7 +72,11 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     try:
         found = RecordingStudy(campaign, draw=True).run(
             recording,
-            lambda doing, done, of: tell({"doing": say.given(doing), "done": done, "of": of}),
+            lambda doing, _, __: (
+                tell({"doing": f"{say('reading')}: {doing.rpartition(' ')[2]}"})
+                if doing.endswith("%")
+                else tell({"doing": say("reading")})
+            ),
         )
     except ImportError as error:
         raise _missing(error) from error
@@ -117,10 +121,10 @@ def _seconds(args: Json, key: str) -> float:
 
 def _progress(recording: Recording, say: Language, tell: Tell) -> room.Progress:
     """Return what tells how far a look has come, in seconds of the recording."""
-    whole = (recording.samples or 0) / recording.rate
+    whole = round((recording.samples or 0) / recording.rate)
 
     def progress(_: str, seconds: float) -> None:
-        tell({"doing": say("reading"), "done": round(seconds), "of": max(round(whole), 1)})
+        tell({"doing": say("reading"), **({"done": round(seconds), "of": whole} if whole else {})})
 
     return progress
 

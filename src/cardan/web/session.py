@@ -304,6 +304,8 @@ class Session:
             question, answer = await self.slow.take()
             kind = "full" if question["job"] == "full" else "helped"
             await self._tell(kind, id=question["id"], **answer)
+            if self.work.pid is None:  # a page that has its verdict asks for a job next
+                await self.work.start()
 
     async def _watch(self) -> None:
         while True:

@@ -109,6 +109,7 @@ WORDS: tuple[str, ...] = (
     "above",
     "accept: the part felt it",
     "across {times} times as large",
+    "all orders",
     "amplitude [MPa]",
     "angle",
     "apply it, pin what is",
