@@ -397,3 +397,6 @@ _READERS: dict[str, Callable[[Path, str], Table]] = {
     ".h5": _hdf5, ".hdf5": _hdf5,
     ".tdms": _tdms, ".mf4": _mdf, ".mdf": _mdf, ".wav": _wav,
 }  # fmt: skip
+
+ENDINGS = tuple(_READERS)
+"""How a recording's name ends, by what reads it."""
