@@ -21,10 +21,10 @@ from cardan.cli.common import (
     write,
     write_json,
 )
-from cardan.cli.ending import kindly, leave
+from cardan.cli.ending import Once, kindly, leave
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument("recording", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "--gauge",
@@ -177,20 +177,25 @@ from cardan.cli.ending import kindly, leave
     help="With --identify: the force on the bearing over the recording, as CSV.",
 )
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
-@click.option("--time", help="Name of the time column.")
+@click.option(
+    "--time",
+    metavar="NAME[:UNIT]",
+    help="Time column, its unit if the file has none.",
+)
 @click.option("--group", default="", help="HDF5 or TDMS group.")
 @click.option(
     "--mask",
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
     help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
-    "seconds, FROM..TO; take a zero-step off; may be repeated. Nothing is masked by itself.",
+    "seconds, FROM..TO; take a zero-step or hum off; may be repeated. Nothing is masked by itself.",
 )
 @click.option(
     "--accept",
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
-    help="It was what the part felt (also clip, drift); may be repeated.",
+    help="It was what the part felt (also clip, drift, hum), or is as it was said (unit, rate, "
+    "strength); may be repeated.",
 )
 @click.option(
     "--between-samples",

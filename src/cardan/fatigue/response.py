@@ -52,6 +52,8 @@ ALOOF = (7.0, 11.0)
 """Hz beside the order where none of that is."""
 STANDS_OUT = 0.15
 """Share of the damage by which what is beside the order exceeds what is farther off."""
+COMES = 0.55
+"""Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
@@ -64,8 +66,12 @@ ALIKE = said("an engine order runs with order 2: phase and torque are the same, 
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
+PASSING = said(
+    "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
+    "may hide them"
+)
 
-DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE)
+DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE, PASSING)
 """What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
@@ -667,6 +673,13 @@ def identified(
                     doubts.append(doubt)
         return high
 
+    def passing(rest: FloatArray, high: float) -> float:
+        """Return what may be theirs if it comes and goes with order 2 and is not locked to it."""
+        if _coming(rest, best, fine) > COMES:
+            high = max(high, removed(_near(x, best, fine, span=RIDES / 2)) + 0.05)
+            doubts.append(PASSING)
+        return high
+
     if line.strength < FOUND:
         reach = [removed(line.wave.real)]
         for option in options[1:]:
@@ -687,6 +700,8 @@ def identified(
                 high = max(high, close + 0.05)
                 doubts.append(BESIDE)
         high = elsewhere(high)
+        if angle.trusted and high <= ACQUITTED:
+            high = passing(x, high)
         high = float(min(high, 1.0))
         middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
         found = Evidence(
@@ -759,6 +774,8 @@ def identified(
             doubts.append(ALIKE)
     if high <= ACQUITTED:
         high = elsewhere(high)
+        if angle.trusted and high <= ACQUITTED:
+            high = passing(x - mean, high)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,
@@ -799,6 +816,38 @@ def _near(
     total = np.cumsum(np.concatenate([[0], z]))
     mean = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
     return 2 * (mean * wave).real
+
+
+def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
+    """Share of the energy within 3 Hz of order 2 that is not there at other times.
+
+    A road shakes a mode wherever the order is: what half-second periods show at a frequency is
+    then how loud the road is, by how the bracket answers there. Both are taken from where the
+    order is 9 Hz off or more; nan where that tells nothing, at steady speed.
+    """
+    n = max(2 * round(0.25 * rate), 8)
+    if x.size < 8 * n:
+        return float("nan")
+    rows = np.lib.stride_tricks.sliding_window_view(x, n)[:: n // 2]
+    level = (rows - rows.mean(-1, keepdims=True)) * np.hanning(n)
+    order = 2 * scene.speed[n // 2 :: n // 2][: len(rows)]
+    frequency = np.fft.rfftfreq(n, 1 / rate)
+    use = (frequency > SLOWEST + 2) & (frequency < min(order.max() + 6, 0.45 * rate))
+    power = np.abs(np.fft.rfft(level)[:, use]) ** 2
+    off = np.abs(frequency[use] - order[:, None])
+    far = off > 9
+    heard = far.sum(0) > 8
+    far &= heard
+    loud = np.ones(len(rows))
+    answer: FloatArray = np.zeros(int(np.count_nonzero(use)))
+    for _ in range(3):
+        answer = (power / loud[:, None] * far).sum(0) / np.maximum(far.sum(0), 1)
+        over = np.divide(power, answer, out=np.zeros_like(power), where=far & (answer > 0))
+        loud = over.sum(1) / np.maximum(far.sum(1), 1)
+        loud = np.maximum(loud, 1e-3 * np.median(loud) + 1e-300)
+    near = (off < 3) & heard & (order > SLOWEST + 2)[:, None]
+    there = float(power[near].sum())
+    return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")
 
 
 def _thinned(x: FloatArray, every: int) -> FloatArray:

@@ -56,6 +56,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
                 "undecided": e.undecided,
                 "damage_recorded": _number(e.recorded),
                 "damage_without": _number(e.without),
+                **({"why": str(e.why)} if e.why is not None else {}),
             }
             for e in of.effects
         ],
@@ -64,6 +65,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "power_above_0.4_rate": of.fast,
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
+        "doubts": [str(d) for d in of.doubts],
     }
 
 
@@ -576,7 +578,12 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         yield say("{gauge}: said nothing, so its life is not known", gauge=name)
         return
     for e in of.effects:
-        if e.kind not in (HOLE, FREEZE):
+        if e.why is not None:
+            yield say(
+                "{gauge}: {kind} ({state}): {why}", gauge=name, kind=say(e.kind),
+                state=say("undecided") if e.undecided else say("decided"), why=say.said(e.why),
+            )  # fmt: skip
+        elif e.kind not in (HOLE, FREEZE):
             yield say(
                 "{gauge}: {kind} ({count}, {state}): damage {recorded} as recorded, {without} "
                 "without",
@@ -584,6 +591,8 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
                 state=say("undecided") if e.undecided else say("decided"),
                 recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
             )  # fmt: skip
+    for doubt in of.doubts:
+        yield say("{gauge}: doubt: {doubt}", gauge=name, doubt=say.said(doubt))
     if of.share < 0.9999:
         yield say(
             "{gauge}: alive for {share} of the time; its life is told of that time",

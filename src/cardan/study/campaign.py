@@ -16,6 +16,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import CardanError, DesignError
+from cardan.base.said import Said, said
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
@@ -23,11 +24,11 @@ from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, rainflow, strain
 from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
-from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
-from cardan.fatigue.quality import Rule
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.quality import NAMED_STRAIN, NAMED_STRESS, Rule
+from cardan.fatigue.recording import Channel, Recording
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.files.limit import limits as profile
@@ -59,6 +60,32 @@ VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
 DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
 """Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
 TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
+
+UNITS: Mapping[str, tuple[str, float]] = {
+    unit: (kind, factor)
+    for kind, table in (
+        ("stress", STRESS), ("strain", STRAIN), ("speed", SPEED), ("way", DRIVEN),
+        ("torque", TORQUE),
+    )
+    for unit, factor in table.items()
+}  # fmt: skip
+"""What each unit measures, and how much it is in SI."""
+
+_WRITTEN = re.compile(
+    r"(?<=[\s_\[(])("
+    + "|".join(
+        sorted(map(re.escape, [u for u in UNITS if u != "%"] + ["mV/V", "mV"]), key=len)[::-1]
+    )
+    + r")[\])]?\s*$"
+)
+"""The unit a channel's name ends in: `S1_MPa`, `torque [Nm]`."""
+_STRAINS = re.compile(
+    r"(?<![a-z])(strain(?!\W*_*gau)|dehnung|deforma[çz]|epsilon|mikrodehn)", re.IGNORECASE
+)
+_STRESSES = re.compile(r"(?<![a-z])(stress|spannung|tens[ãi]o|sigma)", re.IGNORECASE)
+
+FASTEST_SHAFT = 200.0
+"""Turns a second that no propshaft makes: 12,000 rpm."""
 
 _KINDS = {"rectangular": strain.RECTANGULAR, "delta": strain.DELTA}
 _CURVES: dict[str, Callable[[SNCurve], SNCurve]] = {
@@ -350,7 +377,7 @@ class Campaign:
         if not scales:
             return recording
         channels = tuple(
-            replace(c, unit=scales[k][2]) if k in scales else c
+            replace(c, unit=scales[k][2], settled=True) if k in scales else c
             for k, c in enumerate(recording.channels)
         )
 
@@ -407,6 +434,7 @@ class Campaign:
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
             allowed=self.allowed, gauge_error=self.gauge_error, rules=self.rules,
             between={"auto": None, "yes": True, "no": False}[self.between_samples],
+            ultimate=math.inf if self.ultimate_MPa is None else self.ultimate_MPa * MPa,
         )  # fmt: skip
 
     def hold(self, recording: Recording, *, samples: int) -> None:
@@ -491,10 +519,13 @@ class Campaign:
         modulus = self.modulus_GPa * GPa
         units = STRESS | {u: modulus * v for u, v in STRAIN.items()}
         named = [_named(text) for text in self.gauges]
-        return [
-            strain.direct(channel, channel, factor=_unit(recording, channel, given, units))
-            for channel, given in named
-        ]
+        found: list[Gauge] = []
+        for channel, given in named:
+            factor = _unit(recording, channel, given, units)
+            gauge = strain.direct(channel, channel, factor=factor)
+            of = recording.channel(channel)
+            found.append(replace(gauge, doubts=_doubted(of, given or of.unit)))
+        return found
 
     def _rosettes(self, recording: Recording) -> list[Gauge]:
         found: list[Gauge] = []
@@ -530,6 +561,12 @@ class Campaign:
             raise DesignError(msg) from None
         if not (math.isfinite(amplitude) and math.isfinite(cycles) and math.isfinite(slope)):
             msg = f"an S-N curve is of finite numbers, got {self.sn!r}"
+            raise DesignError(msg)
+        if self.ultimate_MPa is not None and amplitude >= self.ultimate_MPa:
+            msg = (
+                f"the S-N curve's knee, {amplitude:g} MPa, must lie below the tensile strength, "
+                f"--ultimate-MPa {self.ultimate_MPa:g}"
+            )
             raise DesignError(msg)
         curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
         return _CURVES[self.miner](curve)
@@ -577,6 +614,8 @@ def _rule(text: str, *, mask: bool) -> Rule:
         raise DesignError(msg)
     if mask and kind and kind not in REMOVABLE:
         instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
+        if kind in IMPOSSIBLE:
+            instead = "it is of the gauge as a whole"
         msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(REMOVABLE)}"
         raise DesignError(msg)
     if not (kind or times):
@@ -605,14 +644,45 @@ def _unit(
     recording: Recording, channel: str, given: str | None, table: Mapping[str, float]
 ) -> float:
     """Return the SI value of a channel's unit, given by hand or by the file."""
-    name = given or recording.channel(channel).unit
+    of = recording.channel(channel)
+    name = given or of.unit
+    _agreed(of, name)
     if name not in table:
-        said = repr(name) if name else "no unit"
-        msg = f"{channel}: {said}; write {channel}:UNIT with one of {', '.join(table)}"
+        none = repr(name) if name else "no unit"
+        msg = f"{channel}: {none}; write {channel}:UNIT with one of {', '.join(table)}"
         if name in VOLTS:
             msg += f", or scale it: --scale {channel}=FACTOR[,OFFSET]:UNIT"
         raise DesignError(msg)
     return table[name]
+
+
+def _agreed(channel: Channel, taken: str) -> None:
+    """Refuse a channel that is taken for another unit than its file or its name says.
+
+    A factor of a million is easily read over, and nothing later shows one of five.
+    """
+    if channel.settled or taken not in UNITS:
+        return
+    named = _WRITTEN.search(channel.name)
+    for who, unit in (("the file", channel.unit), ("its name", named[1] if named else "")):
+        other = unit in UNITS or (unit in VOLTS and unit != "")
+        if other and UNITS.get(unit) != UNITS[taken]:
+            msg = (
+                f"{channel.name}: {who} says {unit}, and it is taken for {taken}; if it is in "
+                f"{taken} in truth, say so: --scale {channel.name}=1:{taken}"
+            )
+            raise DesignError(msg)
+
+
+def _doubted(channel: Channel, taken: str) -> tuple[Said, ...]:
+    """Return a doubt where a gauge's name speaks of a strain and it is taken for a stress."""
+    if channel.settled:
+        return ()
+    if taken in STRESS and _STRAINS.search(channel.name):
+        return (said(NAMED_STRAIN, unit=taken),)
+    if taken in STRAIN and _STRESSES.search(channel.name):
+        return (said(NAMED_STRESS, unit=taken),)
+    return ()
 
 
 READ = 200.0
@@ -627,19 +697,33 @@ def _speeds(
     `wheel` is how many turns go to a metre, for a speed of the vehicle.
     """
     channel, given = _named(text)
-    said = given or recording.channel(channel).unit
-    if said in DRIVEN:
+    taken = given or recording.channel(channel).unit
+    _agreed(recording.channel(channel), taken)
+    if taken in DRIVEN:
         if wheel is None:
             msg = (
-                f"{channel}: {said} is the vehicle's speed; the shaft turns with it by "
+                f"{channel}: {taken} is the vehicle's speed; the shaft turns with it by "
                 "--axle-ratio and --tyre-radius-m"
             )
             raise DesignError(msg)
-        unit = DRIVEN[said] * wheel
+        unit = DRIVEN[taken] * wheel
     else:
         unit = _unit(recording, channel, given, SPEED)
     values, rate = _every(recording, channel)
+    _turning(channel, values * unit, taken or "")
     return values * unit, rate
+
+
+def _turning(channel: str, speed: FloatArray, unit: str) -> None:
+    """Refuse a speed (n,) turns/s, half of which no shaft of a vehicle makes."""
+    moving = speed[speed > 0]
+    typical = float(np.median(moving)) if moving.size else 0.0
+    if typical > FASTEST_SHAFT:
+        msg = (
+            f"{channel}: in {unit} it turns at {typical * 60:.4g} rpm, faster than any shaft or "
+            f"engine of a vehicle ({FASTEST_SHAFT * 60:g} rpm); its unit is another"
+        )
+        raise DesignError(msg)
 
 
 def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:

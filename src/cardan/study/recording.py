@@ -50,6 +50,10 @@ DECIDE: Mapping[str, str] = {
     "zero-step",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
+    "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
+    "unit": "the unit its numbers are in, or --accept unit",
+    "rate": "a recording sampled as its stress moves, or --accept rate",
+    "strength": "the tensile strength of its part, or --accept strength",
 }
 """What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
 
@@ -138,10 +142,12 @@ class RecordingStudy:
         campaign.hold(recording, samples=max(h.samples for h in healths.values()))
         angle = campaign.shaft(recording)
         shaft = None if angle is None else angle.rotation
+        plan = replace(plan, fastest=_fastest(shaft))
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
             progress=progress,
         )  # fmt: skip
+        _masked_out(recording, plan, lives)
         heard = [g for g, one in zip(plan.gauges, lives, strict=True) if one.heard]
         causes = None
         if angle is not None and heard:
@@ -398,11 +404,13 @@ def _opened(path: Path, campaign: Campaign) -> Recording:
 def verdict_on(found: Finding[Heard] | Finding[Mix]) -> Verdict | None:
     """Return what the gauges come to; None where nothing was asked of them.
 
-    Where a life is vetoed the recording was asked and has no answer, limit or not.
+    Where a life is vetoed, or no gauge says anything, the recording was asked and has no answer,
+    limit or not.
     """
     coverage = coverage_of(found)
     if not coverage.asked:
-        spoiled = found.answer is not None and any(one.vetoes for one in found.answer.lives)
+        lives = found.answer.lives if found.answer is not None else ()
+        spoiled = any(one.vetoes for one in lives) or not any(one.heard for one in lives)
         return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
 
@@ -426,6 +434,27 @@ def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
     if shaft is None or ratio is None or radius is None:
         return math.nan
     return float(shaft.turns[-1] - shaft.turns[0]) / ratio * TURN * radius
+
+
+def _fastest(shaft: Rotation | None) -> float:
+    """Return how fast a shaft's order 2 moves, Hz, but for a twentieth of its time under way."""
+    if shaft is None:
+        return 0.0
+    speed = shaft.speed(shaft.time)
+    moving = speed[speed > 0.5]
+    return 2 * float(np.quantile(moving, 0.95)) if moving.size else 0.0
+
+
+def _masked_out(recording: Recording, plan: Plan, lives: Sequence[GaugeLife]) -> None:
+    """Refuse rules that leave nothing of a gauge that had something to say."""
+    for one in lives:
+        spoke = not any(h.dead for h in one.health.values())
+        if spoke and not one.heard and any(r.mask for r in plan.rules):
+            msg = (
+                f"--mask leaves nothing of {one.name}: {one.quality.live:.4g} s of the "
+                f"{one.quality.recorded:.4g} s of {recording.name}; mask less, or leave it out"
+            )
+            raise DesignError(msg)
 
 
 def _causes(
