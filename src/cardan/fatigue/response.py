@@ -34,6 +34,8 @@ CLEAR = 60.0
 """F from which the interval is that of the draws alone."""
 OFF = 0.05
 """Largest error of a speed's scale that is looked for, relative."""
+TURNS = 2.0
+"""Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
 BAND = 2.5
 """Width in frequency over which a response is taken as one, Hz."""
 BLOCK = 6.0
@@ -182,48 +184,60 @@ def _aligned(
     if m < 100:
         return []
     y, torque = (x[: m * every].reshape(m, every).mean(-1) for x in (y, torque))
-    time = start + (np.arange(m) * every + (every - 1) / 2) / rate
+    step = every / rate
     lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
+    shifts = np.unique(np.rint(lags / step).astype(np.int64))
+    # The shaft as of the latest lag on to the earliest: a lag is a place in that.
+    most = int(shifts[-1])
+    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - shifts[0]) - most) * step
+    turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
+    wave = np.exp(-4j * np.pi * turns)
+    band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
+    bands, count = int(band.max()) + 1, int(bins.max()) + 1
+    cell, fast = band * count + bins, f2 > SLOWEST
+    moved, square = y * torque, torque**2
     found: list[_Aligned] = []
-    for lag in lags:
-        shifted = time - lag
-        turns, f2 = angle.rotation.at(shifted), 2 * angle.rotation.speed(shifted)
-        used = f2 > SLOWEST
-        if np.count_nonzero(used) < 100:
+    for shift in shifts:
+        own = slice(most - shift, most - shift + m)
+        used = np.flatnonzero(fast[own])
+        if used.size < 100:
             continue
-        band = (f2[used] / BAND).astype(np.int64)
-        bins = np.floor(2 * (turns[used] - turns[0])).astype(np.int64)
-        bands, count = int(band.max()) + 1, int(bins.max()) + 1
-        z = y[used] * torque[used] * np.exp(-4j * np.pi * turns[used])
-        place = band * count + bins
-        grid = np.bincount(place, z.real, bands * count) + 1j * np.bincount(
-            place, z.imag, bands * count
+        lag = float(shift * step)
+        here = cell[own][used]
+        z = (moved * wave[own])[used]
+        grid = np.bincount(here, z.real, bands * count) + 1j * np.bincount(
+            here, z.imag, bands * count
         )
-        weight = np.asarray(np.bincount(band, torque[used] ** 2, bands), float)
+        slot = band[own][used]
+        weight = np.asarray(np.bincount(slot, square[used], bands), float)
         busy = weight > 1e-3 * weight.sum()
         grid, weight = grid.reshape(bands, count)[busy], weight[busy]
-        middle = np.bincount(band, f2[used], bands)[busy] / np.bincount(band, minlength=bands)[busy]
-        # Half a turn a bin, two cycles a turn off by the ratio: OFF is this far in the spectrum.
+        heard = np.bincount(slot, minlength=bands)[busy]
+        middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
+        # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
         size = 1 << int(np.ceil(np.log2(3 * count)))
-        energy = ((np.abs(np.fft.fft(grid, size, axis=-1)) ** 2) / weight[:, None]).sum(0)
-        ratio = np.fft.fftfreq(size)
-        near = np.flatnonzero(np.abs(ratio) <= OFF)
+        off = np.fft.fftfreq(size) / (2 * TURNS)
+        near = np.flatnonzero(np.abs(off) <= OFF)
+        # What turns within a bin is averaged: at the ends of the search it loses this much.
+        power = np.abs(np.fft.fft(grid, size, axis=-1)[:, near]) ** 2
+        energy = (1 / weight) @ power / np.sinc(2 * TURNS * off[near]) ** 2
         place = np.arange(count) + 0.5
-        for k in near[_peaks(energy[near])[:4]]:
+        for peak in near[_peaks(energy)[:4]]:
             # Between the lines of the spectrum: a sixth of one is a radian at the ends.
-            fine = ratio[k] + np.linspace(-0.5, 0.5, 21) / size
-            lines = grid @ np.exp(-2j * np.pi * np.outer(place, fine))
+            fine = off[peak] + np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
+            lines = grid @ np.exp(-4j * np.pi * TURNS * np.outer(place, fine))
+            lines /= np.sinc(2 * TURNS * fine)
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
-            m = int(np.argmax(sharp))
+            k = int(np.argmax(sharp))
             found.append(
                 _Aligned(
-                    1 + float(fine[m]), float(lag), float(sharp[m]), middle,
-                    lines[:, m] / weight, weight,
+                    1 + float(fine[k]), lag, float(sharp[k]), middle,
+                    lines[:, k] / weight, weight,
                 )
             )  # fmt: skip
     found.sort(key=lambda one: -one.energy)
     kept: list[_Aligned] = []
-    made = float(angle.rotation.at(time[-1]) - angle.rotation.at(time[0]))
+    made = float(turns[-1] - turns[0])
     cell = 3 / max(2 * made, 1.0)
     for one in found:
         if all(abs(one.ratio - k.ratio) > cell for k in kept):
@@ -838,13 +852,16 @@ def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
     far = off > 9
     heard = far.sum(0) > 8
     far &= heard
+    if not far.any() or not power[far].any():
+        return float("nan")
+    power = power / power[far].max()
     loud = np.ones(len(rows))
     answer: FloatArray = np.zeros(int(np.count_nonzero(use)))
     for _ in range(3):
         answer = (power / loud[:, None] * far).sum(0) / np.maximum(far.sum(0), 1)
         over = np.divide(power, answer, out=np.zeros_like(power), where=far & (answer > 0))
         loud = over.sum(1) / np.maximum(far.sum(1), 1)
-        loud = np.maximum(loud, 1e-3 * np.median(loud) + 1e-300)
+        loud = np.maximum(loud, 1e-6 * loud.max())
     near = (off < 3) & heard & (order > SLOWEST + 2)[:, None]
     there = float(power[near].sum())
     return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")
