@@ -18,7 +18,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
-from cardan.fatigue.kernel import Kernel, fastest, gate_of_all
+from cardan.fatigue.kernel import Kernel, fastest, gate_of_all, reversals
 
 
 @dataclass(frozen=True)
@@ -194,6 +194,11 @@ def without_small(samples: FloatArray, *, gate: float) -> FloatArray:
         return samples
     out = np.empty(samples.size + 2)
     return out[: filtered(samples, gate, out)]
+
+
+def reversals_of(samples: FloatArray, *, gate: float) -> FloatArray:
+    """Return the samples (k,) where a signal turns by more than a gate, with its first and last."""
+    return reversals(without_small(samples, gate=gate))
 
 
 def turns(samples: ArrayLike, *, gate: float) -> IntArray:

@@ -21,7 +21,7 @@ from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
-from cardan.fatigue import conditioning, correction, rainflow, strain
+from cardan.fatigue import conditioning, correction, local, rainflow, strain
 from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
 from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE
@@ -34,6 +34,7 @@ from cardan.fatigue.strength import SNCurve
 from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
+from cardan.study.otherwise import Cracked, Strained
 from cardan.study.recorded import predicted_stress
 
 NAME = "recording"
@@ -116,6 +117,7 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "residue": tuple(_RESIDUES),
     "zero": tuple(_ZEROS),
     "between_samples": ("auto", "yes", "no"),
+    "strain_mean": local.LAWS,
 }
 """What an option may be, where it is one of a few."""
 
@@ -134,6 +136,11 @@ RANGES: Mapping[str, tuple[str, float, float]] = {
     "bearing": (_FROM, 1, 100),
     "rate": (_ABOVE, 0, 1e9),
     "target_hours": (_ABOVE, 0, 1e12),
+    "notch": (_FROM, 1, 20),
+    "crack_threshold": (_FROM, 0, 100),
+    "crack_shape": (_ABOVE, 0, 10),
+    "service_hours": (_ABOVE, 0, 1e12),
+    "miner_scatter": (_FROM, 0, 2),
 }
 """Where an option's number lies: above or at least the first, at most the second."""
 
@@ -172,6 +179,15 @@ class Campaign:
         `GAUGE=MPa_per_kNm` of order 2, to hold against the measured.
     application, unit_stress, state, bearing
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
+    strain_life, notch, strain_mean
+        `MPa,B,STRAIN,C[,MPa,N]`: σf', b, εf' and c, perhaps K' and n': life until a crack by the
+        local strain; K_t from the gauge to the notch, and one of `CHOICES`.
+    crack, crack_threshold, crack_shape
+        `MM,MM,C,M`: from one crack length to another, growth C ΔK^m (m a cycle, MPa√m), above a
+        threshold in MPa√m; Y of K = Y S √(πa).
+    service_hours, miner_scatter
+        Hours in which the odds of failure are asked; coefficient of variation of the damage at
+        failure.
     usage
         Whether it is told when and where the damage came.
     identify
@@ -222,6 +238,14 @@ class Campaign:
     unit_stress: tuple[str, ...] = ()
     state: str = "gvw"
     bearing: int = 1
+    strain_life: str | None = None
+    notch: float | None = None
+    strain_mean: str = "swt"
+    crack: str | None = None
+    crack_threshold: float = 0.0
+    crack_shape: float = 1.12
+    service_hours: float | None = None
+    miner_scatter: float = 0.3
     usage: bool = False
     identify: bool = False
     rate: float | None = None
@@ -273,7 +297,13 @@ class Campaign:
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
-        _ = self.rules, self.scales  # refuse what is none
+        _ = self.rules, self.scales, self.strained, self.cracked  # refuse what is none
+        if self.notch is not None and self.strain_life is None:
+            msg = "--notch is of the local strain: it needs --strain-life"
+            raise DesignError(msg)
+        if self.service_hours and not (self.scatter or self.gauge_error or self.miner_scatter):
+            msg = "odds need something that scatters: --scatter, --gauge-error or --miner-scatter"
+            raise DesignError(msg)
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -348,6 +378,52 @@ class Campaign:
             *(_rule(text, mask=True) for text in self.mask),
             *(_rule(text, mask=False) for text in self.accept),
         )
+
+    @property
+    def strained(self) -> Strained | None:
+        """How places are judged by their strain; None where it was not asked."""
+        if self.strain_life is None:
+            return None
+        given = _several(self.strain_life)
+        if len(given) not in (4, 6):
+            msg = (
+                "a strain-life curve is SIGMA_F_MPa,B,EPSILON_F,C, perhaps with K_MPa,N of the "
+                f"cyclic curve, got {self.strain_life!r}"
+            )
+            raise DesignError(msg)
+        modulus = self.modulus_GPa * GPa
+        strength, b, ductility, c = given[:4]
+        curve = local.common(
+            modulus=modulus, strength=strength * MPa, exponent=b, ductility=ductility,
+            ductility_exponent=c,
+        )  # fmt: skip
+        if len(given) == 6:
+            curve = replace(curve, hardening=given[4] * MPa, hardening_exponent=given[5])
+        return Strained(material=curve, law=self.strain_mean, notch=self.notch)
+
+    @property
+    def cracked(self) -> Cracked | None:
+        """How a crack is judged; None where it was not asked."""
+        if self.crack is None:
+            return None
+        given = _several(self.crack)
+        if len(given) != 4 or not 0 < given[0] < given[1] <= 1e4:
+            msg = (
+                "a crack is FROM_mm,TO_mm,C,M, growing to 10,000 mm at most, with C in m a cycle "
+                f"and MPa√m, got {self.crack!r}"
+            )
+            raise DesignError(msg)
+        start, end, C, m = given
+        if not (0 < C < 1e-3 and 1 <= m <= 10):
+            msg = (
+                f"C of a crack's growth lies within (0, 1e-3) m a cycle and m within 1 to 10, got "
+                f"C {C:g} and m {m:g}"
+            )
+            raise DesignError(msg)
+        return Cracked(
+            start=start / 1e3, end=end / 1e3, C=C, m=m, threshold=self.crack_threshold,
+            shape=self.crack_shape,
+        )  # fmt: skip
 
     @property
     def scales(self) -> dict[str, tuple[float, float, str]]:
@@ -631,6 +707,12 @@ def numbers(text: str) -> tuple[float, ...]:
     except ValueError:
         msg = f"expected numbers with commas between, got {text!r}"
         raise DesignError(msg) from None
+
+
+def _several(text: str) -> tuple[float, ...]:
+    """Return numbers that were written with commas between; none where they are not finite."""
+    given = numbers(text)
+    return given if all(map(math.isfinite, given)) else ()
 
 
 def _named(text: str) -> tuple[str, str | None]:

@@ -20,7 +20,7 @@ from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import FIRING, separation, suspects
-from cardan.fatigue.conditioning import Health
+from cardan.fatigue.conditioning import Health, finer
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
@@ -36,6 +36,7 @@ from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
+from cardan.study.otherwise import Otherwise, grown, odds, strained
 from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
@@ -101,6 +102,8 @@ class Heard:
         Its gauges as arrays to draw; None where nobody wants to.
     used
         When and where its gauges' damage came; none where it was not asked.
+    otherwise
+        Its gauges judged by strain, by a crack, by odds; none where it was not asked.
     """
 
     recording: Recording
@@ -112,6 +115,7 @@ class Heard:
     identification: Identification | None = None
     pictures: Pictures | None = None
     used: tuple[Used, ...] = ()
+    otherwise: tuple[Otherwise, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -169,6 +173,9 @@ class RecordingStudy:
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 lives=[one for one in lives if one.heard], progress=progress,
             )  # fmt: skip
+        others = _otherwise(
+            campaign, recording, plan, healths=healths, lives=lives, progress=progress
+        )
         pictures = None
         if self.draw and heard:
             pictures = _pictures(
@@ -187,6 +194,7 @@ class RecordingStudy:
                 identification=identified,
                 pictures=pictures,
                 used=told,
+                otherwise=others,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -529,6 +537,41 @@ def _used(
         seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
+    )  # fmt: skip
+
+
+def _otherwise(
+    campaign: Campaign, recording: Recording, plan: Plan, *, healths: dict[str, Health],
+    lives: Sequence[GaugeLife], progress: room.Progress,
+) -> tuple[Otherwise, ...]:  # fmt: skip
+    """Return a plan's gauges as their strain, a crack and odds have them, those with an answer."""
+    by_strain, crack, hours = campaign.strained, campaign.cracked, campaign.service_hours
+    if by_strain is None and crack is None and hours is None:
+        return ()
+    told = [
+        (g, one) for g, one in zip(plan.gauges, lives, strict=True) if one.heard and not one.vetoed
+    ]
+    if not told:
+        return ()
+    gauges, own = zip(*told, strict=True)
+    strains: Sequence[tuple[float | None, float]] = [(None, math.nan)] * len(own)
+    if by_strain is not None:
+        stress = room.stresses(
+            recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
+            progress=progress,
+        )  # fmt: skip
+        sharp = any(not math.isnan(one.quality.samples_only) for one in own)
+        strains = strained(finer(stress) if sharp else stress, own, by_strain)
+    return tuple(
+        Otherwise(
+            gauge=one.name, duration=one.life.duration, allowed=plan.allowed,
+            strain_damage=damage, strain=strain,
+            growth=None if crack is None else grown(one, crack),
+            odds=None if hours is None else odds(
+                one, plan, hours=hours, miner_scatter=campaign.miner_scatter
+            ),
+        )
+        for one, (damage, strain) in zip(own, strains, strict=True)
     )  # fmt: skip
 
 
