@@ -622,7 +622,7 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
-AT_ONCE = 4
+AT_ONCE = 2
 """Stretches of gauges in which the joints' part is identified at once."""
 
 IDENTIFIED = 300.0
