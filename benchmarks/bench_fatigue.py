@@ -247,7 +247,8 @@ def main():
         for name, seconds, used, peak in rows:
             print(
                 f"| {name} | {seconds:.1f} | {seconds / rows[0][1]:.1f} "
-                f"| {used:.1f} | {used / rows[0][2]:.1f} | {size / 1e6 / seconds:.0f} | {peak:.0f} |"
+                f"| {used:.1f} | {used / rows[0][2]:.1f} "
+                f"| {size / 1e6 / seconds:.0f} | {peak:.0f} |"
             )
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\nThe benchmark itself peaked at {own:.0f} MB, the whole signal in memory.")

@@ -622,8 +622,8 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
-AT_ONCE = 2
-"""Stretches of gauges in which the joints' part is identified at once."""
+AT_ONCE = 1
+"""Stretches of gauges in which the joints' part is identified at once: each takes 70 MB."""
 
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
