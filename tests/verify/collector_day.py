@@ -182,13 +182,13 @@ def orders(day: Day) -> Orders:
     return Orders(time, speed, torque, engine, road)
 
 
-def drive(day: Day, *, name: str = "application.yaml", straight: bool = False,
-          folder: Path = FOLDER, rubber: float = SOFT, crooked: float = CROOKED,
-          seconds: float | None = None) -> Driven:  # fmt: skip
-    """Drive a day with the line of an application's file in gvw, or with all its angles gone."""
+def drive(
+    day: Day, *, straight: bool = False, loss: float = LOSS, seconds: float | None = None
+) -> Driven:
+    """Drive a day with the line as it is in gvw, with all its angles gone, or other rubber."""
     what = orders(day)
     n = what.time.size if seconds is None else int(seconds / STEP) + 1
-    application = files.read(folder / name)
+    application = files.read(FOLDER / "application.yaml")
     response = respond(application, demand(resolve(application, application.lines[0])))
     of = response.demand.states.index("gvw")
     points, directions = response.layout.points[of], response.layout.directions[of]
@@ -199,19 +199,18 @@ def drive(day: Day, *, name: str = "application.yaml", straight: bool = False,
         directions = np.tile(ahead, (len(directions), 1))
         points = points[0] + np.concatenate([[0], np.cumsum(lengths)])[:, None] * ahead
     phases = [s.phase for s in shafts]
-    phases[1] += crooked
+    phases[1] += CROOKED
     table = json.loads((HERE / "collector_bracket.json").read_text())
     _, lateral, vertical = table["compliance_m_N"]
-    soft = (rubber * DRAWN[0], rubber * DRAWN[1])
-    loss = [s.centre_bearing.loss_factor or LOSS for s in shafts if s.centre_bearing]
+    soft = (SOFT * DRAWN[0], SOFT * DRAWN[1])
     brackets = FIRST, (1 / vertical, 1 / lateral)
     return Driving(
         points, directions, phases,
         [rigid(replace(s, length=length)) for s, length in zip(shafts, lengths, strict=True)],
         [s.centre_bearing.from_rear_joint for s in shafts if s.centre_bearing],
         mounts=[
-            Mount(rubber=soft, loss=eta, at=MODES, mass=MASS, bracket=b, road=road)
-            for b, eta, road in zip(brackets, loss, (None, what.road[:n]), strict=True)
+            Mount(rubber=soft, loss=loss, at=MODES, mass=MASS, bracket=b, road=road)
+            for b, road in zip(brackets, (None, what.road[:n]), strict=True)
         ],
         torque=what.torque[:n], speed=what.speed[:n], step=STEP, heavy={2: HEAVY},
     ).drive()  # fmt: skip
@@ -409,6 +408,15 @@ def write(day: Day, whole: Driven, path: Path) -> dict:
     return spoiled
 
 
+def cured(day: Day, driven: Driven) -> dict:
+    """What is true of a day with other rubber: damage and life at each gauge, and of the surface."""
+    told = {}
+    for name, felt in zip(day.gauges, strains(driven, day.gauges), strict=True):
+        harm = damage(1e-6 * MODULUS * felt, AT_GAUGE)
+        told[name] = {"damage": harm, "hours": driven.time[-1] / 3600 / harm}
+    return {"gauges": told, "crack": crack(driven)}
+
+
 def main(name: str, out: Path) -> None:
     """Drive a day twice, and write its recording and its truth."""
     day = DAYS[name]
@@ -416,6 +424,8 @@ def main(name: str, out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     spoiled = write(day, whole, out / f"{name}.parquet")
     known = truth(day, whole, straight) | {"spoiled_s": spoiled}
+    if name == "joints":
+        known["cured"] = cured(day, drive(day, loss=2 * LOSS))
     (out / f"{name}.truth.json").write_text(json.dumps(known, indent=1) + "\n")
 
 
