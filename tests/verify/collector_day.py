@@ -409,7 +409,7 @@ def write(day: Day, whole: Driven, path: Path) -> dict:
 
 
 def cured(day: Day, driven: Driven) -> dict:
-    """What is true of a day with other rubber: damage and life at each gauge, and of the surface."""
+    """What is true of a day with other rubber: at each gauge, and of the surface."""
     told = {}
     for name, felt in zip(day.gauges, strains(driven, day.gauges), strict=True):
         harm = damage(1e-6 * MODULUS * felt, AT_GAUGE)

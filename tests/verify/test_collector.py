@@ -181,7 +181,7 @@ def test_the_engine_drives_what_was_recorded():
 
 @pytest.mark.oracle
 @pytest.mark.bracket
-def test_calculix_gives_the_table(tmp_path):
+def test_calculix_gives_the_table():
     from collector_bracket import TABLE, solved
 
     table, again = json.loads(TABLE.read_text()), solved(size=5e-3)
@@ -206,9 +206,7 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
         seconds=of.lives[0].quality.recorded,
     )  # fmt: skip
     rows = np.column_stack([time, force])
-    np.savetxt(
-        tmp_path / "b.csv", rows, "%.5g", ",", header="time_s,x_N,y_N,z_N", comments=""
-    )
+    np.savetxt(tmp_path / "b.csv", rows, "%.7g", ",", header="time_s,x_N,y_N,z_N", comments="")
     text = of.identification.text().replace(
         "  fatigue:", "  recordings: [{name: morning, file: b.csv}]\n  fatigue:"
     )
