@@ -6,7 +6,8 @@ part by itself, which no application file describes: a run-up, a joint with play
 column, damping that turns, a tube of plies.
 """
 
-from collections.abc import Generator, Iterable, Mapping
+import json
+from collections.abc import Callable, Generator, Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
@@ -112,8 +113,10 @@ class Approval(approvals.Approval):
             return _report("bracket").contract(self)
         return _report("stability").document(self)
 
-    def report(self, path: str | Path, *, lang: str = "en") -> Path:
+    def report(self, path: str | Path, *, lang: str = "en", corrections: bool = True) -> Path:
         """Write a report: .html, .pdf, .xlsx or .json, as the name ends.
+
+        Pages and documents look for `corrections`: minutes for a line of four shafts.
 
         Raises
         ------
@@ -121,7 +124,14 @@ class Approval(approvals.Approval):
             If there is no report of that kind, or what it needs is not installed.
         """
         path, say = Path(path), Language(lang)
-        writers = {".html": _page, ".pdf": _document, ".xlsx": _workbook, ".json": _json}
+        writers: dict[str, Callable[[], str | bytes]] = {
+            ".html": lambda: _report("html").page(_story(self, say, corrections=corrections)),
+            ".pdf": lambda: _report("pdf").document(_story(self, say, corrections=corrections)),
+            ".xlsx": lambda: _report("workbook").workbook(self, say=say),
+            ".json": lambda: json.dumps(
+                self.to_dict(), indent=1, ensure_ascii=False, allow_nan=False
+            ) + "\n",
+        }  # fmt: skip
         if path.suffix.lower() not in writers:
             msg = f"a report ends in {', '.join(writers)}; got {path.name}"
             raise CardanError(msg)
@@ -131,7 +141,7 @@ class Approval(approvals.Approval):
         from cardan.border.writer import claim, write
 
         claim({"the report": path}, inputs=_read_from(self.application))
-        write(path, writers[path.suffix.lower()](self, say), replace=True)
+        write(path, writers[path.suffix.lower()](), replace=True)
         return path
 
 
@@ -507,26 +517,9 @@ def _recording() -> Any:
     return import_module("cardan.study.recording")
 
 
-def _page(of: Approval, say: Language) -> str:
-    return _report("html").page(_story(of, say))
-
-
-def _document(of: Approval, say: Language) -> bytes:
-    return _report("pdf").document(_story(of, say))
-
-
-def _workbook(of: Approval, say: Language) -> bytes:
-    return _report("workbook").workbook(of, say=say)
-
-
-def _json(of: Approval, _: Language) -> str:
-    from json import dumps
-
-    return dumps(of.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _story(of: Approval, say: Language) -> Any:
-    return _report("story").whole(of, say=say, issue=_issue(of.application))
+def _story(of: Approval, say: Language, *, corrections: bool) -> Any:
+    issue = _issue(of.application)
+    return _report("story").whole(of, say=say, issue=issue, corrections=corrections)
 
 
 def _issue(app: Application) -> Issue:

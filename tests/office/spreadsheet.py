@@ -53,6 +53,6 @@ def recalculated(books: list[Path], folder: Path) -> list[Sheet]:
     subprocess.run(
         [office, f"-env:UserInstallation={profile.as_uri()}", "--headless", "--norestore",
          "--convert-to", "xlsx", "--outdir", str(out), *map(str, books)],
-        check=True, capture_output=True, timeout=300,
+        check=True, capture_output=True, timeout=900,
     )  # fmt: skip
     return [Sheet(out / b.name, values=True, written=b) for b in books]

@@ -14,6 +14,7 @@ from scipy.linalg import eigh
 from cardan import files
 from cardan.base.errors import BadFile
 from cardan.base.part import Occasion, Part
+from cardan.base.units import g as gravity
 from cardan.base.units import rpm
 from cardan.cli import cli
 from cardan.demand.states import demand, demand_under
@@ -174,8 +175,34 @@ def test_speeds_are_those_a_gear_and_a_state_have():
     assert np.isnan(high[4:, rebound]).all()  # idling in direct is faster than that
     assert high[0, windup] == pytest.approx(2500 / 6.70)
     assert np.isnan(vehicle.closed.ranges[:, vehicle.states.index("windup brake")]).all()
-    assert np.isfinite(vehicle.slipping.ranges[0, gvw]).all()
+    # The engine is let in where its curve starts, and the clutch slips until the line is there.
+    assert vehicle.slipping.ranges[0, gvw, 1] / rpm == pytest.approx(1000 / 6.70)
     assert np.isnan(vehicle.slipping.ranges[1:]).all()
+
+
+def test_order_2_that_meets_a_mode_while_the_clutch_slips_is_judged(truck):
+    """The engine is cut off, mode 1 is another, and a crawling vehicle stands on it."""
+    app = files.read(truck)
+    answer = approve(app, (VibrationStudy(),))
+    vehicle = answer.of("vibration")
+    low, high = vehicle.slipping.ranges[0, 0]
+    assert low < vehicle.slipping.frequencies[0, 0, 0] / 2 < high
+    when = Occasion("gear", "1", "the clutch slipping")
+    mine = {
+        c.part.number: c.value
+        for c in answer.checks
+        if c.quantity == "torsional_amplitude_utilisation" and c.when == when
+    }
+    line = app.lines[0].line
+    for k, size in enumerate(line.joints, 1):
+        part = Part("shaft", k) if k < line.joint_count else Part("pinion")
+        spring = vehicle.slipping.powertrain.springs.index((line.name, part))
+        worst = np.nanmax(vehicle.slipping.worst[0, :, spring])
+        assert mine[k] == pytest.approx(worst / size.reversing_torque, rel=1e-12)
+    assert mine[2] > 10 * max(
+        c.value for c in answer.checks
+        if c.quantity == "torsional_amplitude_utilisation" and not c.when.what
+    )  # fmt: skip
 
 
 def test_a_gear_that_runs_through_a_resonance_warns(found, truck):
@@ -416,6 +443,23 @@ def test_the_geometry_follows_the_axle_as_it_winds_up(starts):
     assert np.abs(bent(np.array([turned])) / bent(np.array([0.0])) - 1).max() > 0.05
 
 
+def test_a_grade_the_clutch_cannot_hold_is_no_launch(truck):
+    """It is said, by which torque, and its limits stand unanswered instead of passed."""
+    app = replace(files.read(truck), launches=(Launch(grade=np.arctan(0.6)),))
+    answer = approve(app, (VibrationStudy(),))
+    found = answer.of("vibration")
+    i, pinion = float(found.drivetrain.ratios[0]), app.lines[0].axle.ratio
+    mass = float(found.drivetrain.mass[found.states.index("gvw")])
+    takes = mass * gravity * (np.sin(np.arctan(0.6)) + 0.008 * np.cos(np.arctan(0.6)))
+    takes *= found.drivetrain.radius / pinion
+    assert max(app.engine.torque) * i < takes
+    assert found.launches == ()
+    ((_, why),) = found.unstarted
+    assert f"the road takes {takes:.0f} N·m" in why
+    silent = {u.quantity for u in answer.unanswered if u.when.kind == "launch"}
+    assert silent == {"launch_peak_utilisation", "launch_reversal"}
+
+
 def test_a_launch_needs_an_engine_and_its_gear(starts):
     parts, asked, _ = starts
     with pytest.raises(Exception, match="a gear that the gearbox has"):
@@ -551,6 +595,20 @@ def test_a_line_without_gears_is_asked_at_its_top_speed():
 
 
 # ----- faces -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--gear", "77"], "--gear says which gear a chart shows: give --chart OUT beside it"),
+        (["--chart", "x.png"], "--chart draws SVG: x.svg instead of x.png"),
+        (["--damping-ratio", "5"], "5.0 is not in the range 1e-05<=x<1"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused_before_anything_runs(truck, options, said):
+    run = CliRunner().invoke(cli, ["stability", str(truck), *options])
+    assert run.exit_code == 2
+    assert said in run.output
 
 
 def test_command_writes_contract_and_chart(truck, tmp_path, found):

@@ -33,7 +33,9 @@ _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK an
 _BALANCED = 1e-8
 """Equilibrium that is missed by less, as a share of the load: displacements are right to 1e-9."""
 _CLOSEST = 6
-"""Elements of those round a point that are searched closely."""
+"""Elements of those round a point that are searched closely, where it lies nearly in one."""
+_NEARLY = 0.1
+"""How far out of an element a point nearly in it lies, in reference coordinates."""
 _FLAT = 0.3
 """Smallest over largest Jacobian of an element that is trusted at a node."""
 
@@ -364,8 +366,10 @@ class Elastic:
         maps = [self.mesh.GetTrafo(ngs.ElementId(ngs.VOL, e)) for e in elements]
         # Which it lies in, or nearly: a step that may leave the element tells, and costs little.
         outside = [_beyond(self._stepped(t, point, np.full(3, 0.25), free=True)) for t in maps]
+        # Of a point further away it tells nothing: its shortest way may lead to any of them.
+        count = _CLOSEST if min(outside) < _NEARLY else len(maps)
         best: Place | None = None
-        for k in np.argsort(outside, kind="stable")[:_CLOSEST].tolist():
+        for k in np.argsort(outside, kind="stable")[:count].tolist():
             xi = self._stepped(maps[k], point, np.full(3, 0.25), free=False)
             here = maps[k](*xi)
             found = np.array([here.point[i] for i in range(3)])

@@ -355,13 +355,13 @@ def _settled(tops: list[Tops], weight: FloatArray) -> bool:
 def _error(tops: list[FloatArray], off: FloatArray) -> FloatArray:
     """Return the share (f,) of a top that its error may be.
 
-    The largest of what the last mesh still changed; a quarter of what the one before had: by
-    a place's own scatter the last change may be small by luck; and half of what the elements
+    The largest of what the last mesh still changed; half of what the one before had: each mesh
+    lies anew, so the last change may be small by luck; and half of what the elements
     that meet there still disagree by, which is all there is where one mesh was enough.
     """
     last = tops[-1]
     steps = [np.abs(b - a) for a, b in itertools.pairwise(tops)]
     moved = [steps[-1]] if steps else []
-    moved += [steps[-2] / 4] if len(steps) > 1 else []
+    moved += [steps[-2] / 2] if len(steps) > 1 else []
     most = np.max([off / 2, *moved], axis=0)
     return most.max(axis=-1) / np.maximum(last.max(axis=-1), 1e-300)

@@ -47,6 +47,11 @@ from cardan.cli.ending import kindly, leave
 @click.option("--states", is_flag=True, help="The numbers of every state.")
 @click.option("--phasings", is_flag=True, help="The line with its yokes in every way.")
 @click.option("--state", metavar="NAME", help="The state that reports draw; by default the worst.")
+@click.option(
+    "--corrections/--no-corrections",
+    default=True,
+    help="Look for corrections for a report: minutes for a line of four shafts.",
+)
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -66,6 +71,7 @@ def check(
     states: bool,
     phasings: bool,
     state: str | None,
+    corrections: bool,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -97,7 +103,8 @@ def check(
         documents = [contract.approval(a) for a in found]
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
-        told = _story(files, found, say=say, quiet=quiet, state=state)
+        with progress(say("looking for corrections"), quiet=quiet or not corrections) as tell:
+            told = _story(files, found, say=say, state=state, corrections=corrections, tell=tell)
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -151,17 +158,17 @@ def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
     return [Variant(name=p.stem, approval=a) for p, a in zip(paths, found, strict=True)]
 
 
-def _story(
-    paths: tuple[Path, ...], found: list[Any], *, say: Any, quiet: bool, state: str | None
-) -> Any:
+def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, state: str | None,
+           corrections: bool, tell: Any) -> Any:  # fmt: skip
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
 
     of_this = issue(paths)
     if len(found) > 1:
         return story.comparison(_variants(paths, found), say=say, issue=of_this)
-    with progress(say("looking for corrections"), quiet=quiet) as tell:
-        return story.whole(found[0], say=say, issue=of_this, state=state, tell=tell)
+    return story.whole(
+        found[0], say=say, issue=of_this, state=state, corrections=corrections, tell=tell
+    )
 
 
 def issue(paths: tuple[Path, ...]) -> Any:

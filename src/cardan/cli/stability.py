@@ -35,7 +35,9 @@ from cardan.cli.ending import kindly, leave, refuse
 @click.option("--gearbox-inertia", type=POSITIVE, help="Of the gearbox output, kg m².")
 @click.option("--gearbox-stiffness", type=POSITIVE, help="Of the gearbox, at its output, N m/rad.")
 @click.option(
-    "--damping-ratio", type=POSITIVE, help="Of the springs of steel; half their loss factor."
+    "--damping-ratio",
+    type=click.FloatRange(1e-5, 1, max_open=True),
+    help="Of the springs of steel; half their loss factor.",
 )
 @LIMITS
 @OUTSIDE
@@ -70,6 +72,10 @@ def stability(
     from cardan.study.studies import VibrationStudy
 
     say = Language(lang)
+    if chart is not None and chart.suffix.lower() in {".png", ".pdf", ".jpg", ".jpeg", ".gif"}:
+        refuse(f"--chart draws SVG: {chart.with_suffix('.svg')} instead of {chart}")
+    if gear is not None and chart is None:
+        refuse("--gear says which gear a chart shows: give --chart OUT beside it")
     outputs = claim(file, limits, json_out=json_out, chart=chart)
     given = {name: value for name, value in surroundings.items() if value is not None}
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)

@@ -179,6 +179,14 @@ _DECLARED = (
         back="rear yoke of shaft {part} turned {amount} deg",
     ),
     Movable(
+        key="twist", says="yokes welded at any angle, counted from those installed",
+        of="shaft", measure="angle", count=lambda line: len(line.shafts),
+        move=_turn, reach=(-90 * deg, 90 * deg), step=15 * deg, resolution=1 * deg,
+        fitted=True, signed=True,
+        forth="rear yoke of shaft {part} welded {amount} deg on",
+        back="rear yoke of shaft {part} welded {amount} deg on",
+    ),
+    Movable(
         key="bearing_stiffness", says="all rubber, stiffer positive",
         of="line", measure="share", count=_hung_on_rubber,
         move=_stiffen, reach=(-0.5, 1.0), step=0.3, resolution=0.05, fitted=True,

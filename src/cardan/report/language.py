@@ -216,7 +216,8 @@ class Language:
         """Return when a number was asked for; a state that the user named keeps its name."""
         match when.kind:
             case "gear":
-                return self("gear {gear}", gear=when.name)
+                gear = self("gear {gear}", gear=when.name)
+                return f"{gear}, {self(when.what)}" if when.what else gear
             case "speed":
                 return self(when.name)
             case "launch":

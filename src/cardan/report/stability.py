@@ -30,6 +30,7 @@ from cardan.study.stability import (
     Driven,
     Shift,
     Stability,
+    clutched,
     launch_occasion,
 )
 
@@ -124,33 +125,30 @@ def _modes(of: Stability, say: Language) -> TableOf:
 def _amplitudes(of: Stability, say: Language) -> TableOf:
     """Largest vibratory torque of each gear, its place, speed and state."""
     rows: list[tuple[str, ...]] = []
-    names = of.closed.powertrain.springs
-    lines = line_springs(of.closed)
-    for g, gear in enumerate(of.gears):
+    for driven, g, when in clutched(of):
+        names, lines = driven.powertrain.springs, line_springs(driven)
         for o, order in enumerate(ORDERS):
-            values = of.closed.torque[g, :, o][:, lines]
-            if not np.isfinite(values).any():
-                continue
+            values = driven.torque[g, :, o][:, lines]
             s, k = np.unravel_index(int(np.nanargmax(values)), values.shape)
             spring = lines[int(k)]
             rows.append(
                 (
-                    say.occasion(gear), str(order), say.number(float(values[s, k])),
+                    say.occasion(when), str(order), say.number(float(values[s, k])),
                     _spring(names[spring], of, say), say.state(of.states[int(s)]),
-                    say.number(float(of.closed.speed[g, s, o, spring]) / rpm),
-                    say.number(float(of.closed.mean[g, s, spring])),
+                    say.number(float(driven.speed[g, s, o, spring]) / rpm),
+                    say.number(float(driven.mean[g, s, spring])),
                 )
             )  # fmt: skip
-        if of.drivetrain.firing_torque:
+        if of.drivetrain.firing_torque and driven is of.closed:
             spring = lines[int(of.firing[g, lines].argmax())]
             rows.append(
-                (say.occasion(gear), say("firing"), say.number(float(of.firing[g, spring])),
+                (say.occasion(when), say("firing"), say.number(float(of.firing[g, spring])),
                  _spring(names[spring], of, say), "", "", "")
             )  # fmt: skip
     head = (say("gear"), say("order"), say("torque, 0-to-peak [N·m]"), say("part"), say("state"),
             say("at [rpm]"), say("mean [N·m]"))  # fmt: skip
     return (
-        say("Largest vibratory torque of the lines at full load, the clutch closed"),
+        say("Largest vibratory torque of the lines at full load"),
         head,
         tuple(rows),
         1,
@@ -185,7 +183,7 @@ def _launches(of: Stability, say: Language) -> TableOf:
         shares, k = started.shares, started.first
         rows.append(
             (
-                say.occasion(launch_occasion(started)), say.number(started.torque),
+                say.occasion(launch_occasion(started.launch)), say.number(started.torque),
                 say.number(float(started.peak[k])), say.number(float(started.lowest[k])),
                 say.number(shares["ramp"]), say.percent(shares["joints"]),
                 say.percent(shares["firing"]), say.number(shares["if tyres could not slide"]),
@@ -332,7 +330,6 @@ def vehicle(of: Stability) -> dict[str, Any]:
 
 def _gear(of: Stability, g: int, s: int) -> dict[str, Any]:
     closed = of.closed
-    names = closed.powertrain.springs
     low, high = closed.ranges[g, s].tolist()
     return {
         "gear": of.drivetrain.gears[g],
@@ -347,27 +344,32 @@ def _gear(of: Stability, g: int, s: int) -> dict[str, Any]:
             for order in ORDERS
             if driven.ranges[g, s, 0] <= w / order <= driven.ranges[g, s, 1]
         ],
-        "amplitudes": [
-            {
-                "order": order, "part": str(part), "line": line,
-                "torque_Nm": closed.torque[g, worst, o, k],
-                "speed_rpm": closed.speed[g, worst, o, k] / rpm, "state": of.states[worst],
-                "mean_Nm": closed.mean[g, worst, k],
-            }
-            for k, (line, part) in enumerate(names)
-            for o, order in enumerate(ORDERS)
-            if _any(closed.torque[g, :, o, k])
-            for worst in (int(np.nanargmax(closed.torque[g, :, o, k])),)
-        ],
+        "amplitudes": _amplitude_list(closed, of.states, g),
+        "amplitudes_slipping": _amplitude_list(of.slipping, of.states, g),
         "firing": [
             {"part": str(part), "line": line, "torque_Nm": of.firing[g, k]}
-            for k, (line, part) in enumerate(names)
+            for k, (line, part) in enumerate(closed.powertrain.springs)
         ],
         "pinion_acceleration_rad_s2": {
             v.line.name: float(np.nanmax(closed.acceleration[g, :, k]))
             for k, v in enumerate(of.lines) if _any(closed.acceleration[g, :, k])
         },
     }  # fmt: skip
+
+
+def _amplitude_list(of: Driven, states: Sequence[str], g: int) -> list[dict[str, Any]]:
+    return [
+        {
+            "order": order, "part": str(part), "line": line,
+            "torque_Nm": of.torque[g, worst, o, k],
+            "speed_rpm": of.speed[g, worst, o, k] / rpm, "state": states[worst],
+            "mean_Nm": of.mean[g, worst, k],
+        }
+        for k, (line, part) in enumerate(of.powertrain.springs)
+        for o, order in enumerate(ORDERS)
+        if _any(of.torque[g, :, o, k])
+        for worst in (int(np.nanargmax(of.torque[g, :, o, k])),)
+    ]  # fmt: skip
 
 
 def _mode_list(of: Driven, g: int, s: int) -> list[dict[str, Any]]:
@@ -622,7 +624,7 @@ def forced(of: Stability, say: Language) -> Figure:
 def started(of: Started, say: Language) -> Iterator[Figure]:
     """Yield a launch's torque, and the amplitude of order 2 in it, against time."""
     travel, k = of.travel, of.first
-    when = say.occasion(launch_occasion(of))
+    when = say.occasion(launch_occasion(of.launch))
     title = say("Torque of a start from rest, {launch}", launch=when)
     peak = say.number(float(of.peak[k]))
     yield plot(

@@ -46,6 +46,7 @@ from cardan.report.wording import (
     out_of_reach,
     place,
     problem,
+    room,
     scattered,
     sense,
     sentence,
@@ -68,14 +69,18 @@ def whole(
     say: Language,
     issue: Issue,
     state: str | None = None,
+    corrections: bool = True,
     tell: Callable[[int, int], None] | None = None,
 ) -> Story:
     """Return the story of one application, with what would help and the best corrections.
 
-    The line is drawn in a `state`; by default in the one that decides.
+    The line is drawn in a `state`; by default in the one that decides. Corrections of a line
+    of four shafts take minutes to find: without them the story says that nobody looked.
     """
     helps = sensitivities(of)
-    fixes = fix(of.application, count=3, tell=tell) if helps else ()
+    fixes = None if helps and not corrections else ()
+    if helps and corrections:
+        fixes = fix(of.application, count=3, tell=tell)
     return approval(of, helps=helps, fixes=fixes, say=say, issue=issue, state=state)
 
 
@@ -83,7 +88,7 @@ def approval(
     of: Approval,
     *,
     helps: Sequence[Sensitivity],
-    fixes: Sequence[Proposal],
+    fixes: Sequence[Proposal] | None,
     say: Language,
     issue: Issue,
     more: Sequence[Chapter] = (),
@@ -218,7 +223,7 @@ def _covered(of: Approval, say: Language) -> str:
 def _first_page(
     of: Approval,
     helps: Sequence[Sensitivity],
-    fixes: Sequence[Proposal],
+    fixes: Sequence[Proposal] | None,
     say: Language,
     *,
     state: str | None,
@@ -312,7 +317,10 @@ def _rows(
 
 
 def _changes(
-    of: Approval, helps: Sequence[Sensitivity], fixes: Sequence[Proposal], say: Language
+    of: Approval,
+    helps: Sequence[Sensitivity],
+    fixes: Sequence[Proposal] | None,
+    say: Language,
 ) -> Iterator[Block]:
     """Yield corrections, what each move would do, and what no move of a line answers."""
     several = len(of.responses) > 1
@@ -327,7 +335,10 @@ def _changes(
         )
     elif not of.checks:
         yield Text(paragraphs=(say("Nothing was held against a limit, so nothing is approved."),))
-    if fixes:
+    if fixes is None:
+        nobody = say("Corrections over all states were not looked for: cardan fix does.")
+        yield Text(paragraphs=(nobody,))
+    elif fixes:
         yield Points(
             caption=say("Corrections over all states at once, best first"),
             points=tuple(_proposal(k, p, say) for k, p in enumerate(fixes, 1)),
@@ -373,11 +384,8 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
-    won = say(
-        "{margin} from a warning, cost {cost}",
-        margin=say.percent(p.margin),
-        cost=say.short(round(p.cost, 2)),
-    )
+    cost = say.short(round(p.cost, 2))
+    won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
     moves = tuple(move(m, say) for m in p.moves)
     return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
         *moves,

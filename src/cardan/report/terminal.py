@@ -27,6 +27,7 @@ from cardan.report.wording import (
     notes,
     place,
     problem,
+    room,
     scattered,
     survives,
     tally,
@@ -236,18 +237,17 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
             "application file."
         )
         return
-    before = say.percent(of[0].before)
     yield say(
-        "Line {line}: the limits that moving changes are {margin} from a warning as installed.",
-        line=of[0].line, margin=before,
+        "Line {line}, as installed, by the limits that moving changes: {room}.",
+        line=of[0].line, room=room(of[0].before, say),
     )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
     if scatter := scattered(of[0], say):
         yield scatter
     for k, p in enumerate(of, 1):
         yield ""
-        margin, cost = say.percent(p.margin), say.short(round(p.cost, 2))
-        won = say("{margin} from a warning, cost {cost}", margin=margin, cost=cost)
+        cost = say.short(round(p.cost, 2))
+        won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
         yield from (f"     {one}" for one in survives(p, say))

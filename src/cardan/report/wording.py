@@ -159,6 +159,14 @@ def scattered(of: "Proposal", say: Language) -> str:
     return say("Trucks scatter by {what} (normal ones 3 σ), as the file says.", what=what)
 
 
+def room(margin: float, say: Language) -> str:
+    """Say how far something is from the nearest warning, or how far beyond it."""
+    far = say.percent(abs(margin)).lstrip("+")
+    if margin < 0:
+        return say("{margin} past a warning", margin=far)
+    return say("{margin} short of a warning", margin=far)
+
+
 def survives(of: "Proposal", say: Language) -> list[str]:
     """Return how many trucks keep what a proposal promises, and what would win most."""
     found = of.survival

@@ -61,6 +61,10 @@ CLASSES = 20
 SEEN = 8
 """Corrections that are asked how many trucks survive them, at least."""
 
+CLOSER, FEWER = (0.1, 0.03, 0.01), 8
+"""Shares of the ranges about the best trial that are looked through by so many trials each way,
+where slopes lead nowhere better."""
+
 STEPS = np.linspace(0.0, 1.0, 17)[:, None]
 """Places that are tried on the way back from a correction to the least one."""
 
@@ -252,9 +256,22 @@ class _Search:
         top = self._solve(np.append(start, found.max()), cost=room, needed=beyond)[:-1]
         reached = float(self.margins(top[None], to=to).min())
         if reached <= found.max():
-            top, reached = start, float(found.max())
+            top, reached = self._nearby(start, to=to)
         kept = spread[found > RESERVE]
         return top, reached, min(kept, key=lambda x: float(x @ x), default=top)
+
+    def _nearby(self, start: FloatArray, *, to: Bound) -> tuple[FloatArray, float]:
+        """Return the position of the largest smallest margin about another, and that margin.
+
+        For where slopes lead astray: over a crest into another valley.
+        """
+        top, reached = start, -np.inf
+        spread = _spread(len(self.free), trials=FEWER)
+        for share in CLOSER:
+            about = np.clip(top + share * spread, -1, 1)
+            found = self.margins(about, to=to).min(-1)
+            top, reached = about[found.argmax()], float(found.max())
+        return top, reached
 
     def least(
         self, start: FloatArray, *, to: Bound, reserve: FloatArray | float = RESERVE
@@ -317,9 +334,9 @@ class _Search:
         return np.clip(found.x, *np.transpose(bounds))
 
 
-def _spread(ways: int) -> FloatArray:
+def _spread(ways: int, *, trials: int = TRIALS) -> FloatArray:
     """Return positions (V, ways) spread over all ways, the middle first."""
-    positions = np.random.default_rng(1).uniform(-1, 1, (1 + TRIALS * ways, ways))
+    positions = np.random.default_rng(1).uniform(-1, 1, (1 + trials * ways, ways))
     positions[0] = 0.0
     return positions
 

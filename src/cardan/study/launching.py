@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.base.part import Part
 from cardan.base.units import g
 from cardan.demand.states import Demand, demand_under
@@ -105,6 +105,15 @@ def default_launches(application: Application) -> tuple[Launch, ...]:
     return application.launches or (Launch(), Launch(ramp=0.05, capacity=1.8))
 
 
+def held_speed(parts: Drivetrain, wanted: Launch) -> float:
+    """Return the speed the engine is held at, rad/s: where full load starts, if nobody says."""
+    engine = parts.application.engine
+    assert engine is not None  # nothing is launched without one
+    if wanted.engine_speed is not None:
+        return wanted.engine_speed
+    return max(float(engine.speed[0]), parts.idle)
+
+
 def start(
     parts: Drivetrain, asked: tuple[Demand, ...], wanted: Launch, *, step: float = 1e-3
 ) -> Started:
@@ -114,6 +123,8 @@ def start(
     ------
     DesignError
         If there is no engine to start it, or no such gear or load.
+    NotConverged
+        If its clutch cannot hold it on its grade, or the motion cannot be followed.
     """
     application = parts.application
     engine = application.engine
@@ -130,9 +141,7 @@ def start(
     capacity = wanted.capacity * clutch_torque
     if application.clutch is not None and application.clutch.capacity is not None:
         capacity = min(capacity, application.clutch.capacity)
-    turning = wanted.engine_speed
-    if turning is None:  # where full load starts: a driver who lets the clutch in gives that
-        turning = max(float(engine.speed[0]), parts.idle)
+    turning = held_speed(parts, wanted)
     B, n = len(CASES), line.size
     joints_count = np.array(
         [name != "joints straight" and "straight" not in name for name in CASES]
@@ -145,6 +154,19 @@ def start(
     resists = weight * (np.cos(wanted.grade) * ROLLING + max(np.sin(wanted.grade), 0.0))
     stuck = replace(line, relaxation=np.full(line.relaxation.shape, np.inf)).case(0)
     found = modes(stuck)
+    stall = (
+        (application.gearbox.converter_ratio if application.gearbox else 1.0) if converter else 1.0
+    )
+    if application.converter is not None:
+        stall = application.converter.stall_torque_ratio
+    gives = min(capacity, clutch_torque) * stall * i
+    takes = resists / r * powertrain.road_ratio
+    if gives <= takes:
+        msg = (
+            f"the vehicle does not start: the clutch brings {gives:.0f} N·m to the line, "
+            f"the road takes {takes:.0f} N·m"
+        )
+        raise NotConverged(msg)
     line, springs, road = _on_road(powertrain, line, 50 * float(line.stiffness.max() / i**2))
     tyres = [k for k, (_, p) in enumerate(springs) if p.kind == "tyres"]
     grip = _grips(parts, asked, state, r)
@@ -169,11 +191,6 @@ def start(
 
     firing, order = parts.firing_torque, parts.cylinders / 2
     input_at = powertrain.freedoms.index(("", Part("gearbox input")))
-    stall = (
-        (application.gearbox.converter_ratio if application.gearbox else 1.0) if converter else 1.0
-    )
-    if application.converter is not None:
-        stall = application.converter.stall_torque_ratio
 
     def driving(t: float, v: FloatArray) -> FloatArray:
         out = np.zeros((B, n))

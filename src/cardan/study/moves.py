@@ -52,11 +52,12 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
 
 
 def fitted(response: Response) -> tuple[Adjustable, ...]:
-    """Return what other parts would move of a line, whoever allows it."""
+    """Return what other mounts would move of a line, whoever allows it."""
     line = response.line
     found: list[Adjustable] = []
     for m in MOVABLES.values():
-        parts = range(1, m.count(line) + 1) if m.fitted and line.measured else ()
+        mounts = m.fitted and m.of == "line" and line.measured
+        parts = range(1, m.count(line) + 1) if mounts else ()
         for k in parts:
             low, high = np.clip(m.reach, *m.room(line)).tolist()
             found.append(

@@ -37,8 +37,9 @@ from cardan.dynamics.periodic import growth
 from cardan.dynamics.torsion import pins
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import JointSize, Line, Shaft
+from cardan.model.turning import Launch
 from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
-from cardan.study.launching import Started, default_launches, start
+from cardan.study.launching import Started, default_launches, held_speed, start
 from cardan.study.powertrain import Assumption, Drivetrain, Powertrain, drivetrain
 
 Index: TypeAlias = tuple[IntArray, IntArray]
@@ -192,6 +193,8 @@ class Stability:
         How the modes move with what was assumed.
     launches
         Starts from rest: those of the file, or a smooth one and a dropped clutch.
+    unstarted
+        Those that could not be followed, and why.
     doubts
         What could not be asked, in words.
     """
@@ -211,6 +214,7 @@ class Stability:
     shifts: tuple[Shift, ...]
     lines: tuple[LineVibration, ...]
     launches: tuple[Started, ...] = ()
+    unstarted: tuple[tuple[Launch, str], ...] = ()
     doubts: tuple[str, ...] = ()
 
 
@@ -286,6 +290,7 @@ def stability(
             LineVibration(line=d.installed.line, lateral=running.lateral(d, loss)) for d in asked
         ),
         launches=launches,
+        unstarted=tuple(running.unstarted),
         doubts=tuple(running.doubts),
     )
 
@@ -297,7 +302,7 @@ class _Running:
     parts: Drivetrain
     asked: tuple[Demand, ...]
     lost: list[str] = field(default_factory=list[str])
-    lost_launches: list[str] = field(default_factory=list[str])
+    unstarted: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
 
     @property
     def main(self) -> Demand:
@@ -319,7 +324,8 @@ class _Running:
         if self.lost:
             where = "; ".join(dict.fromkeys(self.lost))
             yield f"no steady forced motion settles, amplitudes by the joints' leads alone: {where}"
-        yield from self.lost_launches
+        for wanted, why in self.unstarted:
+            yield f"launch in gear {wanted.gear}: {why}"
 
     @cached_property
     def _driven(self) -> FloatArray:
@@ -349,16 +355,20 @@ class _Running:
     def slipping_ranges(self) -> FloatArray:
         """Speeds while the clutch slips, (G, S, 2) rad/s: gears that vehicles start in.
 
-        Up to where the line turns as an idling engine would have it, in first gear and those
-        of the file's launches; below a fifth of it the launch itself is asked.
+        Up to where the clutch locks: the line turns as the engine is held at in first gear and
+        those of the file's launches; below a fifth of it the launch itself is asked.
         """
         top = self._fastest
         if self.main.gears is None:
             return np.full((*top.shape, 2), np.nan)
-        launched = {launch.gear for launch in self.application.launches} or {"1"}
-        starts = np.array([[name in launched] for name in self.parts.gears])
-        high = np.fmin((self.parts.idle / self.parts.ratios)[:, None], top)
-        high = np.where(starts & np.isfinite(top), high, np.nan)
+        held = dict.fromkeys({x.gear for x in self.application.launches} or {"1"}, self.parts.idle)
+        if self.application.engine is not None:
+            for launch in default_launches(self.application):
+                turning = held_speed(self.parts, launch)
+                held[launch.gear] = max(held.get(launch.gear, 0.0), turning)
+        turns = np.array([held.get(name, np.nan) for name in self.parts.gears])
+        high = np.fmin((turns / self.parts.ratios)[:, None], top)
+        high = np.where(np.isfinite(turns)[:, None] & np.isfinite(top), high, np.nan)
         return np.stack([0.2 * high, high], axis=-1)
 
     @property
@@ -608,7 +618,7 @@ class _Running:
             try:
                 yield start(self.parts, self.asked, wanted)
             except NotConverged as error:
-                self.lost_launches.append(f"launch in gear {wanted.gear}: {error}")
+                self.unstarted.append((wanted, str(error)))
 
     def lateral(self, asked: Demand, loss: float) -> FloatArray:
         """Return the largest lateral growth of each hung shaft in each gear, (G, shafts) 1/s."""
@@ -733,6 +743,9 @@ def _lateral(shaft: Shaft, between: FloatArray, torque: float, loss: float) -> f
 Row = tuple[str, Occasion, Part, float]
 """What a limit is asked of: a line, when, a part of it, and the value."""
 
+SLIPPING = "the clutch slipping"
+"""What an occasion says of a gear while its clutch slips."""
+
 
 def _held(of: Stability, limit: Limit) -> tuple[list[Check], list[Unanswered]]:
     """Return a limit's checks, and where it got no number."""
@@ -767,6 +780,15 @@ def _held(of: Stability, limit: Limit) -> tuple[list[Check], list[Unanswered]]:
                     limit=limit,
                 )
             )
+    if limit.quantity.startswith("launch_"):
+        silent_of += [
+            Unanswered(
+                limit=limit, line=of.lines[0].line.name, when=launch_occasion(launch), part=LINE,
+                needs=(why,),
+            )
+            for launch, why in of.unstarted
+            if _is_judged(of, launch)
+        ]  # fmt: skip
     return checks, silent_of
 
 
@@ -817,55 +839,66 @@ def _hung(of: Stability) -> Iterator[Row]:
                     yield line.line.name, gear, Part("shaft", k), rate
 
 
-def _springs_at(of: Stability, line: Line, joint: int) -> int:
+def _spring_behind(of: Driven, line: Line, joint: int) -> int:
     """Return the place of the spring behind a joint of a line: its shaft, or the pinion."""
     part = Part("shaft", joint) if joint < line.joint_count else Part("pinion")
-    return of.closed.powertrain.springs.index((line.name, part))
+    return of.powertrain.springs.index((line.name, part))
+
+
+def clutched(of: Stability) -> Iterator[tuple[Driven, int, Occasion]]:
+    """Yield each gear with its clutch closed, and slipping where it does."""
+    for driven, how in ((of.closed, ""), (of.slipping, SLIPPING)):
+        for g, gear in enumerate(of.gears):
+            if np.isfinite(driven.ranges[g]).any():
+                yield driven, g, replace(gear, what=how)
 
 
 def _rated(of: Stability, *, rating: str) -> Iterator[Row]:
     """Yield vibratory, or largest, torque of each joint over its rating, in each gear."""
-    values = of.closed.worst if rating == "reversing_torque" else of.closed.peak
     for line in (v.line for v in of.lines):
         sizes: tuple[JointSize | None, ...] = line.joints or (None,) * line.joint_count
         for k, size in enumerate(sizes, 1):
             held = getattr(size, rating, None)
-            for g, gear in enumerate(of.gears):
-                mine = values[g, :, _springs_at(of, line, k)]
+            for driven, g, when in clutched(of):
+                values = driven.worst if rating == "reversing_torque" else driven.peak
+                mine = values[g, :, _spring_behind(driven, line, k)]
                 if np.isfinite(mine).any():
                     share = float(np.nanmax(mine)) / held if held else np.nan
-                    yield line.name, gear, Part("joint", k), share
+                    yield line.name, when, Part("joint", k), share
 
 
 def _reversals(of: Stability) -> Iterator[Row]:
     """Yield the largest vibratory torque of each line over its mean, in each gear."""
     for line in (v.line for v in of.lines):
-        places = [_springs_at(of, line, k) for k in range(1, line.joint_count + 1)]
-        for g, gear in enumerate(of.gears):
-            mine = of.closed.ratio[g][:, places]
+        for driven, g, when in clutched(of):
+            joints = range(1, line.joint_count + 1)
+            mine = driven.ratio[g][:, [_spring_behind(driven, line, k) for k in joints]]
             if np.isfinite(mine).any():
-                yield line.name, gear, LINE, float(np.nanmax(mine))
+                yield line.name, when, LINE, float(np.nanmax(mine))
 
 
 def _accelerations(of: Stability) -> Iterator[Row]:
     """Yield the largest acceleration of each line's pinion, in each gear."""
     for k, line in enumerate(v.line for v in of.lines):
-        for g, gear in enumerate(of.gears):
-            mine = of.closed.acceleration[g, :, k]
+        for driven, g, when in clutched(of):
+            mine = driven.acceleration[g, :, k]
             if np.isfinite(mine).any():
-                yield line.name, gear, Part("pinion"), float(np.nanmax(mine))
+                yield line.name, when, Part("pinion"), float(np.nanmax(mine))
 
 
-def launch_occasion(started: Started) -> Occasion:
+def launch_occasion(of: Launch) -> Occasion:
     """Return when the numbers of a launch were asked for."""
-    return Occasion("launch", started.launch.gear, f"{started.launch.ramp:g}")
+    return Occasion("launch", of.gear, f"{of.ramp:g}")
+
+
+def _is_judged(of: Stability, launch: Launch) -> bool:
+    """Whether a launch is held against limits: a dropped clutch only if the file asks."""
+    return bool(of.application.launches) or launch.capacity <= 1
 
 
 def _judged(of: Stability) -> Iterator[Started]:
-    """Yield the launches that are held against limits: a dropped clutch only if the file asks."""
-    for started in of.launches:
-        if of.application.launches or started.launch.capacity <= 1:
-            yield started
+    """Yield the launches that are held against limits."""
+    yield from (started for started in of.launches if _is_judged(of, started.launch))
 
 
 def _launch_peaks(of: Stability) -> Iterator[Row]:
@@ -878,7 +911,7 @@ def _launch_peaks(of: Stability) -> Iterator[Row]:
                 peak = float(started.peak[started.springs.index((line.name, part))])
                 held = size and size.peak_torque
                 share = peak / held if held else np.nan
-                yield line.name, launch_occasion(started), Part("joint", k), share
+                yield line.name, launch_occasion(started.launch), Part("joint", k), share
 
 
 def _launch_reversals(of: Stability) -> Iterator[Row]:
@@ -887,4 +920,4 @@ def _launch_reversals(of: Stability) -> Iterator[Row]:
         for line in (v.line for v in of.lines):
             at = started.springs.index((line.name, Part("shaft", 1)))
             back = -float(started.lowest[at]) / float(started.peak[at])
-            yield line.name, launch_occasion(started), LINE, back
+            yield line.name, launch_occasion(started.launch), LINE, back

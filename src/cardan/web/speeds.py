@@ -231,7 +231,7 @@ def _launch(of: Started, say: Language) -> Json:
     travel, k = of.travel, of.first
     every = np.linspace(0, len(travel.time) - 1, INSTANTS).astype(int)
     return {
-        "said": say.occasion(launch_occasion(of)),
+        "said": say.occasion(launch_occasion(of.launch)),
         "peak": f(float(of.peak[k]), 0),
         "target": f(of.torque, 0),
         "locked": f(of.locked, 2),
