@@ -157,6 +157,17 @@ def test_options_stand_in_the_file(folder):
     assert "no such file" in done.output
 
 
+def test_what_is_corrected_is_of_one_recording_identified(folder):
+    done = run("life", folder / "c.yaml", "--corrected", folder / "new.yaml")
+    assert done.exit_code == 2
+    assert "--corrected and the histories are of one recording with identify" in done.output
+    assert not (folder / "new.yaml").exists()
+    (folder / "c.yaml").write_text(CAMPAIGN + "application: none.yaml\n")
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert "none.yaml" in done.output
+
+
 def test_every_option_of_a_recording_is_a_key():
     """But what is predicted by hand."""
     from dataclasses import fields
