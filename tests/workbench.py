@@ -105,8 +105,11 @@ def running(opened, drafts, *, built=BUILT):
 
 
 @contextmanager
-def command(*arguments, state, cwd=ROOT):
-    """Run `cardan serve` as a process of its own; yield it with the address it printed."""
+def command(*arguments, state, cwd=ROOT, python=None):
+    """Run `cardan serve` as a process of its own; yield it with the address it printed.
+
+    Another `python` has a cardan of its own, and none of what this one was told.
+    """
     environment = {**os.environ, "XDG_STATE_HOME": str(state), "OPENBLAS_NUM_THREADS": "1"}
     # Where no Node has built the page another stands in for it: what is asked is the process.
     whole = (
@@ -115,8 +118,11 @@ def command(*arguments, state, cwd=ROOT):
         "from cardan.cli import cli; cli()"
     )
     start = ["-m", "cardan"] if FRONT.is_file() else ["-c", whole]
+    if python:
+        start = ["-P", "-m", "cardan"]
+        environment.pop("PYTHONPATH", None)
     process = subprocess.Popen(
-        [sys.executable, *start, "serve", *map(str, arguments), "--no-browser"],
+        [python or sys.executable, *start, "serve", *map(str, arguments), "--no-browser"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, cwd=cwd,
     )  # fmt: skip
     try:

@@ -12,8 +12,11 @@ from websockets.exceptions import ConnectionClosed
 from workbench import PATIENCE, page, running
 
 from cardan import files
+from cardan.base.verdict import VERDICTS, worst
+from cardan.report.language import Language
 from cardan.study.approval import approve, assess
 from cardan.web.answer import answer
+from cardan.web.changes import AT_ONCE
 
 ROOT = Path(__file__).parents[2]
 TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
@@ -259,30 +262,117 @@ def test_what_may_move_is_named_as_hold_knows_it(line):
     assert free
 
 
+def moved(text, moves):
+    """Return the application of a file whose text moves were written into."""
+    return files.loads(live(text, job("moved", text=text, moves=moves)["edits"])["text"])
+
+
+def at(told, r, c):
+    """Return the moves of a cell."""
+    return [{"id": told[k]["id"], "amount": told[k]["values"][i]} for k, i in (("x", c), ("y", r))]
+
+
+def shown(told, r, c):
+    return VERDICTS[told["verdicts"][r][c]], told["names"][told["decides"][r][c]]
+
+
 def test_each_cell_of_a_map_is_what_a_check_of_it_finds():
     parts = []
     told = job("map", text=TRUCK, parts=parts, x="bearing_height 2", y="shim 1")
-    assert [len(p["map"]["grades"]) for p in parts] == [9, 17]
-    assert len(told["grades"]) == len(told["x"]["values"]) == 33
-    for r, c in ((0, 0), (16, 8), (32, 32)):
-        moves = [{"id": told[k]["id"], "amount": told[k]["values"][i]}
-                 for k, i in (("x", c), ("y", r))]  # fmt: skip
-        after = live(TRUCK, job("moved", text=TRUCK, moves=moves)["edits"])
-        rows = [row for row in after["limits"] if row["grades"]]
-        grades = [g for row in rows for s in row["grades"] for g in s if g is not None]
-        assert told["grades"][r][c] == max(grades)
-        name = told["names"][told["decides"][r][c]]
-        mine = [m for row in rows if row["name"] == name for s in row["margins"] for m in s
-                if m is not None]  # fmt: skip
+    assert [len(p["map"]["verdicts"]) for p in parts if "map" in p] == [9, 17]
+    done = [p["done"] for p in parts if "done" in p]
+    assert done == sorted(done)
+    assert len(done) > 10  # a bar that moves
+    assert len(told["verdicts"]) == len(told["x"]["values"]) == 33
+    for r, c in ((0, 0), (16, 8), (5, 27), (32, 32)):
+        found = assess(moved(TRUCK, at(told, r, c)))
+        mine = [k for k in found.checks if k.quantity in AT_ONCE]
+        verdict, name = shown(told, r, c)
+        assert verdict == worst([k.grade for k in mine])
+        least = min(k.margin for k in mine if k.grade == verdict)
         # Edits are written to 0.01 mm and 0.001 deg.
-        assert told["margins"][r][c] == pytest.approx(min(mine), abs=2e-3)
+        assert told["margins"][r][c] == pytest.approx(least, abs=2e-3)
+        assert name == Language("en").name(next(k.quantity for k in mine if k.margin == least))
+
+
+def test_a_cell_that_seeks_bearing_forces_is_the_whole_verdict():
+    text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
+    parts = []
+    told = job("map", text=text, parts=parts, x="bearing_height 1", y="shim 1", sought=True)
+    assert [len(p["map"]["verdicts"]) for p in parts if "map" in p] == [4, 7]
+    for r, c in ((0, 12), (6, 6)):
+        found = assess(moved(text, at(told, r, c)))
+        assert VERDICTS[told["verdicts"][r][c]] == found.verdict
+        bad = [k.margin for k in found.checks if k.grade == found.verdict]
+        assert told["margins"][r][c] == pytest.approx(min(bad), abs=5e-3)
+
+
+def test_what_is_required_and_missing_leaves_cells_and_cases_incomplete():
+    """Required of the bracket, which nobody gave; and of a joint without a rating."""
+    bracket = "{quantity: bracket_stress_utilisation, maximum: 1, required: true, source: us}"
+    life = "{quantity: joint_life, unit: h, maximum: 9, sense: '>=', required: true, source: us}"
+    for row, says in ((bracket, "Bracket"), (life, "life")):
+        limits = f"limits: {{profile: protractor, overrides: [{row}]}}"
+        text = CHAIN.replace("limits: protractor", limits)
+        assert approve(files.loads(text)).verdict == "incomplete"
+        told = job("map", text=text, x="bearing_height 1", y="shim 1")
+        assert shown(told, 16, 16)[0] == "incomplete"
+        assert says.lower() in shown(told, 16, 16)[1].lower()
+        sigmas = [{"id": "shim 1", "amount": 0.01}]
+        told = job("yield", text=text, sigmas=sigmas, count=128)
+        assert told["shares"]["incomplete"][0] == 1
+        assert told["yield"][0] == 0
+        assert says.lower() in told["lost"][0]["name"].lower()
+
+
+def test_what_a_second_line_fails_fails():
+    """The moves are of the main line alone."""
+    text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
+    _, second = (i.line.name for i in files.loads(text).lines)
+    sigmas = [{"id": "shim 1", "amount": 0.01}]
+    told = job("yield", text=text, sigmas=sigmas, count=64)
+    assert told["shares"]["warn"][0] == 1
+    bad = live(text, {f"drivelines.{second}.gearbox_slope.side_deg": 30})["text"]
+    told = job("map", text=bad, x="bearing_height 1", y="shim 1")
+    assert np.unique(told["verdicts"]).tolist() == [VERDICTS.index("fail")]
+    assert shown(told, 16, 16)[1].startswith(f"{second}, ")
+    told = job("yield", text=bad, sigmas=sigmas, count=64)
+    assert told["yield"][0] == 0
+    assert told["lost"][0]["name"].startswith(f"{second}, ")
+
+
+def test_what_cannot_be_built_says_so_in_its_cell():
+    reach = "adjust: {bearing_height_mm: [-1000, 1000], shim_deg: [-80, 80]}"
+    text = CHAIN.replace("limits:", f"{reach}\nlimits:")
+    told = job("map", text=text, x="bearing_height 1", y="shim 1", lang="it")
+    for r, c in ((0, 32), (32, 0)):
+        verdict, why = shown(told, r, c)
+        assert verdict == "fail"
+        assert why.startswith("non si può costruire: ")
+        assert told["margins"][r][c] is None
+    assert shown(told, 0, 32)[1] != shown(told, 32, 0)[1]  # each its own angle
+    assert not shown(told, 16, 16)[1].startswith("non si")
+    sigmas = [{"id": "bearing_height 1", "amount": 500}, {"id": "shim 1", "amount": 40}]
+    told = job("yield", text=text, sigmas=sigmas, count=256)
+    none = next(row["share"] for row in told["lost"] if row["name"] == "cannot be built")
+    assert 0 < none < told["shares"]["fail"][0]
+    assert np.sum(told["cases"]) == 256
 
 
 def test_a_coarse_map_has_the_cells_of_the_fine_one():
     parts = []
     told = job("map", text=CHAIN, parts=parts, x="bearing_height 1", y="shim 1")
-    coarse = np.array(parts[0]["map"]["margins"])
-    assert coarse == pytest.approx(np.array(told["margins"])[::4, ::4], abs=1e-9)
+    coarse = next(p["map"] for p in parts if "map" in p)
+    assert coarse["x"]["values"] == told["x"]["values"][::4]
+    for key in ("margins", "verdicts", "decides"):
+        assert coarse[key] == [row[::4] for row in told[key][::4]]
+
+
+def test_a_map_goes_over_the_range_of_the_file_in_its_own_unit():
+    told = job("map", text=TRUCK, x="bearing_height 2", y="phase 3")
+    assert (told["x"]["values"][0], told["x"]["values"][-1]) == (-10, 30)
+    assert (told["y"]["values"][0], told["y"]["values"][-1], told["y"]["unit"]) == (0, 90, "deg")
+    assert np.ptp(told["verdicts"]) or np.ptp(np.array(told["margins"], dtype=float)) > 0
 
 
 def test_a_yield_fills_in_and_gets_surer():
@@ -299,19 +389,19 @@ def test_a_yield_fills_in_and_gets_surer():
     good, count = 0, 60
     for high, turn in rng.normal(0, (3.0, 0.5), (count, 2)):
         moves = [{"id": "bearing_height 1", "amount": high}, {"id": "shim 1", "amount": turn}]
-        after = live(CHAIN, job("moved", text=CHAIN, moves=moves)["edits"])
-        good += after["grade"] in ("pass", "warn")
+        good += approve(moved(CHAIN, moves)).verdict in ("pass", "warn")
     expected = told["yield"][0]
     spread = 4 * np.sqrt(max(expected * (1 - expected), 0.25 / count) / count)  # four sigma
     assert good / count == pytest.approx(expected, abs=spread)
 
 
 def test_a_share_of_none_or_all_is_not_certain():
-    from cardan.study.maps import share
-
-    assert share(0, 100)[1:] == pytest.approx((0.0, 0.0370), abs=1e-4)  # Wilson, by hand
-    assert share(100, 100)[1:] == pytest.approx((0.9630, 1.0), abs=1e-4)
-    assert share(50, 100)[1:] == pytest.approx((0.4038, 0.5962), abs=1e-4)
+    """Wilson's interval by hand: z² / (n + z²) where none of n was seen."""
+    sigmas = [{"id": "shim 1", "amount": 1e-6}]
+    told = job("yield", text=CHAIN, sigmas=sigmas, count=100)
+    assert told["count"] == 100
+    assert told["yield"] == pytest.approx([1, 1 - 1.96**2 / (100 + 1.96**2), 1], abs=1e-4)
+    assert told["shares"]["fail"] == pytest.approx([0, 0, 1.96**2 / (100 + 1.96**2)], abs=1e-4)
 
 
 # ------------------------------------------------------------------ the library

@@ -16,6 +16,7 @@ import { Limits } from "./Limits";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
+import { Recording } from "./Recording";
 import { Speed } from "./Speed";
 import { store, VIEWS, worst, type Known, type View } from "./store";
 import { t } from "./text";
@@ -26,16 +27,7 @@ import { still, useKnown } from "./use";
 type Both = { known: Known; shown: Shown };
 
 /** What a hand that moves something does not change: drawn again once it lets go. */
-const rested = ({ known, shown }: Both): unknown[] => [
-  known.held ? null : known.live,
-  known.held ? null : known.full,
-  known.pose,
-  known.asked,
-  known.theme,
-  known.lang,
-  shown.free,
-  shown.state,
-];
+const rested = ({ known, shown }: Both): unknown[] => [known.held ? null : known.live, known.held ? null : known.full, known.pose, known.asked, known.theme, known.lang, shown.free, shown.state];
 const StillPoser = still<Both>(Poser, rested);
 const StillDials = still<Both>(Dials, (p) => [...rested(p), known_phase(p)]);
 const StillParts = still<Both>(Parts, rested);
@@ -44,7 +36,6 @@ const StillHelps = still<{ known: Known }>(Helps, ({ known: k }) => [k.helps, k.
 
 const known_phase = ({ known, shown }: Both): string =>
   known.held?.startsWith("phase/") ? shown.line.phases.join() + known.held : "";
-
 
 export function App() {
   const known = useKnown();
@@ -60,9 +51,7 @@ export function App() {
       <main id="main">
         <Notices known={known} />
         {known.file === null && known.connection === "open" && <Library known={known} />}
-        {known.connection === "refused" && (
-          <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>
-        )}
+        {known.connection === "refused" && <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>}
         {known.file === null && known.connection === "open" && <Guide known={known} />}
         {shown && (
           <>
@@ -71,6 +60,8 @@ export function App() {
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
+            {known.view === "bracket" && <Later load={() => import("./Bracket")} known={known} />}
+            {known.view === "recording" && <Recording known={known} />}
             {known.view === "limits" && <Limits known={known} />}
             {known.view === "library" && <><Reports known={known} /><Library known={known} /></>}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
@@ -105,12 +96,10 @@ export function App() {
 
 /** The views of an application; the verdict stands above each. */
 function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), limits: t("Limits"), library: t("Library"), new: t("New") };
+  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
-      {VIEWS.map((view) => (
-        <button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>
-      ))}
+      {VIEWS.map((view) => (<button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>))}
     </nav>
   );
 }
@@ -152,9 +141,7 @@ function Head({ known }: { known: Known }) {
   return (
     <header class="head">
       <a class="skip" href="#main">{t("to the page")}</a>
-      <svg class="mark" viewBox="0 0 32 32" aria-hidden="true">
-        <path d="M2 10 13 14m6 4 11 4" /><circle cx="16" cy="16" r="5" />
-      </svg>
+      <svg class="mark" viewBox="0 0 32 32" aria-hidden="true"><path d="M2 10 13 14m6 4 11 4" /><circle cx="16" cy="16" r="5" /></svg>
       <h1 title={title}>{title}</h1>
       {known.files.length > 1 && (
         <select aria-label={t("File")} value={known.file ?? ""} onChange={(e) => store.open(Number((e.currentTarget as HTMLSelectElement).value))}>
@@ -212,11 +199,7 @@ function Notices({ known }: { known: Known }) {
           <button onClick={() => store.dismiss()}>{t("close")}</button>
         </p>
       )}
-      {unread && (
-        <p class="notice fail">
-          {t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}
-        </p>
-      )}
+      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}</p>)}
     </div>
   );
 }
@@ -233,9 +216,7 @@ function Strip({ known }: { known: Known }) {
     .sort((a, b) => worst(a) - worst(b));
   return (
     <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
-      <p class="verdict" role="status">
-        <span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}
-      </p>
+      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>
       <p class="counts">
         {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counts[g]} {t(g)}</span>)}
         {full && full.unanswered.length > 0 && <span>{t("{count} unanswered", { count: full.unanswered.length })}</span>}
@@ -275,12 +256,15 @@ function worstState(row: Row): number {
   return found;
 }
 
+/** What is drawn in three dimensions is loaded when it is first looked at. */
+function Later<P extends object>({ load, ...props }: { load: () => Promise<{ default: ComponentType<P> }> } & P) {
+  const [Of, set] = useState<ComponentType<P> | null>(null);
+  useEffect(() => void load().then((m) => set(() => m.default)), []);
+  return Of ? <Of {...(props as unknown as P)} /> : <p class="note">…</p>;
+}
+
 function Views({ known, shown }: { known: Known; shown: Shown }) {
   const [deep, go] = useState(false);
-  const [Scene, load] = useState<ComponentType<{ known: Known; shown: Shown }> | null>(null);
-  useEffect(() => {
-    if (deep && !Scene) void import("./Scene").then((m) => load(() => m.default));
-  }, [deep]);
   return (
     <section class="card views" aria-labelledby="views">
       <header>
@@ -295,9 +279,7 @@ function Views({ known, shown }: { known: Known; shown: Shown }) {
           <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
         </div>
       </header>
-      {deep ? (
-        Scene ? <Scene known={known} shown={shown} /> : <p class="note">…</p>
-      ) : (
+      {deep ? (<Later load={() => import("./Scene")} known={known} shown={shown} />) : (
         <>
           <Drawing known={known} shown={shown} view="side" />
           <Drawing known={known} shown={shown} view="top" />

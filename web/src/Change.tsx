@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
 import { fixed, number, percent } from "./format";
-import { GRADES } from "./marks";
+import { VERDICTS } from "./marks";
 import { Asking, edges } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -63,7 +63,8 @@ function Fix({ known, shown }: Both) {
   );
 }
 
-const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${m.unit === "deg" ? "°" : m.unit}`;
+const unit = (of: string): string => ({ deg: "°", percent: "%" })[of] ?? of;
+const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${unit(m.unit)}`;
 
 /** Cost against margin: each proposal a point to click on. */
 function Front({ of }: { of: Corrections["proposals"] }) {
@@ -102,18 +103,14 @@ function Map({ known, shown }: Both) {
   const [sought, seek] = useState(false);
   const [at, setAt] = useState<[number, number] | null>(null);
   const args = { line: shown.index, x, y, sought };
-  useEffect(() => {
-    if (!known.held && !sought) store.work("map", args);
-  }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
+  useEffect(() => { if (!known.held && !sought) store.work("map", args); }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
   const job = known.jobs.map as Job<MapOf, { map?: MapOf }> | undefined;
   const of = (job?.running ? job.part?.map : undefined) ?? job?.answer;
   const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;
-  useEffect(() => {
-    if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits);
-  }, [moved?.answer]);
+  useEffect(() => { if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits); }, [moved?.answer]);
   const n = of?.x?.values.length ?? 0;
   const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
-  const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, grade: of.grades[r]?.[c] ?? 0, margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
+  const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
   return (
     <section class="card map" aria-labelledby="map">
       <header>
@@ -132,16 +129,17 @@ function Map({ known, shown }: Both) {
             x={edges(of.x.values)}
             y={edges(of.y.values)}
             up
-            grades={of.grades}
-            strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 0))}
+            grades={of.verdicts}
+            among={VERDICTS}
+            strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 1))}
             at={[r, c]}
             choose={(row, column) => setAt([row, column])}
-            said={`${of.x.said} ${number(cell.x)} ${of.x.unit}, ${of.y.said} ${number(cell.y)} ${of.y.unit}: ${t(GRADES[cell.grade] ?? "")}, ${cell.name ?? ""} ${percent(cell.margin)} %`}
+            said={`${of.x.said} ${number(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${number(cell.y)} ${unit(of.y.unit)}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${percent(cell.margin)} %`}`}
             height={330}
             theme={known.theme}
           />
-          <p class="note">↑ {of.y.said} [{of.y.unit}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
-          <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{of.x.unit}] →</span><span>{number(of.x.values.at(-1))}</span></p>
+          <p class="note">↑ {of.y.said} [{unit(of.y.unit)}]: {number(of.y.values[0])} … {number(of.y.values.at(-1))}</p>
+          <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{unit(of.x.unit)}] →</span><span>{number(of.x.values.at(-1))}</span></p>
           <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
         </>
@@ -171,20 +169,21 @@ function Scatter({ known, shown }: Both) {
         <Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />
       </header>
       <div class="fields">
-        {every.map((m) => <label key={m.id}>{m.said} ± [{m.unit}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
+        {every.map((m) => <label key={m.id}>{m.said} ± [{unit(m.unit)}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
       </div>
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (
         <>
           <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{number(100 * share)} %</b> {t(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
-              return v > 0 && <rect key={`${g}/${k}`} class={GRADES[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
+              return v > 0 && <rect key={`${g}/${k}`} class={VERDICTS[g] ?? ""} x={10 * k} y={50 - (48 * (below + v)) / most} width={9} height={(48 * v) / most} />;
             }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
-          <ul class="others">{of.lost.map((l) => <li key={l.name}><b class="fail">{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
+          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
         </>
       )}
     </section>

@@ -22,11 +22,7 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
         <h2 id="dials">{t("Yoke phases")}</h2>
         <span class="note">{t("seen from the gearbox")}</span>
       </header>
-      <div class="row">
-        {line.phases.map((p, k) => (
-          <Dial key={k} phase={p} address={line.phase_at[k] ?? ""} shaft={k} chosen={k === shaft} held={known.held} choose={() => choose(k)} />
-        ))}
-      </div>
+      <div class="row">{line.phases.map((p, k) => (<Dial key={k} phase={p} address={line.phase_at[k] ?? ""} shaft={k} chosen={k === shaft} held={known.held} choose={() => choose(k)} />))}</div>
       {turn && (
         <div class="curves">
           <Plot
@@ -41,11 +37,7 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
           />
           <Plot
             x={turn.theta}
-            series={turn.speed.map((values, k) => ({
-              name: k === turn.speed.length - 1 ? t("pinion") : t("shaft {n}", { n: k + 1 }),
-              values,
-              colour: k % 6,
-            }))}
+            series={turn.speed.map((values, k) => ({ name: k === turn.speed.length - 1 ? t("pinion") : t("shaft {n}", { n: k + 1 }), values, colour: k % 6 }))}
             left={{ unit: "%", digits: 1 }}
             unit={t("speed over the gearbox's, less 1 [%], round the turn [deg]")}
             height={150}
@@ -93,16 +85,12 @@ function Dial(of: { phase: number; address: string; shaft: number; chosen: boole
       >
         <title>{label}</title>
         <circle class="rim" r={R} />
-        {Array.from({ length: 24 }, (_, k) => (
-          <path key={k} class="tick" d={`M0 ${-R}V${-R + (k % 6 ? 4 : 8)}`} transform={`rotate(${k * 15})`} />
-        ))}
+        {Array.from({ length: 24 }, (_, k) => (<path key={k} class="tick" d={`M0 ${-R}V${-R + (k % 6 ? 4 : 8)}`} transform={`rotate(${k * 15})`} />))}
         <line class="front" x1={0} y1={-R - 8} x2={0} y2={R + 8} />
         <line class="rear" x1={-(R + 8) * sin} y1={(R + 8) * cos} x2={(R + 8) * sin} y2={-(R + 8) * cos} />
         <circle class="knob" cx={(R + 8) * sin} cy={-(R + 8) * cos} r={7} />
       </svg>
-      <p>
-        {t("shaft {n}", { n: shaft + 1 })} <b>{fixed(phase, 1)}°</b>
-      </p>
+      <p>{t("shaft {n}", { n: shaft + 1 })} <b>{fixed(phase, 1)}°</b></p>
       <p class="set">
         {[0, 90].map((v) => (
           <button key={v} class="plain" aria-pressed={Math.abs(phase - v) < 1e-6} onClick={() => { of.choose(); store.apply({ [address]: v }); }}>

@@ -9,14 +9,7 @@ import type { Drag, Ghost, Handle, Laid, Line, Live, Maybe, Obstacle, Point } fr
 import { useHand, useWidth } from "./use";
 import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
 
-export interface Shown {
-  live: Live;
-  line: Line;
-  index: number;
-  state: number;
-  laid: Laid;
-  free: boolean;
-}
+export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean }
 
 const TALLEST: Record<View, number> = { side: 330, top: 250 };
 
@@ -59,28 +52,13 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
     <figure class="view" ref={box}>
       <figcaption>
         <b>{title}</b>
-        <span>
-          {p.times === 1 ? t("to scale") : t("across {times} times as large", { times: p.times })}
-        </span>
+        <span>{p.times === 1 ? t("to scale") : t("across {times} times as large", { times: p.times })}</span>
       </figcaption>
-      <svg
-        class="drawing"
-        width={p.width}
-        height={p.height}
-        viewBox={`0 0 ${p.width} ${p.height}`}
-        role="group"
-        aria-label={title}
-      >
-        <g class="states" aria-hidden="true">
-          {line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />))}
-        </g>
+      <svg class="drawing" width={p.width} height={p.height} viewBox={`0 0 ${p.width} ${p.height}`} role="group" aria-label={title}>
+        <g class="states" aria-hidden="true">{line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />))}</g>
         <path class="installed" d={path(points(line.installed))} aria-hidden="true" />
         {ghost && <path class="ghost" d={path(points(ghost))} aria-hidden="true" />}
-        <g aria-hidden="true">
-          {obstacles.map((o) => (
-            <Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />
-          ))}
-        </g>
+        <g aria-hidden="true">{obstacles.map((o) => (<Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />))}</g>
         <g aria-hidden="true">
           {bold.slice(0, -1).map((a, k) => {
             const b = bold[k + 1] as Point;
@@ -104,14 +82,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
         <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} />
         <g aria-hidden="true">
           {shown.laid.bearings.map((b, k) => (
-            <Bearing
-              key={k}
-              x={p.x(b[0])}
-              y={p.y(b[c])}
-              n={k + 1}
-              grade={grade(rows, line.name, state, "centre bearing", k + 1)}
-              chosen={marked("centre bearing", k + 1)}
-            />
+            <Bearing key={k} x={p.x(b[0])} y={p.y(b[c])} n={k + 1} grade={grade(rows, line.name, state, "centre bearing", k + 1)} chosen={marked("centre bearing", k + 1)} />
           ))}
           {shown.laid.joints.map((q, k) => {
             const worst = grade(rows, line.name, state, "joint", k + 1);
@@ -120,20 +91,14 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
               <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
                 <circle cx={x} cy={y} r={9.5} />
                 <text x={x} y={y + 4} text-anchor="middle">{k + 1}</text>
-                <text class="angle" x={x} y={y + 27} text-anchor="middle">
-                  {signed(seen.angles?.[k] ?? 0, 2)}°
-                </text>
+                <text class="angle" x={x} y={y + 27} text-anchor="middle">{signed(seen.angles?.[k] ?? 0, 2)}°</text>
               </g>
             );
           })}
           {view === "side" && <Rooms live={live} line={line} clearance={clearance} p={p} c={c} shown={shown} known={known} />}
         </g>
         <Scale p={p} />
-        <g class="handles">
-          {mine.map((h) => (
-            <Grip key={`${h.kind}${h.number}`} handle={h} view={view} p={p} shown={shown} known={known} />
-          ))}
-        </g>
+        <g class="handles">{mine.map((h) => (<Grip key={`${h.kind}${h.number}`} handle={h} view={view} p={p} shown={shown} known={known} />))}</g>
       </svg>
     </figure>
   );
@@ -151,15 +116,7 @@ function Bar({ of, p, c, lift: up }: { of: Obstacle; p: Page; c: 1 | 2; lift: nu
   const [y1, y2] = [p.y(of.start[c] + rise), p.y(of.end[c] + rise)];
   const [rx, ry] = [Math.max(of.radius * p.scale, 1.5), Math.max(of.radius * p.scale * p.times, 1.5)];
   const flat = Math.hypot(x2 - x1, y2 - y1) < 1;
-  return (
-    <g class="obstacle">
-      {flat ? (
-        <ellipse cx={x1} cy={y1} rx={rx} ry={ry} />
-      ) : (
-        <line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />
-      )}
-    </g>
-  );
+  return (<g class="obstacle">{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
 }
 
 function Rooms(of: {
@@ -221,12 +178,8 @@ function Dimensions(of: {
         return (
           <g key={k}>
             <line x1={x} y1={y + 3} x2={x} y2={p.height - 44} />
-            <text x={x} y={p.height - 31} text-anchor="middle">
-              {signed(of.slopes?.[k] ?? 0, 2)}°
-            </text>
-            {length !== undefined && room > 70 && (
-              <text x={x} y={p.height - 17} text-anchor="middle">{fixed(length, 0)} mm</text>
-            )}
+            <text x={x} y={p.height - 31} text-anchor="middle">{signed(of.slopes?.[k] ?? 0, 2)}°</text>
+            {length !== undefined && room > 70 && (<text x={x} y={p.height - 17} text-anchor="middle">{fixed(length, 0)} mm</text>)}
           </g>
         );
       })}
@@ -265,9 +218,7 @@ const bearingOf = (_: Shown, shaft: number): number => shaft - 1;
 function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Known }) {
   const { handle: h, view, p, shown, known } = of;
   const name = `${view}/${h.line}/${h.kind}/${h.number}`;
-  const drag = (by: Point): { drag: Drag } => ({
-    drag: { kind: h.kind, number: h.number, line: h.line, by_mm: by },
-  });
+  const drag = (by: Point): { drag: Drag } => ({ drag: { kind: h.kind, number: h.number, line: h.line, by_mm: by } });
   const hand = useHand({
     moved: (dx, dy) => {
       const [right, up] = moved(p, dx, dy);
@@ -280,10 +231,7 @@ function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Kn
   const at = spot(h, shown, known, view);
   if (!at || !h.ways.includes(AXIS[view])) return null;
   const c = ACROSS[view];
-  const label = t("{part}, {way}: drag, or use the arrow keys", {
-    part: said(h, shown),
-    way: view === "side" ? t("height") : t("to the side"),
-  });
+  const label = t("{part}, {way}: drag, or use the arrow keys", { part: said(h, shown), way: view === "side" ? t("height") : t("to the side") });
   const y = p.y(at[c]) - (h.kind === "bearing" ? 23 : 0);
   return (
     <g

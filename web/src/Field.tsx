@@ -10,8 +10,9 @@ export function Field(of: {
   /** Edges of the columns and rows, in any unit: one more than cells. */
   x: number[];
   y: number[];
-  /** By row and column: 0 pass, 1 warn, 2 fail; null where nothing is known. */
+  /** By row and column: places in `among`; null where nothing is known. */
   grades: Maybe[][];
+  among?: string[];
   /** 0 faint to 1 full, by row and column. */
   strength?: (row: number, column: number) => number;
   at: [number, number];
@@ -36,7 +37,7 @@ export function Field(of: {
     const ratio = devicePixelRatio;
     [c.width, c.height] = [width * ratio, of.height * ratio];
     const [px, py] = [place(of.x, c.width), place(of.y, c.height)];
-    const fills = GRADES.map((g) => colour(`--${g}`));
+    const fills = (of.among ?? GRADES).map((g) => colour(`--${g}`));
     const spot = (r: number, k: number): [number, number, number, number] => {
       const [x1, x2] = [px(of.x[k] ?? 0), px(of.x[k + 1] ?? 0)].map(Math.round) as [number, number];
       const [y1, y2] = [py(of.y[r] ?? 0), py(of.y[r + 1] ?? 0)].map(Math.round) as [number, number];

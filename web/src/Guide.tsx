@@ -39,15 +39,7 @@ export function Guide({ known }: { known: Known }) {
     change({ shafts, members: [...members.slice(0, n + 1), form.members.at(-1) ?? {}] });
   };
   const field = (key: string, name: string, value: string, put: (v: string) => void) => (
-    <input
-      value={value}
-      inputMode="decimal"
-      aria-label={name}
-      data-field={key}
-      aria-invalid={value !== "" && wrong.has(key)}
-      title={wrong.get(key) ?? ""}
-      onInput={(e) => put((e.currentTarget as HTMLInputElement).value)}
-    />
+    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} onInput={(e) => put((e.currentTarget as HTMLInputElement).value)} />
   );
   const n = form.shafts.length;
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
@@ -148,9 +140,7 @@ export function PasteInto({ known, line }: { known: Known; line: number }) {
   const [form, set] = useState({ points: "", axes: "rear", unit: "mm" });
   const job = known.jobs.pasted as Job<{ edits: Record<string, number> }> | undefined;
   const edits = job?.running ? undefined : job?.answer?.edits;
-  useEffect(() => {
-    if (edits) store.taken("pasted", edits);
-  }, [edits]);
+  useEffect(() => { if (edits) store.taken("pasted", edits); }, [edits]);
   return (
     <details class="more paste">
       <summary>{t("Paste the joints' points from a spreadsheet")}</summary>

@@ -39,18 +39,10 @@ export function Heat({ known }: { known: Known }) {
           <thead>
             <tr>
               <th scope="col">{t("limit")}</th>
-              {live.states.map((s, k) => (
-                <th key={s.name} scope="col" class={k === (known.asked.state ?? known.pose?.state) ? "now" : ""}>
-                  <span>{s.said}</span>
-                </th>
-              ))}
+              {live.states.map((s, k) => (<th key={s.name} scope="col" class={k === (known.asked.state ?? known.pose?.state) ? "now" : ""}><span>{s.said}</span></th>))}
             </tr>
           </thead>
-          <tbody>
-            {rows.map((row) => (
-              <StillRow key={row.id} row={row} known={known} several={several} />
-            ))}
-          </tbody>
+          <tbody>{rows.map((row) => (<StillRow key={row.id} row={row} known={known} several={several} />))}</tbody>
         </table>
       </div>
       <Others full={known.full} />
@@ -58,11 +50,7 @@ export function Heat({ known }: { known: Known }) {
   );
 }
 
-interface Of {
-  row: Any;
-  known: Known;
-  several: boolean;
-}
+interface Of { row: Any; known: Known; several: boolean }
 
 /** Most rows stay what they are while one thing is moved: those are not drawn again. */
 const StillRow = still<Of>(HeatRow, ({ row, known, several }) => [
@@ -207,9 +195,7 @@ export function Detail({ known }: { known: Known }) {
         <dl>
           <dt>{t("Equation")}</dt>
           <dd class="equation">{q.symbol && !q.equation.startsWith(q.symbol) ? `${q.symbol}: ` : ""}{q.equation}</dd>
-          {q.where.map(([symbol, meaning]) => (
-            <dd key={symbol} class="where"><i>{symbol}</i> {meaning}</dd>
-          ))}
+          {q.where.map(([symbol, meaning]) => (<dd key={symbol} class="where"><i>{symbol}</i> {meaning}</dd>))}
           {q.use && <><dt>{t("Limits of use")}</dt><dd>{q.use}</dd></>}
           <dt>{t("Source of the equation")}</dt><dd>{q.source}</dd>
           <dt>{t("Source of the limit")}</dt><dd>{row.source}</dd>

@@ -21,9 +21,7 @@ export function Helps({ known }: { known: Known }) {
       {helps?.length === 0 && <p class="note">{t("Everything passes.")}</p>}
       {helps?.map((h, k) => (
         <div key={k} class="help">
-          <p class={h.grade}>
-            <b>{h.name}</b> {h.where}: {number(h.value)} {h.sense === ">=" ? "≥" : "≤"} {number(h.bound)} {h.unit}
-          </p>
+          <p class={h.grade}><b>{h.name}</b> {h.where}: {number(h.value)} {h.sense === ">=" ? "≥" : "≤"} {number(h.bound)} {h.unit}</p>
           {h.bars.filter((b) => b.gain > 0.001).length === 0 && <p class="note">{t("nothing that can be moved alone")}</p>}
           <ul>
             {h.bars.filter((b) => b.gain > 0.001).slice(0, SHOWN).map((b) => (

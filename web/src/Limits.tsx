@@ -11,9 +11,7 @@ const EMPTY = { normal: "", maximum: "", reason: "", by: "" };
 export function Limits({ known }: { known: Known }) {
   const [at, open] = useState<number | null>(null);
   const [form, set] = useState(EMPTY);
-  useEffect(() => {
-    if (!known.held) store.work("limits");
-  }, [known.history?.text, known.held, known.lang]);
+  useEffect(() => { if (!known.held) store.work("limits"); }, [known.history?.text, known.held, known.lang]);
   const of = (known.jobs.limits as Job<LimitsOf> | undefined)?.answer;
   const job = known.jobs.deviate as Job<{ draft: string }> | undefined;
   useEffect(() => {

@@ -37,14 +37,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
               return (
                 <tr key={`j${k}`}>
                   <th scope="row" class={grade(rows, line.name, state, "joint", k + 1) ?? ""}>{part}</th>
-                  <td>
-                    <Choice
-                      at={line.joint_at[k]}
-                      now={line.joint_now[k] || name}
-                      label={part}
-                      of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])}
-                    />
-                  </td>
+                  <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
                   <td class="n">{rated ? `${number(rated.peak_Nm)} N·m` : ""}</td>
                   <td class="n">{rated ? `${number(rated.reversing_Nm)} N·m` : ""}</td>
                   <td class="n">{rated ? `${number(rated.bearing_Nm)} N·m` : ""}</td>
@@ -56,14 +49,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
               return (
                 <tr key={`t${k}`}>
                   <th scope="row">{part}</th>
-                  <td>
-                    <Choice
-                      at={line.tube_at[k]}
-                      now={line.tube_now[k] || size}
-                      label={part}
-                      of={tubes.map((c) => [c.name, `${c.outer_mm} × ${c.wall_mm}`])}
-                    />
-                  </td>
+                  <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, `${c.outer_mm} × ${c.wall_mm}`])} /></td>
                   <td class="n" colSpan={3}>{size && `${size} mm`}</td>
                 </tr>
               );
@@ -79,16 +65,9 @@ function Choice({ at, now, label, of }: { at: string | undefined; now: string; l
   if (!at) return <span>{now || "–"}</span>;
   const known = of.some(([name]) => name === now);
   return (
-    <select
-      aria-label={label}
-      value={now}
-      data-part={at}
-      onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}
-    >
+    <select aria-label={label} value={now} data-part={at} onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}>
       {!known && <option value={now}>{now}</option>}
-      {of.map(([name, said]) => (
-        <option key={name} value={name}>{said}</option>
-      ))}
+      {of.map(([name, said]) => (<option key={name} value={name}>{said}</option>))}
     </select>
   );
 }

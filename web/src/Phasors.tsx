@@ -32,9 +32,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
           ))}
         </defs>
         <path class="axes" d={`M0 ${SIZE / 2}H${SIZE}M${SIZE / 2} 0V${SIZE}`} />
-        {rings.map((r) => (
-          <circle key={r.grade} class={`ring ${r.grade}`} cx={SIZE / 2} cy={SIZE / 2} r={((r.radius ?? 0) / reach) * (SIZE / 2 - 8)} />
-        ))}
+        {rings.map((r) => (<circle key={r.grade} class={`ring ${r.grade}`} cx={SIZE / 2} cy={SIZE / 2} r={((r.radius ?? 0) / reach) * (SIZE / 2 - 8)} />))}
         {ends.slice(1).map((end, k) => {
           const from = ends[k] ?? [0, 0];
           const short = Math.hypot(end[0] - from[0], end[1] - from[1]) < 0.03 * reach;
@@ -47,9 +45,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
         })}
         <line class="sum" x1={s(0)} y1={s(0)} x2={s(ends.at(-1)?.[0] ?? 0)} y2={s(-(ends.at(-1)?.[1] ?? 0))} marker-end="url(#tip-sum)" />
       </svg>
-      <p class="figure">
-        <b>{fixed(sum, 3)}°</b> {t("equivalent angle")}
-      </p>
+      <p class="figure"><b>{fixed(sum, 3)}°</b> {t("equivalent angle")}</p>
     </section>
   );
 }

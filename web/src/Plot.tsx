@@ -15,10 +15,7 @@ export interface Series {
   right?: boolean;
 }
 
-export interface Axis {
-  unit: string;
-  digits: number;
-}
+export interface Axis { unit: string; digits: number }
 
 /** What is drawn beside the curves: values they are held against, places, a range of x. */
 export interface Beside {
@@ -67,16 +64,7 @@ export function Plot(of: {
           { ...axis, size: 44, values: ticks(of.left) },
           ...(of.right ? [{ ...axis, side: 1 as const, scale: "right", size: 44, grid: { show: false }, values: ticks(of.right) }] : []),
         ],
-        series: [
-          {},
-          ...of.series.map((s) => ({
-            stroke: colour(`--series-${s.colour}`),
-            width: 1.8,
-            scale: s.right ? "right" : "y",
-            points: { show: false },
-            ...(s.dash ? { dash: [6, 4] } : {}),
-          })),
-        ],
+        series: [{}, ...of.series.map((s) => ({ stroke: colour(`--series-${s.colour}`), width: 1.8, scale: s.right ? "right" : "y", points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
         hooks: {
           draw: [
             (u) => besides(u, of.beside ?? {}),
@@ -114,9 +102,7 @@ export function Plot(of: {
     <div class="plot" ref={box} role="img" aria-label={of.label}>
       <div ref={root} />
       <p class="legend" aria-hidden="true">
-        {of.series.map((s) => (
-          <span key={s.name} class={`key key-${s.colour} ${s.dash ? "dash" : ""}`}>{s.name}</span>
-        ))}
+        {of.series.map((s) => (<span key={s.name} class={`key key-${s.colour} ${s.dash ? "dash" : ""}`}>{s.name}</span>))}
         <span class="unit">{of.unit}</span>
       </p>
     </div>

@@ -27,19 +27,12 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
       </header>
       {live.lines.length > 1 && (
         <div class="chips" role="group" aria-label={t("Line")}>
-          {live.lines.map((l, k) => (
-            <button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>
-          ))}
+          {live.lines.map((l, k) => (<button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>))}
         </div>
       )}
       <div class="chips" role="group" aria-label={t("State")}>
         {live.states.map((s, k) => (
-          <button
-            key={s.name}
-            class={gradeOf(k, shown)}
-            aria-pressed={!free && k === shown.state}
-            onClick={() => store.pose({ line: index, state: k })}
-          >
+          <button key={s.name} class={gradeOf(k, shown)} aria-pressed={!free && k === shown.state} onClick={() => store.pose({ line: index, state: k })}>
             {s.said}
           </button>
         ))}
@@ -80,9 +73,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
 }
 
 /** How far the pinion's nose has risen from where it was installed, deg. */
-function pitch(known: Known): number {
-  return known.pose?.at?.pitch ?? 0;
-}
+function pitch(known: Known): number { return known.pose?.at?.pitch ?? 0; }
 
 function gradeOf(state: number, shown: Shown): string {
   let found = 0;
@@ -108,16 +99,7 @@ export function Slider(of: {
     <label class="slider">
       <span class="name">{of.name}</span>
       <output>{of.said}</output>
-      <input
-        type="range"
-        min={of.low}
-        max={of.high}
-        step={of.step}
-        value={of.value}
-        aria-valuetext={of.said}
-        onInput={(e) => of.set(Number((e.currentTarget as HTMLInputElement).value))}
-        onChange={() => of.done?.()}
-      />
+      <input type="range" min={of.low} max={of.high} step={of.step} value={of.value} aria-valuetext={of.said} onInput={(e) => of.set(Number((e.currentTarget as HTMLInputElement).value))} onChange={() => of.done?.()} />
       <span class="end">{of.ends[0]}</span>
       <span class="end">{of.ends[1]}</span>
     </label>
@@ -128,10 +110,7 @@ function Curves({ curve, over, at, known }: { curve: Curve; over: string; at: nu
   const [angles, rooms] = useMemo<[Series[], Series[]]>(
     () => [
       curve.angles.map((values, k) => ({ name: t("joint {n}", { n: k + 1 }), values, colour: k % 6 })),
-      [
-        ...(curve.clearance ? [{ name: t("clearance"), values: curve.clearance, colour: 1 }] : []),
-        { name: t("spline travel"), values: curve.plunge, colour: 0, dash: true },
-      ],
+      [...(curve.clearance ? [{ name: t("clearance"), values: curve.clearance, colour: 1 }] : []), { name: t("spline travel"), values: curve.plunge, colour: 0, dash: true }],
     ],
     [curve, known.lang],
   );

@@ -1,90 +1,27 @@
-// The line in three dimensions. Drawn when something changed, not all the time.
+// The line in three dimensions.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import * as THREE from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Shown } from "./Drawing";
 import { grade } from "./marks";
+import { put, skin, useStage, type Stage } from "./stage";
 import { store, type Known } from "./store";
 import { t } from "./text";
-import { colour } from "./use";
 import type { Point } from "./types";
-import type { Shown } from "./Drawing";
 
 const VIEWS: Record<string, Point> = { three: [-0.55, -1, 0.42], side: [0, -1, 0.001], top: [0, 0.001, 1], rear: [1, 0, 0.05] };
 
-/** The page's x, right, up as three has them: x, up, towards the reader. */
-const put = (p: Point): THREE.Vector3 => new THREE.Vector3(p[0], p[2], -p[1]);
-
-interface Stage {
-  renderer: THREE.WebGLRenderer;
-  scene: THREE.Scene;
-  camera: THREE.PerspectiveCamera;
-  controls: OrbitControls;
-  line: THREE.Group;
-  draw: () => void;
-}
-
 export default function Scene({ known, shown }: { known: Known; shown: Shown }) {
-  const box = useRef<HTMLDivElement>(null);
-  const stage = useRef<Stage | null>(null);
-  const [missing, miss] = useState(false);
+  const points = [...shown.laid.joints, ...shown.laid.ends];
+  const { box, stage, missing } = useStage(t("The line in three dimensions"), (s) => { build(s, shown); s.look(points, VIEWS.three as Point); }, [shown.line.name]);
 
-  useEffect(() => {
-    const element = box.current;
-    if (!element) return undefined;
-    let renderer: THREE.WebGLRenderer;
-    try {
-      renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
-    } catch {
-      miss(true);
-      return undefined;
-    }
-    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    renderer.domElement.setAttribute("role", "img");
-    renderer.domElement.setAttribute("aria-label", t("The line in three dimensions"));
-    element.append(renderer.domElement);
-    const scene = new THREE.Scene();
-    scene.add(new THREE.HemisphereLight(0xffffff, 0x8896a8, 2.2));
-    const sun = new THREE.DirectionalLight(0xffffff, 1.6);
-    sun.position.set(-2, 5, 3);
-    scene.add(sun);
-    const camera = new THREE.PerspectiveCamera(30, 2, 10, 60000);
-    const controls = new OrbitControls(camera, renderer.domElement);
-    const line = new THREE.Group();
-    scene.add(line);
-    const draw = (): void => renderer.render(scene, camera);
-    controls.addEventListener("change", draw);
-    stage.current = { renderer, scene, camera, controls, line, draw };
-    const size = (): void => {
-      const [w, h] = [element.clientWidth || 600, element.clientHeight || 360];
-      renderer.setSize(w, h);
-      camera.aspect = w / h;
-      camera.updateProjectionMatrix();
-      draw();
-    };
-    const watcher = new ResizeObserver(size);
-    watcher.observe(element);
-    size();
-    build(stage.current, shown);
-    look(stage.current, shown, VIEWS.three as Point);
-    return () => {
-      watcher.disconnect();
-      controls.dispose();
-      renderer.dispose();
-      renderer.domElement.remove();
-      stage.current = null;
-    };
-  }, [shown.line.name]);
-
-  useEffect(() => {
-    if (stage.current) build(stage.current, shown);
-  }, [known.live, known.full, shown.laid, shown.state, known.theme]);
+  useEffect(() => { if (stage.current) build(stage.current, shown); }, [known.live, known.full, shown.laid, shown.state, known.theme]);
 
   return (
     <figure class="view scene3">
       <div class="chips" role="group" aria-label={t("Look from")}>
         {([["three", t("aside")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
-          <button key={key} onClick={() => stage.current && look(stage.current, shown, VIEWS[key] as Point)}>{name}</button>
+          <button key={key} onClick={() => stage.current?.look(points, VIEWS[key] as Point)}>{name}</button>
         ))}
       </div>
       {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas" ref={box} />}
@@ -92,17 +29,10 @@ export default function Scene({ known, shown }: { known: Known; shown: Shown }) 
   );
 }
 
-const css = (name: string): THREE.Color => new THREE.Color(colour(name));
-
 function build(s: Stage, shown: Shown): void {
-  for (const child of [...s.line.children]) {
-    s.line.remove(child);
-    if (child instanceof THREE.Mesh) child.geometry.dispose();
-  }
+  s.clear();
   const rows = store.rows();
   const { line, laid, state } = shown;
-  const skin = (name: string, opacity = 1): THREE.MeshStandardMaterial =>
-    new THREE.MeshStandardMaterial({ color: css(name), roughness: 0.55, metalness: 0.15, transparent: opacity < 1, opacity });
   const graded = (kind: string, n: number, plain: string): string => {
     const found = grade(rows, line.name, state, kind, n);
     return found === "fail" ? "--fail" : found === "warn" ? "--warn" : plain;
@@ -113,12 +43,12 @@ function build(s: Stage, shown: Shown): void {
     const mesh = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, way.length(), 28), material);
     mesh.position.copy(from).addScaledVector(way, 0.5);
     mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), way.normalize());
-    s.line.add(mesh);
+    s.group.add(mesh);
   };
   const ball = (at: Point, radius: number, material: THREE.Material): void => {
     const mesh = new THREE.Mesh(new THREE.SphereGeometry(radius, 28, 18), material);
     mesh.position.copy(put(at));
-    s.line.add(mesh);
+    s.group.add(mesh);
   };
   const all = [laid.ends[0], ...laid.joints, laid.ends[1]];
   all.slice(0, -1).forEach((a, k) => {
@@ -131,7 +61,7 @@ function build(s: Stage, shown: Shown): void {
     const ring = new THREE.Mesh(new THREE.TorusGeometry(0.75 * (line.tubes[k] ?? 100), 22, 14, 40), skin(graded("centre bearing", k + 1, "--accent")));
     ring.position.copy(put(p));
     ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
-    s.line.add(ring);
+    s.group.add(ring);
   });
   for (const number of line.obstacles) {
     const o = shown.live.obstacles[number];
@@ -145,17 +75,5 @@ function build(s: Stage, shown: Shown): void {
       ball(b, o.radius, material);
     }
   }
-  s.draw();
-}
-
-function look(s: Stage, shown: Shown, from: Point): void {
-  const sphere = new THREE.Box3().setFromPoints([...shown.laid.joints, ...shown.laid.ends].map(put)).getBoundingSphere(new THREE.Sphere());
-  const across = Math.min(1, s.camera.aspect);
-  const far = sphere.radius / Math.sin((s.camera.fov * Math.PI) / 360) / Math.max(across, 0.4) * (s.camera.aspect > 1.6 ? 0.66 : 1.02);
-  s.controls.target.copy(sphere.center);
-  s.camera.position.copy(sphere.center).addScaledVector(put(from).normalize(), far);
-  s.camera.far = far * 6;
-  s.camera.updateProjectionMatrix();
-  s.controls.update();
   s.draw();
 }

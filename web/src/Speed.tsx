@@ -12,9 +12,7 @@ import type { Diagram, Force, Speeds, Torsion } from "./types";
 
 export function Speed({ known, shown }: { known: Known; shown: Shown }) {
   const { index, state } = shown;
-  useEffect(() => {
-    if (!known.held) store.work("speeds", { line: index, state });
-  }, [known.history?.text, known.held, index, state, known.lang]);
+  useEffect(() => { if (!known.held) store.work("speeds", { line: index, state }); }, [known.history?.text, known.held, index, state, known.lang]);
   const job = known.jobs.speeds as Job<Speeds> | undefined;
   const of = job?.answer;
   return (
@@ -66,7 +64,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
   const value = values[g]?.[k];
   const grade = GRADES[b.grades[force][g]?.[k] ?? -1];
   const cut: Series[] = [
-    { name: t(force === "peak" ? "largest force" : "all orders"), values: values[g] ?? [], colour: 0 },
+    { name: force === "peak" ? t("largest force") : t("all orders"), values: values[g] ?? [], colour: 0 },
     ...of.orders.map((n, o) => ({ name: t("order {order}", { order: n }), values: b.orders[o]?.[g] ?? [], colour: o + 1, dash: true })),
   ];
   return (
@@ -76,9 +74,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
         <span class="note">{of.said}</span>
       </header>
       <div class="chips" role="group" aria-label={t("State")}>
-        {shown.live.states.map((s, i) => (
-          <button key={s.name} aria-pressed={i === of.state} onClick={() => store.pose({ line: shown.index, state: i })}>{s.said}</button>
-        ))}
+        {shown.live.states.map((s, i) => (<button key={s.name} aria-pressed={i === of.state} onClick={() => store.pose({ line: shown.index, state: i })}>{s.said}</button>))}
       </div>
       <div class="chips" role="group" aria-label={t("Force")}>
         {of.bearings.map((o, i) => <button key={o.said} aria-pressed={o === b} onClick={() => { setBearing(i); setAt(null); }}>{o.said}</button>)}
@@ -156,11 +152,7 @@ function Vehicle({ known }: { known: Known }) {
           <h2 id="vehicle">{t("The whole vehicle in torsion, and its launches")}</h2>
           <Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={job?.of !== store.about({})} />
         </header>
-        {of && (
-          <div class="chips" role="group" aria-label={t("gear")}>
-            {of.diagrams.map((o, k) => <button key={o.title} aria-pressed={o === d} onClick={() => setGear(k)}>{o.title}</button>)}
-          </div>
-        )}
+        {of && (<div class="chips" role="group" aria-label={t("gear")}>{of.diagrams.map((o, k) => <button key={o.title} aria-pressed={o === d} onClick={() => setGear(k)}>{o.title}</button>)}</div>)}
       </section>
       {d && <Campbell of={d} known={known} />}
     </>
@@ -212,12 +204,10 @@ export function Asking(of: { job: Job<unknown, unknown> | undefined; ask: () => 
       {of.job?.running ? (
         <>
           <span role="status" class="note">{part?.doing ?? t("asking …")}</span>
-          {part?.of !== undefined && <progress max={part.of} value={part.done ?? 0} aria-label={part.doing ?? of.name} />}
+          <progress max={part?.of ?? 1} value={part?.of === undefined ? undefined : (part.done ?? 0)} aria-label={part?.doing ?? of.name} />
           <button onClick={() => store.stop(of.name)}>{t("stop")}</button>
         </>
-      ) : (
-        <button disabled={of.disabled || (!of.stale && of.job?.answer !== null)} onClick={of.ask}>{of.word ?? t("ask")}</button>
-      )}
+      ) : (<button disabled={of.disabled || (!of.stale && of.job?.answer !== null)} onClick={of.ask}>{of.word ?? t("ask")}</button>)}
       {of.job?.why && <span class="note fail">{of.job.why === "cancelled" ? t("stopped") : of.job.why}</span>}
       {of.stale && of.job?.answer !== null && of.job !== undefined && !of.job.running && <span class="note">{t("of the file as it was")}</span>}
     </span>

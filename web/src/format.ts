@@ -2,9 +2,7 @@
 
 let sign = ".";
 
-export function speak(lang: string): void {
-  sign = lang === "en" ? "." : ",";
-}
+export function speak(lang: string): void { sign = lang === "en" ? "." : ","; }
 
 const pointed = (said: string): string => said.replace(".", sign).replace("-", "−");
 

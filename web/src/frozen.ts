@@ -3,27 +3,16 @@
 import type { Connection } from "./link";
 import type { Full, Live, Pose, PoseAsked, Told } from "./types";
 
-interface Kept {
-  welcome: Omit<Extract<Told, { type: "welcome" }>, "type">;
-  live: Live;
-  full: Full;
-  lines: { states: Pose[]; travel: Pose[] }[];
-}
+interface Kept { welcome: Omit<Extract<Told, { type: "welcome" }>, "type">; live: Live; full: Full; lines: { states: Pose[]; travel: Pose[] }[] }
 
 export class Frozen {
   private readonly kept: Kept;
 
-  constructor(
-    text: string,
-    private readonly told: (message: Told) => void,
-    private readonly state: (connection: Connection) => void,
-  ) {
+  constructor(text: string, private readonly told: (message: Told) => void, private readonly state: (connection: Connection) => void) {
     this.kept = JSON.parse(text) as Kept;
   }
 
-  open(): void {
-    this.state("open");
-  }
+  open(): void { this.state("open"); }
 
   say(said: object): void {
     const m = said as { type: string; id?: number; pose?: PoseAsked };

@@ -20,11 +20,7 @@ export class Link {
   private socket: WebSocket | null = null;
   private tries = 0;
 
-  constructor(
-    private token: string,
-    private readonly told: (message: Told) => void,
-    private readonly state: (connection: Connection) => void,
-  ) {}
+  constructor(private token: string, private readonly told: (message: Told) => void, private readonly state: (connection: Connection) => void) {}
 
   open(): void {
     if (!this.token) {
@@ -55,7 +51,5 @@ export class Link {
     };
   }
 
-  say(message: object): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
-  }
+  say(message: object): void { if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message)); }
 }

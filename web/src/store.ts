@@ -7,11 +7,7 @@ import { Link, type Connection, token } from "./link";
 import { learn } from "./text";
 import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
-export interface Selected {
-  row: string;
-  state: number;
-  part: number;
-}
+export interface Selected { row: string; state: number; part: number }
 
 export type Notice =
   | { kind: "restored" }
@@ -49,13 +45,15 @@ export interface Known {
   /** Whether nobody answers and nothing can be changed: a page by itself. */
   fixed: boolean;
   jobs: Record<string, Job>;
+  /** A recording on its way to the server, or there. */
+  parcel: { id: number; name: string; got: number; size: number } | null;
   variants: Named[];
   revisions: (Named & { said: string })[];
   /** Which variant is drawn behind what is shown. */
   behind: number | null;
 }
 
-export const VIEWS = ["line", "speed", "change", "variants", "limits", "library", "new"] as const;
+export const VIEWS = ["line", "speed", "change", "variants", "bracket", "recording", "limits", "library", "new"] as const;
 export type View = (typeof VIEWS)[number];
 
 /** What takes long: its answer, or what of it is known so far. */
@@ -74,7 +72,7 @@ const start: Known = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
-  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, variants: [], revisions: [],
+  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [],
   behind: null,
 };
 
@@ -86,14 +84,7 @@ interface Gesture {
   want: ("curves" | "turn")[];
 }
 
-interface Sent {
-  id: number;
-  kind: "ask" | "pose";
-  commit: boolean;
-  held: boolean;
-  since: number;
-  shown: boolean;
-}
+interface Sent { id: number; kind: "ask" | "pose"; commit: boolean; held: boolean; since: number; shown: boolean }
 
 interface Waiting {
   kind: "ask" | "pose";
@@ -161,7 +152,7 @@ export class Store {
   private connected(connection: Connection): void {
     this.sent = this.next = null;
     this.commits = [];
-    this.set({ connection, jobs: {} });
+    this.set({ connection, jobs: {}, parcel: null });
     if (connection === "open") {
       const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
       this.link?.say({ type: "hello", lang });
@@ -174,15 +165,7 @@ export class Store {
         learn(m.texts);
         speak(m.lang);
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({
-          version: m.version,
-          lang: m.lang,
-          languages: m.languages,
-          quantities: m.quantities,
-          catalogue: m.catalogue,
-          profiles: m.profiles,
-          files: m.files,
-        });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -211,7 +194,10 @@ export class Store {
         this.disk(m.text, m.mark, m.conflict);
         break;
       case "refused":
-        this.set({ notice: { kind: "refused", why: m.why } });
+        this.set({ notice: { kind: "refused", why: m.why }, parcel: m.what === "bring" ? null : this.known.parcel });
+        break;
+      case "brought":
+        this.brought(m.id, m.got);
         break;
       case "kept":
         break;
@@ -246,10 +232,32 @@ export class Store {
     this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
   }
 
-  /** What a job is about: another text, argument or language is another job. */
-  about(args: object, text = this.known.history?.text): string {
-    return JSON.stringify([text, args, this.known.lang]);
+  // ------------------------------------------------------------------ a recording
+
+  private bringing: File | null = null;
+
+  /** Send a recording to the server, piece by piece, in place of the last. */
+  bring(file: File): void {
+    this.bringing = file;
+    this.ids += 1;
+    for (const job of ["recording", "life"]) this.stop(job);
+    const { recording: _, life: __, ...jobs } = this.known.jobs;
+    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size } });
+    this.link?.say({ type: "bring", id: this.ids, name: file.name.slice(-200), size: file.size });
   }
+
+  private brought(id: number, got: number): void {
+    const [file, parcel] = [this.bringing, this.known.parcel];
+    if (!file || parcel?.id !== id) return;
+    this.set({ parcel: { ...parcel, got } });
+    if (got >= file.size) return;
+    const reader = new FileReader();
+    reader.onload = () => { if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" }); };
+    reader.readAsDataURL(file.slice(got, got + 1_000_000));
+  }
+
+  /** What a job is about: another text, argument or language is another job. */
+  about(args: object, text = this.known.history?.text): string { return JSON.stringify([text, args, this.known.lang]); }
 
   /** Make the edits that a job found, once. */
   taken(job: string, edits: Edits): void {
@@ -284,9 +292,7 @@ export class Store {
     if (history && file !== null) this.link?.say({ type: "freeze", file, text: history.text, by, note });
   }
 
-  rename(k: number, name: string): void {
-    this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v)));
-  }
+  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v))); }
 
   unpin(k: number): void {
     this.lay(null);
@@ -299,9 +305,7 @@ export class Store {
     if (text !== undefined) this.work("ghost", {}, text);
   }
 
-  create(title: string, text: string): void {
-    this.link?.say({ type: "create", title, text });
-  }
+  create(title: string, text: string): void { this.link?.say({ type: "create", title, text }); }
 
   stop(job: string): void {
     const now = this.known.jobs[job];
@@ -313,9 +317,7 @@ export class Store {
     if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
   }
 
-  show(view: View): void {
-    this.set({ view });
-  }
+  show(view: View): void { this.set({ view }); }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
     const mine = this.known.history;
@@ -323,10 +325,7 @@ export class Store {
       // The server was away: what is on the page is newer than any draft.
       this.rejoining = false;
       const { now, conflict } = History.onDisk({ ...mine, saved: mine.saved }, m.saved, m.mark);
-      this.set({
-        history: now,
-        notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice,
-      });
+      this.set({ history: now, notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice });
       this.ask({ text: now.text });
       return;
     }
@@ -351,7 +350,7 @@ export class Store {
       selected: null,
       order: [],
       held: null,
-      jobs: {},
+      jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
       variants: m.variants,
       revisions: m.revisions,
       behind: null,
@@ -384,12 +383,7 @@ export class Store {
   // ------------------------------------------------------------------ questions
 
   private ask(question: Question, how: { commit?: boolean; since?: number } = {}): void {
-    this.put({
-      kind: "ask",
-      question: { pose: this.known.asked, ...question },
-      commit: how.commit ?? false,
-      since: how.since ?? performance.now(),
-    });
+    this.put({ kind: "ask", question: { pose: this.known.asked, ...question }, commit: how.commit ?? false, since: how.since ?? performance.now() });
   }
 
   private put(waiting: Waiting): void {
@@ -528,9 +522,7 @@ export class Store {
     this.keep();
   }
 
-  type(text: string, merge: boolean): void {
-    if (this.known.history) this.now(History.edited(this.known.history, text, merge));
-  }
+  type(text: string, merge: boolean): void { if (this.known.history) this.now(History.edited(this.known.history, text, merge)); }
 
   undo(): void {
     this.pending?.();
@@ -575,9 +567,7 @@ export class Store {
     this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
   }
 
-  dismiss(): void {
-    this.set({ notice: null });
-  }
+  dismiss(): void { this.set({ notice: null }); }
 
   // ------------------------------------------------------------------ what is looked at
 
@@ -651,9 +641,7 @@ export class Store {
 export function worst(row: Row): number {
   let found = Infinity;
   row.grades.forEach((of, s) =>
-    of.forEach((grade, p) => {
-      if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade);
-    }),
+    of.forEach((grade, p) => { if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade); }),
   );
   return found;
 }

@@ -2,9 +2,7 @@
 
 let texts: Record<string, string> = {};
 
-export function learn(all: Record<string, string>): void {
-  texts = all;
-}
+export function learn(all: Record<string, string>): void { texts = all; }
 
 export function t(said: string, values?: Record<string, string | number>): string {
   const found = texts[said] ?? said;

@@ -4,12 +4,7 @@ import type { Catalogue, Edits, Explained, Full, Help, Kind, Live, Named, Point,
 
 export type * from "../made/types";
 
-interface Answered {
-  id: number;
-  text: string;
-  problems?: Problem[];
-  fault?: string;
-}
+interface Answered { id: number; text: string; problems?: Problem[]; fault?: string }
 
 export type Told =
   | {
@@ -43,30 +38,14 @@ export type Told =
   | ({ type: "helped"; helps?: Help[] } & Answered)
   | { type: "part"; id: number; job: string; part: object }
   | { type: "done"; id: number; job: string; fault?: string; problems?: Problem[] }
+  | { type: "brought"; id: number; name: string; got: number; size: number }
   | { type: "kept"; file: number }
   | { type: "saved"; file: number; mark: string; text: string }
   | { type: "disk"; file: number; text: string; mark: string; conflict: boolean }
   | { type: "refused"; what: string; file: number; why: string };
 
-export interface Drag {
-  kind: Kind;
-  number: number;
-  line: string;
-  by_mm: Point;
-}
+export interface Drag { kind: Kind; number: number; line: string; by_mm: Point }
 
-export interface PoseAsked {
-  line?: number;
-  state?: number;
-  travel_mm?: number;
-  torque_Nm?: number;
-}
+export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number }
 
-export interface Question {
-  text: string;
-  drag?: Drag;
-  edits?: Edits;
-  held?: boolean;
-  pose?: PoseAsked;
-  want?: ("curves" | "turn")[];
-}
+export interface Question { text: string; drag?: Drag; edits?: Edits; held?: boolean; pose?: PoseAsked; want?: ("curves" | "turn")[] }

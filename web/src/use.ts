@@ -109,14 +109,7 @@ export function useHand(of: {
         return;
       }
       const size = e.shiftKey ? STEPS.fine : STEPS.one;
-      const by: Record<string, [number, number]> = {
-        ArrowUp: [0, size],
-        ArrowDown: [0, -size],
-        ArrowRight: [size, 0],
-        ArrowLeft: [-size, 0],
-        PageUp: [0, STEPS.page],
-        PageDown: [0, -STEPS.page],
-      };
+      const by: Record<string, [number, number]> = { ArrowUp: [0, size], ArrowDown: [0, -size], ArrowRight: [size, 0], ArrowLeft: [-size, 0], PageUp: [0, STEPS.page], PageDown: [0, -STEPS.page] };
       const step = by[e.key];
       if (e.key === "Enter") rest();
       if (!step || e.ctrlKey || e.metaKey || e.altKey) return;

@@ -26,13 +26,7 @@ export interface Page {
 const all = (laid: Laid): Point[] => [...laid.joints, ...laid.ends];
 
 /** A page in which everything of a line has room, exaggerated across as far as that goes. */
-export function page(
-  line: Line,
-  obstacles: Obstacle[],
-  view: View,
-  width: number,
-  tallest: number,
-): Page {
+export function page(line: Line, obstacles: Obstacle[], view: View, width: number, tallest: number): Page {
   const c = ACROSS[view];
   const points = [line.installed, ...line.states].flatMap(all);
   const along = points.map((p) => p[0]);
@@ -55,14 +49,7 @@ export function page(
   const height = Math.max((high - low) * scale * times, 60) + TOP + BOTTOM;
   const spare = (height - TOP - BOTTOM) / (scale * times) - (high - low);
   const floor = low - spare / 2;
-  return {
-    width,
-    height,
-    scale,
-    times,
-    x: (v) => LEFT + (v - start) * scale,
-    y: (v) => height - BOTTOM - (v - floor) * scale * times,
-  };
+  return { width, height, scale, times, x: (v) => LEFT + (v - start) * scale, y: (v) => height - BOTTOM - (v - floor) * scale * times };
 }
 
 /** Pixels that a hand moved, as millimetres along and up, in tenths. */

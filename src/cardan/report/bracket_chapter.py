@@ -53,6 +53,13 @@ def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
     NotInstalled
         Without matplotlib.
     """
+    assert found.answer is not None  # of a study that answered
+    yield from told(found, say)
+    yield _picture(found.answer, say)
+
+
+def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
+    """Yield what a study of a bracket found, but for the picture of its stress."""
     of = found.answer
     assert of is not None  # of a study that answered
     yield Text(paragraphs=(say("The bracket of bearing {bearing}", bearing=of.bracket.bearing),))
@@ -74,7 +81,6 @@ def chapter(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
             yield _damage(v, say)
     yield Figures(figures=tuple(figures(of, say)))
     yield Text(paragraphs=tuple(_notes(of, say)))
-    yield _picture(of, say)
 
 
 def _compared(of: BracketAnswer, say: Language) -> Table:

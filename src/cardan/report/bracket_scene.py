@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -14,7 +15,7 @@ from cardan.report.language import EN, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
-from cardan.study.bracket_judge import Judged
+from cardan.study.bracket_judge import Judged, Outcome
 from cardan.study.finding import BRACKET
 
 
@@ -40,7 +41,7 @@ def scene(of: BracketAnswer, *, say: Language = EN) -> str:
     Drag to turn, wheel to zoom; the deformation runs from none to plenty.
     """
     data = {
-        "variants": [_variant(v, say) for v in of.variants],
+        "variants": [variant(v, v.outcomes, say) for v in of.variants],
         "words": {
             "none": say("This browser shows no WebGL."),
             "scale": say("blue 0 to red {top} MPa, von Mises", top="@"),
@@ -55,14 +56,19 @@ def scene(of: BracketAnswer, *, say: Language = EN) -> str:
     return fragment.replace("@DATA@", packed)
 
 
-def _variant(v: Judged, say: Language) -> dict[str, Any]:
+def variant(v: Judged, outcomes: Sequence[Outcome], say: Language) -> dict[str, Any]:
+    """Return a variant's surface, m, with what some cases do to it when they peak.
+
+    Arrays are packed: bytes of little-endian numbers of four bytes, in base64. Displacements `u`
+    are in m, stresses `s` in MPa, `faces` are triangles of places among the points.
+    """
     nodes = v.solved.nodes
     kept = nodes.surface
     place = np.full(len(nodes.points), -1, dtype=np.int64)
     place[kept] = np.arange(len(kept))
     corners = nodes.faces[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
     cases: list[dict[str, Any]] = []
-    for o in v.outcomes:
+    for o in outcomes:
         u, mises = peak_fields(v, o)
         cases.append({
             "name": say.occasion(o.case.when),

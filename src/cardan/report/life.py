@@ -17,7 +17,7 @@ from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
-from cardan.report import identified, used
+from cardan.report import identified, otherwise, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns, headline, table, without_answer
@@ -56,6 +56,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
                 "undecided": e.undecided,
                 "damage_recorded": _number(e.recorded),
                 "damage_without": _number(e.without),
+                **({"why": str(e.why)} if e.why is not None else {}),
             }
             for e in of.effects
         ],
@@ -64,6 +65,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "power_above_0.4_rate": of.fast,
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
+        "doubts": [str(d) for d in of.doubts],
     }
 
 
@@ -149,6 +151,11 @@ def _more(of: Heard) -> dict[str, Any]:
     """Return what a recording was asked beyond damage and cause."""
     return {
         **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
+        **(
+            {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
+            if of.otherwise
+            else {}
+        ),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         **({"changed": identified.promises(of.promised)} if of.promised else {}),
     }
@@ -424,6 +431,8 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
     """Yield what a recording was asked beyond damage and cause as lines of text."""
     for one in of.used:
         yield from used.lines(one, say)
+    for one in of.otherwise:
+        yield from otherwise.lines(one, say)
     if of.identification is not None:
         yield ""
         yield from identified.lines(of.identification, say)
@@ -591,7 +600,12 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         yield say("{gauge}: said nothing, so its life is not known", gauge=name)
         return
     for e in of.effects:
-        if e.kind not in (HOLE, FREEZE):
+        if e.why is not None:
+            yield say(
+                "{gauge}: {kind} ({state}): {why}", gauge=name, kind=say(e.kind),
+                state=say("undecided") if e.undecided else say("decided"), why=say.said(e.why),
+            )  # fmt: skip
+        elif e.kind not in (HOLE, FREEZE):
             yield say(
                 "{gauge}: {kind} ({count}, {state}): damage {recorded} as recorded, {without} "
                 "without",
@@ -599,6 +613,8 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
                 state=say("undecided") if e.undecided else say("decided"),
                 recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
             )  # fmt: skip
+    for doubt in of.doubts:
+        yield say("{gauge}: doubt: {doubt}", gauge=name, doubt=say.said(doubt))
     if of.share < 0.9999:
         yield say(
             "{gauge}: alive for {share} of the time; its life is told of that time",

@@ -1,17 +1,18 @@
 """What may be moved of a line, and what the line does when it is: many variants at a time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand, demand, resolve
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Adjustable, Application
 from cardan.model.layout import Layout
-from cardan.model.movable import MOVABLES, Moved
+from cardan.model.movable import MOVABLES, Moved, movable
 from cardan.model.parts import CentreBearing
 from cardan.quantity.response import Response, respond
 
@@ -49,6 +50,13 @@ def adjustables(response: Response) -> tuple[Adjustable, ...]:
         if not m.fitted and (response.line.measured or m.key in UNMEASURED)
         for k in range(1, m.count(response.line) + 1)
     )
+
+
+def movables(response: Response) -> tuple[Adjustable, ...]:
+    """Return everything that can be moved in a line: as far as its file allows, or by practice."""
+    name = response.line.name
+    said = {(a.what, a.part): a for a in response.application.adjustables if a.line == name}
+    return tuple(said.get((a.what, a.part), a) for a in movable([response.line]).values())
 
 
 def fitted(response: Response) -> tuple[Adjustable, ...]:

@@ -37,7 +37,7 @@ from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
 from cardan.study.ride import Reach, reach, ride
 from cardan.study.sensitivity import sensitivities
-from cardan.web import changes, guides, library, limits, script, speeds
+from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
 
@@ -109,7 +109,7 @@ def _live(read: Document, question: Json, say: Language) -> Json:
     app = read.application
     held = bool(question.get("held"))
     lines = [_line(r, None if held else read.manuscript, say) for r in read.responses]
-    rows = [row for r in read.responses for row in _rows(r, AT_ONCE, say)]
+    rows = [row for r in read.responses for row in _rows(r, AT_ONCE, say, pointed=not held)]
     grades = {g for row in rows for s in row["grades"] for g in s if g is not None}
     return {
         "title": app.title,
@@ -218,6 +218,9 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 _LONG = {
+    "recording": heard.brought,
+    "life": heard.lived,
+    "bracket": seated.seated,
     "library": library.status,
     "report": library.report,
     "script": script.script,
@@ -343,14 +346,16 @@ def _obstacle(o: Any) -> Json:
 # --------------------------------------------------------------------------- limits
 
 
-def _rows(r: Response, quantities: frozenset[str], say: Language) -> Iterator[Json]:
-    """Yield each limit of a line with its values, (states, parts)."""
+def _rows(
+    r: Response, quantities: frozenset[str], say: Language, *, pointed: bool = True
+) -> Iterator[Json]:
+    """Yield each limit of a line with its values, (states, parts), and where each was found."""
     for k, a in enumerate(asked(r, quantities=quantities)):
         if a.may.any():
-            yield _row(r, a, k, say)
+            yield _row(r, a, k, say, pointed=pointed and a.spots is not None)
 
 
-def _row(r: Response, a: Asked, k: int, say: Language) -> Json:
+def _row(r: Response, a: Asked, k: int, say: Language, *, pointed: bool) -> Json:
     q, limit = QUANTITIES[a.limit.quantity], a.limit
     known = ~np.isnan(a.values)
     grades = np.where(known, limit.grades(a.values), -1)
@@ -362,7 +367,7 @@ def _row(r: Response, a: Asked, k: int, say: Language) -> Json:
         "values": [[g(v) for v in row] for row in (a.values / q.factor).tolist()],
         "margins": [[g(v) for v in row] for row in margins.tolist()],
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
-        **({"points": _points(r, a, say)} if a.spots is not None else {}),
+        **({"points": _points(r, a, say)} if pointed else {}),
     }
 
 

@@ -1,35 +1,45 @@
 """What to change: corrections, maps of two moves, and what remains where moves scatter."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections import Counter
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cardan.base.verdict import GRADES
+from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.errors import CardanError
+from cardan.base.verdict import GRADES, VERDICTS, Unanswered
 from cardan.files.placing import Changes, mounted, phased, placed
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
+from cardan.model.movable import movable as names_of
+from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
 from cardan.report.wording import badness, movable, move
 from cardan.study.fix import Proposal, fix
-from cardan.study.maps import Outcomes, field, movables, outcomes, scattered, share
-from cardan.study.moves import Move, adjustables, corrected
+from cardan.study.moves import Move, adjustables, corrected, movables
+from cardan.study.reduce import MAY, wilson
+from cardan.study.sweep import CHUNK, NOTHING, Answers, Bench, Spread, variants_of, verdicts
 from cardan.web.document import Document, Json, Tell, f, fs, g, other
 
 SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
 """Quantities that are sought over all operating points: a later answer than the others."""
 AT_ONCE = frozenset(ANSWERED) - SOUGHT
 
-LEVELS = (9, 17, 33)
-"""Cells along each side of a map, as it gets finer."""
+CELLS, PATIENT = 33, 13
+"""Cells along each side of a map, and where bearing forces are sought in every cell."""
 
-PATIENT = (9, 13)
-"""The same where bearing forces are sought over all points in every cell."""
+STEPS = (4, 2, 1)
+"""A map is told as it gets finer: every fourth cell of its rows and columns first."""
 
 BATCH = 128
 """Cases of a yield that are told at a time."""
+
+SURE = 0.95
+"""How sure the interval is that a yield is told with."""
+
+FAIL, INCOMPLETE = VERDICTS.index("fail"), VERDICTS.index("incomplete")
 
 
 def edits(read: Document, line: str, moves: Sequence[Move]) -> Changes:
@@ -81,12 +91,12 @@ def _response(read: Document, args: Json) -> Response:
 def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return corrections of a line with what each moves, gives, and would edit."""
     r = _response(read, args)
-    tell({"doing": say("looking for corrections"), "done": 0, "of": 1})
+    tell({"doing": say("looking for corrections")})
     free = {_id(a) for a in adjustables(r)}
     hold = [name for name in args.get("hold", []) if name in free]
     found = fix(
         read.application, line=r.line.name, hold=hold, count=6,
-        tell=lambda done, of: tell({"done": done, "of": of}),
+        tell=lambda done, of: tell({"done": done, "of": of} if of > 1 else {}),
     )  # fmt: skip
     return {
         "line": r.line.name,
@@ -108,49 +118,130 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
     }
 
 
+# --------------------------------------------------------------------------- variants
+
+
+def _bench(read: Document, *, sought: bool, **study: dict[str, Spread]) -> Bench:
+    """Return where variants of a document are asked, of all its lines."""
+    limits = () if sought else tuple(k for k in ANSWERED if k in AT_ONCE)
+    try:
+        return Bench.of(read.application, variants_of(**study, ask=Ask(limits=limits)))
+    except ValueError as error:
+        raise CardanError(str(error)) from None
+
+
+def _names(read: Document) -> dict[tuple[str, str, int], str]:
+    """Return what a study calls things that move, by line, kind and part."""
+    every = names_of(i.line for i in read.application.lines)
+    return {(a.line, a.what, a.part): name for name, a in every.items()}
+
+
+def _elsewhere(bench: Bench) -> list[Unanswered]:
+    """Return what is required, has no answer as it stands, and is not asked of variants."""
+    mine = {(line, limit.quantity) for line, limit in bench.limits}
+    missed = bench.installed.coverage.missed
+    return [u for u in missed if (u.line, u.quantity) not in mine]
+
+
+def _limits(bench: Bench, say: Language) -> list[str]:
+    several = len(bench.application.lines) > 1
+    return [
+        say.list(line if several else "", say.name(limit.quantity)) for line, limit in bench.limits
+    ]
+
+
 # --------------------------------------------------------------------------- maps
 
 
 def surface(read: Document, args: Json, say: Language, tell: Tell) -> Json:
-    """Return the worst limit over a field of two moves; coarse maps are told before."""
+    """Return what all lines come to over a field of two moves; coarse maps are told before."""
     r = _response(read, args)
-    every = {_id(a): a for a in movables(r)}
-    names = [args.get(key, "") for key in ("x", "y")]
-    known = [every[n] for n in names if n in every]
-    pair = known if len(known) == 2 and names[0] != names[1] else list(every.values())[:2]
+    every = {_id(a): a for a in movables(r) if a.low < a.high}
+    ids = [args.get(key, "") for key in ("x", "y")]
+    known = [every[n] for n in ids if n in every]
+    pair = known if len(known) == 2 and ids[0] != ids[1] else list(every.values())[:2]
     if len(pair) < 2:
         return {"x": None, "y": None}
     sought = args.get("sought") is True
-    levels = PATIENT if sought else LEVELS
+    count = PATIENT if sought else CELLS
+    called = _names(read)
+    bench = _bench(read, sought=sought, vary={
+        called[a.line, a.what, a.part]: {"grid": [a.low / m.worth, a.high / m.worth, count]}
+        for a in pair for m in (MOVABLES[a.what],)
+    })  # fmt: skip
+    cells = _Cells(bench, say)
+    place = np.arange(count * count).reshape(count, count)  # the first varies fastest
     found: Json = {}
-    for k, count in enumerate(levels):
-        found = _map(r, pair, count, sought=sought, say=say)
-        if k + 1 < len(levels):
-            tell({"map": found, "done": k + 1, "of": len(levels)})
+    for step in STEPS:
+        wanted = place[::step, ::step]
+        cells.ask(wanted.ravel(), lambda done: tell({"done": done, "of": count * count}))
+        found = {
+            **{
+                key: {
+                    "id": _id(a), "said": name(a, say), "unit": MOVABLES[a.what].unit,
+                    "values": fs(cells.inputs[at, k], 3),
+                }
+                for k, (key, a, at) in enumerate(
+                    (("x", pair[0], wanted[0]), ("y", pair[1], wanted[:, 0]))
+                )
+            },
+            "sought": sought,
+            **cells.told(wanted),
+        }  # fmt: skip
+        if step > 1:
+            tell({"map": found})
     return found
 
 
-def _map(r: Response, pair: list[Adjustable], count: int, *, sought: bool, say: Language) -> Json:
-    across, up = pair
-    amounts = field(across, up, count)
-    got = outcomes(r, (across, up), amounts, quantities=AT_ONCE)
-    if sought:
-        got = got.beside(outcomes(r, (across, up), amounts, quantities=SOUGHT))
-    names = [say.name(m.quantity) for m in got.limits]
-    return {
-        **{
-            key: {
-                "id": _id(a), "said": name(a, say), "unit": MOVABLES[a.what].unit,
-                "values": fs(np.linspace(a.low, a.high, count) / MOVABLES[a.what].worth, 3),
-            }
-            for key, a in (("x", across), ("y", up))
-        },
-        "sought": sought,
-        "grades": got.grade.reshape(count, count).tolist(),
-        "margins": fs(got.margin.reshape(count, count), 4),
-        "decides": got.decides.reshape(count, count).tolist(),
-        "names": names,
-    }  # fmt: skip
+class _Cells:
+    """Cells of a map, each asked once."""
+
+    def __init__(self, bench: Bench, say: Language) -> None:
+        self.bench, self.say = bench, say
+        whole = bench.whole(1)
+        self.inputs = bench.drawing.values(0, whole)
+        self.elsewhere = _elsewhere(bench)
+        self.names = [*_limits(bench, say), *(say.name(u.quantity) for u in self.elsewhere[:1])]
+        self.verdict = np.full(whole, -1)
+        self.margin = np.full(whole, np.nan)
+        self.decides = np.full(whole, -1)
+
+    def ask(self, places: IntArray, tell: Callable[[int], None]) -> None:
+        """Ask the cells that have no answer yet."""
+        new = places[self.verdict[places] < 0]
+        for first in range(0, new.size, CHUNK):
+            tell(int((self.verdict >= 0).sum()))
+            at = new[first : first + CHUNK]
+            self._enter(at, self.bench.ask(self.inputs[at]))
+
+    def _enter(self, at: IntArray, a: Answers) -> None:
+        self.verdict[at] = verdicts(a, elsewhere=bool(self.elsewhere))
+        worst = np.array([*map(VERDICTS.index, GRADES), NOTHING])[a.grades]  # the last: nothing
+        worst = np.where(a.missed, np.maximum(worst, INCOMPLETE), worst)
+        left = np.nan_to_num(a.margins, nan=np.inf)
+        among = np.where(worst == worst.max(axis=0), left, np.inf)
+        decides = np.where(np.isinf(among).all(axis=0), worst.argmax(axis=0), among.argmin(axis=0))
+        self.margin[at] = np.take_along_axis(a.margins, decides[None], axis=0)[0]
+        if self.elsewhere:
+            decides[worst.max(axis=0) < INCOMPLETE] = len(a.grades)
+        self.decides[at] = decides
+        for k in at[a.refused].tolist():  # each says for itself why it cannot exist
+            self.decides[k] = self._named(self.bench.ask(self.inputs[[k]]).why)
+
+    def _named(self, why: str) -> int:
+        said = self.say("cannot be built: {why}", why=self.say.error(why))
+        if said not in self.names:
+            self.names.append(said)
+        return self.names.index(said)
+
+    def told(self, wanted: IntArray) -> Json:
+        """Return some of the cells, as rows and columns."""
+        return {
+            "verdicts": self.verdict[wanted].tolist(),
+            "margins": fs(self.margin[wanted], 4),
+            "decides": self.decides[wanted].tolist(),
+            "names": list(self.names),
+        }
 
 
 def moved(read: Document, args: Json, _: Language, __: Tell) -> Json:
@@ -171,46 +262,50 @@ def moved(read: Document, args: Json, _: Language, __: Tell) -> Json:
 def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return the share that may be built where moves scatter, told as it becomes surer."""
     r = _response(read, args)
-    every = {_id(a): a for a in movables(r)}
-    rows = [row for row in args.get("sigmas", []) if row["id"] in every and row["amount"] > 0]
-    if not rows:
+    every, called = {_id(a): a for a in movables(r)}, _names(read)
+    sigmas: dict[str, Spread] = {
+        called[a.line, a.what, a.part]: {"normal": row["amount"]}
+        for row in args.get("sigmas", [])
+        if (a := every.get(row["id"])) and row["amount"] > 0
+    }
+    if not sigmas:
         return {"count": 0}
-    movable_ = tuple(every[row["id"]] for row in rows)
-    sigmas = [row["amount"] * MOVABLES[a.what].worth for row, a in zip(rows, movable_, strict=True)]
-    quantities = ANSWERED if args.get("sought") is True else AT_ONCE
-    count = int(args.get("count", 4096))
-    grades: list[Any] = []
-    margins: list[Any] = []
-    lost: dict[str, int] = {}
-    found: Json = {}
-    for k in range(max(1, count // BATCH)):
-        amounts = scattered(sigmas, count=BATCH, seed=k)
-        got: Outcomes = outcomes(r, movable_, amounts, quantities=quantities)
-        grades.append(got.grade)
-        margins.append(got.margin)
-        for limit, row in zip(got.limits, got.grades, strict=True):
-            name = say.name(limit.quantity)
-            lost[name] = lost.get(name, 0) + int((row == len(GRADES) - 1).sum())
-        found = _yield(np.concatenate(grades), np.concatenate(margins), lost)
-        tell({"yield": found, "done": (k + 1) * BATCH, "of": count})
-    return found
+    bench = _bench(read, sought=args.get("sought") is True, tolerances=sigmas)
+    elsewhere, limits = _elsewhere(bench), _limits(bench, say)
+    count = max(1, int(args.get("count", 4096)))
+    found: list[IntArray] = []
+    margins: list[FloatArray] = []
+    lost: Counter[str] = Counter()
+    told: Json = {}
+    for start in range(0, count, BATCH):
+        rows = bench.rows(start, min(start + BATCH, count))
+        found.append(verdicts(rows.answers, elsewhere=bool(elsewhere)))
+        margins.append(rows.margins)
+        for said, grades, missed in zip(
+            limits, rows.answers.grades, rows.answers.missed, strict=True
+        ):
+            lost[said] += int(((grades == GRADES.index("fail")) | missed).sum())
+        lost[say("cannot be built")] += int(rows.answers.refused.sum())
+        if elsewhere:
+            lost[say.name(elsewhere[0].quantity)] += rows.count
+        told = _yield(np.concatenate(found), np.concatenate(margins), lost)
+        tell({"yield": told, "done": start + rows.count, "of": count})
+    return told
 
 
-def _yield(grades: Any, margins: Any, lost: dict[str, int]) -> Json:
-    count = len(grades)
-    ends = np.linspace(-1, 1, 25)
-    bins = [np.histogram(np.clip(margins[grades == k], -1, 1), bins=ends)[0] for k in range(3)]
+def _yield(of: IntArray, margins: FloatArray, lost: Counter[str]) -> Json:
+    count, ends = of.size, np.linspace(-1, 1, 25)
+    # What cannot be built has no margin, and less than any that does.
+    left = np.clip(np.nan_to_num(margins, nan=-1.0), -1, 1)
+
+    def share(hits: int) -> list[float | None]:
+        return [f(v, 4) for v in (hits / count, *wilson(hits, count, confidence=SURE))]
+
     return {
         "count": count,
-        "shares": {
-            grade: [f(v, 4) for v in share(int((grades == k).sum()), count)]
-            for k, grade in enumerate(GRADES)
-        },
-        "yield": [f(v, 4) for v in share(int((grades < len(GRADES) - 1).sum()), count)],
-        "lost": [
-            {"name": name, "share": f(n / count, 4)}
-            for name, n in sorted(lost.items(), key=lambda item: -item[1])[:6] if n
-        ],
+        "shares": {v: share(int((of == k).sum())) for k, v in enumerate(VERDICTS)},
+        "yield": share(int((of <= MAY).sum())),
+        "lost": [{"name": said, "share": f(n / count, 4)} for said, n in lost.most_common(6) if n],
         "margins": fs((ends[1:] + ends[:-1]) / 2, 3),
-        "cases": [b.tolist() for b in bins],
-    }  # fmt: skip
+        "cases": [np.histogram(left[of == k], bins=ends)[0].tolist() for k in range(len(VERDICTS))],
+    }

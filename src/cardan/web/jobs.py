@@ -98,6 +98,18 @@ def _names(said: Json, key: str) -> list[str]:
     return [text({key: name}, key, 60) for name in names]
 
 
+def _words(said: Json, key: str) -> list[str]:
+    """Return what is said of a recording: channels, and rules of what looks wrong in them."""
+    rows = said[key]
+    if not isinstance(rows, list) or len(rows) > 200:
+        raise Wrong
+    return [text({key: row}, key, 300) for row in rows]
+
+
+def _positive(said: Json, key: str) -> float | None:
+    return None if said[key] is None else number(said[key], most=1e12)
+
+
 def _truth(said: Json, key: str) -> bool:
     if not isinstance(said[key], bool):
         raise Wrong
@@ -150,6 +162,14 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
         "by": _typed(200),
     },
     "ghost": {},
+    "recording": {},
+    "life": {
+        **dict.fromkeys(("gauges", "mask", "accept"), _words),
+        **{key: _typed(300) for key in ("speed", "torque", "engine", "tacho", "first", "last")},
+        **{key: _typed(40) for key in ("sn", "mean_stress", "engine_orders")},
+        **dict.fromkeys(("target_hours", "ultimate_MPa"), _positive),
+    },
+    "bracket": {},
     "compare": {"variants": texts, "files": _files},
     "pasted": {**PASTED, **LINE},
 }

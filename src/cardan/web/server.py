@@ -143,7 +143,7 @@ class House:
         self.built = front() if built is None else built
         self.token = secrets.token_urlsafe(24)
         self.quick, self.slow = Lane(), Lane(patient=True)
-        self.work = Lane(JOB, patient=True)  # starts when it is first asked
+        self.work = Lane(JOB, patient=True)  # starts once a page has its verdict
         self.pages = 0
         self.transports: WeakSet[Any] = WeakSet()
         self.server: Any = None

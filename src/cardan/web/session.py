@@ -6,6 +6,8 @@
     ask    id, text, drag, edits, pose     live: what follows a hand; then full: the verdict
     pose   id, text, pose                  posed: where a slider has the line
     help   id, text                        helped: what would help
+    bring  id, name, size                  brought: how much of a recording has come
+    piece  at, data                        brought
     job    id, job, text, args             part: what is known so far; then done: the answer
     cancel id                              done, with a fault
     keep   file, text, mark                kept
@@ -33,6 +35,7 @@ from cardan.web import jobs, words
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.jobs import Wrong
 from cardan.web.lanes import Lane, Latest
+from cardan.web.parcel import Parcel
 
 WATCH = 1.0
 """Seconds between looks at the disk."""
@@ -70,6 +73,7 @@ class Session:
         self.socket, self.desk, self.work, self.token = socket, desk, work, token
         self.quick, self.slow = Latest(quick), Latest(slow)
         self._jobs: dict[int, asyncio.Task[None]] = {}
+        self.parcel = Parcel()
         self.lang = "en"
         self.file: int | None = None
         self._sending = asyncio.Lock()
@@ -89,6 +93,7 @@ class Session:
             for task in rest:
                 task.cancel()
             await asyncio.gather(*rest, return_exceptions=True)
+            self.parcel.close()
 
     # ------------------------------------------------------------------- what the page says
 
@@ -107,7 +112,7 @@ class Session:
             "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
             "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
             "create": self._create, "pin": self._pin, "freeze": self._freeze,
-            "job": self._start, "cancel": self._cancel,
+            "job": self._start, "cancel": self._cancel, "bring": self._bring, "piece": self._piece,
         }  # fmt: skip
         handle = heard.get(str(said.get("type")))
         if handle is None:
@@ -183,7 +188,12 @@ class Session:
             return
         question = self._question(said, job)
         question["args"] = args = jobs.arguments(job, said.get("args"))
-        if job == "library":
+        if job in ("recording", "life"):
+            if self.parcel.here is None:
+                await self._tell("done", id=question["id"], job=job, fault="nothing brought")
+                return
+            args["recording"] = self.parcel.here
+        elif job == "library":
             args |= {"folder": question["folder"], "texts": await self._texts()}
         elif files := args.pop("files", []):
             every = {row["file"]: row for row in await self._texts()}
@@ -197,6 +207,21 @@ class Session:
             raise Wrong
         task = self._jobs[number] = asyncio.create_task(self._work(question))
         task.add_done_callback(lambda _: self._jobs.pop(number, None))
+
+    async def _bring(self, said: Json) -> None:
+        why = await asyncio.to_thread(self.parcel.begin, said)
+        if why:
+            await self._tell("refused", what="bring", file=0, why=Language(self.lang).error(why))
+        else:
+            await self._tell_parcel()
+
+    async def _piece(self, said: Json) -> None:
+        await asyncio.to_thread(self.parcel.take, said)
+        await self._tell_parcel()
+
+    async def _tell_parcel(self) -> None:
+        p = self.parcel
+        await self._tell("brought", id=p.id, name=p.name, got=p.got, size=p.size)
 
     async def _texts(self) -> list[Json]:
         """Return what the files on the desk say, a draft before what is saved."""
@@ -279,6 +304,8 @@ class Session:
             question, answer = await self.slow.take()
             kind = "full" if question["job"] == "full" else "helped"
             await self._tell(kind, id=question["id"], **answer)
+            if self.work.pid is None:  # a page that has its verdict asks for a job next
+                await self.work.start()
 
     async def _watch(self) -> None:
         while True:

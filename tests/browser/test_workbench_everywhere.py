@@ -1,0 +1,184 @@
+"""Every view of the workbench, in every language, wide and on a telephone; a recording; a bracket.
+
+Needs the built page: `make browser` builds it.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from browsing import CHAIN, SETTLED, browsing, clean, opened, serious, wait, workbench
+
+from cardan.base.units import MPa
+from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report.language import CODES
+
+pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+
+VIEWS = {
+    "line": ".heat .cell", "speed": ".waterfall canvas", "change": ".map canvas",
+    "variants": ".variants, .card", "bracket": ".bracket .asking button",
+    "recording": ".drop input", "limits": ".limits li, .limits tr, .card li",
+    "library": ".library li", "new": ".guide input",
+}  # fmt: skip
+"""What stands in each view once it is there."""
+
+BRACKET = """title: Two-piece line
+speed_rpm: 2500
+torque_Nm: 8000
+driveline:
+  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
+    - {length_mm: 1500, tube: 120x4}
+bracket:
+  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 8, height_mm: 90, flange_mm: 55,
+            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+  element_mm: 25
+  cases: [{name: kerb, force_N: [0, 1000, 0]}]
+"""
+
+
+def sized(driver, width):
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500,
+    })  # fmt: skip
+
+
+def show(driver, view):
+    driver.execute_script(f"document.querySelector('[data-view={view}]').click()")
+    wait(driver, f"return document.querySelector('{VIEWS[view]}')")
+
+
+def press(driver, selector):
+    wait(driver, "return document.querySelector(arguments[0])", selector)
+    driver.execute_script("document.querySelector(arguments[0]).click()", selector)
+
+
+@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize(("width", "theme"), [(390, "dark"), (1440, "light")])
+def test_no_view_has_anything_serious_or_is_wider_than_its_screen(tmp_path, code, width, theme):
+    with browsing(500, 900) as driver, workbench(tmp_path) as (house, _):
+        sized(driver, width)
+        opened(driver, house)
+        driver.execute_script(
+            "localStorage.setItem('cardan-lang', arguments[0]);"
+            "localStorage.setItem('cardan-theme', arguments[1])", code, theme,
+        )  # fmt: skip
+        driver.refresh()
+        wait(driver, SETTLED)
+        shown = [
+            e.get_attribute("data-view")
+            for e in driver.find_elements("css selector", "[data-view]")
+        ]
+        assert sorted(shown) == sorted(VIEWS)
+        for view in shown:
+            show(driver, view)
+            wide = driver.execute_script(
+                "return [document.documentElement.scrollWidth, innerWidth]"
+            )
+            assert (view, wide[0] <= wide[1] == width) == (view, True), wide
+            assert (view, serious(driver)) == (view, [])
+        clean(driver)
+
+
+# ------------------------------------------------------------------ a recording
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Return the path of a recording with two spikes in S1, which decide its damage."""
+    made = synthetic(seconds=60, rate=400, seed=6, gains={"S1": Gains(joints=40 * MPa)}).recording
+    data = made.whole()
+    data[0, 8000:8003] += 400
+    data[0, 20000:20002] -= 300
+    head = ",".join(("time_s", *(f"{c.name} [{c.unit}]" for c in made.channels)))
+    rows = np.vstack([np.arange(data.shape[1]) / made.rate, data]).T
+    path = tmp_path / "run.csv"
+    np.savetxt(path, rows, delimiter=",", header=head, comments="", fmt="%.6g")
+    return path
+
+
+def answered(driver, *, after=""):
+    wait(
+        driver,
+        "const e = document.querySelector('.lived'); return e && !document.querySelector("
+        "'.asks progress, .asks [role=status]') && e.innerText !== arguments[0] && e.innerText",
+        after,
+    )
+    return driver.execute_script("return document.querySelector('.more .rows').textContent")
+
+
+def test_a_recording_is_dropped_its_suspects_decided_and_its_causes_told(tmp_path, run):
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select
+
+    with browsing() as driver, workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(driver, house)
+        show(driver, "recording")
+        driver.find_element("css selector", "[data-field=recording]").send_keys(str(run))
+        wait(driver, "return document.querySelectorAll('.channels li').length === 6")
+        assert driver.find_elements("css selector", ".trace .open")
+        for field, value in (("amplitude", "80"), ("cycles", "2e6"), ("slope", "5")):
+            driver.find_element("css selector", f"[data-field={field}]").send_keys(value)
+        press(driver, ".asks .asking button")
+        first = answered(driver)
+        assert "vetoed" in first
+        rule = driver.find_element("css selector", "[data-rule='S1/spike']")
+        Select(rule).select_by_value("mask")
+        assert driver.find_elements("css selector", ".trace .mask")
+        press(driver, ".asks .asking button")
+        end = time.monotonic() + 60
+        while (now := answered(driver)) == first and time.monotonic() < end:
+            time.sleep(0.1)
+        assert "vetoed" not in now
+        assert driver.find_elements("css selector", ".removed rect")
+        field = driver.find_element("css selector", ".field canvas")
+        told = driver.execute_script("return document.querySelector('.field p').innerText")
+        field.send_keys(Keys.ARROW_UP, Keys.ARROW_RIGHT)
+        wait(driver, "return document.querySelector('.field p').innerText !== arguments[0]", told)
+        driver.execute_script(
+            "document.querySelectorAll('details').forEach(d => { d.open = true })"
+        )
+        assert serious(driver) == []
+        clean(driver)
+        # What no reader knows is said, and the page stays.
+        (tmp_path / "run.xyz").write_text("1")
+        driver.find_element("css selector", "[data-field=recording]").send_keys(
+            str(tmp_path / "run.xyz")
+        )
+        wait(driver, "return document.querySelector('.notice.fail')?.innerText.includes('.xyz')")
+
+
+# ------------------------------------------------------------------ a bracket
+
+
+@pytest.mark.bracket
+def test_a_bracket_is_solved_turned_and_its_zones_marked(tmp_path):
+    pytest.importorskip("ngsolve")
+    with browsing(deep=True) as driver, workbench(tmp_path, BRACKET) as (house, _):
+        opened(driver, house)
+        show(driver, "bracket")
+        press(driver, ".bracket .asking button")
+        wait(driver, "return document.querySelector('.bracket [role=status]')")
+        press(driver, ".bracket .asking button")  # stopped: its process ends
+        wait(driver, "return document.querySelector('.bracket .fail')")
+        press(driver, ".bracket .asking button")
+        end = time.monotonic() + 540
+        while time.monotonic() < end and not driver.find_elements("css selector", ".zones li"):
+            time.sleep(0.5)
+        zones = driver.find_elements("css selector", ".zones li")
+        assert "MPa" in zones[0].text
+        assert driver.find_elements("css selector", ".marks canvas")
+        assert [e.text for e in driver.find_elements("css selector", ".marks span")][:1] == ["H1"]
+        top = driver.execute_script("return document.querySelector('[data-top]').innerText")
+        chips = driver.find_elements("css selector", ".chips[aria-label=case] button")
+        driver.execute_script("arguments[0].click()", chips[-1])
+        wait(driver, "return document.querySelector('[data-top]').innerText !== arguments[0]", top)
+        assert serious(driver) == []
+        clean(driver)

@@ -1,0 +1,238 @@
+"""A recording brought to the workbench: how it comes, what it holds, what it did."""
+
+import json
+import os
+from base64 import b64encode
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_web_schema import wrong
+from websockets.exceptions import ConnectionClosed
+from workbench import page, running
+
+from cardan.base.units import MPa
+from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.study.campaign import Campaign
+from cardan.study.recording import listen
+from cardan.web import parcel
+from cardan.web.answer import answer
+
+ROOT = Path(__file__).parents[2]
+TRUCK = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
+GUILTY = Gains(joints=40 * MPa, events=25 * MPa, road=4 * MPa)
+CAMPAIGN = {"gauges": ["S1", "S2"], "sn": "80,2e6,5", "speed": "shaft_speed", "torque": "torque"}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Return the path of a recording: S1 shaken by its joints, S2 not; two spikes in S2."""
+    made = synthetic(
+        seconds=90, rate=400, seed=6,
+        gains={"S1": GUILTY, "S2": Gains(joints=0.2 * MPa)},
+    ).recording  # fmt: skip
+    data = made.whole()
+    data[1, 8000:8003] += 400
+    data[1, 20000:20002] -= 300
+    head = ",".join(("time_s", *(f"{c.name} [{c.unit}]" for c in made.channels)))
+    path = tmp_path_factory.mktemp("run") / "run.csv"
+    rows = np.vstack([np.arange(data.shape[1]) / made.rate, data]).T
+    np.savetxt(path, rows, delimiter=",", header=head, comments="", fmt="%.6g")
+    return path
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("desk")
+    (folder / "truck.yaml").write_text(TRUCK, "utf-8")
+    with running(folder / "truck.yaml", folder / "drafts") as found:
+        yield found
+
+
+def job(name, path, lang="en", **args):
+    args |= {"recording": {"path": str(path), "name": path.name}}
+    question = {"job": name, "text": "", "name": "x.yaml", "folder": None, "lang": lang}
+    parts = []
+    found = answer({**question, "args": args}, parts.append)
+    assert "problems" not in found, found
+    assert parts
+    return found
+
+
+def bring(one, path, *, name=None, piece=300_000):
+    data = path.read_bytes()
+    one.say("bring", id=5, name=name or path.name, size=len(data))
+    told = one.hear("brought", "refused")
+    while told["type"] == "brought" and told["got"] < len(data):
+        some = data[told["got"] : told["got"] + piece]
+        one.say("piece", at=told["got"], data=b64encode(some).decode())
+        told = one.hear("brought")
+    return told
+
+
+def kept(folder):
+    return [p for p in folder.rglob("*") if p.is_file()]
+
+
+# ------------------------------------------------------------------ how it comes
+
+
+def test_a_recording_comes_in_pieces_is_heard_and_goes_with_the_page(
+    house, run, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(tmp_path))
+    with page(house) as one:
+        one.hello()
+        one.open()
+        told = bring(one, run, name="C:\\data\\..\\<b>run\u202e.csv")
+        assert (told["id"], told["got"]) == (5, run.stat().st_size)
+        (file,) = kept(tmp_path)
+        assert file.read_bytes() == run.read_bytes()
+        assert file.name == "recording.csv"
+        assert os.name == "nt" or file.parent.stat().st_mode & 0o077 == 0
+        one.say("job", id=6, job="recording", text="", args={})
+        told = one.hear("done")
+        assert [c["name"] for c in told["channels"]][:2] == ["S1", "S2"]
+        assert told["name"].startswith("<b>run")
+        assert "\u202e" not in told["name"]
+        assert str(tmp_path) not in json.dumps(told)
+        one.say("job", id=7, job="life", text="", args=CAMPAIGN)
+        one.hear("part")
+        one.say("cancel", id=7)
+        assert one.hear("done")["fault"] == "cancelled"
+        bring(one, run)  # in place of the first
+        assert len(kept(tmp_path)) == 1
+    with page(house) as one:  # the server has noticed that the other page went
+        one.hello()
+        one.say("job", id=1, job="recording", text="", args={})
+        assert one.hear("done")["fault"] == "nothing brought"
+    assert kept(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "why"),
+    [
+        ("run.exe", 10, "no reader for '.exe'"),
+        ("/etc/passwd", 10, "no reader for ''"),
+        ("run.csv", parcel.MOST + 1, "256 MB"),
+        ("run.csv", 0, "256 MB"),
+    ],
+)
+def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch, name, size, why):
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(tmp_path))
+    with page(house) as one:
+        one.hello()
+        one.say("bring", id=1, name=name, size=size)
+        assert why in one.hear("refused", "brought")["why"]
+        assert kept(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"at": 1, "data": "QUJD"},
+        {"at": 0, "data": "QUJDREVGR0hJSktM"},  # more than was said
+        {"at": 0, "data": "not base64!"},
+        {"at": 0, "data": ""},
+        {"at": 0, "data": "A" * (parcel.PIECE + 8)},
+        {"at": 0},
+        {"at": 0, "data": "QUJD", "before": None},  # nothing was begun
+    ],
+)
+def test_a_piece_of_another_shape_ends_the_socket(house, said):
+    with page(house) as one:
+        one.hello()
+        if "before" not in said:
+            one.say("bring", id=1, name="run.csv", size=10)
+            one.hear("brought")
+        one.say("piece", **said)
+        with pytest.raises(ConnectionClosed):
+            one.hear("brought")
+
+
+@pytest.mark.parametrize(
+    "args", [{"recording": {"path": "/etc/passwd"}}, {"path": "x"}, {"gauges": "S1"}, {"mask": [1]}]
+)
+def test_nothing_a_page_says_of_a_recording_is_a_path(house, args):
+    with page(house) as one:
+        one.hello()
+        one.say("job", id=1, job="life", text="", args=args)
+        with pytest.raises(ConnectionClosed):
+            one.hear("done")
+
+
+# ------------------------------------------------------------------ what it holds
+
+
+def test_channels_are_told_with_their_range_and_what_looks_wrong(run):
+    told = job("recording", run, lang="it")
+    assert wrong("Heard", told) == []
+    assert told["seconds"] == pytest.approx(90)
+    assert told["rate"] == 400
+    roles = {c["name"]: c["role"] for c in told["channels"]}
+    assert roles["S1"] == roles["S2"] == "gauge"
+    assert (roles["shaft_speed"], roles["torque"], roles["tacho"]) == ("speed", "torque", "tacho")
+    data = np.loadtxt(run, delimiter=",", skiprows=1)[:, 2]
+    second = told["channels"][1]
+    assert min(second["lowest"]) == pytest.approx(data.min(), rel=1e-4)
+    assert max(second["highest"]) == pytest.approx(data.max(), rel=1e-4)
+    # Each stretch of 90 samples has the smallest and largest of its own.
+    each = data.reshape(len(second["highest"]), -1)
+    assert second["highest"] == pytest.approx(each.max(axis=1), abs=1e-3)
+    assert second["lowest"] == pytest.approx(each.min(axis=1), abs=1e-3)
+    (spikes,) = [s for s in second["suspects"] if s["kind"] == "spike"]
+    assert spikes["count"] == 2
+    assert [round(a, 1) for a, _ in spikes["places"]] == [20.0, 50.0]
+    assert spikes["mask"]
+    assert spikes["said"].startswith("picco")
+
+
+# ------------------------------------------------------------------ what it did
+
+
+def test_life_and_causes_are_those_of_the_command(run):
+    told = job("life", run, **CAMPAIGN, target_hours=10.0)
+    assert wrong("Lived", told) == []
+    found = listen(run, Campaign.of(**CAMPAIGN, target_hours=10.0), draw=True)
+    heard = found.answer
+    assert [c["gauge"] for c in told["causes"]] == ["S1", "S2"]
+    for mine, theirs in zip(told["causes"], heard.causes.evidence, strict=True):
+        assert (mine["low"], mine["high"]) == pytest.approx(theirs.interval, abs=1e-4)
+        assert mine["removed"] == pytest.approx(theirs.removed, abs=1e-4)
+        assert mine["finding"] == theirs.finding
+    assert sum(s["share"] for s in told["causes"][0]["shares"]) == pytest.approx(1, abs=1e-2)
+    first = heard.pictures.order_maps[0]
+    drawn = np.array(told["orders"][0]["MPa"], dtype=float)
+    assert drawn == pytest.approx(first.amplitude.T / MPa, abs=1e-3, nan_ok=True)
+    assert drawn.shape == (len(told["orders"][0]["rpm"]) - 1, len(told["orders"][0]["order"]) - 1)
+    # The joints' order stands out of its neighbours.
+    order = np.array(told["orders"][0]["order"])
+    k = int(np.searchsorted(order, 2.0, side="right")) - 1
+    mean = np.nanmean(drawn, axis=0)
+    assert k in np.argsort(mean)[-4:]
+    tables = [b for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table"]
+    assert any(row[0] == "S1" for b in tables for row in b["rows"])
+
+
+def test_what_is_masked_and_where_it_is_cut_count(run):
+    mine = {"gauges": ["S2"], "sn": CAMPAIGN["sn"]}
+
+    def damage(**more):
+        told = job("life", run, **mine, **more)
+        rows = [b["rows"] for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table"]
+        return next(row for row in rows if row[0][0] == "S2")[0]
+
+    as_is, masked = damage(), damage(mask=["S2=spike"])
+    assert as_is[4] == "vetoed"
+    assert masked[4] != "vetoed"
+    assert float(masked[3]) < 0.5 * float(as_is[3])
+    assert damage(accept=["S2=spike"])[3] == as_is[3]
+    cut = damage(first="21", last="49,5")  # between the spikes
+    assert cut[4] != "vetoed"
+    for wrong_, why in (({"first": "x"}, "a number of seconds"), ({"gauges": ["S9"]}, "S9"),
+                        ({"first": "800"}, "no samples")):  # fmt: skip
+        question = {"job": "life", "text": "", "name": "x", "folder": None, "lang": "en"}
+        args = mine | wrong_ | {"recording": {"path": str(run), "name": "run.csv"}}
+        told = answer({**question, "args": args})
+        assert why in told["problems"][0]["message"]
+        assert str(run.parent) not in told["problems"][0]["message"]

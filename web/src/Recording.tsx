@@ -1,0 +1,182 @@
+// A recording that was dropped here: its channels, what looks wrong in them, life and causes.
+
+import { useEffect, useState } from "preact/hooks";
+import { Blocks } from "./Blocks";
+import { Field } from "./Field";
+import { fixed, number } from "./format";
+import { Asking } from "./Speed";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Channel, Heard, Lived } from "./types";
+
+type Rule = "mask" | "accept" | "";
+
+export function Recording({ known }: { known: Known }) {
+  const p = known.parcel;
+  const come = p !== null && p.got === p.size;
+  useEffect(() => { if (come) store.work("recording", {}, ""); }, [p?.id, come, known.lang]);
+  const job = known.jobs.recording as Job<Heard> | undefined;
+  const of = come ? job?.answer : null;
+  const take = (files: FileList | null | undefined): void => { if (files?.[0]) store.bring(files[0]); };
+  return (
+    <>
+      <section class="card drop" aria-labelledby="recording" onDragOver={(e) => e.preventDefault()} onDrop={(e) => { e.preventDefault(); take(e.dataTransfer?.files); }}>
+        <header>
+          <h2 id="recording">{t("Recording")}</h2>
+          <label class="pick">{t("choose a file")}<input type="file" data-field="recording" accept=".csv,.txt,.tsv,.asc,.dat,.parquet,.pq,.h5,.hdf5,.tdms,.mf4,.mdf,.wav" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
+          <span class="note">{t("or drop it here: CSV, Parquet, HDF5, TDMS, MDF or WAV, up to 256 MB; it stays on this machine")}</span>
+        </header>
+        {p && !come && <p class="note" role="status">{p.name} <progress max={p.size} value={p.got} aria-label={p.name} /></p>}
+        {job?.running && <p class="note" role="status">{t("reading …")}</p>}
+        {come && job?.why && <p class="fail">{job.why}</p>}
+        {of && <p><b>{of.name}</b>: {t("{seconds} s at {rate} Hz, {count} channels", { seconds: number(of.seconds), rate: number(of.rate), count: of.channels.length + of.left })}</p>}
+        {of?.notes.map((n) => <p key={n} class="note">{n}</p>)}
+      </section>
+      {of && p && <Asked key={p.id} of={of} known={known} />}
+    </>
+  );
+}
+
+/** The first channel of each role but gauges, of which all are. */
+const guessed = (of: Heard): Record<string, Channel["role"]> => {
+  const taken = new Set<string>();
+  return Object.fromEntries(of.channels.map((c): [string, Channel["role"]] => {
+    const free = c.role === "gauge" || (!taken.has(c.role) && !(c.role === "tacho" && of.channels.some((o) => o.role === "speed")));
+    taken.add(c.role);
+    return [c.name, free ? c.role : ""];
+  }));
+};
+
+function Asked({ of, known }: { of: Heard; known: Known }) {
+  const [roles, setRoles] = useState(() => guessed(of));
+  const [rules, setRules] = useState<Record<string, Rule>>({});
+  const [typed, type] = useState<Record<string, string>>({});
+  const value = (key: string): string => (typed[key] ?? "").trim().replace(",", ".");
+  const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
+  const gauges = of.channels.filter((c) => roles[c.name] === "gauge");
+  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.filter((s) => rules[`${c.name}/${s.kind}`] === rule).map((s) => `${c.name}=${s.kind}`));
+  const sn = ["amplitude", "cycles", "slope"].map(value);
+  const hours = Number(value("hours")) || null;
+  const args = {
+    gauges: gauges.map((c) => c.name), sn: sn.join(","), speed: named("speed"), tacho: named("tacho"), torque: named("torque"), engine: named("engine"),
+    mask: ruled("mask"), accept: ruled("accept"), first: value("first"), last: value("last"), target_hours: hours,
+  };
+  const job = known.jobs.life as Job<Lived> | undefined;
+  const words: Record<Channel["role"], string> = { gauge: t("gauge"), speed: t("shaft speed"), torque: t("shaft torque"), engine: t("engine speed"), tacho: t("tacho"), "": "–" };
+  const box = (key: string, label: string, hint = "") => (
+    <label>{label}<input data-field={key} inputMode="decimal" placeholder={hint} value={typed[key] ?? ""} onInput={(e) => type({ ...typed, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
+  );
+  const [first, last] = [Number(value("first")) || 0, Number(value("last")) || of.seconds];
+  return (
+    <div class="columns">
+      <div class="left">
+        <section class="card channels" aria-labelledby="channels">
+          <header><h2 id="channels">{t("Channels")}</h2>{of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}</header>
+          <ul>
+            {of.channels.map((c) => (
+              <li key={c.name}>
+                <p>
+                  <b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {number(c.low)} … {number(c.high)}</span>
+                  <select aria-label={t("what {channel} is", { channel: c.name })} value={roles[c.name]} onChange={(e) => setRoles({ ...roles, [c.name]: (e.currentTarget as HTMLSelectElement).value as Channel["role"] })}>
+                    {(Object.keys(words) as Channel["role"][]).map((r) => <option key={r} value={r}>{words[r]}</option>)}
+                  </select>
+                </p>
+                <Trace of={c} gauge={roles[c.name] === "gauge"} seconds={of.seconds} between={[first, last]} rules={rules} />
+                {roles[c.name] === "gauge" && c.suspects.map((s) => (
+                  <label key={s.kind} class="suspect">{s.said} × {s.count}
+                    <select data-rule={`${c.name}/${s.kind}`} value={rules[`${c.name}/${s.kind}`] ?? ""} onChange={(e) => setRules({ ...rules, [`${c.name}/${s.kind}`]: (e.currentTarget as HTMLSelectElement).value as Rule })}>
+                      <option value="">{t("undecided")}</option>
+                      {s.mask && <option value="mask">{t("mask: no part felt it")}</option>}
+                      <option value="accept">{t("accept: the part felt it")}</option>
+                    </select>
+                    <small>{s.places.slice(0, 4).map((w) => `${fixed(w[0], 2)} s`).join(", ")}{s.count > 4 && " …"}</small>
+                  </label>
+                ))}
+                {c.said.map((said) => <small key={said} class="note">{said}</small>)}
+              </li>
+            ))}
+          </ul>
+        </section>
+      </div>
+      <div class="right">
+        <section class="card asks" aria-labelledby="asks">
+          <header>
+            <h2 id="asks">{t("Life and causes")}</h2>
+            <Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || sn.some((v) => !v)} />
+          </header>
+          <fieldset class="fields"><legend class="note">{t("S-N curve at the gauge, half failed, at its knee")}</legend>{box("amplitude", t("amplitude [MPa]"))}{box("cycles", t("cycles"), "2e6")}{box("slope", t("slope"), "5")}</fieldset>
+          <fieldset class="fields"><legend class="note">{t("Segment, and what is asked of the life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), fixed(of.seconds, 0))}{box("hours", t("hours to live"))}</fieldset>
+        </section>
+        {job?.answer && <Answer of={job.answer} known={known} />}
+      </div>
+    </div>
+  );
+}
+
+/** Smallest and largest values over time, with what looks wrong, and what is left out. */
+function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boolean; seconds: number; between: [number, number]; rules: Record<string, Rule> }) {
+  const n = of.highest.length;
+  const [low, high] = [of.low ?? 0, of.high ?? 1];
+  const y = (v: number | null | undefined): string => (38 - (36 * ((v ?? low) - low)) / (high - low || 1)).toFixed(1);
+  const at = (s: number): number => (400 * s) / (seconds || 1);
+  const edge = (values: Channel["lowest"], k: number): string => `${((400 * (k + 0.5)) / n).toFixed(1)} ${y(values[k])}`;
+  const path = `M${of.highest.map((_, k) => edge(of.highest, k)).join("L")}L${of.lowest.map((_, k) => edge(of.lowest, n - 1 - k)).join("L")}Z`;
+  return (
+    <svg class="trace" viewBox="0 0 400 40" preserveAspectRatio="none" role="img" aria-label={t("{channel} over time", { channel: of.name })}>
+      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}/${s.kind}`] || "open"} x={at(a)} y={0} width={Math.max(1.5, at(b) - at(a))} height={40} />))}
+      <path d={path} />
+      <rect class="out" x={0} y={0} width={at(Math.max(0, between[0]))} height={40} /><rect class="out" x={at(between[1])} y={0} width={Math.max(0, 400 - at(between[1]))} height={40} />
+    </svg>
+  );
+}
+
+function Answer({ of, known }: { of: Lived; known: Known }) {
+  const [gauge, choose] = useState(0);
+  const [at, setAt] = useState<[number, number]>([0, 0]);
+  const map = of.orders[Math.min(gauge, of.orders.length - 1)];
+  const top = Math.max(1e-9, ...(map?.MPa.flat().map((v) => v ?? 0) ?? []));
+  const middle = (edges: number[], k: number): number => ((edges[k] ?? 0) + (edges[k + 1] ?? 0)) / 2;
+  const [r, c] = map && at[0] < map.MPa.length ? at : [0, 0];
+  return (
+    <>
+      <section class="card lived" aria-labelledby="lived">
+        <header><h2 id="lived">{of.name}</h2><b class={of.grade}>{of.verdict}</b><span class="note">{of.summary}</span></header>
+        {of.causes.length > 0 && <Removed of={of.causes} />}
+      </section>
+      {map && (
+        <section class="card" aria-labelledby="orders">
+          <header><h2 id="orders">{t("Amplitude over speed and order")}</h2></header>
+          <div class="chips" role="group" aria-label={t("gauge")}>{of.orders.map((o, k) => <button key={o.gauge} aria-pressed={o === map} onClick={() => choose(k)}>{o.gauge}</button>)}</div>
+          <Field
+            label={t("Amplitude by order and speed: choose with the arrow keys")} x={map.order} y={map.rpm} up height={260} theme={known.theme}
+            grades={map.MPa.map((row) => row.map((v) => (v === null ? null : 0)))} among={["accent"]}
+            strength={(row, k) => Math.max(0.02, 1 + Math.log10(Math.max(map.MPa[row]?.[k] ?? 0, 1e-9) / top) / 2.5)}
+            at={[r, c]} choose={(row, k) => setAt([row, k])}
+            said={`${t("order {order}", { order: number(middle(map.order, c)) })}, ${number(middle(map.rpm, r))} rpm: ${number(map.MPa[r]?.[c])} MPa`}
+          />
+          <p class="ends note"><span>0</span><span>{t("order of the shaft")} →, ↑ {number(map.rpm[0])} … {number(map.rpm.at(-1))} rpm</span><span>{number(map.order.at(-1))}</span></p>
+          <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
+        </section>
+      )}
+      {of.chapters.map((ch) => <details key={ch.title} class="card more"><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
+    </>
+  );
+}
+
+/** What would go with the joints at each gauge, with its interval of 90 %. */
+function Removed({ of }: { of: Lived["causes"] }) {
+  const x = (share: number): number => 4 + 2.9 * Math.max(-1, Math.min(101, 100 * share));
+  return (
+    <ul class="removed">
+      {of.map((c) => (
+        <li key={c.gauge}>
+          <p><b>{c.gauge}</b>: {t("{share} % of the damage would go with the joints (90 % interval {low} to {high} %): {finding}", { share: fixed(100 * c.removed, 0), low: fixed(100 * c.low, 0), high: fixed(100 * c.high, 0), finding: c.said })}</p>
+          <svg viewBox="0 0 300 14" role="img" aria-label={`${fixed(100 * c.low, 0)} … ${fixed(100 * c.high, 0)} %`}>
+            <path class="axes" d={`M${x(0)} 12H${x(1)}`} /><rect x={x(c.low)} y="3" width={Math.max(2, x(c.high) - x(c.low))} height="7" /><circle cx={x(c.removed)} cy="6.5" r="4" />
+          </svg>
+          <p class="note">{c.shares.filter((s) => (s.share ?? 0) > 0.005).sort((a, b) => (b.share ?? 0) - (a.share ?? 0)).map((s) => `${s.said} ${fixed(100 * (s.share ?? 0), 0)} %`).join(" · ")}</p>
+        </li>
+      ))}
+    </ul>
+  );
+}
