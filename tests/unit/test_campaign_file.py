@@ -157,19 +157,32 @@ def test_options_stand_in_the_file(folder):
     assert "no such file" in done.output
 
 
+def test_what_is_corrected_is_of_one_recording_identified(folder):
+    done = run("life", folder / "c.yaml", "--corrected", folder / "new.yaml")
+    assert done.exit_code == 2
+    assert "--corrected and the histories are of one recording with identify" in done.output
+    assert not (folder / "new.yaml").exists()
+    (folder / "c.yaml").write_text(CAMPAIGN + "application: none.yaml\n")
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert "none.yaml" in done.output
+
+
 def test_every_option_of_a_recording_is_a_key():
-    """But those that are of one application: what it predicts."""
+    """But what is predicted by hand."""
     from dataclasses import fields
 
     from cardan.files.campaign import CampaignTable, DriveTable, StrengthTable
     from cardan.study.campaign import Campaign
 
     keys = {*CampaignTable.keys(), *DriveTable.keys(), *StrengthTable.keys()}
-    of_applications = {"predicted", "application", "unit_stress", "state", "bearing", "identify"}
-    elsewhere = {"scale": "channels", "sn": "strength", "rate": "rate_Hz"}
-    left = {"estimate_speed", "joint_orders"}
+    elsewhere = {
+        "scale": "channels", "sn": "strength", "rate": "rate_Hz",
+        "unit_stress": "unit_stress_MPa_kN",
+    }  # fmt: skip
+    left = {"estimate_speed", "joint_orders", "predicted"}
     for f in fields(Campaign):
-        if f.name not in of_applications | left:
+        if f.name not in left:
             assert elsewhere.get(f.name, f.name) in keys, f.name
 
 

@@ -521,7 +521,7 @@ def test_every_option_is_a_field_of_the_campaign():
     from cardan.study.campaign import CHOICES, Campaign
 
     of_faces = {"recording", "json_out", "plot", "allow_outside", "lang", "quiet"}
-    of_faces |= {"corrected", "load_history", "html", "pdf"}
+    of_faces |= {"corrected", "load_history", "changed_history", "html", "pdf"}
     options = {p.name: p for p in command.params if p.name not in of_faces}
     declared = {f.name: f for f in fields(Campaign)}
     assert set(options) == set(declared)
@@ -544,3 +544,10 @@ def test_whatever_a_profile_may_ask_of_a_recording_is_answered(broken, tmp_path)
     document = json.loads(run(broken, *ONE, "--limits", tmp_path / "all.yaml", "--json").output)
     assert [c["quantity"] for c in document["checks"]] == asked
     assert document["profile"] == "all"
+
+
+def test_a_change_is_held_against_what_was_identified():
+    from cardan.study.campaign import Campaign
+
+    with pytest.raises(DesignError, match="--identify"):
+        Campaign(sn="1,1,1", changed=object())

@@ -17,14 +17,15 @@ LUMP = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Mount:
-    """Rubber (vertical, lateral) N/m, its loss factor at `at` rad/s; the bracket it sits in.
+    """Rubber (vertical, lateral) N/m, its loss factor at `at` rad/s, of both ways or of each; the
+    bracket it sits in.
 
     The bracket: kg, N/m (vertical, lateral), damping ratio; force (n+1, 3) N of the road.
     """
 
     rubber: tuple[float, float]
     loss: float
-    at: float
+    at: float | tuple[float, float]
     mass: float
     bracket: tuple[float, float]
     damping: float = 0.02
@@ -82,9 +83,9 @@ class Driving(Swinging):
         self.mbs.CreateGenericJoint(
             itemNumbers=[self.ground, house], position=list(at), constrainedAxes=[1, 0, 0, 1, 1, 1]
         )
-        for axis, rubber in zip(axes, of.rubber, strict=True):
+        for axis, rubber, at_ in zip(axes, of.rubber, np.broadcast_to(of.at, 2), strict=True):
             ends = [(house, np.zeros(3)), (self.tubes[k - 1], inside)]
-            self._spring(ends, axis, rubber, of.loss * rubber / of.at)
+            self._spring(ends, axis, rubber, of.loss * rubber / at_)
         if of.road is not None:
             self._pushed("Force", house, of.road)
         watched = []

@@ -220,6 +220,18 @@ from cardan.cli.ending import Once, kindly, leave
     type=OUT,
     help="With --identify: the force on the bearing over the recording, as CSV.",
 )
+@click.option(
+    "--changed",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="With --identify: another application, driven as the recording was; damage and life that "
+    "it promises.",
+)
+@click.option(
+    "--changed-history",
+    "changed_history",
+    type=OUT,
+    help="With --changed: the force on its bearing over the recording, as CSV.",
+)
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
 @click.option(
     "--time",
@@ -272,6 +284,8 @@ def life(
     pdf: Path | None,
     corrected: Path | None,
     load_history: Path | None,
+    changed: Path | None,
+    changed_history: Path | None,
     allow_outside: bool,
     lang: str,
     quiet: bool,
@@ -281,7 +295,8 @@ def life(
 
     A RECORDING that ends in .yaml is a campaign: a file that names recordings and says of all
     what the options say of one. Of the options only the outputs
-    --json, --html and --pdf, --lang and --quiet go with it.
+    --json, --html and --pdf, --lang and --quiet go with it, and of one that names a single
+    recording --corrected, --load-history and --changed-history.
 
     Held against --target-hours and the rows of --limits, where either is given. Exit code 0
     where every gauge passes or warns or nothing was asked, 1 where one fails or the life of
@@ -295,8 +310,9 @@ def life(
     say = Language(lang)
     if recording.suffix.lower() in (".yaml", ".yml"):
         _campaign(
-            recording, json_out=json_out, html=html, pdf=pdf, allow_outside=allow_outside, say=say,
-            quiet=quiet,
+            recording, json_out=json_out, html=html, pdf=pdf, corrected=corrected,
+            load_history=load_history, changed_history=changed_history,
+            allow_outside=allow_outside, say=say, quiet=quiet,
         )  # fmt: skip
         return
     if options["sn"] is None:
@@ -306,16 +322,19 @@ def life(
         name = "--corrected" if corrected else "--load-history"
         msg = f"{name} tells what --identify finds: ask for that too"
         raise DesignError(msg)
+    if changed_history and changed is None:
+        msg = "--changed-history is the force on the bearing of a --changed application: name one"
+        raise DesignError(msg)
     outputs = claim(
-        recording, application, options["limits"], json_out=json_out, plot=plot,
+        recording, application, changed, options["limits"], json_out=json_out, plot=plot,
         html=html, pdf=pdf, corrected=corrected, load_history=load_history,
+        changed_history=changed_history,
     )  # fmt: skip
-    predicting = (
-        read(application, None, allow_outside=allow_outside, outputs=outputs)
-        if application
-        else None
+    predicting, instead = (
+        read(path, None, allow_outside=allow_outside, outputs=outputs) if path else None
+        for path in (application, changed)
     )
-    campaign = Campaign(application=predicting, **options)
+    campaign = Campaign(application=predicting, changed=instead, **options)
     with progress(say("reading"), quiet=quiet) as line:
         found = listen(recording, campaign, line.study, draw=bool(html or pdf))
     if json_out is not None:
@@ -329,21 +348,33 @@ def life(
 
         told = story.recording(found, say=say, issue=_issue(recording, text=False))
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
-    identified = found.answer.identification if found.answer else None
-    if identified is not None and corrected is not None:
-        write(corrected, identified.text())
-    if found.answer is not None and identified is not None and load_history is not None:
-        write(load_history, _history(campaign, found.answer))
+    if found.answer is not None:
+        _write_identified(campaign, found.answer, corrected, load_history, changed_history)
     leave(verdict_on(found) or "pass")
 
 
-def _history(campaign: Any, of: Any) -> str:
-    """Return the force on the bearing over a recording as a table."""
+def _write_identified(
+    campaign: Any, of: Any, corrected: Path | None, history: Path | None, changed: Path | None
+) -> None:
+    """Write what follows from an identification, where there is one."""
+    if of.identification is None:
+        return
+    if corrected is not None:
+        write(corrected, of.identification.text())
+    if history is not None:
+        write(history, _history(campaign, of, None))
+    if changed is not None:
+        write(changed, _history(campaign, of, campaign.changed))
+
+
+def _history(campaign: Any, of: Any, application: Any) -> str:
+    """Return the force on the bearing over a recording as a table, of another line if given."""
     from cardan.study.identification import load_history
 
     time, force = load_history(
         of.identification, of.angle.rotation,
         campaign.read_torque(campaign.scaled(of.recording)), seconds=of.lives[0].quality.recorded,
+        application=application,
     )  # fmt: skip
     rows = (f"{t:.4f},{x:.4g},{y:.4g},{z:.4g}" for t, (x, y, z) in zip(time, force, strict=True))
     return "\n".join(("time_s,x_N,y_N,z_N", *rows)) + "\n"
@@ -351,6 +382,7 @@ def _history(campaign: Any, of: Any) -> str:
 
 def _campaign(
     path: Path, *, json_out: str | None, html: Path | None, pdf: Path | None,
+    corrected: Path | None, load_history: Path | None, changed_history: Path | None,
     allow_outside: bool, say: Any, quiet: bool,
 ) -> None:  # fmt: skip
     """Ask all the recordings of a campaign's file."""
@@ -359,7 +391,8 @@ def _campaign(
 
     context = click.get_current_context()
     given = click.core.ParameterSource.COMMANDLINE
-    own = {"recording", "json_out", "html", "pdf", "lang", "quiet", "allow_outside"}
+    own = {"recording", "json_out", "html", "pdf", "lang", "quiet", "allow_outside", "corrected",
+           "load_history", "changed_history"}  # fmt: skip
     beside = [
         n for n in context.params if n not in own and context.get_parameter_source(n) == given
     ]
@@ -367,7 +400,10 @@ def _campaign(
         option = beside[0].replace("_", "-")
         msg = f"--{option} is said in the campaign's file, {path.name}, not beside it"
         raise DesignError(msg)
-    claim(path, json_out=json_out, html=html, pdf=pdf)
+    claim(
+        path, json_out=json_out, html=html, pdf=pdf, corrected=corrected,
+        load_history=load_history, changed_history=changed_history,
+    )  # fmt: skip
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
             path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf)
@@ -381,7 +417,23 @@ def _campaign(
 
         told = story.campaign(found, say=say, issue=_issue(path, text=True))
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
+    if any((corrected, load_history, changed_history)):
+        _of_one(path, found.answer, corrected, load_history, changed_history)
     leave(verdict_on(found) or "pass")
+
+
+def _of_one(path: Path, mix: Any, *outputs: Path | None) -> None:
+    """Write what follows from the identification of a campaign's only recording."""
+    if len(mix.parts) != 1 or mix.parts[0][2].identification is None:
+        msg = (
+            f"--corrected and the histories are of one recording with identify: {path.name} has "
+            f"{len(mix.parts)}" + ("" if len(mix.parts) != 1 else " without it")
+        )
+        raise DesignError(msg)
+    if outputs[2] is not None and mix.campaign.changed is None:
+        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
+        raise DesignError(msg)
+    _write_identified(mix.campaign, mix.parts[0][2], *outputs)
 
 
 def _issue(path: Path, *, text: bool) -> Any:

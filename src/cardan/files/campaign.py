@@ -27,6 +27,8 @@ from cardan.border.table import (
     Whole,
     key,
 )  # fmt: skip
+from cardan.files.application import read as application
+from cardan.model.application import Application
 
 _TIME = Number(least=0, most=1e9)
 _WORDS = ListOf(Text())
@@ -195,6 +197,8 @@ class StrengthTable(Table):
         return {"sn": curve, "scatter": self.scatter, "miner": self.miner}
 
 
+_STRESS = Number(least=-1e6, most=1e6)
+_Units = Annotated[dict[str, tuple[float, ...]], MapOf(Text(), ListOf(_STRESS, least=3, most=3))]
 _Positive = Annotated[float, Number(above=0, most=1e12)]
 _Share = Annotated[float, Number(least=0, most=1)]
 
@@ -246,6 +250,18 @@ class CampaignTable(Table):
     tyre_radius_m: Annotated[float, Number(above=0, most=5)] | None = key(
         "static radius of the tyre", default=None
     )
+    application: str | None = key(
+        "an application file beside this one, whose line is under way", default=None
+    )
+    state: str = key("of it, whose geometry counts", default="gvw")
+    bearing: Annotated[int, Whole(100)] = key("its centre bearing that the gauges feel", default=1)
+    unit_stress_MPa_kN: _Units | None = key(  # noqa: N815
+        "[x, y, z] at each gauge for 1 kN of the bearing along each axis", default=None
+    )
+    identify: bool = key("whether the application's numbers are looked for", default=False)
+    changed: str | None = key(
+        "another application file beside this one, driven as the recordings were", default=None
+    )
     strain_life: Annotated[tuple[float, ...], ListOf(Number(least=-1e6, most=1e6))] = key(
         "σf' MPa, b, εf', c, perhaps K' MPa and n': life by the local strain", default=()
     )
@@ -284,10 +300,18 @@ class CampaignTable(Table):
         if not self.recordings:
             self.at("recordings").refuse("is empty", "give one file at least")
         self.differ("recordings", (drive.name for drive in self.recordings))
-        plain = {"campaign", "recordings", "strength", "channels", "engine_orders", "customer"}
+        plain = {"campaign", "recordings", "strength", "channels", "engine_orders", "customer",
+                 "unit_stress_MPa_kN"}  # fmt: skip
         options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
         options |= self.strength
         options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
+        units = self.unit_stress_MPa_kN or {}
+        options["unit_stress"] = tuple(
+            f"{name}={','.join(map(repr, axes))}" for name, axes in units.items()
+        )
+        for name in ("application", "changed"):
+            if options[name] is not None:
+                options[name] = self._application(name)
         for name in ("strain_life", "crack"):
             options[name] = ",".join(f"{k!r}" for k in options[name]) or None
         options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
@@ -297,6 +321,12 @@ class CampaignTable(Table):
             options=options,
             customer=self.customer or 0.0,
         )
+
+    def _application(self, name: str) -> Application:
+        """Return the application of a file named by a key."""
+        here = self.at(name)
+        path = here.beside(getattr(self, name))
+        return application(path, allow_outside=here.reading.allow_outside)
 
 
 def read(path: Path, *, allow_outside: bool = False) -> Campaigned:

@@ -1,15 +1,17 @@
 """What a recording says of its application: terminal and JSON."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from cardan.base.units import MPa
+from cardan.fatigue.damage import Life
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns
 from cardan.study.identification import Identification, Parameter
+from cardan.study.promise import Promised
 
 NAMES = {
     "vertical": "vertical stiffness",
@@ -106,3 +108,36 @@ def document(of: Identification) -> dict[str, Any]:
             for k, order in enumerate(of.cuts.orders)
         ],
     }
+
+
+def kept(of: Sequence[Promised], say: Language = EN) -> Iterator[str]:
+    """Yield what a changed line promises as lines of text."""
+    yield say("Driven so with the changed line")
+    yield from (f"  {line}" for line in columns(promise(of, say), words=(0,)))
+
+
+def promise(of: Sequence[Promised], say: Language) -> list[tuple[str, ...]]:
+    """Return what a changed line promises as rows, their heads first."""
+
+    def long(life: Life) -> str:
+        return say.short(life.hours, 4) if math.isfinite(life.hours) else say("no end")
+
+    head = (say("gauge"), say("damage"), say("with the change"), say("hours"),
+            say("with the change"))  # fmt: skip
+    return [head] + [
+        (p.gauge, say.short(p.recorded.damage, 4), say.short(p.changed.damage, 4),
+         long(p.recorded), long(p.changed))
+        for p in of
+    ]  # fmt: skip
+
+
+def promises(of: Sequence[Promised]) -> list[dict[str, Any]]:
+    """Return what a changed line promises as the JSON contract has it; null lasts for ever."""
+    return [
+        {
+            "gauge": p.gauge, "damage_recorded": _number(p.recorded.damage),
+            "hours_recorded": _number(p.recorded.hours), "damage": _number(p.changed.damage),
+            "hours": _number(p.changed.hours),
+        }
+        for p in of
+    ]  # fmt: skip

@@ -135,8 +135,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     of = _heard(found)
     return {
         **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
-        **_besides(of),
-        **({"identification": identified.document(of.identification)} if of.identification else {}),
+        **_more(of),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         **plain(
@@ -148,14 +147,18 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     }
 
 
-def _besides(of: Heard) -> dict[str, Any]:
-    """Return what else was asked of a recording, by gauge."""
-    found: dict[str, Any] = {}
-    if of.used:
-        found["usage"] = {u.gauge: used.document(u) for u in of.used}
-    if of.otherwise:
-        found["otherwise"] = {o.gauge: otherwise.document(o) for o in of.otherwise}
-    return found
+def _more(of: Heard) -> dict[str, Any]:
+    """Return what a recording was asked beyond damage and cause."""
+    return {
+        **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
+        **(
+            {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
+            if of.otherwise
+            else {}
+        ),
+        **({"identification": identified.document(of.identification)} if of.identification else {}),
+        **({"changed": identified.promises(of.promised)} if of.promised else {}),
+    }
 
 
 def mix_document(found: Finding[Mix]) -> dict[str, Any]:
@@ -220,7 +223,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
             {
                 "times": times,
                 **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
-                **_besides(h),
+                **_more(h),
             }
             for _, times, h in of.parts
         ],
@@ -252,10 +255,7 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
         yield from lines(
             heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes, say=say
         )
-        for one in heard.used:
-            yield from used.lines(one, say)
-        for one in heard.otherwise:
-            yield from otherwise.lines(one, say)
+        yield from _said_more(heard, say)
 
 
 def customers(of: Mix, say: Language) -> Iterator[str]:
@@ -424,6 +424,11 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
     yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes, say=say)
+    yield from _said_more(of, say)
+
+
+def _said_more(of: Heard, say: Language) -> Iterator[str]:
+    """Yield what a recording was asked beyond damage and cause as lines of text."""
     for one in of.used:
         yield from used.lines(one, say)
     for one in of.otherwise:
@@ -431,6 +436,9 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     if of.identification is not None:
         yield ""
         yield from identified.lines(of.identification, say)
+    if of.promised:
+        yield ""
+        yield from identified.kept(of.promised, say)
 
 
 def _verdict(

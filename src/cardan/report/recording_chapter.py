@@ -17,7 +17,7 @@ from cardan.report import otherwise, used
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
-from cardan.report.identified import parameter
+from cardan.report.identified import parameter, promise
 from cardan.report.language import Language
 from cardan.report.life import channels, customers, gauges, mix_rows, mix_says, shared, told, trust
 from cardan.report.svg import PALETTE, Figure, line, rect, text
@@ -77,6 +77,11 @@ def chapter(of: Heard, say: Language) -> Iterator[Block]:
     yield from otherwise.blocks(of.otherwise, say)
     if of.identification is not None:
         yield from identification(of.identification, say)
+    if of.promised:
+        head, *rows = promise(of.promised, say)
+        yield Table(
+            caption=say("Driven so with the changed line"), head=head, rows=tuple(rows), words=1
+        )
 
 
 # --------------------------------------------------------------------------- cycles

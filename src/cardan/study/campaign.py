@@ -192,6 +192,8 @@ class Campaign:
         Whether it is told when and where the damage came.
     identify
         Whether the application's numbers are looked for in the recording.
+    changed
+        Another application, driven as the recording was: what it promises.
     rate, time, group
         How the file is read.
     mask, accept
@@ -248,6 +250,7 @@ class Campaign:
     miner_scatter: float = 0.3
     usage: bool = False
     identify: bool = False
+    changed: Application | None = None
     rate: float | None = None
     time: str | None = None
     group: str = ""
@@ -312,6 +315,9 @@ class Campaign:
                 "--identify needs the --application, and with --unit-stress what its bearing does "
                 "at a gauge"
             )
+            raise DesignError(msg)
+        if self.changed is not None and not self.identify:
+            msg = "--changed is held against the line that --identify finds: ask for that too"
             raise DesignError(msg)
         if self.identify and (self.torque is None or not (self.speed or self.tacho)):
             msg = "--identify needs the shaft's --torque and a --tacho or --speed"

@@ -37,6 +37,7 @@ from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, odds, strained
+from cardan.study.promise import Promised, promised
 from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
@@ -102,6 +103,8 @@ class Heard:
         Its gauges as arrays to draw; None where nobody wants to.
     used
         When and where its gauges' damage came; none where it was not asked.
+    promised
+        What gauges would do with the changed line; none where none was given.
     otherwise
         Its gauges judged by strain, by a crack, by odds; none where it was not asked.
     """
@@ -115,6 +118,7 @@ class Heard:
     identification: Identification | None = None
     pictures: Pictures | None = None
     used: tuple[Used, ...] = ()
+    promised: tuple[Promised, ...] = ()
     otherwise: tuple[Otherwise, ...] = ()
 
 
@@ -162,11 +166,16 @@ class RecordingStudy:
         when = Occasion("recording", recording.name)
         if angle is not None and causes is not None:
             angle = _told_angle(angle, causes)
-        identified = None
+        identified, kept = None, tuple[Promised, ...]()
         if campaign.identify and angle is not None:
             identified = _identified(
                 campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
             )
+            if campaign.changed is not None:
+                kept = _promised(
+                    campaign, recording, plan, identified, angle.rotation, healths=healths,
+                    lives=lives, progress=progress,
+                )  # fmt: skip
         told = ()
         if campaign.usage and heard:
             told = _used(
@@ -194,6 +203,7 @@ class RecordingStudy:
                 identification=identified,
                 pictures=pictures,
                 used=told,
+                promised=kept,
                 otherwise=others,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
@@ -282,6 +292,8 @@ class Mix:
         Share of customers that is asked for; 0 for none.
     allowed
         Damage at failure.
+    campaign
+        What was asked of every recording.
     """
 
     title: str
@@ -290,6 +302,7 @@ class Mix:
     profile: str
     customer: float = 0.0
     allowed: float = 1.0
+    campaign: Campaign | None = None
 
     @property
     def customers(self) -> dict[str, tuple[float, float]]:
@@ -365,6 +378,7 @@ def listen_to_all(
             profile=profile,
             customer=written.customer,
             allowed=asked.allowed,
+            campaign=asked,
         ),
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
@@ -519,6 +533,23 @@ def _identified(
         units=np.stack([units[g.name] for g in gauges]), angle=angle,
         torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
         state=campaign.state, bearing=campaign.bearing,
+    )  # fmt: skip
+
+
+def _promised(
+    campaign: Campaign, recording: Recording, plan: Plan, of: Identification, rotation: Rotation,
+    *, healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+) -> tuple[Promised, ...]:  # fmt: skip
+    """Return what the changed line promises at the gauges that the line was identified by."""
+    units, changed = campaign.unit_stresses(), campaign.changed
+    assert changed is not None  # who asks looks
+    heard = [(g, one) for g, one in zip(plan.gauges, lives, strict=True) if g.name in of.gauges]
+    own = replace(plan, gauges=tuple(g for g, _ in heard))
+    stress = room.stresses(recording, plan=own, healths=healths, name="changed", progress=progress)
+    return promised(
+        of, changed, stress, rate=recording.rate, units=np.stack([units[g.name] for g, _ in heard]),
+        rotation=rotation, torque=campaign.read_torque(recording),
+        seconds=lives[0].quality.recorded, plan=own, lives=[one for _, one in heard],
     )  # fmt: skip
 
 
