@@ -201,17 +201,17 @@ r = open_recording(Path({path!r}))
 plan = Plan(gauges=tuple(direct(g, g, factor=MPa) for g in {gauges!r}),
             curve=SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).modified())
 four_point([0.0, 1.0])
-start = time.perf_counter()
+start, used = time.perf_counter(), time.process_time()
 {work}
-seconds = time.perf_counter() - start
+seconds, used = time.perf_counter() - start, time.process_time() - used
 lines = Path("/proc/self/status").read_text().splitlines()  # getrusage inherits the parent's peak
 peak = next(int(s.split()[1]) for s in lines if s.startswith("VmHWM")) / 1024
-print(json.dumps([seconds, peak, r.samples]))
+print(json.dumps([seconds, used, peak]))
 """
 
 
 def end_to_end(path):
-    """Seconds and peak memory (MB) of each kind of work, each in a process of its own."""
+    """Seconds, CPU seconds and peak MB of each kind of work, each in its own process."""
     rows = []
     for name, work in WORK.items():
         code = SETUP.format(path=str(path), gauges=GAUGES, work=work)
@@ -240,13 +240,14 @@ def main():
         size = write_recording(path, how.gigabytes)
         print(
             f"\n| {size / 1e9:.2f} GB of float32 ({path.stat().st_size / 1e9:.2f} GB as a file) "
-            "| seconds | over reading | MB/s | peak MB |"
+            "| seconds | over reading | CPU seconds | over reading | MB/s | peak MB |"
         )
-        print("|---|---|---|---|---|")
+        print("|---|---|---|---|---|---|---|")
         rows = end_to_end(path)
-        for name, seconds, peak, _ in rows:
+        for name, seconds, used, peak in rows:
             print(
                 f"| {name} | {seconds:.1f} | {seconds / rows[0][1]:.1f} "
+                f"| {used:.1f} | {used / rows[0][2]:.1f} "
                 f"| {size / 1e6 / seconds:.0f} | {peak:.0f} |"
             )
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -42,6 +42,10 @@ HAND = "verify/test_truck_by_hand.py"
 GOLDEN = "golden/test_examples.py::test_an_example_gives_the_numbers_it_gave"
 
 BASE = (
+    mutant("base/frozen.py", "if f.compare]", "]",
+           "what does not count makes parts unequal", "unit/test_frozen.py"),
+    mutant("base/small.py", "TRUSTED = 1e-9", "TRUSTED = 1e9",
+           "rows that had to be exchanged are not", "unit/test_small.py"),
     mutant("base/units.py", '"lbf_in": lbf / inch', '"lbf_in": lbf / ft',
            "pounds to the inch taken for pounds to the foot", "unit/test_units.py", "unit/test_files_application.py"),
     mutant("base/units.py", '"kNm_deg": kNm / deg', '"kNm_deg": kNm * deg',
@@ -1136,16 +1140,30 @@ RUBBER = (
         "verify/test_rubber.py",
     ),
     mutant(
-        "loads/rubber.py",
-        "solved(second - back @ above / 2,",
-        "solved(second - back @ above,",
+        "loads/sketch.py",
+        "(high + low) / 2 - middle",
+        "(high + low) - middle",
+        "points are sought on angles that bend the wrong way",
+        "unit/test_sketch.py",
+    ),
+    mutant(
+        "loads/sketch.py",
+        "for k in (0.0, 1.0, -1.0)",
+        "for k in (0.0, 1.0)",
+        "points are sought with thrust one way",
+        "unit/test_sketch.py",
+    ),
+    mutant(
+        "loads/shaken.py",
+        "own = returned(above[:, :ties]) / 2",
+        "own = returned(above[:, :ties])",
         "order 4 acts back twice",
         "verify/test_rubber.py",
     ),
     mutant(
         "loads/rubber.py",
-        "return -(pushes.mT @ bends) / 2",
-        "return (pushes.mT @ bends) / 2",
+        "return -pushes / 2, bends",
+        "return pushes / 2, bends",
         "order 2 follows the shafts the other way",
         "verify/test_rubber.py",
     ),

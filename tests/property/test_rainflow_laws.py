@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cardan.fatigue.kernel import fastest, plain
+from cardan.fatigue.kernel import fastest, gated, plain
 from cardan.fatigue.rainflow import (
     FromTo,
     discarded,
@@ -20,6 +20,7 @@ from cardan.fatigue.rainflow import (
     range_mean,
     range_pairs,
     repeating,
+    without_small,
 )
 
 whole = arrays(np.float64, st.integers(0, 60), elements=st.integers(-8, 8).map(float))
@@ -179,3 +180,24 @@ def test_discarding_the_residue_loses_the_largest_cycle():
 def test_nonsense_is_refused(bad):
     with pytest.raises(ValueError, match="must be"):
         rainflow(bad)
+
+
+@modest
+@given(st.lists(st.floats(-100, 100, width=16), min_size=1, max_size=60), st.floats(0.1, 60))
+def test_a_gate_passes_over_small_cycles_alone(values, gate):
+    """All cycles of a range above the gate close as if nothing had been left out."""
+    x = np.array(values)
+    some, every = rainflow(gated_plain(x, gate)), rainflow(x)
+
+    def large(cycles):
+        keep = cycles.range > gate
+        pairs = np.stack([cycles.top[keep], cycles.range[keep], cycles.count[keep]], -1)
+        return pairs[np.lexsort(pairs.T)]
+
+    np.testing.assert_allclose(large(some), large(every))
+    np.testing.assert_array_equal(without_small(x, gate=gate), gated_plain(x, gate))
+
+
+def gated_plain(x, gate):
+    out = np.empty(x.size + 2)
+    return out[: gated(x, gate, out)].copy()

@@ -490,7 +490,8 @@ def test_the_verdict_is_told_in_other_languages(broken, code, said):
         (("--target-hours", "0"), "target_hours of a campaign must be above 0"),
         (("--target-hours", "nan"), "target_hours of a campaign must be above 0"),
         (("--limits", "heavy-trucks"), "no limit profile of this name"),
-        (("--gauge", "S1:kPa"), "two gauges are called S1"),
+        (("--gauge", "S1"), "two gauges are called S1"),
+        (("--gauge", "S2:kPa"), "S2: the file says MPa, and it is taken for kPa"),
         (("--axle-ratio", "-4"), "axle_ratio of a campaign must be above 0"),
     ],
 )

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
-from cardan.fatigue import conditioning, response
+from cardan.fatigue import conditioning, quality, response
 from cardan.fatigue import life as room
 from cardan.fatigue.correction import fkm, goodman, uncorrected
 from cardan.fatigue.cuts import windows
@@ -74,10 +74,12 @@ def test_every_sentence_from_below_is_translated():
     below = {
         *NAMES.values(), *map(str, response.DOUBTS), *room.DOUBTS, conditioning.DEAD, *KINDS,
         conditioning.MISSING, conditioning.DRIFTS, *conditioning.SUSPECTED.values(),
+        conditioning.HUMS, *quality.IMPOSSIBLES, *quality.DOUBTS,
         response.GUILTY, response.INNOCENT, response.CANNOT_TELL,
         "half cycles", "repeating", "discarded",
     }  # fmt: skip
-    assert set(conditioning.SUSPECTED) | {"hole", "drift"} == set(KINDS)
+    of_the_whole = {"hole", "drift", "hum", "unit", "rate", "strength"}
+    assert set(conditioning.SUSPECTED) | of_the_whole == set(KINDS)
     for code in CODES[1:]:
         assert sorted(below - {text for _, text in catalogue(code)}) == []
 

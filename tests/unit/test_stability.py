@@ -456,7 +456,7 @@ def test_a_grade_the_clutch_cannot_hold_is_no_launch(truck):
     assert found.launches == ()
     ((_, why),) = found.unstarted
     assert f"the road takes {takes:.0f} N·m" in why
-    silent = {u.quantity for u in answer.unanswered if u.when.kind == "launch"}
+    silent = {u.quantity for u in answer.coverage.unanswered if u.when.kind == "launch"}
     assert silent == {"launch_peak_utilisation", "launch_reversal"}
 
 

@@ -67,6 +67,10 @@ CASES = {
     "a speed of another shaft, twice as fast": (GUILTY_ONE | {"ratio_off": 1.0}, CANNOT_TELL),
     "a speed of another shaft, half as fast": (GUILTY_ONE | {"ratio_off": -0.5}, CANNOT_TELL),
     "angles that ride on the springs": (GUILTY_ONE | {"rides": 1.5}, CANNOT_TELL),
+    "angles that ride, and a mode passed quickly": (
+        GUILTY_ONE | {"rides": 2.3, "modes": mode(40, 0.02), "fourth": 0.0, "inertia": 0.0,
+                      "seconds": 90.0, "seed": 8}, CANNOT_TELL,
+    ),
     "a GPS staircase half a second late": (
         GUILTY_ONE | {"fault": "staircase", "steps": 1.0, "late": 0.5, "seed": 7}, GUILTY,
     ),

@@ -11,10 +11,11 @@ A wrong argument in code is a plain `ValueError`.
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from cardan.base.frozen import dataclass
 
 
 class CardanError(Exception):

@@ -17,8 +17,9 @@ for a spreadsheet, which holds one in two cells: `phasor` and `pair`.
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, ClassVar, Self, TypeAlias
+
+from cardan.base.frozen import dataclass
 
 Cells: TypeAlias = str | tuple[str, str]
 """What holds a symbol in a spreadsheet, cell or formula; of a phasor real and imaginary part."""

@@ -4,8 +4,9 @@ What a user calls a thing (an obstacle, a gauge, a state) is kept apart from wha
 no name can be taken for another kind of thing.
 """
 
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
+
+from cardan.base.frozen import dataclass
 
 PartKind: TypeAlias = Literal[
     "line", "joint", "shaft", "centre bearing", "bearing", "clearance", "mode", "zone",

@@ -1,6 +1,6 @@
 """A sentence kept apart from what is filled in, so that each medium says it in its language."""
 
-from dataclasses import dataclass
+from cardan.base.frozen import dataclass
 
 
 @dataclass(frozen=True)

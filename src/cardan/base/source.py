@@ -1,6 +1,8 @@
 """Where a number comes from."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from cardan.base.frozen import dataclass
 
 HOW_READ = ("re-read", "by definition", "second hand", "from memory", "assumed")
 """How somebody came to a number, the surest first: read in the publisher's own text, true by

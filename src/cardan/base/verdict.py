@@ -1,7 +1,6 @@
 """A verdict: one demand held against one limit, with the reason for the limit."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, isnan
 from typing import Literal, TypeAlias, TypeVar
@@ -10,6 +9,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.part import Occasion, Part, Point
 from cardan.base.source import Source
 

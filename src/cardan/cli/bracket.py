@@ -21,13 +21,13 @@ from cardan.cli.common import (
     write,
     write_json,
 )
-from cardan.cli.ending import kindly, leave
+from cardan.cli.ending import Once, kindly, leave
 
 REINFORCED = "reinforced"
 """The variant that stands beside the original, in a file of its own."""
 
 
-@click.command()
+@click.command(cls=Once)
 @FILE
 @JSON
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")

@@ -7,7 +7,7 @@ import click
 
 from cardan.base.units import UNITS
 from cardan.cli.common import JSON, LANG, POSITIVE, claim, put_lines, write_json
-from cardan.cli.ending import kindly, refuse
+from cardan.cli.ending import Once, kindly, refuse
 
 
 class Measure(click.ParamType[float]):
@@ -35,7 +35,7 @@ class Measure(click.ParamType[float]):
         return float(found[1].replace(",", ".")) * worth
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument("shelf", required=False, metavar="[KIND]")
 @click.argument("words", nargs=-1, metavar="[NAME]...")
 @click.option(

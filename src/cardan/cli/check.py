@@ -22,10 +22,10 @@ from cardan.cli.common import (
     write_json,
     written,
 )
-from cardan.cli.ending import kindly, leave
+from cardan.cli.ending import Once, kindly, leave
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument(
     "files",
     nargs=-1,

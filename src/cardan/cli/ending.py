@@ -42,6 +42,20 @@ class Refused(click.ClickException):
             click.echo(f"{self.word}: {line}", file=file or sys.stderr)
 
 
+class Once(click.Command):
+    """A command that refuses an option given twice: one of the two would be passed over."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the options and arguments."""
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for option in order:
+            single = isinstance(option, click.Option) and not (option.multiple or option.count)
+            if single and order.count(option) > 1:
+                name = max(option.opts, key=len)
+                ctx.fail(f"{name} is given {order.count(option)} times; say it once")
+        return super().parse_args(ctx, args)
+
+
 def kindly(command: Command) -> Command:
     """Return a command that turns what it refuses into a message and exit code 2."""
 

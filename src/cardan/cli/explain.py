@@ -5,10 +5,10 @@ from typing import Any
 import click
 
 from cardan.cli.common import LANG, put_lines, screen
-from cardan.cli.ending import kindly, refuse
+from cardan.cli.ending import Once, kindly, refuse
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument("quantity", required=False)
 @LANG
 @kindly

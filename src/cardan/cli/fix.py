@@ -19,10 +19,10 @@ from cardan.cli.common import (
     screen,
     write_json,
 )
-from cardan.cli.ending import kindly, leave
+from cardan.cli.ending import Once, kindly, leave
 
 
-@click.command()
+@click.command(cls=Once)
 @FILE
 @JSON
 @LIMITS

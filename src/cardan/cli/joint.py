@@ -8,7 +8,7 @@ import click
 from cardan.base.errors import DesignError
 from cardan.base.units import UNITS
 from cardan.cli.common import JSON, LANG, OUT, claim, publish, put_lines, screen, write_json
-from cardan.cli.ending import kindly
+from cardan.cli.ending import Once, kindly
 
 
 class Measure(click.ParamType[float]):
@@ -29,7 +29,7 @@ class Measure(click.ParamType[float]):
             self.fail(str(error), param, ctx)
 
 
-@click.command()
+@click.command(cls=Once)
 @click.option(
     "--angle",
     required=True,

@@ -21,10 +21,10 @@ from cardan.cli.common import (
     write,
     write_json,
 )
-from cardan.cli.ending import kindly, leave
+from cardan.cli.ending import Once, kindly, leave
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument("recording", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "--gauge",
@@ -154,6 +154,50 @@ from cardan.cli.ending import kindly, leave
 @click.option("--state", default="gvw", show_default=True, help="State of the application.")
 @click.option("--bearing", type=int, default=1, show_default=True, help="Centre bearing number.")
 @click.option(
+    "--strain-life",
+    "strain_life",
+    metavar="MPa,B,STRAIN,C[,MPa,N]",
+    help="Life until a crack by the local strain, with memory: σf', b, εf', c; K' and n' "
+    "follow unless given.",
+)
+@click.option(
+    "--notch",
+    type=float,
+    help="K_t from the gauge to a notch, by Neuber; without it the gauge felt the strain itself.",
+)
+@click.option(
+    "--strain-mean",
+    "strain_mean",
+    type=click.Choice(["swt", "morrow", "none"]),
+    default="swt",
+    show_default=True,
+    help="What the mean stress of a loop does.",
+)
+@click.option(
+    "--crack",
+    metavar="MM,MM,C,M",
+    help="Growth of a crack from one length to another: C ΔK^M, m a cycle, ΔK in MPa√m.",
+)
+@click.option(
+    "--crack-threshold", type=float, default=0.0, show_default=True, help="ΔK that grows it, MPa√m."
+)
+@click.option(
+    "--crack-shape", type=float, default=1.12, show_default=True, help="Y of K = Y S √(πa)."
+)
+@click.option(
+    "--service-hours",
+    type=float,
+    help="Odds of failure in as many hours (FORM, SORM, sampled): scatter of strength, of the "
+    "damage at failure and of the gauge.",
+)
+@click.option(
+    "--miner-scatter",
+    type=float,
+    default=0.3,
+    show_default=True,
+    help="Coefficient of variation of the damage at failure.",
+)
+@click.option(
     "--usage",
     is_flag=True,
     help="Tell when and where the damage came: by gear, speed and torque, the largest stresses, "
@@ -177,20 +221,25 @@ from cardan.cli.ending import kindly, leave
     help="With --identify: the force on the bearing over the recording, as CSV.",
 )
 @click.option("--rate", type=float, help="Samples a second, above what the file says.")
-@click.option("--time", help="Name of the time column.")
+@click.option(
+    "--time",
+    metavar="NAME[:UNIT]",
+    help="Time column, its unit if the file has none.",
+)
 @click.option("--group", default="", help="HDF5 or TDMS group.")
 @click.option(
     "--mask",
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
     help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
-    "seconds, FROM..TO; take a zero-step off; may be repeated. Nothing is masked by itself.",
+    "seconds, FROM..TO; take a zero-step or hum off; may be repeated. Nothing is masked by itself.",
 )
 @click.option(
     "--accept",
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
-    help="It was what the part felt (also clip, drift); may be repeated.",
+    help="It was what the part felt (also clip, drift, hum), or is as it was said (unit, rate, "
+    "strength); may be repeated.",
 )
 @click.option(
     "--between-samples",

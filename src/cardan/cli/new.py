@@ -5,10 +5,10 @@ from pathlib import Path
 import click
 
 from cardan.cli.common import Kinds, put, write
-from cardan.cli.ending import kindly
+from cardan.cli.ending import Once, kindly
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--kind", type=Kinds(), default="truck", show_default=True,
               help="What it is about.")  # fmt: skip

@@ -6,10 +6,10 @@ from pathlib import Path
 import click
 
 from cardan.cli.common import OUT, put_json, write
-from cardan.cli.ending import kindly
+from cardan.cli.ending import Once, kindly
 
 
-@click.command()
+@click.command(cls=Once)
 @click.option("--out", type=OUT, help="Into a file.")
 @click.option("--contract", is_flag=True, help="Of what --json writes, instead.")
 @click.option("--campaign", is_flag=True, help="Of a campaign of recordings, instead.")

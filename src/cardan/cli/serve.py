@@ -7,10 +7,10 @@ import click
 
 from cardan.base.errors import NotInstalled
 from cardan.cli.common import note, put
-from cardan.cli.ending import kindly
+from cardan.cli.ending import Once, kindly
 
 
-@click.command()
+@click.command(cls=Once)
 @click.argument(
     "opened", metavar="[FILE|FOLDER]", default=".", type=click.Path(path_type=Path, exists=True)
 )

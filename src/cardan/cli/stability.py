@@ -21,10 +21,10 @@ from cardan.cli.common import (
     write,
     write_json,
 )
-from cardan.cli.ending import kindly, leave, refuse
+from cardan.cli.ending import Once, kindly, leave, refuse
 
 
-@click.command()
+@click.command(cls=Once)
 @FILE
 @JSON
 @click.option("--chart", type=OUT, help="SVG, into a file.")

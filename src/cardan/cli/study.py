@@ -26,10 +26,10 @@ from cardan.cli.common import (
     read,
     write_json,
 )
-from cardan.cli.ending import STOPPED, kindly
+from cardan.cli.ending import STOPPED, Once, kindly
 
 
-@click.command()
+@click.command(cls=Once)
 @FILE
 @click.option(
     "--study",

@@ -3,10 +3,10 @@
 import click
 
 from cardan.cli.common import JSON, claim, put_lines, screen, write_json
-from cardan.cli.ending import kindly
+from cardan.cli.ending import Once, kindly
 
 
-@click.command()
+@click.command(cls=Once)
 @JSON
 @kindly
 def verify(*, json_out: str | None) -> None:

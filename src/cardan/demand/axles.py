@@ -4,12 +4,13 @@ The vehicle stands on two groups of axles, front and rear, the wheelbase apart; 
 hands its load on to its axles in fixed shares. Auxiliary axles on air carry their own load.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats, stacked
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.units import g
 from cardan.model.vehicle import Drives, LoadState, Vehicle
 

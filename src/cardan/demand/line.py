@@ -1,11 +1,10 @@
 """A line in its vehicle, resolved once: what demand reads, and nobody looks up again."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import BoolArray
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.units import NewtonMetre, RadianPerSecond
 from cardan.demand.suspension import AT_LIMIT, OVERLOAD
 from cardan.demand.torque import DIRECT, Gears, gears, reverse_gears

@@ -1,11 +1,12 @@
 """How a line follows what carries it: axle and centre bearings move, the chain stays connected."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.model.layout import Layout, hung, joined, unit
 from cardan.model.parts import Line
 

@@ -9,13 +9,14 @@ the states last: so the numbers of a line, which come as (V, 1), stand beside al
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray
-from cardan.demand.states import Demand, demand_under, said_speed
+from cardan.base.frozen import dataclass
+from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
 
 Direction: TypeAlias = Literal["drive", "coast", "reverse", "brake"]
@@ -55,6 +56,17 @@ class Curves:
     def torque_at(self, speed: ArrayLike) -> FloatArray:
         """Return the torque at speeds (Q, C, ..., S) rad/s, N m; nan where a curve has none."""
         return _torque(np.asarray(speed, dtype=float), *self._all)
+
+    def of(self, which: IntArray) -> "Curves":
+        """Return some of the curves."""
+        return Curves(
+            gears=tuple(self.gears[k] for k in which.tolist()),
+            directions=tuple(self.directions[k] for k in which.tolist()),
+            speed=self.speed[which],
+            torque=self.torque[which],
+            most=self.most[which],
+            fastest=self.fastest[which],
+        )
 
     @property
     def _all(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -97,6 +109,52 @@ class Curves:
         return curve, x[some]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Placed:
+    """Points of a line's curves, (P, ..., S).
+
+    Attributes
+    ----------
+    curves, curve
+        The curves, and which of them each point is on.
+    speed, torque : rad/s, N m
+        nan where a curve has no such point.
+    """
+
+    curves: Curves
+    curve: IntArray
+    speed: FloatArray
+    torque: FloatArray
+
+    def turns(self, direction: Direction) -> BoolArray:
+        """Return where the line is turned in a direction."""
+        return np.array([d == direction for d in self.curves.directions])[self.curve]
+
+    def named(self, case: tuple[int, ...]) -> str:
+        """Return one of them in words, for errors."""
+        k = int(self.curve[case])
+        gear = f" in gear {self.curves.gears[k]}" if self.curves.gears[k] else ""
+        return f"{self.curves.directions[k]}{gear} with {self.torque[case]:.4g} N m"
+
+
+def placed(found: Curves, *, curve: ArrayLike, speed: ArrayLike) -> Placed:
+    """Return points of curves, by which curve each is on, (P,) or (P, ..., S), and its speed."""
+    speed = np.asarray(speed, dtype=float)
+    speed = np.broadcast_to(speed, np.broadcast_shapes(speed.shape, found.fastest.shape[1:]))
+    curve = np.asarray(curve)
+    curve = np.broadcast_to(
+        curve.reshape(*curve.shape, *(1,) * (speed.ndim - curve.ndim)), speed.shape
+    )
+
+    def picked(values: FloatArray) -> FloatArray:
+        beyond = values.ndim - found.fastest.ndim
+        return np.take_along_axis(values, curve.reshape(*curve.shape, *(1,) * beyond), axis=0)
+
+    torque = _torque(speed, *map(picked, (found.speed, found.torque, found.most, found.fastest)))
+    speed = np.where(np.isnan(torque), np.nan, speed)
+    return Placed(curves=found, curve=curve, speed=speed, torque=torque)
+
+
 def demand_at(asked: Demand, found: Curves, *, curve: ArrayLike, speed: ArrayLike) -> Demand:
     """Return what a line has to bear at points of its curves, (P, ..., S).
 
@@ -112,29 +170,16 @@ def demand_at(asked: Demand, found: Curves, *, curve: ArrayLike, speed: ArrayLik
         How fast the line turns there. Where a curve has no such speed there is no point:
         torque and speed are nan, and the layout is that of the state.
     """
-    speed = np.asarray(speed, dtype=float)
-    speed = np.broadcast_to(speed, np.broadcast_shapes(speed.shape, found.fastest.shape[1:]))
-    curve = np.asarray(curve)
-    curve = np.broadcast_to(
-        curve.reshape(*curve.shape, *(1,) * (speed.ndim - curve.ndim)), speed.shape
-    )
-    gears, directions = np.array(found.gears), np.array(found.directions)
-
-    def picked(values: FloatArray) -> FloatArray:
-        beyond = values.ndim - found.fastest.ndim
-        return np.take_along_axis(values, curve.reshape(*curve.shape, *(1,) * beyond), axis=0)
-
-    torque = _torque(speed, *map(picked, (found.speed, found.torque, found.most, found.fastest)))
-
-    def named(case: tuple[int, ...]) -> str:
-        gear = f" in gear {gears[curve[case]]}" if gears[curve[case]] else ""
-        return f"{directions[curve[case]]}{gear} with {torque[case]:.4g} N m"
-
-    turns = directions[curve]
+    at = placed(found, curve=curve, speed=speed)
     return demand_under(
-        asked, torque=torque, speed=speed,
-        coasts=turns == "coast", brakes=turns == "brake", named=named,
+        asked, torque=at.torque, speed=at.speed,
+        coasts=at.turns("coast"), brakes=at.turns("brake"), named=at.named,
     )  # fmt: skip
+
+
+def pitch_at(asked: Demand, at: Placed) -> FloatArray:
+    """Return how the axle rides at points of a line's curves, (P, ..., S) rad."""
+    return pitch_under(asked, at.torque, coasts=at.turns("coast"), brakes=at.turns("brake"))
 
 
 def _torque(

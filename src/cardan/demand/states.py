@@ -9,13 +9,14 @@ whose numbers come as (V, 1), the one before it.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError, about
+from cardan.base.frozen import dataclass
 from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
@@ -44,9 +45,11 @@ __all__ = [
     "ResolvedLine",
     "Standing",
     "demand",
+    "demand_pitched",
     "demand_under",
     "each_axle_load",
     "moved",
+    "pitch_under",
     "resolve",
     "said_speed",
 ]
@@ -240,19 +243,47 @@ def demand_under(
     The axle pitches by its torque over `windup_stiffness`, in any state in which the
     suspension places it and nobody gives its pitch; without a stiffness it stays.
     """
-    standing, T = asked.standing, np.asarray(torque, dtype=float)
-    turned = _on_axle(standing.line, T, braked=standing.braked, coasts=coasts, brakes=brakes)
-    pitch = np.where(np.isnan(T) | np.isnan(turned), np.nan, _pitch(standing.line, turned))
+    T = np.asarray(torque, dtype=float)
+    return demand_pitched(
+        asked,
+        pitch_under(asked, T, coasts=coasts, brakes=brakes),
+        torque=T,
+        speed=np.where(np.isnan(T), np.nan, speed),
+        named=named,
+    )
+
+
+def pitch_under(
+    asked: Demand, torque: FloatArray, *, coasts: ArrayLike = False, brakes: ArrayLike = False
+) -> FloatArray:
+    """Return how the axle rides under torques of its own, (P, ..., S) rad, as `demand_under`."""
+    standing = asked.standing
+    turned = _on_axle(standing.line, torque, braked=standing.braked, coasts=coasts, brakes=brakes)
+    pitch = np.where(np.isnan(torque) | np.isnan(turned), np.nan, _pitch(standing.line, turned))
     wound = np.asarray(standing.wound(pitch).pitch)
     stays = ~standing.yields | np.isnan(wound)
-    ride = replace(standing.ride, pitch=np.where(stays, asked.ride.pitch, wound))
+    return np.where(stays, asked.ride.pitch, wound)
+
+
+def demand_pitched(
+    asked: Demand,
+    pitch: FloatArray,
+    *,
+    torque: FloatArray,
+    speed: FloatArray,
+    named: Callable[[tuple[int, ...]], str] = str,
+) -> Demand:
+    """Return the demand of a torque and a speed with the axle ridden to a pitch, (P, ..., S).
+
+    See `demand_under`, which knows what pitch a torque makes.
+    """
     same = (
         "engine_torque", "slip_torque", "coast_torque", "low_gear_torque", "wheel_slip_torque",
         "travel", "axle_load", "driven_load", "suspension_frequency",
     )  # fmt: skip
-    numbers = {name: getattr(asked, name) for name in same}
-    numbers |= {"torque": T, "speed": np.where(np.isnan(T), np.nan, speed)}
-    return _demand(standing, asked.given, ride, numbers, named=named)
+    numbers = {name: getattr(asked, name) for name in same} | {"torque": torque, "speed": speed}
+    ride = replace(asked.standing.ride, pitch=pitch)
+    return _demand(asked.standing, asked.given, ride, numbers, named=named)
 
 
 def _demand(

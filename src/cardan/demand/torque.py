@@ -1,10 +1,11 @@
 """Torque and speed of a line: what the engine gives in each gear, what the tyres can hold."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats, stacked
+from cardan.base.frozen import dataclass
 from cardan.model.vehicle import Engine, Gearbox
 
 DIRECT = Gearbox(ratios=(1.0,))

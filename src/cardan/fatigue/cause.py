@@ -22,7 +22,7 @@ from cardan.fatigue.conditioning import low_pass
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import miner
 from cardan.fatigue.orders import Rotation, Split, Splitter, Tone
-from cardan.fatigue.rainflow import NONE, ResidueRule, four_point, half_cycles
+from cardan.fatigue.rainflow import NONE, ResidueRule, four_point, half_cycles, without_small
 from cardan.fatigue.strength import SNCurve
 
 LOAD, EVENTS, ROAD, REST = "load", "events", "road and wheel", "rest"
@@ -220,7 +220,7 @@ class _Tally:
         self.damage = dict.fromkeys(self.choices, 0.0)
         self.residue: dict[int, FloatArray] = dict.fromkeys(self.choices, NONE)
 
-    def add(self, parts: FloatArray) -> None:
+    def add(self, parts: FloatArray, gate: float) -> None:
         x = np.zeros(parts.shape[1])
         for k in range(parts.shape[0]):
             if self.fixed >> k & 1:
@@ -231,7 +231,8 @@ class _Tally:
                 x = x + parts[k] if choice >> k & 1 else x - parts[k]
             if not choice:
                 continue
-            cycles, self.residue[choice] = four_point(x, residue=self.residue[choice])
+            kept = without_small(x, gate=gate)
+            cycles, self.residue[choice] = four_point(kept, residue=self.residue[choice])
             self.damage[choice] += miner(cycles, curve=self.curve, correction=self.correction)
 
     def closed(self, rule: ResidueRule) -> dict[int, float]:
@@ -240,6 +241,39 @@ class _Tally:
             + miner(rule(self.residue[c]), curve=self.curve, correction=self.correction)
             for c in self.choices
         }
+
+
+PASSED_OVER = 1e-4
+"""Share of a gauge's damage that cycles may have which are passed over in choices of causes."""
+
+
+class _Whole:
+    """One channel's stress with all causes, every cycle counted."""
+
+    def __init__(self, curve: SNCurve, correction: Correction) -> None:
+        self.curve, self.correction = curve, correction
+        self.damage, self.residue = 0.0, NONE
+
+    def add(self, parts: FloatArray) -> float:
+        """Take a stretch of it (causes, n); return the range of cycles that do not count beside."""
+        x = parts.sum(0)
+        cycles, self.residue = four_point(x, residue=self.residue)
+        self.damage += miner(cycles, curve=self.curve, correction=self.correction)
+        # No choice of causes reaches beyond all of them by their sizes; nan is no size.
+        crest = float(np.nanmax(np.abs(parts).sum(0), initial=0.0))
+        if not (self.damage > 0 and crest > 0):
+            return 0.0
+        size = crest * np.geomspace(1e-4, 1, 81)
+        # As many cycles as a stretch can have, at the worst of means.
+        most = 0.5 * x.size * self.curve.damage(
+            np.maximum(self.correction(size, np.full(size.size, crest)), size)
+        )  # fmt: skip
+        harmless = size[most <= PASSED_OVER * self.damage]
+        return 2 * float(harmless[-1]) if harmless.size else 0.0
+
+    def closed(self, rule: ResidueRule) -> float:
+        left = rule(self.residue)
+        return self.damage + miner(left, curve=self.curve, correction=self.correction)
 
 
 def attribute(
@@ -273,6 +307,7 @@ def attribute(
     high = [k for k in range(G) if k >= G - 2]
     low = [k for k in range(G) if k < G - 2]
     tallies: list[list[_Tally]] = []
+    wholes: list[_Whole] = []
     own = ThreadPoolExecutor(4) if executor is None else None
     pool = executor or own
     assert pool is not None
@@ -285,8 +320,11 @@ def attribute(
                     [_Tally(f, low, curve, correction) for f in fixed]
                     for _ in range(parts.shape[1])
                 ]
+                wholes = [_Whole(curve, correction) for _ in tallies]
+            each = [np.ascontiguousarray(parts[:, c]) for c in range(len(tallies))]
+            gates = list(pool.map(_Whole.add, wholes, each))
             jobs = [
-                pool.submit(tally.add, np.ascontiguousarray(parts[:, c]))
+                pool.submit(tally.add, each[c], gates[c])
                 for c, group in enumerate(tallies)
                 for tally in group
             ]
@@ -296,11 +334,12 @@ def attribute(
         if own:
             own.shutdown()
     found: list[Attribution] = []
-    for group in tallies:
+    for group, whole in zip(tallies, wholes, strict=True):
         damage = np.zeros(1 << G)
         for tally in group:
             for choice, value in tally.closed(rule).items():
                 damage[choice] = value
+        damage[-1] = whole.closed(rule)
         found.append(Attribution(tuple(causes), damage))
     return found
 

@@ -30,6 +30,7 @@ from cardan.fatigue.fault import (
     union,
     within,
 )
+from cardan.fatigue.hum import Hum, Listener
 
 
 def overlapping(
@@ -175,6 +176,8 @@ class Health:
         Median of each span, which shows zero and drift.
     span : samples
         Length of a span.
+    hum
+        Of the mains; None without.
     """
 
     samples: int
@@ -188,6 +191,7 @@ class Health:
     short: float
     levels: FloatArray
     span: int
+    hum: Hum | None = None
 
     def at(self, kind: str) -> Places:
         """Return where one kind of fault is."""
@@ -260,12 +264,17 @@ class Health:
             )
         if self.drifts:
             found.append(said(DRIFTS, drift=f"{self.drift:.4g}"))
+        if self.hum is not None:
+            found.append(
+                said(HUMS, frequency=f"{self.hum.frequency:g}", size=f"{self.hum.amplitude:.3g}")
+            )
         return found
 
 
 DEAD = "dead: it never changes"
 MISSING = "samples missing: {samples} ({share}), longest hole {hole} s"
 DRIFTS = "drifts by {drift} from beginning to end"
+HUMS = "a steady tone of {frequency} Hz, amplitude {size}, as the mains hum"
 SUSPECTED = {
     "sentinel": "samples with a logger's number for no value: {samples}, in {places} places, the "
     "first at {first} s",
@@ -287,7 +296,7 @@ class _Survey:
 
     def __init__(self, span: int, rate: float) -> None:
         self.span, self.reach = span, reach(rate)
-        self.finder = Finder(rate)
+        self.finder, self.listener = Finder(rate), Listener(rate)
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
         self.total = self.squares = self.shift = 0.0
@@ -306,6 +315,7 @@ class _Survey:
         self.missing += x.size - known.size
         filled = bridged(padded)
         self.finder.add(padded, filled)
+        self.listener.add(filled[self.reach : padded.size - self.reach])
         self._levels(x)
         if not known.size:
             return
@@ -347,6 +357,7 @@ class _Survey:
         known = self.samples - self.missing
         mean = self.total / known if known else np.nan
         variance = self.squares / known - mean**2 if known else np.nan
+        deviation = float(np.sqrt(max(variance, 0.0)))
         if not self.swings:  # shorter than a span
             self._levels(np.empty(0), last=True)
         swings = np.concatenate(self.swings or [np.empty(0)])
@@ -364,10 +375,10 @@ class _Survey:
         return Health(
             samples=self.samples, missing=self.missing,
             low=self.low, high=self.high, mean=mean + self.shift,
-            deviation=float(np.sqrt(max(variance, 0.0))), typical=typical,
+            deviation=deviation, typical=typical,
             faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
-            levels=levels, span=self.span,
+            levels=levels, span=self.span, hum=self.listener.found(deviation=deviation),
         )  # fmt: skip
 
 
@@ -410,6 +421,8 @@ class Treatment:
         Clipped crests put back by parabolas: for an estimate, never for a verdict.
     steps
         Steps of the zero that are taken off.
+    hum
+        Of the mains, taken off; None: left.
     baseline : (spans,)
         Taken off, a level for the middle of each span, straight between; none where empty.
     span : samples
@@ -419,6 +432,7 @@ class Treatment:
     masked: IntArray = field(default_factory=lambda: NOWHERE.runs)
     crowned: Places = NOWHERE
     steps: Places = NOWHERE
+    hum: Hum | None = None
     baseline: FloatArray = field(default_factory=lambda: np.empty(0))
     span: int = 1
 
@@ -431,6 +445,8 @@ class Treatment:
             x = np.where(hidden, np.nan, x)
         if self.steps.count:
             x = x - shifts(self.steps, np.arange(start, start + x.size))
+        if self.hum is not None:
+            x = x - self.hum.at(start, x.size)
         if self.baseline.any():
             middle = (np.arange(self.baseline.size) + 0.5) * self.span
             x = x - np.interp(np.arange(start, start + x.size), middle, self.baseline)

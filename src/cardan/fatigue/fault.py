@@ -14,6 +14,10 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | freeze | one value for longer than the channel ever keeps one |
 | zero-step | the level steps from one sample to the next, and stays |
 | drift | the level creeps by more than the channel swings |
+| hum | a tone of the mains, 50 or 60 Hz, that neither speed nor load moves |
+| unit | a stress that no metal bears, or less than a gauge's noise: numbers of another unit |
+| rate | samples too seldom for what moves a driveline, or at a rate no gauge has |
+| strength | crests beyond the tensile strength that was said |
 """
 
 from collections.abc import Iterable, Mapping
@@ -25,11 +29,14 @@ from cardan.base.arrays import BoolArray, FloatArray, IntArray
 
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
 CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
-KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT)
+HUM, UNIT, RATE, STRENGTH = "hum", "unit", "rate", "strength"
+IMPOSSIBLE = (UNIT, RATE, STRENGTH)
+"""What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
+KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT, HUM, *IMPOSSIBLE)
 MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE)
 """What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
-REMOVABLE = (*MASKABLE, ZERO_STEP)
-"""What a rule can take out: of a step of the zero no hole is made, the step is taken off."""
+REMOVABLE = (*MASKABLE, ZERO_STEP, HUM)
+"""What a rule can take out: a step of the zero and hum make no hole, they are taken off."""
 
 SENTINELS = (
     -32768.0, 32767.0, 65535.0, -999.25, 9.96921e36, 1e30, -1e30, 1e20, -1e20,

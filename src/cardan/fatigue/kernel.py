@@ -55,6 +55,52 @@ def close(
     return closed, n, last, way
 
 
+def gated(x: Any, gate: float, out: FloatArray) -> int:
+    """Write the samples at which `x` turns by more than `gate`, with its first and last, to `out`.
+
+    What is left closes the same cycles as all of it, but for those of a range below the gate.
+    Missing samples (nan) are stepped over. Returns how many were written.
+    """
+    n, way = 0, 0
+    last = low = high = end = np.nan
+    for i in range(x.size):
+        v = x[i]
+        if v != v:
+            continue
+        if n == 0:
+            out[0] = v
+            n, low, high = 1, v, v
+        elif way > 0:
+            if v >= last:
+                last = v
+            elif last - v > gate:
+                out[n] = last
+                n, way, last = n + 1, -1, v
+        elif way < 0:
+            if v <= last:
+                last = v
+            elif v - last > gate:
+                out[n] = last
+                n, way, last = n + 1, 1, v
+        else:
+            # No way yet: the first sample and what goes away from it on both sides.
+            low, high = min(low, v), max(high, v)
+            if high - low > gate:
+                other = low if v == high else high
+                if other != out[0]:
+                    out[n] = other
+                    n += 1
+                way, last = (1 if v == high else -1), v
+        end = v
+    if way != 0:
+        out[n] = last
+        n += 1
+    if n and out[n - 1] != end:
+        out[n] = end
+        n += 1
+    return n
+
+
 def reversals(x: FloatArray) -> FloatArray:
     """Return the samples where `x` turns, with its first and last; nan is left out."""
     x = x[~np.isnan(x)]
@@ -68,6 +114,16 @@ def reversals(x: FloatArray) -> FloatArray:
 def plain(x: FloatArray, *state: Any) -> tuple[int, int, float, int]:
     """Close cycles without numba: NumPy finds the reversals, Python pairs only those."""
     return close(reversals(x), *state)
+
+
+@cache
+def gate_of_all() -> Callable[[Any, float, FloatArray], int] | None:
+    """Return the compiled filter if numba is installed; without it no filter pays."""
+    try:
+        import numba  # pyright: ignore[reportMissingTypeStubs]
+    except ImportError:
+        return None
+    return numba.njit(cache=True, nogil=True)(gated)
 
 
 @cache

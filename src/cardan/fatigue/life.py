@@ -31,9 +31,19 @@ from cardan.fatigue.cause import (
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
-from cardan.fatigue.fault import FREEZE, HOLE, union
+from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
-from cardan.fatigue.quality import SHORT, Effect, Quality, Rule, Way, decided, ways
+from cardan.fatigue.quality import (
+    SHORT,
+    WOULD_BREAK,
+    Effect,
+    Quality,
+    Rule,
+    Stated,
+    Way,
+    decided,
+    ways,
+)
 from cardan.fatigue.rainflow import (
     NONE,
     Cycles,
@@ -89,6 +99,10 @@ class Plan:
         What is masked or accepted of what looks wrong; the last one that concerns it counts.
     between
         Whether crests are looked for between samples; None where they lose more than `SHORT`.
+    ultimate : Pa
+        Tensile strength, that no crest may pass; infinite where nobody said it.
+    fastest : Hz
+        What is known to move in the recording.
     """
 
     gauges: tuple[Gauge, ...]
@@ -103,6 +117,8 @@ class Plan:
     segment: int = 4096
     rules: tuple[Rule, ...] = ()
     between: bool | None = None
+    ultimate: float = float("inf")
+    fastest: float = 0.0
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -482,9 +498,56 @@ class _Listened:
             samples_only=self.samples_only.closed() if self.sharp else float("nan"),
             biaxiality=self.shear.biaxiality() if self.shear else float("nan"),
             measures=self.shear.measures() if self.shear else {},
+            doubts=self.gauge.doubts,
         )  # fmt: skip
         one = self.count.result(self.gauge, self.healths, quality)
+        one = replace(one, quality=self._held(one))
+        quality = one.quality
         return replace(one, life=replace(one.life, distance=distance * quality.share))
+
+    def _held(self, one: GaugeLife) -> Quality:
+        """Return a gauge's quality with what its numbers contradict of what was said."""
+        of, damage, allowed = one.quality, one.life.damage, self.plan.allowed
+        if not one.heard:
+            return of
+        told = list(self.healths.values())
+        level = np.array(
+            [[float(np.nanmedian(h.levels)) if h.levels.size else h.mean] for h in told]
+        )
+        swing = np.array([[h.typical] for h in told])
+        typical = max(float(np.abs(self.gauge.stress(x))[0]) for x in (level, swing))
+        # A spike that is there may be of nobody's stress, whoever accepts it.
+        jumps = any(
+            kind in (SENTINEL, SPIKE, DROPOUT) and d.places.count > len(d.masked)
+            for own in self.decided.values()
+            for kind, d in own.items()
+        )
+        stated = Stated(rate=self.rate, fastest=self.plan.fastest, ultimate=self.plan.ultimate)
+        against = stated.contradictions(
+            low=one.low,
+            high=one.high,
+            typical=typical,
+            sound=not jumps,
+            plane=self.gauge.plane is not None,
+        )
+        accepted = {
+            r.kind
+            for r in self.plan.rules
+            for c in self.healths
+            if not r.mask and r.concerns(c, r.kind)
+        }
+        samples = max(h.samples for h in self.healths.values())
+        effects = tuple(
+            Effect(
+                kind=kind, count=1, samples=samples, share=1.0, undecided=int(kind not in accepted),
+                recorded=damage, without=float("nan"), why=why,
+            )
+            for kind, why in against.items()
+        )  # fmt: skip
+        doubts = of.doubts
+        if not of.vetoes and damage >= allowed:
+            doubts = (*doubts, said(WOULD_BREAK, times=f"{damage / allowed:.3g}"))
+        return replace(of, effects=(*of.effects, *effects), doubts=doubts)
 
     def _effects(self) -> Iterator[Effect]:
         ruled = self.count.closed()
@@ -559,8 +622,8 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
-AT_ONCE = 4
-"""Stretches of gauges in which the joints' part is identified at once."""
+AT_ONCE = 1
+"""Stretches of gauges in which the joints' part is identified at once: each takes 70 MB."""
 
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""

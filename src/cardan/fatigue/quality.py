@@ -10,15 +10,22 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.said import Said, said
+from cardan.base.units import MPa
 from cardan.fatigue.conditioning import Health, Treatment, shifts, slow_drift
 from cardan.fatigue.fault import (
     CLIP,
     DRIFT,
     FREEZE,
     HOLE,
+    HUM,
+    IMPOSSIBLE,
     MASKABLE,
     NOWHERE,
+    RATE,
     REMOVABLE,
+    STRENGTH,
+    UNIT,
     ZERO_STEP,
     Places,
     union,
@@ -32,6 +39,14 @@ LEAST_LIVE = 0.25
 """Share of the time a gauge must have lived to be answered for."""
 SHORT = 0.01
 """What crests may lose between samples before they are looked for there: 5 % at slope 5."""
+LARGEST = 3e9
+"""Stress beyond which no metal of a vehicle bears a cycle, Pa: strongest wire breaks there."""
+SMALLEST = 0.1e6
+"""Range of a whole recording below which it is the noise of a strain gauge, Pa: 0.5 µm/m."""
+SELDOM, OFTEN = 50.0, 1e6
+"""Samples a second of a strain gauge: a wheel hops at 10 to 15 Hz, and a converter ends."""
+A_TURN = 2.5
+"""Samples that a turn of what moves fastest takes to be met at all."""
 FAST = 0.05
 """Share of power above 0.4 of the sample rate that makes a recording look undersampled."""
 
@@ -99,6 +114,12 @@ def decided(
         told = any(r.kind and r.concerns(channel, DRIFT) for r in rules)
         where = Places(whole, np.array([health.drift]))
         out[DRIFT] = Decided(places=where, masked=whole[:0], open=whole[: 0 if told else 1])
+    if health.hum is not None:
+        whole = np.array([[0, health.samples]], np.intp)
+        told = [r.mask for r in rules if r.kind and r.concerns(channel, HUM)]
+        off = bool(told) and told[-1]
+        where = Places(whole, np.array([health.hum.amplitude]))
+        out[HUM] = Decided(places=where, masked=whole[: int(off)], open=whole[: int(not told)])
     return out
 
 
@@ -157,37 +178,133 @@ def ways(
     def way(kind: str = "", *, without: bool = True) -> Way:
         made: dict[str, Treatment] = {}
         for channel, health in healths.items():
-            said = book[channel]
+            own = book[channel]
             runs = [windows(channel=channel, rules=rules, rate=rate, samples=health.samples)]
-            runs += [d.masked for k, d in said.items() if k not in (kind, ZERO_STEP)]
-            if without and kind in MASKABLE and kind in said:
-                runs.append(said[kind].places.runs)
+            runs += [d.masked for k, d in own.items() if k not in (kind, ZERO_STEP, HUM)]
+            if without and kind in MASKABLE and kind in own:
+                runs.append(own[kind].places.runs)
             steps = NOWHERE
-            if ZERO_STEP in said:
+            if ZERO_STEP in own:
                 every = without and kind == ZERO_STEP
-                steps = _off(said[ZERO_STEP], every=every, none=kind == ZERO_STEP and not without)
+                steps = _off(own[ZERO_STEP], every=every, none=kind == ZERO_STEP and not without)
             level = baseline
-            if kind == DRIFT and without and kind in said:
+            if kind == DRIFT and without and kind in own:
                 level = _creep
-            crowns = said[CLIP].places if kind == CLIP and kind in said else None
+            quiet = without if kind == HUM else HUM in own and len(own[HUM].masked) > 0
+            crowns = own[CLIP].places if kind == CLIP and kind in own else None
             made[channel] = Treatment(
                 masked=union(runs), baseline=level(_less(health, steps)), span=health.span,
-                steps=steps,
+                steps=steps, hum=health.hum if quiet else None,
                 **({"crowned": crowns} if crowns is not None else {}),
             )  # fmt: skip
         return Way(kind=kind, without=without, treatments=made)
 
     out = [way()]
-    for kind in dict.fromkeys(k for said in book.values() for k in said):
+    for kind in dict.fromkeys(k for told in book.values() for k in told):
         if kind in (HOLE, FREEZE):  # no cycle comes or goes with them, only time
             continue
-        of = [said[kind] for said in book.values() if kind in said]
+        of = [told[kind] for told in book.values() if kind in told]
         masked = sum(len(d.masked) for d in of)
         if masked < sum(d.places.count for d in of):
             out.append(way(kind))
         if masked:
             out.append(way(kind, without=False))
     return out
+
+
+NO_METAL = (
+    "{size} MPa of stress, more than any metal bears ({most} MPa): are its numbers in another unit?"
+)
+NO_STRESS = (
+    "it moves by {size} MPa in all, less than a gauge's noise ({least} MPa): are its numbers in "
+    "another unit?"
+)
+SELDOM_MET = (
+    "{rate} samples a second, fewer than a driveline's stress takes ({least}): what moves between "
+    "them is lost; or does its clock count something else than seconds (--time CLOCK:ms)?"
+)
+OFTEN_MET = (
+    "{rate} samples a second, more than a strain gauge has: does its clock count something else "
+    "(--time CLOCK:s)?"
+)
+TURNS_FASTER = (
+    "the shaft's order 2 reaches {frequency} Hz, and {rate} samples a second hold what is below "
+    "{most} Hz: larger cycles may have happened between them"
+)
+BROKEN = (
+    "its crests reach {size} MPa, and the tensile strength that was given is {ultimate} MPa: no "
+    "part bore both"
+)
+WOULD_BREAK = (
+    "in this recording alone the damage is {times} times what breaks the part: if it did not "
+    "break, unit, scale or S-N curve are not its own"
+)
+NAMED_STRAIN = "its name speaks of strain, and it is taken for a stress in {unit}"
+NAMED_STRESS = "its name speaks of stress, and it is taken for a strain in {unit}"
+
+IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, OFTEN_MET, TURNS_FASTER, BROKEN)
+"""Why a gauge's answer cannot be true."""
+DOUBTS = (WOULD_BREAK, NAMED_STRAIN, NAMED_STRESS)
+"""What makes it doubtful."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stated:
+    """What was said of a recording that its numbers may contradict.
+
+    Attributes
+    ----------
+    rate : Hz
+        Of its samples.
+    fastest : Hz
+        Known to move there, an order 2; 0 where nobody knows.
+    ultimate : Pa
+        Tensile strength; infinite where nobody said it.
+    """
+
+    rate: float
+    fastest: float = 0.0
+    ultimate: float = float("inf")
+
+    def contradictions(
+        self, *, low: float, high: float, typical: float, sound: bool, plane: bool = False
+    ) -> dict[str, Said]:
+        """Return why a stress (Pa) cannot be what it is said to be, by kind.
+
+        Parameters
+        ----------
+        low, high : Pa
+            Smallest and largest.
+        typical : Pa
+            What it usually is.
+        sound
+            Whether the largest is of the part, and no spike that nobody decided on.
+        plane
+            Whether it is one measure of a rosette, of which some are nought.
+        """
+        found: dict[str, Said] = {}
+        crest = max(high, -low)
+        size = crest if sound else typical
+        if size > LARGEST:
+            found[UNIT] = said(NO_METAL, size=f"{size / MPa:.3g}", most=f"{LARGEST / MPa:g}")
+        elif high - low < SMALLEST and not plane:
+            size = f"{(high - low) / MPa:.2g}"
+            found[UNIT] = said(NO_STRESS, size=size, least=f"{SMALLEST / MPa:g}")
+        elif sound and crest > self.ultimate:
+            found[STRENGTH] = said(
+                BROKEN, size=f"{crest / MPa:.4g}", ultimate=f"{self.ultimate / MPa:g}"
+            )
+        rate = f"{self.rate:.4g}"
+        if self.rate < SELDOM:
+            found[RATE] = said(SELDOM_MET, rate=rate, least=f"{SELDOM:g}")
+        elif self.rate > OFTEN:
+            found[RATE] = said(OFTEN_MET, rate=rate)
+        elif self.rate < A_TURN * self.fastest:
+            found[RATE] = said(
+                TURNS_FASTER, frequency=f"{self.fastest:.3g}", rate=rate,
+                most=f"{self.rate / A_TURN:.3g}",
+            )  # fmt: skip
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,7 +323,9 @@ class Effect:
         How many of them no rule accepts or masks.
     recorded, without
         Damage with all of them as recorded, and with none: masked, or a clipped crest put back,
-        a drift taken off.
+        a drift or a hum taken off; nan of what is impossible.
+    why
+        What is impossible, of a gauge as a whole.
     """
 
     kind: str
@@ -216,6 +335,7 @@ class Effect:
     undecided: int
     recorded: float
     without: float
+    why: Said | None = None
 
     @property
     def change(self) -> float:
@@ -242,6 +362,8 @@ class Quality:
         Of a rosette, where the stress is high; nan of single gauges.
     measures
         Damage of a rosette by each measure of its stress, where it is sheared.
+    doubts
+        What looks as if it had been said wrongly, a sentence each.
     """
 
     live: float
@@ -251,6 +373,7 @@ class Quality:
     fast: float = 0.0
     biaxiality: float = float("nan")
     measures: Mapping[str, float] = field(default_factory=dict[str, float])
+    doubts: tuple[Said, ...] = ()
 
     @property
     def share(self) -> float:
@@ -266,7 +389,8 @@ class Quality:
             # What is put on top of a clipped crest may be less than what was there.
             if e.undecided
             and (
-                e.change > (VETO / 2 if e.kind == CLIP else VETO)
+                e.kind in IMPOSSIBLE
+                or e.change > (VETO / 2 if e.kind == CLIP else VETO)
                 or (e.kind == CLIP and e.share > CLIPPED)
             )
         ]
@@ -283,4 +407,5 @@ class Quality:
         if self.vetoes:
             return "vetoed"
         doubtful = any(e.undecided for e in self.effects) or self.share < 0.9
-        return "doubtful" if doubtful or self.sheared or self.fast > FAST else "good"
+        doubtful = doubtful or self.sheared or self.fast > FAST or bool(self.doubts)
+        return "doubtful" if doubtful else "good"

@@ -18,7 +18,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
-from cardan.fatigue.kernel import Kernel, fastest
+from cardan.fatigue.kernel import Kernel, fastest, gate_of_all, reversals
 
 
 @dataclass(frozen=True)
@@ -181,6 +181,24 @@ def rainflow(samples: ArrayLike, *, rule: ResidueRule = half_cycles) -> Cycles:
     """
     closed, residue = four_point(samples)
     return join([closed, rule(residue)])
+
+
+def without_small(samples: FloatArray, *, gate: float) -> FloatArray:
+    """Return samples (k,) that close the cycles of all (n,), but for some of ranges below a gate.
+
+    Source: the rainflow filter, Rychlik, Int. J. Fatigue 9 (1987); a peak stays where the signal
+    falls by more than the gate before it rises above it.
+    """
+    filtered = gate_of_all()
+    if filtered is None or not gate > 0:
+        return samples
+    out = np.empty(samples.size + 2)
+    return out[: filtered(samples, gate, out)]
+
+
+def reversals_of(samples: FloatArray, *, gate: float) -> FloatArray:
+    """Return the samples (k,) where a signal turns by more than a gate, with its first and last."""
+    return reversals(without_small(samples, gate=gate))
 
 
 def turns(samples: ArrayLike, *, gate: float) -> IntArray:

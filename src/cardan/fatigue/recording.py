@@ -15,10 +15,14 @@ SIZE = 1 << 18
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One signal: its name and the unit it is written in (empty if nobody says)."""
+    """One signal: its name and the unit it is written in (empty if nobody says).
+
+    `settled` where whoever measured has said the unit, whatever its name says.
+    """
 
     name: str
     unit: str = ""
+    settled: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

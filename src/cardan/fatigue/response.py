@@ -34,6 +34,8 @@ CLEAR = 60.0
 """F from which the interval is that of the draws alone."""
 OFF = 0.05
 """Largest error of a speed's scale that is looked for, relative."""
+TURNS = 2.0
+"""Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
 BAND = 2.5
 """Width in frequency over which a response is taken as one, Hz."""
 BLOCK = 6.0
@@ -52,6 +54,8 @@ ALOOF = (7.0, 11.0)
 """Hz beside the order where none of that is."""
 STANDS_OUT = 0.15
 """Share of the damage by which what is beside the order exceeds what is farther off."""
+COMES = 0.55
+"""Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
@@ -64,8 +68,12 @@ ALIKE = said("an engine order runs with order 2: phase and torque are the same, 
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
+PASSING = said(
+    "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
+    "may hide them"
+)
 
-DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE)
+DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE, PASSING)
 """What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
@@ -176,48 +184,60 @@ def _aligned(
     if m < 100:
         return []
     y, torque = (x[: m * every].reshape(m, every).mean(-1) for x in (y, torque))
-    time = start + (np.arange(m) * every + (every - 1) / 2) / rate
+    step = every / rate
     lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
+    shifts = np.unique(np.rint(lags / step).astype(np.int64))
+    # The shaft as of the latest lag on to the earliest: a lag is a place in that.
+    most = int(shifts[-1])
+    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - shifts[0]) - most) * step
+    turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
+    wave = np.exp(-4j * np.pi * turns)
+    band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
+    bands, count = int(band.max()) + 1, int(bins.max()) + 1
+    cell, fast = band * count + bins, f2 > SLOWEST
+    moved, square = y * torque, torque**2
     found: list[_Aligned] = []
-    for lag in lags:
-        shifted = time - lag
-        turns, f2 = angle.rotation.at(shifted), 2 * angle.rotation.speed(shifted)
-        used = f2 > SLOWEST
-        if np.count_nonzero(used) < 100:
+    for shift in shifts:
+        own = slice(most - shift, most - shift + m)
+        used = np.flatnonzero(fast[own])
+        if used.size < 100:
             continue
-        band = (f2[used] / BAND).astype(np.int64)
-        bins = np.floor(2 * (turns[used] - turns[0])).astype(np.int64)
-        bands, count = int(band.max()) + 1, int(bins.max()) + 1
-        z = y[used] * torque[used] * np.exp(-4j * np.pi * turns[used])
-        place = band * count + bins
-        grid = np.bincount(place, z.real, bands * count) + 1j * np.bincount(
-            place, z.imag, bands * count
+        lag = float(shift * step)
+        here = cell[own][used]
+        z = (moved * wave[own])[used]
+        grid = np.bincount(here, z.real, bands * count) + 1j * np.bincount(
+            here, z.imag, bands * count
         )
-        weight = np.asarray(np.bincount(band, torque[used] ** 2, bands), float)
+        slot = band[own][used]
+        weight = np.asarray(np.bincount(slot, square[used], bands), float)
         busy = weight > 1e-3 * weight.sum()
         grid, weight = grid.reshape(bands, count)[busy], weight[busy]
-        middle = np.bincount(band, f2[used], bands)[busy] / np.bincount(band, minlength=bands)[busy]
-        # Half a turn a bin, two cycles a turn off by the ratio: OFF is this far in the spectrum.
+        heard = np.bincount(slot, minlength=bands)[busy]
+        middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
+        # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
         size = 1 << int(np.ceil(np.log2(3 * count)))
-        energy = ((np.abs(np.fft.fft(grid, size, axis=-1)) ** 2) / weight[:, None]).sum(0)
-        ratio = np.fft.fftfreq(size)
-        near = np.flatnonzero(np.abs(ratio) <= OFF)
+        off = np.fft.fftfreq(size) / (2 * TURNS)
+        near = np.flatnonzero(np.abs(off) <= OFF)
+        # What turns within a bin is averaged: at the ends of the search it loses this much.
+        power = np.abs(np.fft.fft(grid, size, axis=-1)[:, near]) ** 2
+        energy = (1 / weight) @ power / np.sinc(2 * TURNS * off[near]) ** 2
         place = np.arange(count) + 0.5
-        for k in near[_peaks(energy[near])[:4]]:
+        for peak in near[_peaks(energy)[:4]]:
             # Between the lines of the spectrum: a sixth of one is a radian at the ends.
-            fine = ratio[k] + np.linspace(-0.5, 0.5, 21) / size
-            lines = grid @ np.exp(-2j * np.pi * np.outer(place, fine))
+            fine = off[peak] + np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
+            lines = grid @ np.exp(-4j * np.pi * TURNS * np.outer(place, fine))
+            lines /= np.sinc(2 * TURNS * fine)
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
-            m = int(np.argmax(sharp))
+            k = int(np.argmax(sharp))
             found.append(
                 _Aligned(
-                    1 + float(fine[m]), float(lag), float(sharp[m]), middle,
-                    lines[:, m] / weight, weight,
+                    1 + float(fine[k]), lag, float(sharp[k]), middle,
+                    lines[:, k] / weight, weight,
                 )
             )  # fmt: skip
     found.sort(key=lambda one: -one.energy)
     kept: list[_Aligned] = []
-    made = float(angle.rotation.at(time[-1]) - angle.rotation.at(time[0]))
+    made = float(turns[-1] - turns[0])
     cell = 3 / max(2 * made, 1.0)
     for one in found:
         if all(abs(one.ratio - k.ratio) > cell for k in kept):
@@ -667,6 +687,13 @@ def identified(
                     doubts.append(doubt)
         return high
 
+    def passing(rest: FloatArray, high: float) -> float:
+        """Return what may be theirs if it comes and goes with order 2 and is not locked to it."""
+        if _coming(rest, best, fine) > COMES:
+            high = max(high, removed(_near(x, best, fine, span=RIDES / 2)) + 0.05)
+            doubts.append(PASSING)
+        return high
+
     if line.strength < FOUND:
         reach = [removed(line.wave.real)]
         for option in options[1:]:
@@ -687,6 +714,8 @@ def identified(
                 high = max(high, close + 0.05)
                 doubts.append(BESIDE)
         high = elsewhere(high)
+        if angle.trusted and high <= ACQUITTED:
+            high = passing(x, high)
         high = float(min(high, 1.0))
         middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
         found = Evidence(
@@ -759,6 +788,8 @@ def identified(
             doubts.append(ALIKE)
     if high <= ACQUITTED:
         high = elsewhere(high)
+        if angle.trusted and high <= ACQUITTED:
+            high = passing(x - mean, high)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,
@@ -799,6 +830,41 @@ def _near(
     total = np.cumsum(np.concatenate([[0], z]))
     mean = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
     return 2 * (mean * wave).real
+
+
+def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
+    """Share of the energy within 3 Hz of order 2 that is not there at other times.
+
+    A road shakes a mode wherever the order is: what half-second periods show at a frequency is
+    then how loud the road is, by how the bracket answers there. Both are taken from where the
+    order is 9 Hz off or more; nan where that tells nothing, at steady speed.
+    """
+    n = max(2 * round(0.25 * rate), 8)
+    if x.size < 8 * n:
+        return float("nan")
+    rows = np.lib.stride_tricks.sliding_window_view(x, n)[:: n // 2]
+    level = (rows - rows.mean(-1, keepdims=True)) * np.hanning(n)
+    order = 2 * scene.speed[n // 2 :: n // 2][: len(rows)]
+    frequency = np.fft.rfftfreq(n, 1 / rate)
+    use = (frequency > SLOWEST + 2) & (frequency < min(order.max() + 6, 0.45 * rate))
+    power = np.abs(np.fft.rfft(level)[:, use]) ** 2
+    off = np.abs(frequency[use] - order[:, None])
+    far = off > 9
+    heard = far.sum(0) > 8
+    far &= heard
+    if not far.any() or not power[far].any():
+        return float("nan")
+    power = power / power[far].max()
+    loud = np.ones(len(rows))
+    answer: FloatArray = np.zeros(int(np.count_nonzero(use)))
+    for _ in range(3):
+        answer = (power / loud[:, None] * far).sum(0) / np.maximum(far.sum(0), 1)
+        over = np.divide(power, answer, out=np.zeros_like(power), where=far & (answer > 0))
+        loud = over.sum(1) / np.maximum(far.sum(1), 1)
+        loud = np.maximum(loud, 1e-6 * loud.max())
+    near = (off < 3) & heard & (order > SLOWEST + 2)[:, None]
+    there = float(power[near].sum())
+    return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")
 
 
 def _thinned(x: FloatArray, every: int) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.said import Said
 from cardan.base.units import GPa, Pascal, Radian, deg
 
 RECTANGULAR = (0.0, 45 * deg, 90 * deg)
@@ -134,12 +135,15 @@ class Gauge:
         Turns pieces of those channels (k, n) into stress (n,) Pa.
     plane
         Turns them into the plane stress, of which `stress` is one measure; None of single gauges.
+    doubts
+        Whether its channels are what they are taken for, a sentence each.
     """
 
     name: str
     channels: tuple[str, ...]
     stress: Callable[[FloatArray], FloatArray]
     plane: Callable[[FloatArray], PlaneStress] | None = None
+    doubts: tuple[Said, ...] = ()
 
 
 def _scaled(piece: FloatArray, *, factor: float) -> FloatArray:

@@ -246,6 +246,28 @@ class CampaignTable(Table):
     tyre_radius_m: Annotated[float, Number(above=0, most=5)] | None = key(
         "static radius of the tyre", default=None
     )
+    strain_life: Annotated[tuple[float, ...], ListOf(Number(least=-1e6, most=1e6))] = key(
+        "σf' MPa, b, εf', c, perhaps K' MPa and n': life by the local strain", default=()
+    )
+    notch: Annotated[float, Number(least=1, most=20)] | None = key(
+        "K_t from the gauges to the notch", default=None
+    )
+    strain_mean: Literal["swt", "morrow", "none"] = key(
+        "what the mean stress of a loop does", default="swt"
+    )
+    crack: Annotated[tuple[float, ...], ListOf(Number(least=0, most=1e4))] = key(
+        "from mm, to mm, C in m a cycle and MPa√m, m: growth of a crack", default=()
+    )
+    crack_threshold: Annotated[float, Number(least=0, most=100)] = key(
+        "ΔK that grows it, MPa√m", default=0.0
+    )
+    crack_shape: Annotated[float, Number(above=0, most=10)] = key(
+        "Y of K = Y S √(πa)", default=1.12
+    )
+    service_hours: _Positive | None = key("hours the odds of failure are of", default=None)
+    miner_scatter: Annotated[float, Number(least=0, most=2)] = key(
+        "coefficient of variation of the damage at failure", default=0.3
+    )
     usage: bool = key("whether it is told when and where the damage came", default=False)
     mask: Annotated[tuple[str, ...], _WORDS] = key(
         "what is a hole in every recording: [CHANNEL=]KIND[@FROM..TO]", default=()
@@ -266,6 +288,8 @@ class CampaignTable(Table):
         options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
         options |= self.strength
         options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
+        for name in ("strain_life", "crack"):
+            options[name] = ",".join(f"{k!r}" for k in options[name]) or None
         options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
         return Campaigned(
             title=self.campaign,

@@ -8,7 +8,7 @@ once and may go on. All ranges are our own judgement, set wide; the examples kee
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 from math import inf, nan
@@ -18,6 +18,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError, Problem
+from cardan.base.frozen import dataclass
 from cardan.base.units import MPa, deg, g, kN, t
 from cardan.border.table import MANY
 from cardan.demand.axles import driven_axles

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.fatigue.recording import SIZE, Channel
+from cardan.fatigue.recording import SIZE, Channel, cut
 from cardan.files.recordings import Table, bad, budget, joined
 
 _RATES = ("rate_Hz", "rate", "sample_rate", "sampling_rate", "samplerate", "fs")
@@ -211,6 +211,7 @@ def mdf(path: Path, *, group: str = "") -> Table:
         file: Any = MDF(path)
     except Exception as error:
         raise bad(path, f"MDF cannot open it: {error}") from error
+    file.configure(read_fragment_size=AT_ONCE)
     sizes = [g.channel_group.cycles_nr for g in file.groups]
     names = {
         k: file.groups[k].channel_group.acq_name or f"group {k + 1}" for k in range(len(sizes))
@@ -223,8 +224,8 @@ def mdf(path: Path, *, group: str = "") -> Table:
     return joined(path, [_channels(file, k, sizes[k], names[k]) for k in chosen])
 
 
-AT_ONCE = 1 << 22
-"""Samples of an MDF4 channel read at once: each reading starts at the channel's beginning."""
+AT_ONCE = 1 << 24
+"""Bytes of an MDF4's records read at once: it is walked once, not from its beginning again."""
 
 
 def _channels(file: Any, group: int, samples: int, name: str) -> Table:
@@ -242,16 +243,18 @@ def _channels(file: Any, group: int, samples: int, name: str) -> Table:
                 Channel("time" if time else channel.name, "s" if time else str(sample.unit))
             )
 
+    def values(k: int) -> Iterator[FloatArray]:
+        """Yield a channel stretch by stretch, what is not valid missing (1, n)."""
+        if kept[k] == master:
+            for piece in file.iter_get(group=group, index=kept[k]):
+                yield np.asarray(piece.timestamps, dtype=float)[None]
+            return
+        for own, invalid in file.iter_get(group=group, index=kept[k], samples_only=True):
+            x = np.asarray(own, dtype=float)
+            yield (x if invalid is None else np.where(invalid, np.nan, x))[None]
+
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        at_once = max(AT_ONCE // max(len(places), 1), SIZE)
-        for first in range(0, samples, at_once):
-            parts: list[FloatArray] = []
-            for k in places:
-                piece = file.get(
-                    group=group, index=kept[k], record_offset=first, record_count=at_once
-                )
-                values = piece.timestamps if kept[k] == master else piece.samples
-                parts.append(np.asarray(values, dtype=float))
-            yield np.stack(parts)
+        for parts in zip(*(cut(values(k), size=SIZE) for k in places), strict=True):
+            yield np.concatenate(parts)
 
     return Table(columns=tuple(columns), rows=rows, samples=samples, group=name)

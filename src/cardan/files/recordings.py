@@ -123,7 +123,8 @@ def open_recording(
     rate : Hz
         Takes the place of the file's own rate or time column, which is then not looked at.
     time
-        Name of the time column; found by its name (time, t, Zeit, tempo) otherwise.
+        Name of the time column, `NAME:UNIT` where its unit is not the file's or its name's;
+        found by its name (time, t, Zeit, tempo) otherwise.
     group
         HDF5 or TDMS group to read, where there is more than one.
 
@@ -150,6 +151,7 @@ def open_recording(
     table = _seen(table)
     table = replace(table, beside=tuple(_apart(t, table) for t in map(_seen, table.beside)))
     _unique(path, table)
+    table, time = _timed(path, table, time)
     clock = _clock(path, table, time)
     places = tuple(k for k in range(len(table.columns)) if k != clock)
     channels = tuple(table.columns[k] for k in places)
@@ -259,6 +261,21 @@ def _unique(path: Path, table: Table) -> None:
             raise bad(path, "two channels have one name", value=repr(name))
 
 
+def _timed(path: Path, table: Table, time: str | None) -> tuple[Table, str | None]:
+    """Return a table whose clock has the unit that was said, and the clock's name without it."""
+    names = [c.name for c in table.columns]
+    name, colon, unit = (time or "").rpartition(":")
+    if time is None or time in names or not colon or name not in names:
+        return table, time
+    if unit not in TIME_UNITS:
+        raise bad(
+            path, f"unknown unit of time column {name!r}", value=repr(unit),
+            hint=f"known are {', '.join(u for u in TIME_UNITS if u)}",
+        )  # fmt: skip
+    columns = tuple(replace(c, unit=unit) if c.name == name else c for c in table.columns)
+    return replace(table, columns=columns), name
+
+
 def _clock(path: Path, table: Table, time: str | None) -> int | None:
     """Place of the time column, if there is one."""
     names = [c.name for c in table.columns]
@@ -279,10 +296,15 @@ def _ticks(column: Channel) -> bool:
     return match is not None and name != "T" and (match[2] or "") in TIME_UNITS
 
 
+def _clock_unit(column: Channel) -> str:
+    """Return the unit of a time column: that of the file, or of its name; "" without."""
+    match = _TIME.fullmatch(column.name.strip())
+    return column.unit.strip() or ((match and match[2]) or "")
+
+
 def _second(path: Path, column: Channel) -> float:
     """Seconds in one unit of the time column: that of the file, or of its name."""
-    match = _TIME.fullmatch(column.name.strip())
-    unit = column.unit.strip() or ((match and match[2]) or "")
+    unit = _clock_unit(column)
     if unit not in TIME_UNITS:
         raise bad(
             path, f"unknown unit of time column {column.name!r}", value=repr(unit),

@@ -29,7 +29,6 @@ Source: derived from first principles; confirmed with an independent multibody e
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
@@ -37,6 +36,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 
 SAMPLES = 64
 """Angles in a turn: orders up to 32, exact to rounding for joint angles up to 40 degrees."""

@@ -7,12 +7,11 @@ its construction, up to large angles; a Rzeppa joint's balls lie in the bisectin
 Sources: Seherr-Thoss, Schmelz & Aucktor (2006), ch. 1; derived from the exact chain.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.kinematics.chain import Turn, turn
 
 

@@ -11,11 +11,11 @@ Massless, rigid, no clearance.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
+from cardan.base.frozen import dataclass
 from cardan.base.units import Radian
 
 IN_PLANE: Radian = 0.0

@@ -1,10 +1,9 @@
 """What comes back every half turn: its mean, its orders, its peak."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, namespace
+from cardan.base.frozen import dataclass
 from cardan.kinematics.chain import SAMPLES
 
 

@@ -1,10 +1,9 @@
 """The bearings behind the flanges of gearbox and axle: exactly, and as GWB's catalogue has it."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.kinematics.chain import cross, dot
 from cardan.loads.cycle import Cycle
 

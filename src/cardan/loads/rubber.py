@@ -25,7 +25,7 @@ engines.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -33,7 +33,10 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.frozen import dataclass
+from cardan.base.small import leading, solve, stretch, stretches, trailing, wide
 from cardan.kinematics.chain import Turn, cross
+from cardan.loads.shaken import Shaken
 from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 from cardan.model.seat import Seat
@@ -203,12 +206,16 @@ class Suspended:
         torque: ArrayLike = 0.0,
     ) -> Motion:
         """Return the same for R forces by themselves, (..., R, N): motions (..., R, ...)."""
-        whole = self._shaken(frequency, speed, torque)
-        forces = np.asarray(forces, dtype=complex)
-        lead = np.broadcast_shapes(forces.shape[:-2], whole.shape[:-2])
-        right = np.broadcast_to(forces, (*lead, *forces.shape[-2:])).mT
-        lossy = np.sign(np.asarray(frequency, dtype=float))
-        return self._motion(np.linalg.solve(whole, right).mT, lossy, each=True)
+        W, omega, T = (np.asarray(v, dtype=float) for v in (frequency, speed, torque))
+        right = leading(np.asarray(forces, dtype=complex).mT, of=2)
+        lead = np.broadcast_shapes(right.shape[2:], W.shape, omega.shape, T.shape, self.first.cases)
+        moved = np.empty((*right.shape[:2], *lead), dtype=complex)
+        right = wide(right, len(lead), of=2)
+        asked = [np.broadcast_to(v, lead) for v in (W, omega, T)]
+        for some in stretches(lead):
+            whole = self.first.some(some, len(lead)).at(*(stretch(v, some) for v in asked))
+            stretch(moved, some)[...] = solve(whole, stretch(right, some))
+        return self._motion(trailing(moved, of=2).mT, np.sign(W), each=True)
 
     def borne(self, forces: ComplexArray) -> ComplexArray:
         """Return what bearings carry, (..., n-2, 3) N, where forces (..., N) only hold still."""
@@ -222,6 +229,11 @@ class Suspended:
         the change of its angle: half of that is at order 2. Symmetric. A joint of constant
         velocity has no such part.
         """
+        pushes, bends = self.swung(turned)
+        return pushes.mT @ bends
+
+    def swung(self, turned: Turn) -> tuple[ComplexArray, ComplexArray]:
+        """Return the same joint by joint, (..., n, N) of what is pushed and of what is felt."""
         pin = (turned.settings * np.array(turned.crosses))[..., None] * turned.frames
         none = np.zeros_like(self.front_tilt[..., :1, :, :])
         ahead = np.concatenate([none, self.rear_tilt], axis=-3)
@@ -230,12 +242,12 @@ class Suspended:
         bends = (pin[..., None, :] @ (behind - ahead))[..., 0, :]
         front, rear = (cross(pin, d[..., k : d.shape[-2] - 1 + k, :]) for k in (1, 0))
         pushes = (front[..., None, :] @ behind - rear[..., None, :] @ ahead)[..., 0, :]
-        return -(pushes.mT @ bends) / 2
+        return -pushes / 2, bends
 
     def balanced(
         self,
         pushes: Sequence[ComplexArray | FloatArray],
-        swing: ComplexArray,
+        swing: ComplexArray | tuple[ComplexArray, ComplexArray],
         *,
         speed: ArrayLike,
         torque: ArrayLike,
@@ -249,47 +261,47 @@ class Suspended:
         ----------
         pushes : three of (..., N)
             Forces on the coordinates where nothing has moved.
-        swing : (..., N, N)
-            Of one N m, for the torque.
+        swing : (..., N, N) or two of (..., n, N)
+            Of one N m, for the torque; `swung` is the quicker.
         speed, torque : (...) rad/s, N m
         """
         speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
-        tie = torque[..., None, None] * swing
-        second, fourth = (self._shaken(k * speed, speed, torque) for k in (2, 4))
-        f0, f2, f4 = (np.asarray(f)[..., None] for f in pushes)
+        forces = [leading(np.asarray(f), of=1) for f in pushes]
+        forces[0] = forces[0].real
+        tie = (swing[0].mT, swing[1]) if isinstance(swing, tuple) else (swing,)
+        tie = [leading(part, of=2) for part in tie]
         lead = np.broadcast_shapes(
-            second.shape, tie.shape, *((*f.shape[:-1], 1) for f in (f0, f2, f4))
-        )
-        tie = np.broadcast_to(tie, lead)
-        back = np.conj(tie) / 2  # what a motion does on the order below its own
-
-        def solved(whole: ComplexArray, force: Any) -> tuple[Any, Any]:
-            """Return the motion that follows from one of the order below, and its own."""
-            force = np.broadcast_to(force, (*lead[:-1], 1))
-            found = np.linalg.solve(whole, np.concatenate([tie, force], axis=-1))
-            return found[..., :-1], found[..., -1:]
-
-        above, alone4 = solved(np.broadcast_to(fourth, lead), f4)
-        tied, alone2 = solved(second - back @ above / 2, f2 + back @ alone4)
-        still = self._shaken(0.0, 0.0, torque).real - (back @ tied).real
-        q0 = np.linalg.solve(still, f0.real + (back @ alone2).real)
-        q2 = tied @ q0 + alone2
-        q4 = above @ q2 / 2 + alone4
+            speed.shape, torque.shape, *(f.shape[1:] for f in forces), *(t.shape[2:] for t in tie),
+            self.first.cases,
+        )  # fmt: skip
+        forces = [wide(f, len(lead), of=1) for f in forces]
+        left, *right = (wide(t, len(lead), of=2) for t in tie)
+        under, pace = (np.broadcast_to(v, lead) for v in (torque, speed))
+        moved = [np.empty((len(f), *lead), dtype=complex) for f in forces]
+        for some in stretches(lead):
+            T = stretch(under, some)
+            f0, f2, f4 = (stretch(f, some) for f in forces)
+            found = self.first.some(some, len(lead)).balanced(
+                f0,
+                f2,
+                f4,
+                (T * stretch(left, some), stretch(right[0], some) if right else None),
+                speed=stretch(pace, some),
+                torque=T,
+            )
+            for into, q in zip(moved, found, strict=True):
+                stretch(into, some)[...] = q
         lossy = np.sign(speed)
-        return (
-            self._motion(q0[..., 0], 0.0),
-            self._motion(q2[..., 0], lossy),
-            self._motion(q4[..., 0], lossy),
-        )
+        q0, q2, q4 = (trailing(q, of=1) for q in moved)
+        return self._motion(q0, 0.0), self._motion(q2, lossy), self._motion(q4, lossy)
 
     def _shaken(self, frequency: ArrayLike, speed: ArrayLike, torque: ArrayLike) -> ComplexArray:
         """Return the line's stiffness at a frequency, (..., N, N) N/m."""
-        W, omega, T = (
-            np.asarray(v, dtype=float)[..., None, None] for v in (frequency, speed, torque)
+        asked = np.broadcast_arrays(
+            *(np.asarray(v, dtype=float) for v in (frequency, speed, torque))
         )
-        still, lost = self._held
-        turning = np.sign(W) * lost + W * omega * self.gyroscopic
-        return still + T * self.torsion - W**2 * self.mass + 1j * turning
+        axes = max(asked[0].ndim, len(self.first.cases))
+        return trailing(self.first.some(slice(None), axes).at(*asked), of=2)
 
     def _motion(self, moved: ArrayLike, lossy: ArrayLike, *, each: bool = False) -> Motion:
         """Return a motion (..., N) with what the bearings carry; `each` of several, (..., R, N).
@@ -298,7 +310,7 @@ class Suspended:
         """
         moved = np.asarray(moved, dtype=complex)
         loss = np.asarray(lossy, dtype=float)[..., None] * np.repeat(self.loss, 3, axis=-1)
-        firm, rows, frame = self._springs * (1 + 1j * loss), self._rows, self.frame
+        firm, rows, frame = self.springs * (1 + 1j * loss), self.rows, self.frame
         if each:
             firm, rows, frame = firm[..., None, :], rows[..., None, :, :], frame[..., None, :, :, :]
         pull = (rows @ moved[..., None])[..., 0] * firm
@@ -313,14 +325,14 @@ class Suspended:
         return both.reshape(*both.shape[:-3], -1, both.shape[-1])
 
     @cached_property
-    def _springs(self) -> FloatArray:
+    def springs(self) -> FloatArray:
         """Stiffness of the bearings' directions one by one, (..., 3 (n-2)) N/m."""
         return np.minimum(self.stiffness, RIGID).reshape(*self.stiffness.shape[:-2], -1)
 
     @cached_property
     def _held(self) -> tuple[FloatArray, FloatArray]:
         """Stiffness of tubes and rubber, and what the rubber loses, (..., N, N) N/m."""
-        rows, springs, loss = self._rows, self._springs, np.repeat(self.loss, 3, axis=-1)
+        rows, springs, loss = self.rows, self.springs, np.repeat(self.loss, 3, axis=-1)
         lost = (rows.mT * (springs * loss)[..., None, :]) @ rows
         still = self.bending + (rows.mT * springs[..., None, :]) @ rows
         if self.brackets is None or self.brackets_lost is None:
@@ -330,10 +342,20 @@ class Suspended:
     @cached_property
     def _share(self) -> FloatArray:
         """Forces of the bearings' directions for 1 N on each coordinate, (..., 3 (n-2), N)."""
-        return self._springs[..., None] * np.linalg.solve(self._held[0], self._rows.mT).mT
+        return self.springs[..., None] * np.linalg.solve(self._held[0], self.rows.mT).mT
 
     @cached_property
-    def _rows(self) -> FloatArray:
+    def first(self) -> Shaken:
+        """The same matrices with the cases last."""
+        still, lost = self._held
+        each = (still, lost, self.gyroscopic, self.mass, self.torsion)
+        names = ("still", "lost", "gyroscopic", "mass", "torsion")
+        return Shaken(
+            **{n: np.ascontiguousarray(leading(v, of=2)) for n, v in zip(names, each, strict=True)}
+        )
+
+    @cached_property
+    def rows(self) -> FloatArray:
         """The bearings' motions one by one, (..., 3 (n-2), N)."""
         return self.bearing.reshape(*self.bearing.shape[:-3], -1, self.bearing.shape[-1])
 
@@ -414,7 +436,7 @@ class Suspended:
 
     def modes(self, *, torque: ArrayLike = 0.0) -> Modes:
         """Return the modes on the bearings, with the stiffness of a torque (...) N m."""
-        k, rows = self._springs, self._rows
+        k, rows = self.springs, self.rows
         squares, shapes = self._shapes(torque)
         moves = (rows @ shapes).mT  # (..., m, count)
         energy = (moves**2 * k[..., None, :]).reshape(*moves.shape[:-1], -1, 3)

@@ -8,12 +8,12 @@ A spline that sticks holds any thrust between plus and minus its slip force, and
 suspension drives it to either end: the mean force is the worst of none and of both.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import Cycle, major_axis
@@ -144,13 +144,12 @@ def _on_rubber(
     Statics, and what moving adds to them: so modes that `held` leaves out bear their share.
     """
     moments, still = carried.joint_moments, carried.bearing_forces
-    orders = range(0, 2 * moments.waves.shape[-2], 2)
-    pushes = {k: held.pushed(moments.order(k)) for k in {0, 2, 4, *orders}}
-    found = held.balanced(
-        [pushes[k] for k in (0, 2, 4)], held.swing(turned), speed=speed, torque=torque
-    )
-    motions: dict[int, Motion] = dict(zip((0, 2, 4), found, strict=True))
-    for k in orders[3:]:
+    tied = (0, 2, 4)
+    others = [k for k in ORDERS if k not in tied and k < 2 * moments.waves.shape[-2]]
+    pushes = {k: held.pushed(moments.order(k)) for k in (*tied, *others)}
+    found = held.balanced([pushes[k] for k in tied], held.swung(turned), speed=speed, torque=torque)
+    motions: dict[int, Motion] = dict(zip(tied, found, strict=True))
+    for k in others:
         motions[k] = held.moved(pushes[k], frequency=k * speed, speed=speed, torque=torque)
     return {
         k: still.order(k) + moved.bearing_forces - held.borne(pushes[k])
@@ -191,19 +190,26 @@ def _once(
         return np.zeros((*cases, len(line.shafts) - 1))
     if held is None:
         return unbalance(layout, line, speed=speed, balanced_at=balanced_at).bearing_forces
+    # Each end by itself: motion of that end, against what turns there.
+    pushes = speed[..., None, None] ** 2 * out_of_balance(line, held, balanced_at=balanced_at)
+    moved = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
+    return major_axis(moved.bearing_forces).sum(-2)
+
+
+def out_of_balance(line: Line, held: Suspended, *, balanced_at: ArrayLike) -> ComplexArray:
+    """Return what the permissible unbalance does at 1 rad/s, (..., 2 (n-1), N) N s².
+
+    On the coordinates, of the front end of each shaft, then of the rear ones: m/2 (G/ω₀) at
+    each, going round; nothing where ω₀ is 0.
+    """
     grades = stacked(
         CARDAN_GRADE if s.balance_grade is None else s.balance_grade for s in line.shafts
     )
-    at = np.asarray(balanced_at, dtype=float)
-    pace = np.divide(
-        speed**2, at, out=np.zeros(np.broadcast_shapes(speed.shape, at.shape)), where=at > 0
-    )
-    force = stacked(s.mass for s in line.shafts) / 2 * grades * mm * pace[..., None]
+    at = np.asarray(balanced_at, dtype=float)[..., None]
+    force = stacked(s.mass for s in line.shafts) / 2 * grades * mm
+    force = force * np.where(at > 0, 1 / np.where(at > 0, at, 1.0), 0.0)
     side = unit(cross(held.along, np.array([0.0, 0.0, 1.0])))
     turning = force[..., None] * (side - 1j * cross(held.along, side))
-    # Each end by itself: motion of that end, against what turns there.
-    pushes = np.concatenate(
+    return np.concatenate(
         [(turning[..., None, :] @ end)[..., 0, :] for end in (held.front, held.rear)], axis=-2
     )
-    moved = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
-    return major_axis(moved.bearing_forces).sum(-2)

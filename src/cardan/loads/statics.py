@@ -21,12 +21,12 @@ shaft forward. Source: derived from first principles; confirmed with independent
 engines.
 """
 
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats, namespace, stacked, vectors
+from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, dot
 from cardan.loads.cycle import Cycle, major_axis
@@ -135,9 +135,9 @@ def loads(
         torques, moments = (Cycle(torque[..., None, None, None] * w) for w in (torques, moments))
     else:
         power = torque[..., None, None] - _spent(turn, *floats(inertias, accelerations)[1:])
+        power = Cycle.of(power[..., None]).waves
         torques, moments = (
-            Cycle.of(Cycle(w).values(turn.samples) * power[..., : w.shape[-3], :, None])
-            for w in (torques, moments)
+            Cycle(_times(power[..., : w.shape[-3], :, :], w)) for w in (torques, moments)
         )
     with np.errstate() if line.measured else np.errstate(invalid="ignore"):
         joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
@@ -218,6 +218,20 @@ def _spent(turn: Turn, inertias: FloatArray, accelerations: FloatArray) -> Float
     taken = inertias[..., None] * accelerations[..., :-1, :] * turn.speed[..., :-1, :]
     taken = np.cumsum(taken, axis=-2)
     return np.concatenate([0 * taken[..., :1, :], taken, taken[..., -1:, :]], axis=-2)
+
+
+def _times(power: Any, waves: Any) -> Any:
+    """Return a power's waves (..., K, 1) times waves of orders 0 and 2 alone, (..., 2, m).
+
+    Re P z^j Re A z is (Re A P z^(j+1) + Re Ā P z^(j-1))/2; orders 0 to 2 K - 2 of the product.
+    """
+    mean, swing = waves[..., :1, :].real, waves[..., 1:, :] / 2
+    found = power * mean
+    found[..., 1:, :] += power[..., :-1, :] * swing
+    found[..., :-1, :] += power[..., 1:, :] * np.conj(swing)
+    found[..., 1:2, :] += power[..., :1, :] * swing  # the mean has no half on either side
+    found[..., 0, :] = found[..., 0, :].real
+    return found
 
 
 def _weights(line: Line, gravity: float) -> FloatArray:

@@ -1,12 +1,13 @@
 """An application: lines in a vehicle, the states to check, what is in the way, the limits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from cardan.base.arrays import ArrayLike
 from cardan.base.errors import DesignError, Place, Problem, failing
+from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 from cardan.base.verdict import Limit

@@ -5,11 +5,12 @@ the bearing's centre.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
 from cardan.model.parts import ASSUMED, STEEL, Material

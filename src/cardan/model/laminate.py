@@ -12,7 +12,7 @@ place. What the order of the plies does besides, B and D, decides whether the wa
 and 4; the tube's strains derived.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import pi, sqrt
 from typing import Any
@@ -21,6 +21,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError, failing, positive
+from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import GPa, Metre, MPa, Pascal, Radian, deg, mm
 from cardan.model.parts import ASSUMED, Material

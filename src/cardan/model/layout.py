@@ -4,11 +4,10 @@ x points rearward, y to the vehicle's right, z up. Member 0 is the gearbox outpu
 1 to n-1 are the shafts, member n is the pinion; joint k sits between members k-1 and k.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,12 +6,12 @@ reports read these declarations.
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.units import deg, mm, percent
 from cardan.model.application import Adjustable
 from cardan.model.parts import Line

@@ -1,10 +1,10 @@
 """The parts of a line: tube, joint, centre bearing, spline, shaft. All SI."""
 
-from dataclasses import dataclass
 from math import isnan, pi
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cardan.base.errors import DesignError, failing, positive
+from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
 

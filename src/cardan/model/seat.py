@@ -12,11 +12,10 @@ Source: mode displacement with residual flexibility, Craig & Kurdila, Fundamenta
 Structural Dynamics, 2nd ed. (2006), ch. 17; stresses by mode acceleration, ch. 11.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.frozen import dataclass
 
 LOSS = 0.02
 """Loss factor of a bolted bracket, assumed: steel frames in bolts have 0.01 to 0.04."""

@@ -4,12 +4,12 @@ Every number may be None: nobody has said. What is assumed for it is not the par
 """
 
 import itertools
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from cardan.base.errors import DesignError, failing, positive
+from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
 
 

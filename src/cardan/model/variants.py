@@ -1,8 +1,10 @@
 """Variants of an application: what varies, what scatters, and what is asked of all of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
+
+from cardan.base.frozen import dataclass
 
 Kind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform"]
 Goal: TypeAlias = Literal["margin", "cost", "mass"]

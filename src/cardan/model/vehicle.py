@@ -1,12 +1,13 @@
 """The vehicle around a line: engine, gearbox, axle, tyre, suspension, load states. All SI."""
 
 import itertools
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from cardan.base.errors import DesignError, failing, positive
+from cardan.base.frozen import dataclass
 from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
 from cardan.model.turning import GearboxRotors, Rotors
 

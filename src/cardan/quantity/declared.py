@@ -7,7 +7,7 @@ What it is called in other languages stands in the catalogues of `cardan.report.
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.formula import Formula
+from cardan.base.frozen import dataclass
 from cardan.base.part import LINE, Part
 from cardan.base.source import Source
 from cardan.base.units import UNITS

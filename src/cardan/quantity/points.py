@@ -7,17 +7,19 @@ and around the worst of these the speed is sought more closely (`worst`).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.base.frozen import dataclass
 from cardan.base.part import Point
-from cardan.demand.points import Curves, curves, demand_at
-from cardan.demand.states import Demand
+from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
+from cardan.demand.states import Demand, demand_pitched
 from cardan.loads.rubber import LOSS, Suspended, suspended
 from cardan.loads.running import Running, running
+from cardan.loads.sketch import PITCHES, Sketch, sketch
 from cardan.model.layout import Layout
 
 if TYPE_CHECKING:
@@ -101,10 +103,10 @@ class Points(Spots):
     Attributes
     ----------
     running : (P, ..., S, n-2) or (..., S, n-2) N
-        What the bearings carry.
+        What the bearings carry; `Sizes` alone while the worst points are sought.
     """
 
-    running: Running
+    running: Any
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,14 +150,14 @@ def spread(r: "Response") -> Spread | None:
 
 def _each(change: Callable[..., Any], *of: Points) -> Points:
     """Return points whose arrays are changed alike from those of others."""
-    first = of[0]
+    first, kind = of[0], type(of[0].running)
     return Points(
         curves=first.curves,
         curve=change(*(p.curve for p in of)),
         speed=change(*(p.speed for p in of)),
         torque=change(*(p.torque for p in of)),
-        running=Running(
-            **{f.name: change(*(getattr(p.running, f.name) for p in of)) for f in fields(Running)}
+        running=kind(
+            **{f.name: change(*(getattr(p.running, f.name) for p in of)) for f in fields(kind)}
         ),
     )
 
@@ -251,12 +253,15 @@ def worst(r: "Response") -> dict[str, Points]:
         return {}
     quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
     found = _beside_variants(found, _cases(r, found))
-    tried = _at(r, found, *_candidates(r, found, quick), quick=quick)
-    if quick is not None:
-        tried = _closer(r, found, tried, quick)
+    curve, speed = _candidates(r, found, quick)
+    if quick is None:
+        tried = _at(r, found, curve, speed)
+    else:
+        drawn = _sketch(r, placed(found, curve=curve, speed=speed), quick)
+        tried = _closer(r, _sketched(r, found, curve, speed, drawn), drawn)
     # Two means are often alike, and which is larger is for the whole line to say.
     seeds = *(_best(tried, name) for name in FORCES), _best(tried, "static", 1)
-    last = _at(r, found, *_rows(*seeds))
+    last = _at(r, found, *_gathered(found, [_once(*_rows(*seeds))]))
     return {name: _best(last, name) for name in FORCES}
 
 
@@ -318,9 +323,9 @@ def _gathered(found: Curves, rows: list[_Row]) -> _Row:
 
 def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return which curves `of` C have most torque at speeds (Q, ..., S), and how much."""
-    size = found.torque_at(np.broadcast_to(speed[:, None], (len(speed), *found.fastest.shape)))
-    curve = of[np.abs(np.nan_to_num(size[:, of])).argmax(axis=1)]
-    return curve, np.take_along_axis(size, curve[:, None], axis=1)[:, 0]
+    size = found.of(of).torque_at(speed[:, None])
+    strong = np.abs(np.nan_to_num(size)).argmax(axis=1)
+    return of[strong], np.take_along_axis(size, strong[:, None], axis=1)[:, 0]
 
 
 def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> _Row:
@@ -346,26 +351,70 @@ def _rows(*found: Points) -> _Row:
     return curve, speed
 
 
-def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Points:
+def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
+    """Return a line for all points between the least and the largest pitch of some."""
+    pitch = pitch_at(r.demand, at)
+    some = np.where(np.isnan(at.torque), np.nan, pitch)
+    # A state without a point has its own pitch, and no force.
+    some = np.where(np.isnan(some).all(axis=0), r.demand.ride.pitch, some)
+    least, largest = np.nanmin(some, axis=0), np.nanmax(some, axis=0)
+    shares = PITCHES if (largest > least).any() else (0.0,)
+    pitches = np.stack([least + (1 + x) / 2 * (largest - least) for x in shares])
+
+    def named(case: tuple[int, ...]) -> str:
+        """Name the point nearest to a pitch."""
+        away = np.abs(some[(slice(None), *case[1:])] - pitches[case])
+        return at.named((int(np.nanargmin(away)), *case[1:]))
+
+    asked = demand_pitched(
+        r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed, named=named
+    )
+    return sketch(
+        on, r.lay(asked), r.line, r.phases, least=least, largest=largest, gravity=r.gravity,
+        balanced_at=r.balanced_at if r.application.include_unbalance else None,
+    )  # fmt: skip
+
+
+def _sketched(
+    r: "Response", found: Curves, curve: IntArray, speed: FloatArray, drawn: Sketch
+) -> Points:
+    """Return nearly what the bearings carry at points, their curves and speeds (P, ..., S)."""
+    at = placed(found, curve=curve, speed=speed)
+    sizes = drawn.at(
+        at.torque, speed=at.speed, pitch=pitch_at(r.demand, at), slip=r.slip_at(at.torque)
+    )
+    return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
+
+
+def _once(curve: IntArray, speed: FloatArray) -> _Row:
+    """Return points without those of a case that come again: their speed is nan."""
+    same = (curve[:, None] == curve) & (speed[:, None] == speed)
+    before = np.tri(len(curve), k=-1, dtype=bool)
+    again = (same & before.reshape(*before.shape, *(1,) * (curve.ndim - 1))).any(axis=1)
+    return curve, np.where(again, np.nan, speed)
+
+
+def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
     """Return points tried, and those beside the worst of them where they may be worse.
 
     The worst peak of each bearing, and the `CRESTS` of what shakes it most. Where a mode
     alone shakes, 1/F² is a parabola over the square of the speed; what order 2 adds to the
     mean is largest half a mode's width beside that crest.
     """
+    found = tried.curves
     sought = ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
     seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
     curve, speed = _rows(*(p for _, p in seeds))
     fastest = np.take_along_axis(found.fastest, curve, axis=0)
-    wide = quick.loss.min(axis=-1)  # as narrow as the narrowest mode
+    wide = drawn.on.loss.min(axis=-1)  # as narrow as the narrowest mode
     low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
     flanks = _rows(*(p for name, p in seeds if name == "dynamic"))
-    sides = _at(
+    sides = _sketched(
         r,
         found,
         np.concatenate([curve, curve, flanks[0], flanks[0]]),
         np.concatenate([low, high, *(flanks[1] * (1 + k * wide) for k in (-0.5, 0.5))]),
-        quick=quick,
+        drawn,
     )
     middle = [np.moveaxis(getattr(p.running, name), -1, 0) for name, p in seeds]
     bearings = len(middle[0])
@@ -382,7 +431,7 @@ def _closer(r: "Response", found: Curves, tried: Points, quick: Suspended) -> Po
     reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
     crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
     crest = np.fmin(np.sqrt(np.maximum(crest, 0.0)), fastest)
-    there = _at(r, found, curve, crest, quick=quick)
+    there = _sketched(r, found, curve, crest, drawn)
     return _each(lambda *v: np.concatenate(v), tried, sides, there)
 
 
@@ -417,7 +466,7 @@ def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
     if r.inertias is not None:
         shapes.append(r.inertias.shape[:-1])
     if r.held is not None:
-        shapes += [r.held.frequencies().shape[:-1], r.held.loss.shape[:-1]]
+        shapes.append(r.held.first.cases)
     return np.broadcast_shapes(*shapes)
 
 

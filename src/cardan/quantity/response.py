@@ -5,7 +5,7 @@ last leading axis, variants of a study on axes before it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand, each_axle_load

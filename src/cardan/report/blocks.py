@@ -1,10 +1,11 @@
 """What a report is made of, before any medium shapes it: chapters of texts, tables, figures."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TypeAlias
 
 from cardan import __version__
+from cardan.base.frozen import dataclass
 from cardan.report.svg import Figure
 
 

@@ -11,11 +11,11 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import get_args
 
+from cardan.base.frozen import dataclass
 from cardan.base.part import Occasion, Part
 from cardan.base.said import Said
 from cardan.model.vehicle import SuspensionState

@@ -17,7 +17,7 @@ from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
-from cardan.report import identified, used
+from cardan.report import identified, otherwise, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns, headline, table, without_answer
@@ -56,6 +56,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
                 "undecided": e.undecided,
                 "damage_recorded": _number(e.recorded),
                 "damage_without": _number(e.without),
+                **({"why": str(e.why)} if e.why is not None else {}),
             }
             for e in of.effects
         ],
@@ -64,6 +65,7 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "power_above_0.4_rate": of.fast,
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
+        "doubts": [str(d) for d in of.doubts],
     }
 
 
@@ -133,7 +135,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     of = _heard(found)
     return {
         **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
-        **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
+        **_besides(of),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
@@ -144,6 +146,16 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
             }
         ),
     }
+
+
+def _besides(of: Heard) -> dict[str, Any]:
+    """Return what else was asked of a recording, by gauge."""
+    found: dict[str, Any] = {}
+    if of.used:
+        found["usage"] = {u.gauge: used.document(u) for u in of.used}
+    if of.otherwise:
+        found["otherwise"] = {o.gauge: otherwise.document(o) for o in of.otherwise}
+    return found
 
 
 def mix_document(found: Finding[Mix]) -> dict[str, Any]:
@@ -208,7 +220,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
             {
                 "times": times,
                 **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
-                **({"usage": {u.gauge: used.document(u) for u in h.used}} if h.used else {}),
+                **_besides(h),
             }
             for _, times, h in of.parts
         ],
@@ -242,6 +254,8 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
         )
         for one in heard.used:
             yield from used.lines(one, say)
+        for one in heard.otherwise:
+            yield from otherwise.lines(one, say)
 
 
 def customers(of: Mix, say: Language) -> Iterator[str]:
@@ -412,6 +426,8 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes, say=say)
     for one in of.used:
         yield from used.lines(one, say)
+    for one in of.otherwise:
+        yield from otherwise.lines(one, say)
     if of.identification is not None:
         yield ""
         yield from identified.lines(of.identification, say)
@@ -576,7 +592,12 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         yield say("{gauge}: said nothing, so its life is not known", gauge=name)
         return
     for e in of.effects:
-        if e.kind not in (HOLE, FREEZE):
+        if e.why is not None:
+            yield say(
+                "{gauge}: {kind} ({state}): {why}", gauge=name, kind=say(e.kind),
+                state=say("undecided") if e.undecided else say("decided"), why=say.said(e.why),
+            )  # fmt: skip
+        elif e.kind not in (HOLE, FREEZE):
             yield say(
                 "{gauge}: {kind} ({count}, {state}): damage {recorded} as recorded, {without} "
                 "without",
@@ -584,6 +605,8 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
                 state=say("undecided") if e.undecided else say("decided"),
                 recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
             )  # fmt: skip
+    for doubt in of.doubts:
+        yield say("{gauge}: doubt: {doubt}", gauge=name, doubt=say.said(doubt))
     if of.share < 0.9999:
         yield say(
             "{gauge}: alive for {share} of the time; its life is told of that time",

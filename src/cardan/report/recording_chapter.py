@@ -13,7 +13,7 @@ from cardan.fatigue.correction import Correction
 from cardan.fatigue.cuts import Cuts
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.rainflow import range_pairs
-from cardan.report import used
+from cardan.report import otherwise, used
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
@@ -74,6 +74,7 @@ def chapter(of: Heard, say: Language) -> Iterator[Block]:
         yield from _causes(of.causes, say)
     for one in of.used:
         yield from used.blocks(one, say)
+    yield from otherwise.blocks(of.otherwise, say)
     if of.identification is not None:
         yield from identification(of.identification, say)
 

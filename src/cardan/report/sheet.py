@@ -6,12 +6,12 @@ stands with each quantity's declaration.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import get_args
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.part import LINE, Part
 from cardan.quantity.declared import BY_PART, Quantity
 from cardan.quantity.declared import Section as Heading

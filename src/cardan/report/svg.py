@@ -1,7 +1,6 @@
 """Scalable drawings as text: elements, and the few shapes that figures are made of."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from html import escape
 from math import isfinite
 from typing import TypeAlias
@@ -9,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike
+from cardan.base.frozen import dataclass
 
 Value: TypeAlias = str | float | None
 

@@ -5,12 +5,11 @@ the last joint. The line is taken as straight: at truck angles of a few degrees,
 line adds is of the order of the angle squared. Torque, axial force and damping are left out.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.model.parts import Line
 
 

@@ -14,7 +14,6 @@ compared; its other figures are not.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import product
 from math import pi
@@ -24,6 +23,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, single_threaded, stacked
 from cardan.base.errors import DesignError, NotConverged
+from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, NewtonMetre, mm
 from cardan.model.laminate import (
     CARBON_EPOXY,

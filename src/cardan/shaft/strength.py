@@ -1,7 +1,6 @@
 """Whether tube and joints carry the torque: stress, ratings, and the smallest size that does."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, floats
 from cardan.base.errors import DesignError
 from cardan.base.formula import Constant
+from cardan.base.frozen import dataclass
 from cardan.base.units import NewtonMetre
 from cardan.model.parts import JointSize
 from cardan.shaft.life import complete_rating, joint_life, life_rating, n_beta, wear_of

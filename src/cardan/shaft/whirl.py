@@ -6,13 +6,13 @@ gyroscopic moments, the masses of yokes and spline, and that shafts hang on soft
 and on each other.
 """
 
-from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats
+from cardan.base.frozen import dataclass
 from cardan.base.units import g, inch, rpm
 from cardan.shaft.beams import Beams, System, assembled
 

@@ -1,11 +1,12 @@
 """The approval of an application: what its studies found, and the one verdict there is."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
+from cardan.base.frozen import dataclass
 from cardan.base.verdict import Check, Unanswered, Verdict, worst
 from cardan.files.limit import DEFAULT
 from cardan.files.limit import limits as profile

@@ -16,23 +16,25 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import CardanError, DesignError
+from cardan.base.said import Said, said
 from cardan.base.source import Source
 from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
-from cardan.fatigue import conditioning, correction, rainflow, strain
+from cardan.fatigue import conditioning, correction, local, rainflow, strain
 from cardan.fatigue.angle import Angle, shaft_angle
 from cardan.fatigue.correction import Correction
-from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
-from cardan.fatigue.quality import Rule
-from cardan.fatigue.recording import Recording
+from cardan.fatigue.quality import NAMED_STRAIN, NAMED_STRESS, Rule
+from cardan.fatigue.recording import Channel, Recording
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
+from cardan.study.otherwise import Cracked, Strained
 from cardan.study.recorded import predicted_stress
 
 NAME = "recording"
@@ -59,6 +61,32 @@ VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
 DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
 """Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
 TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
+
+UNITS: Mapping[str, tuple[str, float]] = {
+    unit: (kind, factor)
+    for kind, table in (
+        ("stress", STRESS), ("strain", STRAIN), ("speed", SPEED), ("way", DRIVEN),
+        ("torque", TORQUE),
+    )
+    for unit, factor in table.items()
+}  # fmt: skip
+"""What each unit measures, and how much it is in SI."""
+
+_WRITTEN = re.compile(
+    r"(?<=[\s_\[(])("
+    + "|".join(
+        sorted(map(re.escape, [u for u in UNITS if u != "%"] + ["mV/V", "mV"]), key=len)[::-1]
+    )
+    + r")[\])]?\s*$"
+)
+"""The unit a channel's name ends in: `S1_MPa`, `torque [Nm]`."""
+_STRAINS = re.compile(
+    r"(?<![a-z])(strain(?!\W*_*gau)|dehnung|deforma[çz]|epsilon|mikrodehn)", re.IGNORECASE
+)
+_STRESSES = re.compile(r"(?<![a-z])(stress|spannung|tens[ãi]o|sigma)", re.IGNORECASE)
+
+FASTEST_SHAFT = 200.0
+"""Turns a second that no propshaft makes: 12,000 rpm."""
 
 _KINDS = {"rectangular": strain.RECTANGULAR, "delta": strain.DELTA}
 _CURVES: dict[str, Callable[[SNCurve], SNCurve]] = {
@@ -89,6 +117,7 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "residue": tuple(_RESIDUES),
     "zero": tuple(_ZEROS),
     "between_samples": ("auto", "yes", "no"),
+    "strain_mean": local.LAWS,
 }
 """What an option may be, where it is one of a few."""
 
@@ -107,6 +136,11 @@ RANGES: Mapping[str, tuple[str, float, float]] = {
     "bearing": (_FROM, 1, 100),
     "rate": (_ABOVE, 0, 1e9),
     "target_hours": (_ABOVE, 0, 1e12),
+    "notch": (_FROM, 1, 20),
+    "crack_threshold": (_FROM, 0, 100),
+    "crack_shape": (_ABOVE, 0, 10),
+    "service_hours": (_ABOVE, 0, 1e12),
+    "miner_scatter": (_FROM, 0, 2),
 }
 """Where an option's number lies: above or at least the first, at most the second."""
 
@@ -145,6 +179,15 @@ class Campaign:
         `GAUGE=MPa_per_kNm` of order 2, to hold against the measured.
     application, unit_stress, state, bearing
         What predicts it instead, with `GAUGE=X,Y,Z` in MPa per kN.
+    strain_life, notch, strain_mean
+        `MPa,B,STRAIN,C[,MPa,N]`: σf', b, εf' and c, perhaps K' and n': life until a crack by the
+        local strain; K_t from the gauge to the notch, and one of `CHOICES`.
+    crack, crack_threshold, crack_shape
+        `MM,MM,C,M`: from one crack length to another, growth C ΔK^m (m a cycle, MPa√m), above a
+        threshold in MPa√m; Y of K = Y S √(πa).
+    service_hours, miner_scatter
+        Hours in which the odds of failure are asked; coefficient of variation of the damage at
+        failure.
     usage
         Whether it is told when and where the damage came.
     identify
@@ -195,6 +238,14 @@ class Campaign:
     unit_stress: tuple[str, ...] = ()
     state: str = "gvw"
     bearing: int = 1
+    strain_life: str | None = None
+    notch: float | None = None
+    strain_mean: str = "swt"
+    crack: str | None = None
+    crack_threshold: float = 0.0
+    crack_shape: float = 1.12
+    service_hours: float | None = None
+    miner_scatter: float = 0.3
     usage: bool = False
     identify: bool = False
     rate: float | None = None
@@ -246,7 +297,13 @@ class Campaign:
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
-        _ = self.rules, self.scales  # refuse what is none
+        _ = self.rules, self.scales, self.strained, self.cracked  # refuse what is none
+        if self.notch is not None and self.strain_life is None:
+            msg = "--notch is of the local strain: it needs --strain-life"
+            raise DesignError(msg)
+        if self.service_hours and not (self.scatter or self.gauge_error or self.miner_scatter):
+            msg = "odds need something that scatters: --scatter, --gauge-error or --miner-scatter"
+            raise DesignError(msg)
         if self.unit_stress and self.application is None:
             msg = "--unit-stress needs the --application whose bearing loads it is for"
             raise DesignError(msg)
@@ -323,6 +380,52 @@ class Campaign:
         )
 
     @property
+    def strained(self) -> Strained | None:
+        """How places are judged by their strain; None where it was not asked."""
+        if self.strain_life is None:
+            return None
+        given = _several(self.strain_life)
+        if len(given) not in (4, 6):
+            msg = (
+                "a strain-life curve is SIGMA_F_MPa,B,EPSILON_F,C, perhaps with K_MPa,N of the "
+                f"cyclic curve, got {self.strain_life!r}"
+            )
+            raise DesignError(msg)
+        modulus = self.modulus_GPa * GPa
+        strength, b, ductility, c = given[:4]
+        curve = local.common(
+            modulus=modulus, strength=strength * MPa, exponent=b, ductility=ductility,
+            ductility_exponent=c,
+        )  # fmt: skip
+        if len(given) == 6:
+            curve = replace(curve, hardening=given[4] * MPa, hardening_exponent=given[5])
+        return Strained(material=curve, law=self.strain_mean, notch=self.notch)
+
+    @property
+    def cracked(self) -> Cracked | None:
+        """How a crack is judged; None where it was not asked."""
+        if self.crack is None:
+            return None
+        given = _several(self.crack)
+        if len(given) != 4 or not 0 < given[0] < given[1] <= 1e4:
+            msg = (
+                "a crack is FROM_mm,TO_mm,C,M, growing to 10,000 mm at most, with C in m a cycle "
+                f"and MPa√m, got {self.crack!r}"
+            )
+            raise DesignError(msg)
+        start, end, C, m = given
+        if not (0 < C < 1e-3 and 1 <= m <= 10):
+            msg = (
+                f"C of a crack's growth lies within (0, 1e-3) m a cycle and m within 1 to 10, got "
+                f"C {C:g} and m {m:g}"
+            )
+            raise DesignError(msg)
+        return Cracked(
+            start=start / 1e3, end=end / 1e3, C=C, m=m, threshold=self.crack_threshold,
+            shape=self.crack_shape,
+        )  # fmt: skip
+
+    @property
     def scales(self) -> dict[str, tuple[float, float, str]]:
         """Factor, offset and unit of the channels that are scaled."""
         found: dict[str, tuple[float, float, str]] = {}
@@ -350,7 +453,7 @@ class Campaign:
         if not scales:
             return recording
         channels = tuple(
-            replace(c, unit=scales[k][2]) if k in scales else c
+            replace(c, unit=scales[k][2], settled=True) if k in scales else c
             for k, c in enumerate(recording.channels)
         )
 
@@ -407,6 +510,7 @@ class Campaign:
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
             allowed=self.allowed, gauge_error=self.gauge_error, rules=self.rules,
             between={"auto": None, "yes": True, "no": False}[self.between_samples],
+            ultimate=math.inf if self.ultimate_MPa is None else self.ultimate_MPa * MPa,
         )  # fmt: skip
 
     def hold(self, recording: Recording, *, samples: int) -> None:
@@ -491,10 +595,13 @@ class Campaign:
         modulus = self.modulus_GPa * GPa
         units = STRESS | {u: modulus * v for u, v in STRAIN.items()}
         named = [_named(text) for text in self.gauges]
-        return [
-            strain.direct(channel, channel, factor=_unit(recording, channel, given, units))
-            for channel, given in named
-        ]
+        found: list[Gauge] = []
+        for channel, given in named:
+            factor = _unit(recording, channel, given, units)
+            gauge = strain.direct(channel, channel, factor=factor)
+            of = recording.channel(channel)
+            found.append(replace(gauge, doubts=_doubted(of, given or of.unit)))
+        return found
 
     def _rosettes(self, recording: Recording) -> list[Gauge]:
         found: list[Gauge] = []
@@ -530,6 +637,12 @@ class Campaign:
             raise DesignError(msg) from None
         if not (math.isfinite(amplitude) and math.isfinite(cycles) and math.isfinite(slope)):
             msg = f"an S-N curve is of finite numbers, got {self.sn!r}"
+            raise DesignError(msg)
+        if self.ultimate_MPa is not None and amplitude >= self.ultimate_MPa:
+            msg = (
+                f"the S-N curve's knee, {amplitude:g} MPa, must lie below the tensile strength, "
+                f"--ultimate-MPa {self.ultimate_MPa:g}"
+            )
             raise DesignError(msg)
         curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
         return _CURVES[self.miner](curve)
@@ -577,6 +690,8 @@ def _rule(text: str, *, mask: bool) -> Rule:
         raise DesignError(msg)
     if mask and kind and kind not in REMOVABLE:
         instead = "--zero drift takes it off" if kind == DRIFT else "what it hides nobody knows"
+        if kind in IMPOSSIBLE:
+            instead = "it is of the gauge as a whole"
         msg = f"a {kind} cannot be masked: {instead}; can be: {', '.join(REMOVABLE)}"
         raise DesignError(msg)
     if not (kind or times):
@@ -594,6 +709,12 @@ def numbers(text: str) -> tuple[float, ...]:
         raise DesignError(msg) from None
 
 
+def _several(text: str) -> tuple[float, ...]:
+    """Return numbers that were written with commas between; none where they are not finite."""
+    given = numbers(text)
+    return given if all(map(math.isfinite, given)) else ()
+
+
 def _named(text: str) -> tuple[str, str | None]:
     """Split CHANNEL:UNIT; channel names may hold colons, units do not."""
     name, _, unit = text.rpartition(":")
@@ -605,14 +726,45 @@ def _unit(
     recording: Recording, channel: str, given: str | None, table: Mapping[str, float]
 ) -> float:
     """Return the SI value of a channel's unit, given by hand or by the file."""
-    name = given or recording.channel(channel).unit
+    of = recording.channel(channel)
+    name = given or of.unit
+    _agreed(of, name)
     if name not in table:
-        said = repr(name) if name else "no unit"
-        msg = f"{channel}: {said}; write {channel}:UNIT with one of {', '.join(table)}"
+        none = repr(name) if name else "no unit"
+        msg = f"{channel}: {none}; write {channel}:UNIT with one of {', '.join(table)}"
         if name in VOLTS:
             msg += f", or scale it: --scale {channel}=FACTOR[,OFFSET]:UNIT"
         raise DesignError(msg)
     return table[name]
+
+
+def _agreed(channel: Channel, taken: str) -> None:
+    """Refuse a channel that is taken for another unit than its file or its name says.
+
+    A factor of a million is easily read over, and nothing later shows one of five.
+    """
+    if channel.settled or taken not in UNITS:
+        return
+    named = _WRITTEN.search(channel.name)
+    for who, unit in (("the file", channel.unit), ("its name", named[1] if named else "")):
+        other = unit in UNITS or (unit in VOLTS and unit != "")
+        if other and UNITS.get(unit) != UNITS[taken]:
+            msg = (
+                f"{channel.name}: {who} says {unit}, and it is taken for {taken}; if it is in "
+                f"{taken} in truth, say so: --scale {channel.name}=1:{taken}"
+            )
+            raise DesignError(msg)
+
+
+def _doubted(channel: Channel, taken: str) -> tuple[Said, ...]:
+    """Return a doubt where a gauge's name speaks of a strain and it is taken for a stress."""
+    if channel.settled:
+        return ()
+    if taken in STRESS and _STRAINS.search(channel.name):
+        return (said(NAMED_STRAIN, unit=taken),)
+    if taken in STRAIN and _STRESSES.search(channel.name):
+        return (said(NAMED_STRESS, unit=taken),)
+    return ()
 
 
 READ = 200.0
@@ -627,19 +779,33 @@ def _speeds(
     `wheel` is how many turns go to a metre, for a speed of the vehicle.
     """
     channel, given = _named(text)
-    said = given or recording.channel(channel).unit
-    if said in DRIVEN:
+    taken = given or recording.channel(channel).unit
+    _agreed(recording.channel(channel), taken)
+    if taken in DRIVEN:
         if wheel is None:
             msg = (
-                f"{channel}: {said} is the vehicle's speed; the shaft turns with it by "
+                f"{channel}: {taken} is the vehicle's speed; the shaft turns with it by "
                 "--axle-ratio and --tyre-radius-m"
             )
             raise DesignError(msg)
-        unit = DRIVEN[said] * wheel
+        unit = DRIVEN[taken] * wheel
     else:
         unit = _unit(recording, channel, given, SPEED)
     values, rate = _every(recording, channel)
+    _turning(channel, values * unit, taken or "")
     return values * unit, rate
+
+
+def _turning(channel: str, speed: FloatArray, unit: str) -> None:
+    """Refuse a speed (n,) turns/s, half of which no shaft of a vehicle makes."""
+    moving = speed[speed > 0]
+    typical = float(np.median(moving)) if moving.size else 0.0
+    if typical > FASTEST_SHAFT:
+        msg = (
+            f"{channel}: in {unit} it turns at {typical * 60:.4g} rpm, faster than any shaft or "
+            f"engine of a vehicle ({FASTEST_SHAFT * 60:g} rpm); its unit is another"
+        )
+        raise DesignError(msg)
 
 
 def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:

@@ -1,9 +1,9 @@
 """The rows of catalogues that an application stands on, with how each was read."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.model.application import Application
 from cardan.model.parts import ASSUMED, Line, Tube

@@ -1,11 +1,11 @@
 """The driveline in its states: every quantity of every line against every limit."""
 
 from collections.abc import Container, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.part import Occasion, Part
 from cardan.base.verdict import EQUAL, Check, Limit, Unanswered
 from cardan.demand.states import demand, resolve

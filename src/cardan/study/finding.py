@@ -6,9 +6,9 @@ belongs to `cardan.study.approval` alone.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
+from cardan.base.frozen import dataclass
 from cardan.base.part import LINE, Occasion
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.model.application import Application

@@ -1,11 +1,12 @@
 """What may be moved of a line, and what the line does when it is: many variants at a time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, stacked
+from cardan.base.frozen import dataclass
 from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand, demand, resolve
 from cardan.loads.rubber import LOSS

@@ -1,10 +1,10 @@
 """What a reader should know: where an application contradicts itself, what is assumed."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, mm
 from cardan.demand.suspension import spring_load, table_rates
 from cardan.loads.rubber import LOSS

@@ -1,12 +1,12 @@
 """A line with its yokes put together in every way a spline allows by quarters: side by side."""
 
-from dataclasses import dataclass
 from itertools import product
 from math import pi
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.units import Radian
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
 from cardan.quantity.response import Response, respond

@@ -20,7 +20,7 @@ from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import FIRING, separation, suspects
-from cardan.fatigue.conditioning import Health
+from cardan.fatigue.conditioning import Health, finer
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
@@ -36,6 +36,7 @@ from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
+from cardan.study.otherwise import Otherwise, grown, odds, strained
 from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
@@ -50,6 +51,10 @@ DECIDE: Mapping[str, str] = {
     "zero-step",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
+    "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
+    "unit": "the unit its numbers are in, or --accept unit",
+    "rate": "a recording sampled as its stress moves, or --accept rate",
+    "strength": "the tensile strength of its part, or --accept strength",
 }
 """What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
 
@@ -97,6 +102,8 @@ class Heard:
         Its gauges as arrays to draw; None where nobody wants to.
     used
         When and where its gauges' damage came; none where it was not asked.
+    otherwise
+        Its gauges judged by strain, by a crack, by odds; none where it was not asked.
     """
 
     recording: Recording
@@ -108,6 +115,7 @@ class Heard:
     identification: Identification | None = None
     pictures: Pictures | None = None
     used: tuple[Used, ...] = ()
+    otherwise: tuple[Otherwise, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -138,10 +146,12 @@ class RecordingStudy:
         campaign.hold(recording, samples=max(h.samples for h in healths.values()))
         angle = campaign.shaft(recording)
         shaft = None if angle is None else angle.rotation
+        plan = replace(plan, fastest=_fastest(shaft))
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
             progress=progress,
         )  # fmt: skip
+        _masked_out(recording, plan, lives)
         heard = [g for g, one in zip(plan.gauges, lives, strict=True) if one.heard]
         causes = None
         if angle is not None and heard:
@@ -163,6 +173,9 @@ class RecordingStudy:
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 lives=[one for one in lives if one.heard], progress=progress,
             )  # fmt: skip
+        others = _otherwise(
+            campaign, recording, plan, healths=healths, lives=lives, progress=progress
+        )
         pictures = None
         if self.draw and heard:
             pictures = _pictures(
@@ -181,6 +194,7 @@ class RecordingStudy:
                 identification=identified,
                 pictures=pictures,
                 used=told,
+                otherwise=others,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -398,11 +412,13 @@ def _opened(path: Path, campaign: Campaign) -> Recording:
 def verdict_on(found: Finding[Heard] | Finding[Mix]) -> Verdict | None:
     """Return what the gauges come to; None where nothing was asked of them.
 
-    Where a life is vetoed the recording was asked and has no answer, limit or not.
+    Where a life is vetoed, or no gauge says anything, the recording was asked and has no answer,
+    limit or not.
     """
     coverage = coverage_of(found)
     if not coverage.asked:
-        spoiled = found.answer is not None and any(one.vetoes for one in found.answer.lives)
+        lives = found.answer.lives if found.answer is not None else ()
+        spoiled = any(one.vetoes for one in lives) or not any(one.heard for one in lives)
         return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
 
@@ -426,6 +442,27 @@ def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
     if shaft is None or ratio is None or radius is None:
         return math.nan
     return float(shaft.turns[-1] - shaft.turns[0]) / ratio * TURN * radius
+
+
+def _fastest(shaft: Rotation | None) -> float:
+    """Return how fast a shaft's order 2 moves, Hz, but for a twentieth of its time under way."""
+    if shaft is None:
+        return 0.0
+    speed = shaft.speed(shaft.time)
+    moving = speed[speed > 0.5]
+    return 2 * float(np.quantile(moving, 0.95)) if moving.size else 0.0
+
+
+def _masked_out(recording: Recording, plan: Plan, lives: Sequence[GaugeLife]) -> None:
+    """Refuse rules that leave nothing of a gauge that had something to say."""
+    for one in lives:
+        spoke = not any(h.dead for h in one.health.values())
+        if spoke and not one.heard and any(r.mask for r in plan.rules):
+            msg = (
+                f"--mask leaves nothing of {one.name}: {one.quality.live:.4g} s of the "
+                f"{one.quality.recorded:.4g} s of {recording.name}; mask less, or leave it out"
+            )
+            raise DesignError(msg)
 
 
 def _causes(
@@ -500,6 +537,41 @@ def _used(
         seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
+    )  # fmt: skip
+
+
+def _otherwise(
+    campaign: Campaign, recording: Recording, plan: Plan, *, healths: dict[str, Health],
+    lives: Sequence[GaugeLife], progress: room.Progress,
+) -> tuple[Otherwise, ...]:  # fmt: skip
+    """Return a plan's gauges as their strain, a crack and odds have them, those with an answer."""
+    by_strain, crack, hours = campaign.strained, campaign.cracked, campaign.service_hours
+    if by_strain is None and crack is None and hours is None:
+        return ()
+    told = [
+        (g, one) for g, one in zip(plan.gauges, lives, strict=True) if one.heard and not one.vetoed
+    ]
+    if not told:
+        return ()
+    gauges, own = zip(*told, strict=True)
+    strains: Sequence[tuple[float | None, float]] = [(None, math.nan)] * len(own)
+    if by_strain is not None:
+        stress = room.stresses(
+            recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
+            progress=progress,
+        )  # fmt: skip
+        sharp = any(not math.isnan(one.quality.samples_only) for one in own)
+        strains = strained(finer(stress) if sharp else stress, own, by_strain)
+    return tuple(
+        Otherwise(
+            gauge=one.name, duration=one.life.duration, allowed=plan.allowed,
+            strain_damage=damage, strain=strain,
+            growth=None if crack is None else grown(one, crack),
+            odds=None if hours is None else odds(
+                one, plan, hours=hours, miner_scatter=campaign.miner_scatter
+            ),
+        )
+        for one, (damage, strain) in zip(own, strains, strict=True)
     )  # fmt: skip
 
 

@@ -1,10 +1,11 @@
 """What each thing that can be moved does to each check that does not pass."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from cardan.base.frozen import dataclass
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES

@@ -6,13 +6,14 @@ is proposed.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.errors import DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.units import Kilogram, Metre, mm
 from cardan.base.verdict import GRADES, Check
 from cardan.demand.states import demand, resolve

@@ -3,9 +3,9 @@
 A check of a driveline is not to wait for finite elements that nobody asks for.
 """
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from cardan.base.frozen import dataclass
 from cardan.model.application import Application, Surroundings
 from cardan.quantity.declared import TUBES
 from cardan.study.driveline import DrivelineStudy

@@ -1,0 +1,94 @@
+"""How a line's coordinates move when they are shaken: the algebra of `cardan.loads.rubber`.
+
+Matrices (N, N, ...) and vectors (N, ...) have their cases last (`cardan.base.small`): lines have
+few coordinates, and are asked at thousands of speeds.
+"""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.frozen import dataclass
+from cardan.base.small import beside, product, solve, stretch, wide
+
+Tie: TypeAlias = tuple[ComplexArray, ComplexArray | None]
+"""How forces of order 2 follow a motion: L (N, n, ...) times R (n, N, ...), or L alone."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shaken:
+    """A line of N coordinates.
+
+    Attributes
+    ----------
+    still, lost : (N, N, ...)
+        N/m of tubes, rubber and brackets, and what they lose.
+    gyroscopic, mass, torsion : (N, N, ...)
+        As `Suspended` has them.
+    """
+
+    still: FloatArray
+    lost: FloatArray
+    gyroscopic: FloatArray
+    mass: FloatArray
+    torsion: FloatArray
+
+    @property
+    def cases(self) -> tuple[int, ...]:
+        """The cases of the line."""
+        return np.broadcast_shapes(self.still.shape[2:], self.mass.shape[2:], self.lost.shape[2:])
+
+    def some(self, of: slice, axes: int) -> "Shaken":
+        """Return the line in a stretch of its cases, as cases of so many axes."""
+        return Shaken(
+            still=stretch(wide(self.still, axes, of=2), of),
+            lost=stretch(wide(self.lost, axes, of=2), of),
+            gyroscopic=stretch(wide(self.gyroscopic, axes, of=2), of),
+            mass=stretch(wide(self.mass, axes, of=2), of),
+            torsion=stretch(wide(self.torsion, axes, of=2), of),
+        )
+
+    def at(self, frequency: FloatArray, speed: FloatArray, torque: FloatArray) -> ComplexArray:
+        """Return the stiffness at a frequency W rad/s, (N, N, ...) N/m; none is lost at 0."""
+        turning = np.sign(frequency) * self.lost + frequency * speed * self.gyroscopic
+        return self.wound(torque) - frequency**2 * self.mass + 1j * turning
+
+    def wound(self, torque: FloatArray) -> FloatArray:
+        """Return the stiffness that a torque leaves, (N, N, ...) N/m."""
+        return self.still + torque * self.torsion
+
+    def balanced(
+        self, f0: Any, f2: Any, f4: Any, tie: Tie, *, speed: Any, torque: Any
+    ) -> tuple[FloatArray, ComplexArray, ComplexArray]:
+        """Return motions (N, ...) of orders 0, 2 and 4 under forces that follow them.
+
+        Forces (N, ...) where nothing has moved, `f0` real, `f4` None where there is none, and
+        how their order 2 follows the motion.
+        """
+        left, right = tie
+        ties = left.shape[1]
+
+        def felt(motion: Any) -> Any:
+            return motion if right is None else product(right, motion)
+
+        def returned(motion: Any) -> Any:
+            """Return what a motion does on the order below its own, by way of `left`."""
+            return (motion if right is None else product(np.conj(right), motion)) / 2
+
+        back = np.conj(left)
+        above = solve(self.at(4 * speed, speed, torque), left if f4 is None else beside(left, f4))
+        if f4 is not None:
+            f2 = f2 + product(back, returned(above[:, ties]))
+        own = returned(above[:, :ties]) / 2
+        second = self.at(2 * speed, speed, torque)
+        second -= product(back, own if right is None else product(own, right))
+        tied = solve(second, beside(left, f2))
+        own = returned(tied)
+        loose = own[:, :ties] if right is None else product(own[:, :ties], right)
+        still = self.wound(torque) - product(back, loose).real
+        pushed = f0 + product(back, own[:, ties]).real
+        still = solve(still, pushed[:, None])[:, 0]
+        twice = product(tied[:, :ties], felt(still)) + tied[:, ties]
+        fourth = product(above[:, :ties], felt(twice)) / 2
+        return still, twice, fourth if f4 is None else fourth + above[:, ties]

@@ -1,0 +1,201 @@
+"""A line's bearings at many points, nearly: where a force is largest is sought on this.
+
+Points of one state differ in torque and speed, and the torque winds up the axle. What follows
+from angles alone, how one newton metre pushes the coordinates, how that follows their motion and
+what statics makes of it, is smooth in the axle's pitch: a parabola through three pitches. What
+is left to do at a point is the algebra of a few coordinates (`cardan.loads.shaken`).
+
+Left out is the shafts' inertia, whose share is small where resonance is.
+"""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.frozen import dataclass
+from cardan.base.small import leading, product, solve, stretch, stretches, wide
+from cardan.kinematics.chain import turn
+from cardan.loads.cycle import major_axis
+from cardan.loads.rubber import Suspended
+from cardan.loads.running import out_of_balance
+from cardan.loads.statics import loads, resting
+from cardan.model.layout import Layout
+from cardan.model.parts import Line
+
+PITCHES = (-1.0, 0.0, 1.0)
+"""Where between the least and the largest pitch of the axle its angles are asked."""
+
+_Bent: TypeAlias = tuple[Any, ...]
+"""Coefficients of 1, x and x² of what follows the pitch x, -1 to 1; the first alone if nothing
+moves. Components first, the cases (..., S) last."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sizes:
+    """Sizes of the forces on the centre bearings, (..., n-2) N, as `Running` has them."""
+
+    static: FloatArray
+    dynamic: FloatArray
+    peak: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sketch:
+    """A line on its rubber at all pitches of its axle; N coordinates, B = 3 (n-2) directions.
+
+    Attributes
+    ----------
+    on
+        How it can move.
+    least, largest : (..., S) rad
+        Pitches of the axle.
+    pushes : (N, ...) N
+        What orders 0 and 2 of 1 N m do on the coordinates.
+    swing : (N, N, ...)
+        How order 2 of that follows the coordinates.
+    borne : (B, ...) N
+        Orders 0 and 2 of 1 N m on the bearings, less what the coordinates take at rest.
+    weight, pulled : (B, ...) N
+        On the bearings, of weight and of 1 N of thrust.
+    rows : (B, N, ...)
+        Motion in the bearings' directions.
+    springs, loss : (B, ...) N/m, 1
+    turning : (N, 2 (n-1), ...) N s²
+        What unbalance of each end does on the coordinates at 1 rad/s; None leaves it out.
+    """
+
+    on: Suspended
+    least: FloatArray
+    largest: FloatArray
+    pushes: tuple[_Bent, _Bent]
+    swing: _Bent
+    borne: tuple[_Bent, _Bent]
+    weight: _Bent
+    pulled: _Bent
+    rows: FloatArray
+    springs: FloatArray
+    loss: FloatArray
+    turning: ComplexArray | None
+
+    def at(
+        self, torque: ArrayLike, *, speed: ArrayLike, pitch: ArrayLike, slip: ArrayLike
+    ) -> Sizes:
+        """Return what the bearings carry at points (P, ..., S).
+
+        Parameters
+        ----------
+        torque, speed, pitch : (P, ..., S) N m, rad/s, rad
+            Where a torque is nan there is no point, and no force.
+        slip : (P, ..., S) N
+            Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
+        """
+        half = (self.largest - self.least) / 2
+        x = (np.asarray(pitch) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
+        given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
+        cases = given[0].shape
+        sizes = np.empty((3, len(self.rows) // 3, *cases))
+        for some in stretches(cases):
+            stretch(sizes, some)[...] = self._some(some, *(stretch(v, some) for v in given))
+        static, dynamic, peak = np.moveaxis(sizes + np.where(np.isnan(torque), np.nan, 0.0), 1, -1)
+        return Sizes(static=static, dynamic=dynamic, peak=peak)
+
+    def _some(self, some: slice, T: Any, omega: Any, x: Any, slip: Any) -> list[Any]:
+        """Return mean, orders and peak (n-2, P, ...) N of a stretch of the cases."""
+
+        def own(values: Any, of: int) -> Any:
+            return stretch(wide(values, T.ndim, of=of), some)
+
+        def bent(values: _Bent, of: int = 1) -> Any:
+            found, *more = (own(v, of) for v in values)
+            return (more[1] * x + more[0]) * x + found if more else found
+
+        line = self.on.first.some(some, T.ndim)
+        f0, f2, r0, r2 = (T * bent(v) for v in (*self.pushes, *self.borne))
+        q0, q2, q4 = line.balanced(
+            f0, f2, None, (T * bent(self.swing, 2), None), speed=omega, torque=T
+        )
+        rows, springs = own(self.rows, 2), own(self.springs, 1)
+        firm = springs * (1 + 1j * np.sign(omega) * own(self.loss, 1))
+        mean = r0 + bent(self.weight) + springs * product(rows, q0)
+        drawn = slip * bent(self.pulled)
+        static = np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)])
+        dynamic = _axis(r2 + firm * product(rows, q2)) + _axis(firm * product(rows, q4))
+        peak = static + dynamic
+        if self.turning is not None:
+            moved = solve(line.at(omega, omega, T), omega**2 * own(self.turning, 2))
+            peak = peak + _axis(firm[:, None] * product(rows, moved)).sum(axis=1)
+        return [static, dynamic, peak]
+
+
+def sketch(
+    on: Suspended,
+    layouts: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    least: FloatArray,
+    largest: FloatArray,
+    gravity: float = 0.0,
+    balanced_at: ArrayLike | None = None,
+) -> Sketch:
+    """Return a line for all points between two pitches of its axle.
+
+    Where it runs at each of `PITCHES` is on the first axis of `layouts` (3, ..., S, n, 3), of
+    one where no torque moves it. Other arguments are those of `cardan.loads.running.running`.
+    """
+    turned = turn(layouts.directions, phases=phases, crosses=line.crosses, samples=16)
+    one = loads(layouts, turned, line, torque=1.0)
+    moments, still = ((c.order(0), c.order(2)) for c in (one.joint_moments, one.bearing_forces))
+    pushes = [on.pushed(m) for m in moments]
+    taken = [on.borne(p) for p in pushes]
+    weight, pulled = resting(layouts, line, gravity=gravity)
+    return Sketch(
+        on=on,
+        least=least,
+        largest=largest,
+        pushes=(_parabola(pushes[0].real), _parabola(pushes[1])),
+        swing=_parabola(on.swing(turned), of=2),
+        borne=(
+            _parabola(_across(on, (still[0] - taken[0]).real)),
+            _parabola(_across(on, still[1] - taken[1])),
+        ),
+        weight=_parabola(_across(on, weight)),
+        pulled=_parabola(_across(on, pulled)),
+        rows=leading(on.rows, of=2),
+        springs=leading(on.springs, of=1),
+        loss=leading(np.repeat(on.loss, 3, axis=-1), of=1),
+        turning=None if balanced_at is None
+        else leading(out_of_balance(line, on, balanced_at=balanced_at).mT, of=2),
+    )  # fmt: skip
+
+
+def _across(on: Suspended, force: Any) -> Any:
+    """Return forces (..., n-2, 3) N in the bearings' own directions, (..., B) N."""
+    local = (on.frame @ force[..., None])[..., 0]
+    return local.reshape(*local.shape[:-2], -1)
+
+
+def _parabola(values: Any, *, of: int = 1) -> _Bent:
+    """Return the coefficients of values (3, ..., S, M) at `PITCHES`, or (1, ...) of one."""
+    low, *others = (np.ascontiguousarray(leading(v, of=of)) for v in values)
+    if not others:
+        return (low,)
+    middle, high = others
+    return middle, (high - low) / 2, (high + low) / 2 - middle
+
+
+def _by_bearing(force: Any) -> Any:
+    """Return forces (B, ...) N as (n-2, ..., 3): up, sideways, along."""
+    return np.moveaxis(force.reshape(-1, 3, *force.shape[1:]), 1, -1)
+
+
+def _size(force: FloatArray) -> FloatArray:
+    """Return the sizes (n-2, ...) of forces (B, ...)."""
+    x, y, z = np.moveaxis(_by_bearing(force), -1, 0)
+    return np.sqrt(x * x + y * y + z * z)
+
+
+def _axis(force: ComplexArray) -> FloatArray:
+    """Return the longer half axes (n-2, ...) of forces (B, ...)."""
+    return major_axis(_by_bearing(force))

@@ -1,0 +1,196 @@
+"""A gauge's stress judged otherwise than by its S-N curve: by strain, by a crack, by odds."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.base.errors import NotConverged
+from cardan.base.units import MPa, hour
+from cardan.fatigue import crack
+from cardan.fatigue.damage import miner
+from cardan.fatigue.life import GaugeLife, Plan
+from cardan.fatigue.local import Local, Material
+from cardan.fatigue.reliability import (
+    Estimate,
+    Form,
+    Lognormal,
+    Sorm,
+    form,
+    monte_carlo,
+    sorm,
+)
+
+DRAWS = 2000
+"""Parts drawn about the likeliest failure."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strained:
+    """How a place is judged by its local strain.
+
+    Attributes
+    ----------
+    material
+        Its cyclic and strain-life curves.
+    law
+        What the mean stress of a loop does, one of `local.LAWS`.
+    notch
+        K_t from the gauge to the place; None where the gauge felt the place's own strain.
+    """
+
+    material: Material
+    law: str = "swt"
+    notch: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cracked:
+    """How a crack is judged: lengths in m, growth C ΔK^m, m a cycle and MPa√m, above a threshold.
+
+    `shape` is Y of K = Y S √(πa).
+    """
+
+    start: float
+    end: float
+    C: float
+    m: float
+    threshold: float = 0.0
+    shape: float = 1.12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Odds:
+    """How often parts fail within some hours of service.
+
+    Attributes
+    ----------
+    hours
+        Of service.
+    first, second
+        By the nearest failure, and by how its surface bends there; None where there is none.
+    sampled
+        By parts drawn about it.
+    """
+
+    hours: float
+    first: Form | None
+    second: Sorm | None
+    sampled: Estimate | None
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """What scatters, by its share of the doubt (β²)."""
+        names = ("strength", "damage at failure", "stress scale")
+        return {} if self.first is None else dict(zip(names, self.first.importance, strict=True))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Otherwise:
+    """The other answers of one gauge; None of what was not asked.
+
+    Attributes
+    ----------
+    strain_damage, strain
+        Of the recording by strain-life, and the largest local strain amplitude; nan where the
+        gauge's answer is vetoed.
+    growth
+        Passages of the recording that grow the crack; infinite where it stops.
+    duration : s
+        The gauge was alive, of one passage.
+    """
+
+    gauge: str
+    duration: float
+    allowed: float
+    strain_damage: float | None = None
+    strain: float = math.nan
+    growth: float | None = None
+    odds: Odds | None = None
+
+    @property
+    def strain_hours(self) -> float:
+        """Hours until a crack is there, by strain-life."""
+        if self.strain_damage is None or math.isnan(self.strain_damage):
+            return math.nan
+        if not self.strain_damage > 0:
+            return math.inf
+        return self.allowed / self.strain_damage * self.duration / hour
+
+    @property
+    def crack_hours(self) -> float:
+        """Hours in which the crack grows."""
+        return math.nan if self.growth is None else self.growth * self.duration / hour
+
+
+def strained(
+    pieces: Iterable[FloatArray], lives: Sequence[GaugeLife], of: Strained
+) -> list[tuple[float, float]]:
+    """Return damage and largest local strain amplitude of each gauge of a stress (gauges, n) Pa."""
+    followers = [
+        Local(of.material, largest=max(abs(one.low), abs(one.high)), notch=of.notch)
+        for one in lives
+    ]
+    damage, strain = np.zeros(len(lives)), np.zeros(len(lives))
+
+    def take(k: int, follower: Local, piece: FloatArray | None) -> None:
+        loops = follower.rest() if piece is None else follower.add(piece)
+        damage[k] += loops.damage(of.material, law=of.law)
+        strain[k] = max(strain[k], float(loops.amplitude.max(initial=0.0)))
+
+    for piece in pieces:
+        for k, follower in enumerate(followers):
+            take(k, follower, piece[k])
+    for k, follower in enumerate(followers):
+        take(k, follower, None)
+    return [(float(d), float(s)) for d, s in zip(damage, strain, strict=True)]
+
+
+def grown(one: GaugeLife, of: Cracked) -> float:
+    """Return passages of a recording that grow a crack at a gauge; infinite where it stops."""
+    law = partial(crack.paris, C=of.C * MPa**-of.m, m=of.m, threshold=of.threshold * MPa)
+    return crack.repeats(
+        start=of.start, end=of.end, cycles=one.cycles, law=law,
+        shape=partial(crack.constant_shape, Y=of.shape),
+    )  # fmt: skip
+
+
+def odds(one: GaugeLife, plan: Plan, *, hours: float, miner_scatter: float, seed: int = 1) -> Odds:
+    """Return how often parts fail at a gauge within some hours of service.
+
+    g = ln(Δ D₀) - ln D(B σ, A): strength A and stress scale B about the plan's, and damage at
+    failure Δ about its allowed one D₀ with a coefficient of variation, all lognormal. Sources:
+    Wirsching, J. Struct. Eng. 110 (1984); `fatigue.reliability`.
+    """
+    curve, correction, passages = plan.curve, plan.correction, hours * hour / one.life.duration
+    binned = miner(one.cycles, curve=curve, correction=correction)
+    exact = one.life.damage / binned if binned > 0 else 1.0
+
+    def limit(x: FloatArray) -> FloatArray:
+        each = [
+            miner(one.cycles.scaled(float(b)), curve=curve.scaled(float(a)), correction=correction)
+            for a, b in zip(x[..., 0].ravel(), x[..., 2].ravel(), strict=True)
+        ]
+        done = passages * exact * np.reshape(each, x.shape[:-1])
+        with np.errstate(divide="ignore"):
+            return np.log(plan.allowed * x[..., 1]) - np.log(done)
+
+    deviation = curve.scatter * math.log(10)
+    variables = (
+        Lognormal(median=1.0, cov=math.sqrt(math.expm1(deviation**2))),
+        Lognormal(median=1.0, cov=miner_scatter),
+        Lognormal(median=1.0, cov=plan.gauge_error),
+    )
+    try:
+        first = form(limit, variables, tolerance=1e-6)
+    except NotConverged:
+        return Odds(hours=hours, first=None, second=None, sampled=None)
+    try:
+        second = sorm(limit, variables, around=first)
+    except NotConverged:
+        second = None
+    sampled = monte_carlo(limit, variables, samples=DRAWS, seed=seed, around=first)
+    return Odds(hours=hours, first=first, second=second, sampled=sampled)

@@ -1,0 +1,150 @@
+"""Strain-life, crack growth and odds from the command line, each against its own sum."""
+
+import json
+import math
+from statistics import NormalDist
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.cli.life import life as command
+
+RATE = 1000.0
+T = np.arange(20_000) / RATE
+STRAIN = ("--strain-life", "900,-0.09,0.6,-0.6")
+CRACK = ("--crack", "0.5,10,6.9e-12,3")
+
+
+@pytest.fixture(scope="module")
+def tone(tmp_path_factory):
+    """200 cycles of 100 MPa about nought."""
+    path = tmp_path_factory.mktemp("tone") / "tone.csv"
+    rows = np.stack([T, 100 * np.sin(2 * np.pi * 10 * T)], -1)
+    np.savetxt(path, rows, "%.9g", delimiter=",", header="time_s,S1_MPa", comments="")
+    return path
+
+
+def run(path, *more):
+    base = ("--gauge", "S1_MPa:MPa", "--sn", "120,2e6,5", "--miner", "elementary")
+    return CliRunner().invoke(command, [str(path), *base, *map(str, more)])
+
+
+def told(path, *more):
+    done = run(path, *more, "--json", "-q")
+    assert done.exit_code == 0, done.output
+    return json.loads(done.output)["otherwise"]["S1_MPa"]
+
+
+def test_nothing_is_told_that_was_not_asked(tone):
+    done = run(tone, "--json", "-q")
+    assert "otherwise" not in json.loads(done.output)
+
+
+@pytest.mark.parametrize(("more", "kt"), [((), 1.0), (("--notch", "2"), 2.0)])
+def test_strain_life_of_a_tone(tone, more, kt):
+    """Elastic to a per mille without a notch: σf'²/E (2N)^2b + σf' εf' (2N)^(b+c) = σmax εa."""
+    from cardan.fatigue.local import common
+
+    of = common(
+        modulus=206e9, strength=900e6, exponent=-0.09, ductility=0.6, ductility_exponent=-0.6
+    )
+    stress = float(of.stress(np.array(100e6), notch=kt if more else None))
+    amplitude = float(of.strain(np.array(stress)))
+    n = float(of.cycles(*map(np.array, (amplitude, 0.0, stress)), "swt"))
+    found = told(tone, *STRAIN, *more)["strain_life"]
+    assert found["damage"] == pytest.approx(200 / n, rel=0.02)  # the ends are half loops
+    assert found["largest_strain_amplitude"] == pytest.approx(amplitude, rel=1e-3)
+    assert found["hours"] == pytest.approx(20 / found["damage"] / 3600, rel=1e-9)
+
+
+def test_a_crack_by_paris(tone):
+    """Closed form for m = 3, a fully reversed cycle open half: ΔS = 100 MPa."""
+    found = told(tone, *CRACK, "--crack-shape", "1")["crack"]
+    c = 6.9e-12 * (100 * math.sqrt(math.pi)) ** 3
+    cycles = 2 / c * (0.5e-3**-0.5 - 10e-3**-0.5)
+    assert found["repeats"] == pytest.approx(cycles / 200, rel=0.01)
+    assert told(tone, *CRACK, "--crack-threshold", "90")["crack"]["hours"] is None
+    assert (
+        "the crack grows to its end in no end h"
+        in run(tone, *CRACK, "--crack-threshold", "90").output
+    )
+
+
+def test_odds_of_lognormals_are_exact(tone):
+    """One slope: in logs the limit is a plane, and first order, second order and β are Φ's."""
+    damage = json.loads(run(tone, "--json", "-q").output)["gauges"][0]["damage"]
+    hours = 0.4 / damage * 20 / 3600
+    found = told(
+        tone, "--service-hours", hours, "--scatter", "0.05", "--gauge-error", "0.1",
+        "--miner-scatter", "0.3",
+    )["odds"]  # fmt: skip
+    spread = math.hypot(
+        5 * 0.05 * math.log(10), math.sqrt(math.log1p(0.3**2)), 5 * math.sqrt(math.log1p(0.1**2))
+    )
+    beta = math.log(1 / 0.4) / spread
+    assert found["beta"] == pytest.approx(beta, rel=2e-3)
+    failure = NormalDist().cdf(-beta)
+    assert found["first_order"] == pytest.approx(failure, rel=5e-3)
+    assert found["second_order"] == pytest.approx(failure, rel=5e-3)
+    assert found["sampled"] == pytest.approx(failure, abs=4 * found["sampled_error"] + 1e-3)
+    assert sum(found["shares"].values()) == pytest.approx(1)
+    strength = (5 * 0.05 * math.log(10) / spread) ** 2
+    assert found["shares"]["strength"] == pytest.approx(strength, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--strain-life", "900,-0.09,0.6"), "a strain-life curve is SIGMA_F_MPa"),
+        (("--strain-life", "900,0.09,0.6,-0.6"), "exponent of a strain-life curve"),
+        (("--strain-life", "900,-0.09,inf,-0.6"), "a strain-life curve is SIGMA_F_MPa"),
+        ((*STRAIN, "--notch", "0.5"), "notch of a campaign must be at least 1"),
+        (("--notch", "2"), "it needs --strain-life"),
+        (("--crack", "5,2,1e-12,3"), "a crack is FROM_mm,TO_mm"),
+        (("--crack", "1,2,1,3"), "C of a crack's growth lies within (0, 1e-3)"),
+        (("--crack", "1,2,1e-12,30"), "m within 1 to 10"),
+        ((*CRACK, "--crack-threshold", "-1"), "crack_threshold of a campaign"),
+        ((*CRACK, "--crack-shape", "0"), "crack_shape of a campaign"),
+        (("--service-hours", "0"), "service_hours of a campaign must be above 0"),
+        (("--service-hours", "1", "--miner-scatter", "0"), "odds need something that scatters"),
+        (("--miner-scatter", "nan"), "miner_scatter of a campaign"),
+    ],
+)
+def test_they_have_bounds(tone, more, said):
+    done = run(tone, *more)
+    assert done.exit_code == 2, done.output
+    assert said in done.output
+
+
+@pytest.mark.parametrize(("code", "word"), [("en", "local strain"), ("pt", "deformação local"),
+                                            ("it", "deformazione locale")])  # fmt: skip
+def test_they_are_told_in_every_language(tone, tmp_path, code, word):
+    more = (*STRAIN, *CRACK, "--service-hours", "2000", "--scatter", "0.05", "--lang", code)
+    page = tmp_path / "a.html"
+    done = run(tone, *more, "--html", page, "-q")
+    assert done.exit_code == 0, done.output
+    assert word in done.output
+    assert word in page.read_text()
+
+
+def test_a_campaign_asks_them_too(tone):
+    (tone.parent / "c.yaml").write_text(
+        "campaign: x\nrecordings: [{file: tone.csv}]\ngauges: ['S1_MPa:MPa']\n"
+        "strength: {amplitude_MPa: 120, cycles: 2e6, slope: 5, miner: elementary}\n"
+        "strain_life: [900, -0.09, 0.6, -0.6]\ncrack: [0.5, 10, 6.9e-12, 3]\nservice_hours: 100\n"
+    )
+    done = CliRunner().invoke(command, [str(tone.parent / "c.yaml"), "--json", "-q"])
+    assert done.exit_code == 0, done.output
+    (of,) = json.loads(done.output)["recordings"]
+    own = told(tone, *STRAIN, *CRACK, "--service-hours", "100")
+    assert of["otherwise"]["S1_MPa"] == own
+
+
+def test_a_vetoed_gauge_is_told_nothing(tmp_path):
+    x = 100 * np.sin(2 * np.pi * 10 * T)
+    x[[3000, 9000]] = -9999
+    np.savetxt(tmp_path / "a.csv", np.stack([T, x], -1), "%.9g", delimiter=",",
+               header="time_s,S1_MPa", comments="")  # fmt: skip
+    done = run(tmp_path / "a.csv", *STRAIN, "--json", "-q")
+    assert "otherwise" not in json.loads(done.output)

@@ -1,0 +1,262 @@
+"""A recording that contradicts what was said of it is refused, doubted or vetoed, in numbers."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.cli.life import life as command
+from cardan.fatigue.hum import Listener
+
+RATE = 1000.0
+T = np.arange(60_000) / RATE
+SN = ("--sn", "30,2e6,5")
+
+
+def stress(seed=0):
+    """An order 2 that wanders about 11 Hz, and a road: MPa."""
+    rng = np.random.default_rng(seed)
+    wander = 11 * T + 0.4 * np.sin(0.5 * T)
+    return 30 * np.sin(2 * np.pi * wander) + rng.normal(size=T.size)
+
+
+def written(folder, columns, clock="time_s", time=None):
+    time = T[: len(next(iter(columns.values())))] if time is None else time
+    head = ",".join([clock, *columns])
+    rows = np.stack([time, *columns.values()], -1)
+    np.savetxt(folder / "a.csv", rows, "%.9g", delimiter=",", header=head, comments="")
+    return folder / "a.csv"
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments])
+
+
+def asked(path, *arguments, code=1):
+    done = run(path, *arguments, "--json", "-q")
+    assert done.exit_code == code, done.output
+    (gauge,) = json.loads(done.output)["gauges"]
+    return gauge
+
+
+def vetoed(path, kind, *arguments, says=()):
+    """The one gauge, and what is said of its veto."""
+    gauge = asked(path, *arguments)
+    assert gauge["quality"]["verdict"] == "vetoed"
+    assert gauge["quality"]["vetoes"] == [kind]
+    assert gauge["hours"] is None
+    (suspect,) = (s for s in gauge["quality"]["suspects"] if s["kind"] == kind)
+    told = run(path, *arguments).output
+    for word in says:
+        assert word in suspect["why"]
+        assert word in told
+    accepted = asked(path, *arguments, "--accept", kind, code=0)
+    assert accepted["quality"]["vetoes"] == []
+    assert (accepted["hours"] or np.inf) > 0
+    return suspect
+
+
+@pytest.mark.parametrize(("factor", "size"), [(1e6, "3."), (1e3, "3.")])
+def test_pascals_are_no_megapascals(tmp_path, factor, size):
+    path = written(tmp_path, {"S1": stress() * factor})
+    suspect = vetoed(path, "unit", "--gauge", "S1:MPa", *SN, says=("any metal bears (3000 MPa)",))
+    assert size in suspect["why"]
+
+
+def test_a_strain_without_its_micro_is_noise(tmp_path):
+    path = written(tmp_path, {"S1": stress() / 206e3})
+    vetoed(path, "unit", "--gauge", "S1:MPa", *SN, says=("less than a gauge's noise (0.1 MPa)",))
+    # In its own unit it is what it was.
+    assert asked(path, "--gauge", "S1:m/m", *SN, code=0)["high_MPa"] > 29
+
+
+@pytest.mark.parametrize(
+    ("name", "taken", "said"),
+    [
+        ("S1_Pa", "MPa", "S1_Pa: its name says Pa, and it is taken for MPa"),
+        ("S1_um/m", "MPa", "its name says um/m, and it is taken for MPa"),
+        ("S1_MPa", "um/m", "its name says MPa, and it is taken for um/m"),
+        ("S1_mV/V", "MPa", "its name says mV/V, and it is taken for MPa"),
+    ],
+)
+def test_a_name_is_not_contradicted(tmp_path, name, taken, said):
+    path = written(tmp_path, {name: stress()})
+    done = run(path, "--gauge", f"{name}:{taken}", *SN)
+    assert done.exit_code == 2
+    assert said in done.output.replace("\n", " ")
+    # Who knows better says so.
+    asked(path, "--scale", f"{name}=1:MPa", "--gauge", name, *SN, code=0)
+
+
+def test_units_that_are_the_same_do_not_contradict(tmp_path):
+    path = written(tmp_path, {"S1_N/mm2": stress()})
+    asked(path, "--gauge", "S1_N/mm2:MPa", *SN, code=0)
+
+
+def test_the_file_is_not_contradicted(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    field = pa.field("S1", pa.float64(), metadata={"unit": "Pa"})
+    table = pa.table([stress() * 1e6], schema=pa.schema([field], metadata={"rate_Hz": "1000"}))
+    path = tmp_path / "a.parquet"
+    pq.write_table(table, path)
+    done = run(path, "--gauge", "S1:MPa", *SN)
+    assert done.exit_code == 2
+    assert "S1: the file says Pa, and it is taken for MPa" in done.output
+    assert asked(path, "--gauge", "S1", *SN, code=0)["high_MPa"] == pytest.approx(33, abs=2)
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "unit"),
+    [("--speed", "shaft_rpm", "Hz"), ("--torque", "torque_kNm", "Nm"), ("--engine", "n_rpm", "Hz")],
+)
+def test_speed_and_torque_are_not_contradicted(tmp_path, option, name, unit):
+    path = written(tmp_path, {"S1": stress(), "v": 600 + 0 * T, name: 600 + T})
+    more = () if option == "--speed" else ("--speed", "v:rpm")
+    done = run(path, "--gauge", "S1:MPa", *SN, *more, option, f"{name}:{unit}")
+    assert done.exit_code == 2
+    assert f"{name}: its name says" in done.output
+
+
+def test_no_shaft_turns_ten_times_as_fast(tmp_path):
+    path = written(tmp_path, {"S1": stress(), "v": 1500 + T})
+    done = run(path, "--gauge", "S1:MPa", *SN, "--speed", "v:Hz")
+    assert done.exit_code == 2
+    assert "v: in Hz it turns at 9.18e+04 rpm, faster than any shaft" in done.output
+
+
+@pytest.mark.parametrize(("name", "unit"), [("strain_front", "MPa"), ("Spannung", "um/m")])
+def test_a_name_that_speaks_of_something_else_is_a_doubt(tmp_path, name, unit):
+    path = written(tmp_path, {name: 100 * stress() / 20})
+    gauge = asked(path, "--gauge", f"{name}:{unit}", *SN, code=0)
+    assert gauge["quality"]["verdict"] == "doubtful"
+    (doubt,) = gauge["quality"]["doubts"][:1]
+    assert f"in {unit}" in doubt
+    assert doubt in run(path, "--gauge", f"{name}:{unit}", *SN).output
+
+
+def test_strain_gauges_may_be_called_that(tmp_path):
+    path = written(tmp_path, {"strain gauge 1": stress()})
+    assert asked(path, "--gauge", "strain gauge 1:MPa", *SN, code=0)["quality"]["doubts"] == []
+
+
+def test_a_part_that_would_have_broken_is_a_doubt(tmp_path):
+    """Microstrain taken for MPa is five times the stress: some thousand times the damage."""
+    path = written(tmp_path, {"S1": 20 * stress()})
+    (doubt,) = asked(path, "--gauge", "S1:MPa", *SN, code=0)["quality"]["doubts"]
+    assert "times what breaks the part" in doubt
+    assert asked(path, "--gauge", "S1:um/m", *SN, code=0)["quality"]["doubts"] == []
+
+
+def test_a_clock_in_milliseconds_is_not_read_in_seconds(tmp_path):
+    path = written(tmp_path, {"S1": stress()}, clock="time", time=1e3 * T)
+    vetoed(path, "rate", "--gauge", "S1:MPa", *SN, says=("1 samples a second", "--time CLOCK:ms"))
+    said = asked(path, "--gauge", "S1:MPa", *SN, "--time", "time:ms", code=0)
+    assert said["quality"]["live_s"] == 60
+    done = run(path, "--gauge", "S1:MPa", *SN, "--time", "time:weeks")
+    assert done.exit_code == 2
+    assert "unknown unit of time column 'time'" in done.output
+
+
+def test_a_gauge_met_once_a_second_has_no_answer(tmp_path):
+    path = written(tmp_path, {"S1": stress()[::500]}, time=np.arange(120.0))
+    vetoed(path, "rate", "--gauge", "S1:MPa", *SN, says=("1 samples a second", "(50)"))
+
+
+def test_a_shaft_that_turns_faster_than_it_is_met_has_no_answer(tmp_path):
+    """At 100 Hz an order 2 of 60 Hz is folded; nothing in the gauge shows it."""
+    t = np.arange(12_000) / 100
+    few = {"S1": np.interp(t % 60, T, stress()), "v": 1800 + 0 * t}
+    path = written(tmp_path, few, time=t)
+    says = ("order 2 reaches 60 Hz", "100 samples a second", "below 40 Hz")
+    vetoed(path, "rate", "--gauge", "S1:MPa", *SN, "--speed", "v:rpm", says=says)
+
+
+@pytest.mark.parametrize("hertz", [50.02, 59.97])
+def test_hum_is_counted_both_ways(tmp_path, hertz):
+    hum = 12 * np.sin(2 * np.pi * hertz * T + 1)
+    path = written(tmp_path, {"S1": stress() / 3 + hum})
+    gauge = asked(path, "--gauge", "S1:MPa", *SN)
+    assert gauge["quality"]["vetoes"] == ["hum"]
+    (suspect,) = gauge["quality"]["suspects"]
+    written(tmp_path, {"S1": stress() / 3})
+    clean = asked(path, "--gauge", "S1:MPa", *SN, code=0)["damage"]
+    # Of what was there within a hertz of the mains hum takes it too: 0.1 % of the road.
+    assert suspect["damage_without"] == pytest.approx(clean, rel=0.02)
+    assert suspect["damage_recorded"] > 2 * clean
+    written(tmp_path, {"S1": stress() / 3 + hum})
+    off = asked(path, "--gauge", "S1:MPa", *SN, "--mask", "hum", code=0)
+    assert off["damage"] == pytest.approx(suspect["damage_without"], rel=1e-12)
+    kept = asked(path, "--gauge", "S1:MPa", *SN, "--accept", "hum", code=0)
+    assert kept["damage"] == pytest.approx(suspect["damage_recorded"], rel=1e-12)
+    told = run(path, "--gauge", "S1:MPa", *SN).output
+    assert f"a steady tone of {round(hertz, -1):.0f} Hz, amplitude 12" in told
+
+
+def _tones():
+    rng = np.random.default_rng(3)
+    t = np.arange(60_000) / RATE
+    from scipy.signal import lfilter
+
+    p = np.exp((-0.01 + 1j) * 2 * np.pi * 50 / RATE)
+    yield "a mode of 1 %", lfilter([1], [1, -2 * p.real, abs(p) ** 2], rng.normal(size=t.size))
+    yield "an order that wanders", np.sin(2 * np.pi * (50 * t + 0.3 * np.sin(0.4 * t)))
+    yield "an order that comes and goes", np.sin(0.3 * t) * np.sin(2 * np.pi * 50 * t)
+    yield "an engine idling beside", np.sin(2 * np.pi * 50.6 * t)
+    yield "a tone a hertz off", np.sin(2 * np.pi * 51.05 * t)
+    yield "noise", rng.normal(size=t.size)
+
+
+@pytest.mark.parametrize(
+    ("name", "x"), list(_tones()), ids=lambda v: v if isinstance(v, str) else ""
+)
+def test_what_a_driveline_does_is_no_hum(name, x):
+    listener = Listener(RATE)
+    for start in range(0, x.size, 7919):
+        listener.add(x[start : start + 7919])
+    assert listener.found(deviation=float(x.std())) is None, name
+
+
+def test_hum_of_an_odd_rate_is_followed():
+    t = np.arange(81_920) / 1024.4
+    x = 5 * np.cos(2 * np.pi * 60.03 * t + 0.4)
+    listener = Listener(1024.4)
+    listener.add(x)
+    found = listener.found(deviation=float(x.std()))
+    assert found.amplitude == pytest.approx(5, rel=0.01)
+    inner = slice(2048, -2048)
+    assert np.abs(found.at(0, x.size) - x)[inner].max() < 0.05
+
+
+@pytest.mark.parametrize("law", ["goodman", "gerber"])
+def test_crests_beyond_the_strength_have_no_answer(tmp_path, law):
+    path = written(tmp_path, {"S1": 10 * stress()})
+    more = ("--gauge", "S1:MPa", *SN, "--mean-stress", law, "--ultimate-MPa", "300")
+    vetoed(path, "strength", *more, says=("crests reach 3", "strength that was given is 300 MPa"))
+    done = run(path, "--gauge", "S1:MPa", "--sn", "320,2e6,5", *more[4:])
+    assert done.exit_code == 2
+    assert "knee, 320 MPa, must lie below the tensile strength" in done.output
+
+
+def test_an_option_is_said_once(tmp_path):
+    path = written(tmp_path, {"S1": stress()})
+    done = run(path, "--gauge", "S1:MPa", *SN, "--sn", "60,2e6,5")
+    assert done.exit_code == 2
+    assert "--sn is given 2 times" in done.output
+
+
+def test_a_mask_of_everything_is_refused(tmp_path):
+    path = written(tmp_path, {"S1": stress(), "S2": 2 * stress()})
+    for mask in ("0..1e9", "S2=0..60"):
+        done = run(path, "--gauge", "S1:MPa", "--gauge", "S2:MPa", *SN, "--mask", mask)
+        assert done.exit_code == 2
+        name = "S1" if mask.startswith("0") else "S2"
+        assert f"--mask leaves nothing of {name}: 0 s of the 60 s of a.csv" in done.output
+
+
+def test_gauges_that_all_said_nothing_are_no_answer(tmp_path):
+    path = written(tmp_path, {"S1": 5 + 0 * T})
+    done = run(path, "--gauge", "S1:MPa", *SN, "--json")
+    assert (done.exit_code, json.loads(done.output)["verdict"]) == (1, "incomplete")

@@ -1,0 +1,57 @@
+"""Where worst points are sought, the sketch of a line says what the line itself says."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import files
+from cardan.demand.line import resolve
+from cardan.demand.points import curves, placed
+from cardan.demand.states import demand
+from cardan.quantity import points
+from cardan.quantity.response import Response, respond
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def line(name: str, *, stiff: bool = False) -> Response:
+    """A line of an example; `stiff`, with an axle that no torque winds up."""
+    application = files.read(EXAMPLES / f"{name}.yaml")
+    if stiff:
+        suspension = replace(application.suspension, windup_stiffness=1e12)
+        application = replace(application, suspension=suspension)
+    installed = next(i for i in application.lines if i.line.joint_count > 2)
+    return respond(application, demand(resolve(application, installed)))
+
+
+def both(r: Response, count: int = 60):
+    """What bearings carry at random points: of the sketch, and of the line's slowest modes."""
+    found, random = curves(r.demand), np.random.default_rng(7)
+    shape = (count, *found.fastest.shape[1:])
+    curve = random.integers(0, len(found.gears), shape)
+    fastest = np.take_along_axis(found.fastest, curve, axis=0)
+    speed = fastest * random.uniform(0, 1, shape) ** 3  # modes are met slowly
+    quick = r.held.slowest(2 * (r.line.joint_count - 2))
+    drawn = points._sketch(r, placed(found, curve=curve, speed=speed), quick)
+    sketched = points._sketched(r, found, curve, speed, drawn).running
+    whole = points._at(r, found, curve, speed, quick=quick).running
+    return sketched, whole
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4"])
+def test_it_differs_by_what_a_parabola_leaves_out(name):
+    """Wind-up is 4 deg at most, half of that from the middle: (0.035 rad)^3 of a few."""
+    sketched, whole = both(line(name))
+    for force in points.FORCES:
+        near, right = (getattr(of, force) for of in (sketched, whole))
+        assert (np.isnan(near) == np.isnan(right)).all()
+        assert np.nanmax(np.abs(near - right)) < 3e-4 * np.nanmax(right)
+
+
+def test_nothing_is_left_out_where_nothing_winds_up():
+    sketched, whole = both(line("refuse-collector-6x2", stiff=True))
+    for force in points.FORCES:
+        near, right = (getattr(of, force) for of in (sketched, whole))
+        assert np.nanmax(np.abs(near - right)) < 1e-8 * np.nanmax(right)

@@ -1,0 +1,73 @@
+"""Small matrices of many cases, against LAPACK and NumPy one by one."""
+
+import numpy as np
+import pytest
+
+from cardan.base.small import beside, leading, product, solve, stretch, stretches, trailing, wide
+
+random = np.random.default_rng(3)
+
+
+def some(*shape: int) -> np.ndarray:
+    return random.normal(size=shape) + 1j * random.normal(size=shape)
+
+
+@pytest.mark.parametrize(("N", "columns"), [(1, 1), (2, 3), (4, 5), (10, 6)])
+def test_solutions_are_those_of_lapack(N, columns):
+    """To rounding, 1e-16, times what matrices of these sizes magnify it by: under 1e4."""
+    a, b = some(50, N, N), some(50, N, columns)
+    found = trailing(solve(leading(a, of=2), leading(b, of=2)), of=2)
+    right = np.linalg.solve(a, b)
+    assert np.abs(found - right).max() < 1e-9 * np.abs(right).max()
+    np.testing.assert_allclose(a @ found, b, atol=1e-11 * np.abs(found).max())
+
+
+def test_one_matrix_serves_many_sides_and_one_side_many_matrices():
+    a, b = leading(some(6, 3, 3), of=2), some(3, 2)
+    for k, found in enumerate(np.moveaxis(solve(a, wide(b, 1, of=2)), -1, 0)):
+        np.testing.assert_allclose(found, np.linalg.solve(a[..., k], b), rtol=1e-10)
+    several = solve(wide(a[..., 0], 1, of=2), np.stack([b, 2 * b], axis=-1))
+    np.testing.assert_allclose(several[..., 1], 2 * several[..., 0], rtol=1e-12)
+
+
+def test_what_needs_its_rows_exchanged_is_left_to_lapack():
+    """A zero, and a number of 1e-20, where the first row starts."""
+    a = np.array([[[0.0, 1.0], [1e-20, 1.0], [2.0, 1.0]], [[1.0, 0.0], [1.0, 1.0], [1.0, 3.0]]])
+    a = np.moveaxis(a, 1, -1)
+    b = np.stack([np.full((1, 3), 1.0), np.full((1, 3), 2.0)])
+    found = solve(a, b)
+    for k in range(3):
+        np.testing.assert_allclose(found[..., k], np.linalg.solve(a[..., k], b[..., k]), rtol=1e-12)
+    with pytest.raises(np.linalg.LinAlgError):
+        solve(np.zeros((2, 2, 3)), b)
+
+
+def test_products_and_columns():
+    a, b, v = some(7, 3, 4), some(7, 4, 2), some(7, 4)
+    first = product(leading(a, of=2), leading(b, of=2))
+    np.testing.assert_allclose(trailing(first, of=2), a @ b, rtol=1e-12)
+    onto = product(leading(a, of=2), leading(v, of=1))
+    np.testing.assert_allclose(trailing(onto, of=1), (a @ v[..., None])[..., 0], rtol=1e-12)
+    both = beside(leading(b, of=2), leading(v, of=1))
+    assert both.shape == (4, 3, 7)
+    np.testing.assert_array_equal(trailing(both, of=2)[..., 2], v)
+
+
+def test_one_case_needs_no_axis():
+    a, b, v = some(3, 3), some(3, 2), some(3)
+    np.testing.assert_allclose(product(a, v), a @ v, rtol=1e-12)
+    np.testing.assert_allclose(product(a, b), a @ b, rtol=1e-12)
+    np.testing.assert_allclose(solve(a, b), np.linalg.solve(a, b), rtol=1e-9)
+
+
+def test_stretches_hold_every_case_once():
+    cases = (30, 100, 7)
+    seen = np.zeros(cases)
+    sizes = [stretch(seen, of).size for of in stretches(cases)]
+    for of in stretches(cases):
+        stretch(seen, of)[...] += 1
+    assert (seen == 1).all()
+    assert max(sizes) <= 1500 < sum(sizes)
+    shared = np.zeros((1, 7))
+    assert all(stretch(shared, of) is shared for of in stretches(cases))
+    assert list(stretches((9,))) == [slice(None)]

@@ -1,0 +1,129 @@
+"""Strain-life: Neuber, Masing and memory against equations solved otherwise and loops by hand.
+
+Dowling, Mechanical Behavior of Materials, 4th ed., ch. 14; Clormann & Seeger, Stahlbau 55 (1986).
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from cardan.base.errors import DesignError
+from cardan.base.units import GPa, MPa
+from cardan.fatigue.local import Local, Material, common
+from cardan.fatigue.rainflow import rainflow
+
+STEEL = Material(
+    modulus=206 * GPa, strength=900 * MPa, exponent=-0.09, ductility=0.6, ductility_exponent=-0.6,
+    hardening=1000 * MPa, hardening_exponent=0.15,
+)  # fmt: skip
+
+
+def strain_life(x, *, material, law="swt", notch=None):
+    """Damage of a whole history, and its largest strain amplitude."""
+    follower = Local(material, largest=np.abs(x).max(), notch=notch)
+    loops = (follower.add(x), follower.rest())
+    largest = max(one.amplitude.max(initial=0.0) for one in loops)
+    return sum(one.damage(material, law=law) for one in loops), largest
+
+
+def strain(stress):
+    return stress / 206e9 + (stress / 1e9) ** (1 / 0.15)
+
+
+@pytest.mark.parametrize("elastic", [50e6, 300e6, 900e6])
+def test_neuber_is_its_equation(elastic):
+    kt = 2.2
+    ours = float(STEEL.stress(np.array(elastic), notch=kt))
+    theirs = brentq(lambda s: s * strain(s) - (kt * elastic) ** 2 / 206e9, 1.0, kt * elastic)
+    assert ours == pytest.approx(theirs, rel=1e-9)
+    measured = float(STEEL.stress(np.array(elastic), notch=None))
+    assert strain(measured) == pytest.approx(elastic / 206e9, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["swt", "morrow", "none"])
+def test_lives_solve_their_equations(law):
+    amplitude, mean = 3e-3, 120e6
+    top = mean + 350e6
+
+    def misfit(logs):
+        two = np.exp(logs)
+        if law == "swt":
+            return 900e6**2 / 206e9 * two**-0.18 + 900e6 * 0.6 * two**-0.69 - top * amplitude
+        lift = 900e6 - (mean if law == "morrow" else 0)
+        return lift / 206e9 * two**-0.09 + 0.6 * two**-0.6 - amplitude
+
+    theirs = np.exp(brentq(misfit, 0, 40)) / 2
+    ours = STEEL.cycles(*map(np.array, (amplitude, mean, top)), law)
+    assert float(ours) == pytest.approx(theirs, rel=1e-9)
+
+
+def loops(history, *, notch=None, cuts=()):
+    x = np.array(history) * 1e6
+    follower = Local(STEEL, largest=np.abs(x).max(), notch=notch)
+    parts = [follower.add(part) for part in np.split(x, cuts)]
+    return parts, follower.rest()
+
+
+def test_memory_by_hand():
+    """0, 400, -100, 200, -100 ... the inner loop hangs on the way down, and is forgotten."""
+    parts, rest = loops([0, 400, -100, 200, -300, 400])
+    (inner,) = [p for p in parts if p.amplitude.size]
+
+    def on_curve(size):
+        return brentq(lambda s: strain(s) - size / 206e9, 0, size)
+
+    def back(size):
+        return 2 * on_curve(size / 2)
+
+    top = on_curve(400e6)
+    low = top - back(500e6)
+    high = low + back(300e6)
+    assert inner.mean[0] == pytest.approx((low + high) / 2, rel=1e-5)
+    assert inner.top[0] == pytest.approx(high, rel=1e-5)
+    assert inner.amplitude[0] == pytest.approx(strain((high - low) / 2), rel=1e-5)
+    # As if the loop had not been: -300 is reached from 400 on one way.
+    end = top - back(700e6)
+    assert rest.top[0] == pytest.approx(top, rel=1e-5)
+    assert rest.mean[0] == pytest.approx((top + end) / 2, rel=1e-5)
+
+
+def test_an_overload_leaves_compression():
+    """After a high crest the same cycles run at a lower mean, and live longer: Dowling, 14.5."""
+    cycle = [100, 500] * 20
+    plain, _ = strain_life(np.array([0, *cycle]) * 1e6, material=STEEL, notch=2.0)
+    after, _ = strain_life(np.array([0, 700, *cycle]) * 1e6, material=STEEL, notch=2.0)
+    alone, _ = strain_life(np.array([0, 700, 100]) * 1e6, material=STEEL, notch=2.0)
+    assert after - alone < 0.8 * plain
+
+
+def test_loops_are_those_of_rainflow():
+    x = 300 * np.random.default_rng(0).normal(size=4000)
+    parts, rest = loops([0, *x], cuts=[17, 800, 2500])
+    count = sum(p.count.sum() for p in (*parts, rest))
+    ranges = rainflow(np.array([0, *x])).range
+    counted = rainflow(np.array([0, *x])).count[ranges > 2e-3 * np.abs(x).max()].sum()
+    # HCM closes against the first loading, ASTM's residue does not: some loops of 2700.
+    assert count == pytest.approx(counted, rel=0.01)
+    whole, _ = loops([0, *x])
+    both = [sum(p.damage(STEEL, law="swt") for p in of) for of in (parts, whole)]
+    assert both[0] == pytest.approx(both[1], rel=1e-9)
+
+
+def test_where_nothing_yields_it_is_basquin():
+    """Small stresses: a line of slope -1/b, K_t a factor."""
+    hard = common(
+        modulus=206 * GPa, strength=2000 * MPa, exponent=-0.1, ductility=1e-9,
+        ductility_exponent=-0.6,
+    )  # fmt: skip
+    x = np.array([0, *[200, -200] * 50]) * 1e6
+    damage, amplitude = strain_life(x, material=hard, law="none", notch=1.5)
+    assert amplitude == pytest.approx(300e6 / 206e9, rel=1e-3)
+    each = 2 * (300 / 2000) ** (1 / 0.1)
+    assert damage == pytest.approx(49.5 * each, rel=0.02)
+
+
+def test_no_material_is_refused():
+    with pytest.raises(DesignError, match="exponent of a strain-life curve"):
+        common(modulus=2e11, strength=9e8, exponent=0.1, ductility=0.5, ductility_exponent=-0.6)
+    with pytest.raises(DesignError, match="ductility of a strain-life curve"):
+        common(modulus=2e11, strength=9e8, exponent=-0.1, ductility=0, ductility_exponent=-0.6)
