@@ -98,8 +98,8 @@ next();
 JOBS = (
     (
         "forces over speed, state by state", "speed", 300, 12, ".waterfall canvas",
-        "const all = document.querySelectorAll('.left .chips')[0].children;"
-        "all[(k + 2) % all.length].click()",
+        "const all = [...document.querySelectorAll('.left .chips')[0].children];"
+        "all[(all.findIndex(b => b.ariaPressed === 'true') + 1) % all.length].click()",
         "document.querySelector('[aria-labelledby=forces] .note').innerText",
     ),
     (
