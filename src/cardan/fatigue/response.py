@@ -56,6 +56,8 @@ STANDS_OUT = 0.15
 """Share of the damage by which what is beside the order exceeds what is farther off."""
 COMES = 0.55
 """Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
+FAR = 9.0
+"""Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
@@ -837,7 +839,8 @@ def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
 
     A road shakes a mode wherever the order is: what half-second periods show at a frequency is
     then how loud the road is, by how the bracket answers there. Both are taken from where the
-    order is 9 Hz off or more; nan where that tells nothing, at steady speed.
+    order is `FAR` off, and periods in which nobody heard how loud the road was are left
+    out; nan where that tells nothing, at steady speed.
     """
     n = max(2 * round(0.25 * rate), 8)
     if x.size < 8 * n:
@@ -846,10 +849,10 @@ def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
     level = (rows - rows.mean(-1, keepdims=True)) * np.hanning(n)
     order = 2 * scene.speed[n // 2 :: n // 2][: len(rows)]
     frequency = np.fft.rfftfreq(n, 1 / rate)
-    use = (frequency > SLOWEST + 2) & (frequency < min(order.max() + 6, 0.45 * rate))
+    use = (frequency > SLOWEST + 2) & (frequency < min(order.max() + 2 * FAR, 0.45 * rate))
     power = np.abs(np.fft.rfft(level)[:, use]) ** 2
     off = np.abs(frequency[use] - order[:, None])
-    far = off > 9
+    far = off > FAR
     heard = far.sum(0) > 8
     far &= heard
     if not far.any() or not power[far].any():
@@ -862,7 +865,8 @@ def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
         over = np.divide(power, answer, out=np.zeros_like(power), where=far & (answer > 0))
         loud = over.sum(1) / np.maximum(far.sum(1), 1)
         loud = np.maximum(loud, 1e-6 * loud.max())
-    near = (off < 3) & heard & (order > SLOWEST + 2)[:, None]
+    told = (far.sum(1) > 1) & (order > SLOWEST + 2)
+    near = (off < 3) & heard & told[:, None]
     there = float(power[near].sum())
     return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")
 
