@@ -525,7 +525,7 @@ RECORDED = (
            "four customers are all of them", "unit/test_usage.py::test_a_customer_s_rate_is_that_of_the_lognormal"),
     mutant("fatigue/fault.py", "abs(moved - size) < 0.4 * abs(size)", "True", "a blow is a step of the zero",
            "unit/test_zero_step.py::test_what_is_no_step_is_none"),
-    mutant("fatigue/quality.py", "if k not in (kind, ZERO_STEP)]", "if k != kind]",
+    mutant("fatigue/quality.py", "if k not in (kind, ZERO_STEP, HUM)]", "if k not in (kind, HUM)]",
            "a step of the zero is made a hole of", "unit/test_zero_step.py::test_it_is_taken_off_and_put_back"),
     mutant("fatigue/quality.py", "baseline=level(_less(health, steps))", "baseline=level(health)",
            "a step of the zero is taken off twice", "unit/test_zero_step.py::test_a_baseline_takes_off_what_is_left_of_it"),

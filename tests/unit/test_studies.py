@@ -606,8 +606,9 @@ def test_sweeps_keep_grades_by_name():
 
 def asked(tmp_path, *options, study_text=STUDY):
     (tmp_path / "line.yaml").write_text(LINE + study_text)
+    said = () if "--n" in options else ("--n", 90)
     return CliRunner().invoke(
-        cli, ["study", str(tmp_path / "line.yaml"), "--n", "90", *map(str, options)]
+        cli, ["study", str(tmp_path / "line.yaml"), *map(str, (*said, *options))]
     )
 
 
