@@ -55,3 +55,14 @@ def test_nothing_is_left_out_where_nothing_winds_up():
     for force in points.FORCES:
         near, right = (getattr(of, force) for of in (sketched, whole))
         assert np.nanmax(np.abs(near - right)) < 1e-8 * np.nanmax(right)
+
+
+def test_a_line_that_lies_as_it_is_told_has_worst_points_too():
+    """Whoever says where a line runs says it for every torque: none winds it up."""
+    r = line("medium-truck-4x2")
+    fixed = respond(r.application, r.demand, lay=lambda _: r.layout)
+    stiff = line("medium-truck-4x2", stiff=True)
+    stays = [s for s, name in enumerate(r.demand.states) if not name.startswith("windup")]
+    for name in ("static", "dynamic", "peak"):
+        ours, theirs = (x.bearing_force(name)[..., stays, :] for x in (fixed, stiff))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-6)

@@ -369,8 +369,11 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
     asked = demand_pitched(
         r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed, named=named
     )
+    laid = r.lay(asked)
+    if laid.directions.ndim - 2 < pitches.ndim:  # however the axle rides, it lies as it lies
+        laid = laid[None]
     return sketch(
-        on, r.lay(asked), r.line, r.phases, least=least, largest=largest, gravity=r.gravity,
+        on, laid, r.line, r.phases, least=least, largest=largest, gravity=r.gravity,
         balanced_at=r.balanced_at if r.application.include_unbalance else None,
     )  # fmt: skip
 
