@@ -3,7 +3,9 @@
 The grid holds its frequency to some hundredths of a hertz, and what couples it into a wire
 holds still. Met second by second at the mains' own frequency, hum is therefore one number
 that hardly turns and hardly grows, which no shaft that is driven and no bracket that a road
-shakes gives: in a second they are elsewhere.
+shakes gives: in a second they are elsewhere. A machine driven by a motor on the mains is the
+exception, which whoever measured it has to say: so it is a suspect, and nothing is taken off
+unasked.
 """
 
 from dataclasses import dataclass

@@ -173,6 +173,8 @@ class Identification:
         Mean in each window.
     written, found : (gauges, K, W) Pa, complex
         Computed by the file, and by what was found, with the tacho's mark where it is.
+    units : (gauges, 3) Pa/N
+        What a unit force of the bearing does at each, as found.
     mean : (gauges, W) Pa
         Stress of the mean force, as found.
     mark : (W,) rad
@@ -191,6 +193,7 @@ class Identification:
     torque: FloatArray
     written: ComplexArray
     found: ComplexArray
+    units: FloatArray
     mean: FloatArray
     mark: FloatArray
     misfit: tuple[float, float]
@@ -487,14 +490,18 @@ class _Fit:
         scene = self.scene
         forces = self.model.forces(said.held, said.phases)
         W = 2 * np.pi * np.multiply.outer(ORDERS, scene.at.speed)
-        units = self.units * np.stack([np.ones_like(said.askew)] * 2 + [said.askew], axis=-1)
-        out = np.einsum("wkc,gc->gkw", forces, units) * _gain_of(said.mode, W)
+        out = np.einsum("wkc,gc->gkw", forces, self.felt(said)) * _gain_of(said.mode, W)
         if memory:
             poles = self.model.poles(said.held, said.mode)
             for k, order in enumerate(ORDERS):
                 out[:, k] += _remembered(scene, out[:, k], poles, order)
         late = np.exp(2j * np.pi * said.lag * np.multiply.outer(ORDERS, scene.at.speed))
-        return out * said.gain[:, None, None] * late
+        return out * late
+
+    def felt(self, said: "_Said") -> FloatArray:
+        """Return what a unit force was found to do at each gauge, (gauges, 3) Pa/N."""
+        across = np.ones_like(said.askew)
+        return said.gain[:, None] * self.units * np.stack([across, across, said.askew], axis=-1)
 
     def turned(self, computed: ComplexArray) -> tuple[ComplexArray, complex, FloatArray]:
         """Return computed cuts as the tacho sees them, the unbalance that fits order 1, and marks.
@@ -827,7 +834,7 @@ def _told(
     computed, U, mark = fit.turned(fit.stress(said))
     file = fit.free(turned=None, mode=None)
     written, *_ = fit.turned(fit.stress(fit.said(file, np.zeros(len(file)))))
-    mean = said.gain[:, None] * (fit.units @ fit.model.mean.T)
+    units = fit.felt(said)
     parameters: list[Parameter] = []
     for f, at, s in zip(free, x, sigma, strict=True):
         if f.name in ("lag", ASKEW):
@@ -846,7 +853,8 @@ def _told(
     result = Identification(
         application=application, identified=application, state=state, bearing=bearing,
         parameters=tuple(parameters), gauges=tuple(fit.gauges), cuts=fit.cuts,
-        torque=fit.scene.torque, written=written, found=computed, mean=mean, mark=mark,
+        torque=fit.scene.torque, written=written, found=computed,
+        units=units, mean=units @ fit.model.mean.T, mark=mark,
         misfit=(_share(fit, written), _share(fit, computed)),
     )  # fmt: skip
     changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}

@@ -2,8 +2,8 @@
 
 What was recorded stays as it is, road, engine and all, but for the joints' force on the
 bearing: that of the line as it was identified is taken off, that of the changed line driven at
-the same torque and speed is put on, each through the stress that a unit force makes at the
-gauge. Held against a multibody engine that drives the changed line: `docs/case.md`.
+the same torque and speed is put on, each through the stress that a unit force was found to make
+at the gauge. Held against a multibody engine that drives the changed line: `docs/case.md`.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -31,7 +31,7 @@ class Promised:
 
 def promised(
     of: Identification, changed: Application, stress: Iterable[FloatArray], *, rate: float,
-    units: FloatArray, rotation: Rotation, torque: tuple[FloatArray, float], seconds: float,
+    rotation: Rotation, torque: tuple[FloatArray, float], seconds: float,
     plan: Plan, lives: Sequence[GaugeLife],
 ) -> tuple[Promised, ...]:  # fmt: skip
     """Return what gauges would have felt of a changed line, and how long they would live.
@@ -46,8 +46,6 @@ def promised(
         Pieces of what was recorded, from the start, of the plan's gauges.
     rate : Hz
         Of its samples.
-    units : (gauges, 3) Pa/N
-        What a unit force of the bearing does at each.
     rotation, torque, seconds
         The drive, as `load_history` takes it.
     plan, lives
@@ -60,9 +58,8 @@ def promised(
     """
     time, was = load_history(of, rotation, torque, seconds=seconds)
     _, then = load_history(of, rotation, torque, seconds=seconds, application=changed)
-    gain = {p.part.other: p.value for p in of.parameters if p.name == "gain" and p.told}
-    scale = np.array([gain.get(g.name, 1.0) for g in plan.gauges])
-    moved = scale[:, None] * (units @ (then - was).T)
+    units = of.units[[of.gauges.index(g.name) for g in plan.gauges]]
+    moved = units @ (then - was).T
 
     def felt() -> Iterator[FloatArray]:
         done = 0

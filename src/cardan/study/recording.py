@@ -541,15 +541,15 @@ def _promised(
     *, healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
 ) -> tuple[Promised, ...]:  # fmt: skip
     """Return what the changed line promises at the gauges that the line was identified by."""
-    units, changed = campaign.unit_stresses(), campaign.changed
+    changed = campaign.changed
     assert changed is not None  # who asks looks
     heard = [(g, one) for g, one in zip(plan.gauges, lives, strict=True) if g.name in of.gauges]
     own = replace(plan, gauges=tuple(g for g, _ in heard))
     stress = room.stresses(recording, plan=own, healths=healths, name="changed", progress=progress)
     return promised(
-        of, changed, stress, rate=recording.rate, units=np.stack([units[g.name] for g, _ in heard]),
-        rotation=rotation, torque=campaign.read_torque(recording),
-        seconds=lives[0].quality.recorded, plan=own, lives=[one for _, one in heard],
+        of, changed, stress, rate=recording.rate, rotation=rotation,
+        torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded, plan=own,
+        lives=[one for _, one in heard],
     )  # fmt: skip
 
 
