@@ -37,7 +37,7 @@ oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independe
 	$(BIN)/python -m pytest -q -m "oracle and not bracket"
 
 bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
-	$(BIN)/python -m pytest -q -m "bracket and not oracle"
+	$(BIN)/python -m pytest -q -m "bracket and not oracle and not browser"
 	@if command -v ccx >/dev/null; then $(BIN)/python -m pytest -q -m "bracket and oracle"; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
