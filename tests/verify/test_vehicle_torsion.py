@@ -272,10 +272,10 @@ def a_start(loss=0.0):
     """An engine that turns, a grip that ramps, a joint, a shaft, a vehicle."""
     rows = {"engine": [1, 0, 0, 0], "disc": [0, 1, 0, 0], "vehicle": [0, 0, 1, 0]}
     return Branched(
-        joints=np.array([1]), inertia=J[None], rotors=np.array(list(rows.values()), float),
-        stiffness=np.array([[GRIP, SHAFT]]),
+        joints=np.array([1]), inertia=J, rotors=np.array(list(rows.values()), float),
+        stiffness=np.array([GRIP, SHAFT]),
         springs=np.array([[1, -1, 0, 0], [0, 0, -1, 1]], float),
-        damping=np.zeros((1, 2)), loss=np.array([[0.0, loss]]), relaxation=np.full((1, 2), np.inf),
+        damping=np.zeros(2), loss=np.array([0.0, loss]), relaxation=np.full(2, np.inf),
     )  # fmt: skip
 
 
@@ -327,7 +327,7 @@ def test_a_launch_is_what_an_adaptive_integration_makes_of_it(loss):
     Newmark's error is (w h)²/12 of what matters, far below; the rest is the moment of lock-up.
     """
     duration = 1.6
-    one = a_start(loss).case(0)
+    one = a_start(loss)
     damping = part_damping(one, modes(one), slide=[0])
     assert not damping[0].any()  # nothing beside the clutch ties the engine to what it drives
     when, torque = exact_start(duration, damping[1, 1])
@@ -367,7 +367,7 @@ def test_momentum_of_a_launch_is_what_the_engine_gave():
 def test_play_carries_nothing_until_it_is_crossed():
     """Tip-in: a shaft with 2 deg of play waits, then strikes; energy is never made."""
     play = np.radians(2)
-    line = replace(a_start(), stiffness=np.array([[1e3, SHAFT]]))
+    line = replace(a_start(), stiffness=np.array([1e3, SHAFT]))
     found = launch(
         line, np.zeros((3, 3)), leads=lambda turned: np.zeros((len(turned), 1), dtype=complex),
         follows=2,
@@ -450,10 +450,10 @@ def test_a_joint_alone_carries_a_rotor_by_its_own_unevenness():
     """
     X = np.array([0.08 * np.exp(0.3j)])
     line = Branched(
-        joints=np.array([0]), inertia=np.array([[1e-3, 1.0, 1.0]]),
-        rotors=np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], float), stiffness=np.array([[1e-6]]),
-        springs=np.array([[0, 1, -1]], float), damping=np.zeros((1, 1)), loss=np.zeros((1, 1)),
-        relaxation=np.full((1, 1), np.inf),
+        joints=np.array([0]), inertia=np.array([1e-3, 1.0, 1.0]),
+        rotors=np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], float), stiffness=np.array([1e-6]),
+        springs=np.array([[0, 1, -1]], float), damping=np.zeros(1), loss=np.zeros(1),
+        relaxation=np.full(1, np.inf),
     )  # fmt: skip
     found = launch(
         line, np.zeros((2, 2)), leads=lambda turned: np.repeat(X[None], len(turned), axis=0),

@@ -11,24 +11,27 @@ where d is its twist: a clutch (grips up to what its ramp allows, else slips), a
 (relaxes as it rolls, slides at μ N), a road (rolling resistance and slope hold a vehicle that
 stands, and brake one that moves). A play carries nothing until it is crossed.
 
-Steps by Newmark's method with a little damping of what is too fast for them, and Newton's in
-each: stiff springs cost nothing. Derived; held against an adaptive integration in the tests.
+From one change of what slips, sticks and touches to the next the line is linear but for its
+joints, y' = A y + g, and moves by e^{Ah}: exactly, however stiff its springs. What joints,
+engine and rolling add, g, runs straight within a step. A step in which something changes is
+halved until the change lies at its end, to a 256th of a step. Derived; held against an adaptive
+integration with events in the tests.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray, single_threaded
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray, IntArray, single_threaded
 from cardan.base.errors import NotConverged
 from cardan.dynamics.branched import Branched, Modes, damped
 
-TRIES = 80
-"""Rounds of Newton's method in a step, at most."""
+HALVINGS = 8
+"""How often a step is halved, at most, to meet a change."""
 
-GAMMA = 0.505
-"""Of Newmark's method: above a half, so that what steps cannot follow dies away."""
+WHOLE = 2**HALVINGS
+"""Units of a step."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,12 +106,12 @@ def launch(
     duration: float,
     step: float = 1e-3,
 ) -> Travel:
-    """Integrate a start from rest.
+    """Integrate a start from rest, in B cases.
 
     Parameters
     ----------
     line
-        B cases, (B, ...).
+        One case: what differs from case to case are the callables.
     damping : (n, n) N m s/rad
         On rates: `part_damping`.
     leads
@@ -131,101 +134,222 @@ def launch(
     Raises
     ------
     NotConverged
-        If a step does not settle.
+        If the motion runs away.
     """
-    n, E = line.size, line.straight
-    B, S = rate.shape[0], line.springs.shape[0]
-    h, gamma = step, GAMMA
-    beta = (gamma + 0.5) ** 2 / 4
-    count = round(duration / h)
-    settled = 1e-3 * h * h  # rad: what is left of an acceleration is 4e-3 rad/s²
-    held = list(holding.springs)
-    loose = play[0] if play else -1
-    stiffness = np.broadcast_to(line.stiffness, (B, S))
-    mass = np.broadcast_to(line.mass, (B, *line.mass.shape[-2:]))
-    Y = line.springs
-    linear = [k for k in range(S) if k not in held and k != loose]
-    K = np.einsum("bs,si,sj->bij", stiffness[:, linear], Y[linear], Y[linear], optimize=True)
-    inner = E.T @ (mass / (beta * h * h) + K) @ E + gamma / (beta * h) * damping
-    Yh, kh, Yq = Y[held], stiffness[:, held], Y[held] @ E
-    joints = line.joints
-    nothing = np.zeros((B, len(held)))
-    begun = _leads(leads(np.zeros(B)), np.zeros((B, len(joints))))[0]
-
-    def tried(q: FloatArray, v: FloatArray, a: FloatArray, at: "_Step", *, stuck: bool) -> "_Step":
-        """Return what a guess leaves over of the equations, and the tangent there."""
-        delta, slope, bend = _leads(leads(q[:, follows]), q[:, joints])
-        z = np.concatenate([q, q[:, joints] + delta - begun], axis=-1)
-        turning = np.concatenate([a, slope * a[:, joints] + bend * v[:, joints] ** 2], axis=-1)
-        pulled = (mass @ turning[..., None] + K @ z[..., None])[..., 0]
-        torque = stiffness * (z @ Y.T)
-        twist = z @ Yh.T
-        way = np.abs(v[:, rolls[0]])[:, None] * rolls[1] * h
-        forgets = 1 / (1 + way / holding.relaxation)
-        elastic = (at.elastic + twist - at.twist) * forgets
-        bound = at.most / kh
-        now = np.clip(elastic, -bound, bound)
-        torque[:, held] = kh * now
-        pulled += torque[:, held] @ Yh
-        gives = (np.abs(elastic) <= bound) | stuck
-        tangent = inner + (Yq.T * np.where(gives, kh * forgets, 0.0)[:, None]) @ Yq
-        if play:
-            gap = z @ Y[loose]
-            over = gap - np.clip(gap, -play[1] / 2, play[1] / 2)
-            torque[:, loose] = stiffness[:, loose] * over
-            pulled += torque[:, loose, None] * Y[loose]
-            row, gives = Y[loose] @ E, (over != 0) | stuck
-            tangent += (stiffness[:, loose] * gives)[:, None, None] * np.outer(row, row)
-        left = pulled[:, :n] + v @ damping.T
-        for c, j in enumerate(joints.tolist()):
-            left[:, j] += slope[:, c] * pulled[:, n + c]
-        return _Step(left, tangent, torque, elastic=now, twist=twist, most=at.most)
-
-    q, v = np.zeros((B, n)), rate.astype(float)
-    a = np.linalg.solve(E.T @ mass @ E, (driving(0.0, v) - v @ damping.T)[..., None])[..., 0]
-    now = _Step(q, inner, np.zeros((B, S)), elastic=nothing, twist=nothing, most=nothing)
-    rotation, rates, torque = (np.zeros((B, count + 1, w)) for w in (n, n, S))
-    rates[:, 0] = v
-    for i in range(1, count + 1):
-        t = i * h
-        force, begins = driving(t, v), replace(now, most=holding.most(t))
-        x = q + h * v + h * h * (0.5 - beta) * a
-        u = v + h * (1 - gamma) * a
-        q = q + h * v + 0.5 * h * h * a  # a first guess
-        for attempt in range(TRIES):
-            a = (q - x) / (beta * h * h)
-            v = u + gamma * h * a
-            # Newton's own tangent first. Where a spring goes on sticking and slipping in turn,
-            # as if all stuck: slower, and it comes to rest.
-            now = tried(q, v, a, begins, stuck=attempt > 6)
-            change = np.linalg.solve(now.tangent, (now.left - force)[..., None])[..., 0]
-            q = q - change
-            if np.abs(change).max() < (settled if attempt < TRIES // 2 else 100 * settled):
-                break
-        else:
-            msg = f"the launch does not settle at {t:.3f} s: try a shorter step"
-            raise NotConverged(msg)
-        a = (q - x) / (beta * h * h)
-        v = u + gamma * h * a
-        rotation[:, i], rates[:, i], torque[:, i] = q, v, now.torque
+    # Two instants to a step: half way through one the motion is known as well.
+    (B, n), H, count = rate.shape, len(holding.springs), 2 * round(duration / step / 2)
+    made = _Line(
+        line, damping, leads=leads, follows=follows, holding=holding, rolls=rolls, driving=driving,
+        play=play, cases=B, unit=2 * step / WHOLE,
+    )  # fmt: skip
+    y = np.concatenate([np.zeros((B, n)), rate, np.zeros((B, H))], axis=1)
+    how = _How(np.zeros((B, H), dtype=int), np.zeros(B, dtype=int))
+    now = made.look(0.0, y, how)
+    states = np.empty((B, count + 1, 2 * n + H))
+    torque = np.empty((B, count + 1, len(line.springs)))
+    states[:, 0], torque[:, 0] = y, made.torques(y, now.added, how)
+    for i in range(0, count, 2):
+        at = 0
+        while at < WHOLE:
+            part = at & -at if at else WHOLE
+            while True:
+                time = ((i + 2 * at / WHOLE) * step, (i + 2 * (at + part) / WHOLE) * step)
+                half, end, after = made.moved(time, y, now, how, part)
+                changed = made.changed(end, after, how)
+                if part == 1 or changed is how:
+                    break
+                part //= 2
+            if part == WHOLE:
+                states[:, i + 1] = half
+                torque[:, i + 1] = made.torques(half, (now.added + after.added) / 2, how)
+            at, y, now = at + part, end, after
+            if at == WHOLE // 2:
+                states[:, i + 1], torque[:, i + 1] = y, made.torques(y, now.added, how)
+            if changed is not how:
+                how, now = changed, made.look(time[1], y, changed)
+        states[:, i + 2], torque[:, i + 2] = y, made.torques(y, now.added, how)
+    if not np.isfinite(states[:, -1]).all():
+        msg = "the launch runs away: try a shorter step"
+        raise NotConverged(msg)
     return Travel(
-        time=np.arange(count + 1, dtype=np.float64) * h,
+        time=np.arange(count + 1, dtype=np.float64) * step,
         torque=torque,
-        rotation=rotation,
-        rate=rates,
+        rotation=states[..., :n],
+        rate=states[..., n : 2 * n],
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """A step as far as it has come: what is left over, its tangent, torques, what is held."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _How:
+    """What slips (B, H), -1, 0 or 1 by its sense, and which flank of the play touches (B,)."""
 
-    left: FloatArray
-    tangent: FloatArray
-    torque: FloatArray
-    elastic: FloatArray
-    twist: FloatArray
+    slips: IntArray
+    touches: IntArray
+    moves: dict[int, FloatArray] = field(default_factory=dict[int, FloatArray])
+    """What takes (y, g, g') by a step of 2^k units, (B, m, m + 2 (n + H)): made when asked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """A state looked at.
+
+    `left_out` (B, n + H) is what the linear line leaves out, `added` (B, S) N m what leads and
+    play add to torques, `most` (B, H) N m what springs hold, `gap` (B,) rad the play's turning.
+    """
+
+    left_out: FloatArray
+    added: FloatArray
     most: FloatArray
+    gap: FloatArray
+
+
+class _Line:
+    """The line as states y = (q, q', e), m = 2 n + H of them, moving by y' = A y + g."""
+
+    def __init__(
+        self,
+        line: Branched,
+        damping: FloatArray,
+        *,
+        leads: Callable[[FloatArray], ComplexArray],
+        follows: int,
+        holding: Holding,
+        rolls: tuple[int, float],
+        driving: Callable[[float, FloatArray], FloatArray],
+        play: tuple[int, float] | None,
+        cases: int,
+        unit: float,
+    ) -> None:
+        self.line, self.leads, self.follows = line, leads, follows
+        self.holding, self.rolls, self.driving, self.unit = holding, rolls, driving, unit
+        n, E, held = line.size, line.straight, list(holding.springs)
+        self.loose, self.play = play or (-1, 0.0)
+        self.stiffness = line.stiffness.copy()
+        self.stiffness[[*held, *([self.loose] if play else [])]] = 0.0
+        K = (line.springs.T * self.stiffness) @ line.springs
+        self.twist, self.turned = line.springs @ E, line.mass @ E
+        self.firm, self.held = line.stiffness[held], self.twist[held]
+        self.hard = float(line.stiffness[self.loose]) if play else 0.0
+        self.struck, self.strikes = self.twist[self.loose], line.springs[self.loose]
+        self.straight = E.T @ self.turned
+        inverse = np.linalg.inv(self.straight)
+        force = -np.hstack([E.T @ K @ E, damping, self.held.T * self.firm])
+        self.fast, self.by_play = inverse @ force, -self.hard * inverse @ self.struck
+        behind = np.hstack([(K @ E)[n:], np.zeros((len(line.joints), n + len(held)))])
+        self.rows = np.vstack([force, self.fast, behind])
+        self.beside = np.hstack([K[:, n:], line.mass[:, n:]])
+        self.added = line.springs[:, n:] * line.stiffness[:, None]
+        self.added[held] = 0.0
+        self.begun = _leads(leads(np.zeros(cases)), np.zeros((cases, len(line.joints))))[0]
+        self.tables: dict[bytes, list[FloatArray]] = {}
+
+    def look(self, t: float, y: FloatArray, how: _How) -> _Seen:
+        """Return what a state holds beside the linear line."""
+        line, joints, n = self.line, self.line.joints, self.line.size
+        q, v, e = y[:, :n], y[:, n : 2 * n], y[:, 2 * n :]
+        delta, slope, bend = _leads(self.leads(q[:, self.follows]), q[:, joints])
+        extra, more = delta - self.begun, slope - 1
+        known = y @ self.rows.T
+        force, fast, behind = known[:, :n], known[:, n : 2 * n], known[:, 2 * n :]
+        beside = np.hstack([extra, bend * v[:, joints] ** 2]) @ self.beside.T
+        added, gap = extra @ self.added.T, np.zeros(len(y))
+        if self.play:
+            turned = q @ self.struck
+            gap = turned + extra @ self.strikes[n:]
+            touch = np.abs(how.touches)
+            carries = self.hard * touch * (gap - how.touches * (self.play / 2))
+            beside += carries[:, None] * self.strikes
+            fast = fast + (touch * turned)[:, None] * self.by_play
+            added[:, self.loose] = carries - self.hard * touch * turned
+        # Beside what all turns with, E, stands what each joint turns more than straight.
+        across = more[..., None] * self.turned[n:]
+        mass = np.repeat(self.straight[None], len(y), axis=0)
+        mass[:, joints] += across
+        mass[:, :, joints] += np.swapaxes(across, -1, -2)
+        mass[:, joints[:, None], joints] += more[:, :, None] * more[:, None] * line.mass[n:, n:]
+        push = self.driving(t, v) + force - beside[:, :n]
+        push[:, joints] -= slope * beside[:, n:] + more * behind
+        out = np.empty((len(y), n + len(self.firm)))
+        out[:, :n] = np.linalg.solve(mass, push[..., None])[..., 0] - fast
+        rolled = np.abs(v[:, self.rolls[0], None]) * self.rolls[1]
+        out[:, n:] = -rolled / self.holding.relaxation * e
+        return _Seen(out, added, np.minimum(self.holding.most(t), 1e15), gap)
+
+    def torques(self, y: FloatArray, added: FloatArray, how: _How) -> FloatArray:
+        """Torque of every spring, (B, S) N m, with what leads and play add to the straight line."""
+        n = self.line.size
+        found = (y[:, :n] @ self.twist.T) * self.stiffness + added
+        found[:, list(self.holding.springs)] = y[:, 2 * n :] * self.firm
+        if self.play:
+            found[:, self.loose] += self.hard * np.abs(how.touches) * (y[:, :n] @ self.struck)
+        return found
+
+    def moved(
+        self, time: tuple[float, float], y: FloatArray, now: _Seen, how: _How, part: int
+    ) -> tuple[FloatArray, FloatArray, _Seen]:
+        """Return the state half way through a step of so many units, at its end, and its look."""
+        n, m, h = self.line.size, y.shape[1], time[1] - time[0]
+        w = now.left_out.shape[1]
+        k = part.bit_length() - 1
+        Z = self._propagators(how, k)
+        most = np.minimum(self.holding.most(time[1]), 1e15)
+        slips = how.slips != 0
+        # What slips carries what its bound is, at the end and in between.
+        slides = how.slips * (most - now.most) / (h * self.firm)
+        begins = now.left_out.copy()
+        begins[:, n:] = np.where(slips, slides, begins[:, n:])
+        x = np.concatenate([y, begins, np.zeros((len(y), w))], axis=1)[..., None]
+        after = self.look(time[1], (Z @ x)[..., 0], how)
+        x[:, m + w :, 0] = (after.left_out - begins) / h
+        x[:, m + w + n :, 0][slips] = 0.0
+        y = (Z @ x)[..., 0]
+        y[:, 2 * n :] = np.where(slips, how.slips * most / self.firm, y[:, 2 * n :])
+        return (self._propagators(how, k - 1) @ x)[..., 0] if k else y, y, after
+
+    def changed(self, y: FloatArray, seen: _Seen, how: _How) -> _How:
+        """Return what slips and touches in a state: the same, if nothing has changed."""
+        n = self.line.size
+        rates, torque = y[:, n : 2 * n] @ self.held.T, y[:, 2 * n :] * self.firm
+        over = np.abs(torque) > seen.most * (1 + 1e-9)
+        goes_on = np.where(rates * how.slips >= 0, how.slips, 0)
+        slips = np.where(how.slips == 0, np.where(over, np.sign(torque), 0), goes_on).astype(int)
+        touches = how.touches
+        if self.play:
+            touches = np.where(np.abs(seen.gap) > self.play / 2, np.sign(seen.gap), 0).astype(int)
+        if (slips == how.slips).all() and (touches == how.touches).all():
+            return how
+        return _How(slips, touches)
+
+    def _propagators(self, how: _How, halved: int) -> FloatArray:
+        if halved not in how.moves:
+            changes = np.column_stack([how.slips, how.touches]) != 0
+            how.moves[halved] = np.stack([self._table(row)[halved] for row in changes])
+        return how.moves[halved]
+
+    def _table(self, changes: BoolArray) -> list[FloatArray]:
+        """Return e^{Ah} with its two integrals over g, for steps of 1, 2, 4 ... units.
+
+        `changes` (H + 1,) says which springs slip, and whether the play touches.
+        """
+        from scipy.linalg import expm
+
+        key, slips = changes.tobytes(), changes[:-1]
+        if key not in self.tables:
+            n, H = self.line.size, len(slips)
+            m, w = 2 * n + H, n + H
+            A = np.zeros((m + 2 * w, m + 2 * w))
+            A[:n, n : 2 * n] = np.eye(n)
+            A[n : 2 * n, :m] = self.fast
+            if changes[-1]:
+                A[n : 2 * n, :n] += np.outer(self.by_play, self.struck)
+            A[2 * n : m, n : 2 * n] = self.held * ~slips[:, None]
+            A[n:m, m : m + w] = np.eye(w)
+            A[m : m + w, m + w :] = np.eye(w)
+            found = [expm(A * self.unit)]
+            for _ in range(HALVINGS):
+                found.append(found[-1] @ found[-1])
+            self.tables[key] = [Z[:m] for Z in found]
+        return self.tables[key]
 
 
 def _leads(P: ComplexArray, turned: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

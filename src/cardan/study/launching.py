@@ -174,28 +174,21 @@ def start(
     held = (*([] if disc is None else [disc]), *tyres, road)
     damping = part_damping(stuck, found, slide=held[:-1])
 
+    least = 1e-6  # of the ramp at its very beginning
+    bounds = np.full((B, len(held)), resists)
+    bounds[:, -1 - len(tyres) : -1] = np.where(sticks[:, None], np.inf, grip)
+
     def most(t: float) -> FloatArray:
-        out = np.empty((B, len(held)))
-        ramp = min(t / wanted.ramp, 1.0)
-        # A ramp without a kink: what throws the line is its steepness.
-        ramp = ramp * ramp * (3 - 2 * ramp)
-        k = 0
         if disc is not None:
-            out[:, 0], k = capacity * i * max(ramp, 1e-6), 1
-        for tyre, limit in zip(tyres, grip, strict=True):
-            del tyre
-            out[:, k] = np.where(sticks, np.inf, limit)
-            k += 1
-        out[:, k] = resists
-        return out
+            bounds[:, 0] = capacity * i * max(_risen(t, wanted.ramp), least)
+        return bounds.copy()
 
     firing, order = parts.firing_torque, parts.cylinders / 2
     input_at = powertrain.freedoms.index(("", Part("gearbox input")))
 
     def driving(t: float, v: FloatArray) -> FloatArray:
         out = np.zeros((B, n))
-        ramp = min(t / wanted.ramp, 1.0)
-        ramp = ramp * ramp * (3 - 2 * ramp)
+        ramp = _risen(t, wanted.ramp)
         if converter:
             ratio = np.clip(v[:, input_at] * i / turning, 0.0, COUPLING) / COUPLING
             out[:, input_at] = clutch_torque * ramp * (stall - (stall - 1) * ratio) * i
@@ -214,11 +207,7 @@ def start(
         rate[:, 0] = turning / i
     lengths = {"tyres": float(powertrain.slip_length[state])}
     travel = launch(
-        Branched(
-            joints=line.joints, rotors=line.rotors, springs=line.springs,
-            **{f: np.repeat(getattr(line, f), B, axis=0)
-               for f in ("inertia", "stiffness", "damping", "loss", "relaxation")},
-        ),
+        line.case(0),
         damping,
         leads=lambda turned: joints_count[:, None] * bent(turned),
         follows=powertrain.freedoms.index((asked[0].installed.line.name, Part("axle housing"))),
@@ -236,6 +225,12 @@ def start(
     return _told(
         parts, asked[0], wanted, state, travel, springs, powertrain, target, grip, tyres, disc
     )
+
+
+def _risen(t: float, ramp: float) -> float:
+    """Return the share of a ramp at a time: without a kink, for what throws a line is steepness."""
+    share = min(t / ramp, 1.0)
+    return share * share * (3 - 2 * share)
 
 
 def _play(wanted: Launch, springs: tuple[tuple[str, Part], ...]) -> tuple[int, float] | None:
