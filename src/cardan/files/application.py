@@ -41,6 +41,7 @@ from cardan.border.table import (
     nearest,
 )  # fmt: skip
 from cardan.demand.axles import driven_axles
+from cardan.demand.torque import DIRECT
 from cardan.files.catalogue import Catalogue, Sheet
 from cardan.files.cycle import CycleName
 from cardan.files.geometry import StateGeometryTable
@@ -516,7 +517,7 @@ class ApplicationTable(Table):
             speed=self.speed,
             vehicle=self.vehicle,
             engine=self.engine,
-            gearbox=self.gearbox,
+            gearbox=self._gearbox(),
             tyre=self.tyre,
             suspension=self.suspension,
             obstacles=tuple(o.obstacle(lines) for o in self.obstacles),
@@ -550,6 +551,21 @@ class ApplicationTable(Table):
         reading = self.at().reading
         numbers = of_numbers((*reading.numbers, *reading.fixed))
         return self.study.variants((*numbers, *movable(i.line for i in lines)))
+
+    def _gearbox(self) -> Gearbox | None:
+        """Return the gearbox, with the torque ratio of the converter that stands ahead of it.
+
+        A file may say that with either; one that it says twice must be one.
+        """
+        gearbox: Gearbox | None = self.gearbox
+        stall = 1.0 if self.converter is None else self.converter.stall_torque_ratio
+        if stall == 1:
+            return gearbox
+        known = 1.0 if gearbox is None else gearbox.converter_ratio
+        if known not in (1.0, stall):
+            message = f"stall_torque_ratio must be the gearbox's converter_ratio, {known:g}"
+            self.at("converter").refuse(message, got=f"{stall:g}")
+        return replace(gearbox or DIRECT, converter_ratio=stall)
 
     def _torsion(self) -> Surroundings | None:
         """Return what the first plan's table says, refused beside parts of their own."""

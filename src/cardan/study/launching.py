@@ -41,7 +41,8 @@ class Started:
     launch, state
         Which, and in which state of load.
     torque : N m
-        What the clutch carries at the end of its ramp, at the main line: T i.
+        What the clutch carries at the end of its ramp, at the main line: T i with what the
+        gears lose, the line's torque of that gear.
     springs : S
         Line and part of each spring.
     travel
@@ -96,6 +97,71 @@ class Started:
         return next(k for k, (_, part) in enumerate(self.springs) if part == Part("shaft", 1))
 
 
+AHEAD = frozenset({"engine", "flywheel", "clutch disc", "gearbox input"})
+"""What turns ahead of the gears."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Losses:
+    """What gears lose, as the main line feels it while the engine drives.
+
+    A gearbox of efficiency η passes on η of the torque, of the clutch's as of what the engine's
+    inertia takes: so all ahead of it counts η times. An axle's passes on η of what it gets, so
+    all behind it counts 1/η times. Where the file has not all lines of a vehicle, what
+    there is has its share of engine and vehicle.
+
+    Attributes
+    ----------
+    ahead, vehicle : 1
+        What engine and vehicle count.
+    rotors, springs : (R,) 1, (S,) 1
+        What each part counts.
+    """
+
+    ahead: float
+    vehicle: float
+    rotors: FloatArray
+    springs: FloatArray
+
+    @classmethod
+    def of(cls, parts: Drivetrain, powertrain: Powertrain) -> "Losses":
+        """Return those of a vehicle."""
+        gearbox = parts.application.gearbox
+        starting = [r for r in parts.lines if r.installed.output_joint is None]
+        share = sum(r.share * float(r.installed.speed_ratio) for r in starting)
+        axles = {r.line.name: r.axle.efficiency if r.axle else 1.0 for r in parts.lines}
+        ahead = share * (gearbox.efficiency if gearbox else 1.0)
+        vehicle = share / float(np.mean(list(axles.values())))
+        # By the part furthest behind; the vehicle, whose lines may differ, by itself alone.
+        counts = np.array([
+            ahead if part.kind in AHEAD
+            else 1 / axles[line] if part.kind in {"axle housing", "wheels"}
+            else vehicle if part.kind == "vehicle" else 1.0
+            for line, part in powertrain.freedoms
+        ])  # fmt: skip
+        rank = np.array([
+            1 if part.kind in AHEAD else 3 if part.kind in {"axle housing", "wheels"}
+            else 0 if part.kind == "vehicle" else 2
+            for _, part in powertrain.freedoms
+        ])  # fmt: skip
+        joints = powertrain.line.joints
+        counts, rank = (np.append(v, v[joints]) for v in (counts, rank))
+        rotors, springs = (
+            counts[np.where(turns != 0, rank, -1).argmax(-1)]
+            for turns in (powertrain.line.rotors, powertrain.line.springs)
+        )
+        return cls(ahead=ahead, vehicle=vehicle, rotors=rotors, springs=springs)
+
+    def on(self, line: Branched) -> Branched:
+        """Return a line with what its gears lose."""
+        return replace(
+            line,
+            inertia=line.inertia * self.rotors,
+            stiffness=line.stiffness * self.springs,
+            damping=line.damping * self.springs,
+        )
+
+
 def default_launches(application: Application) -> tuple[Launch, ...]:
     """Return the launches of a file; where it has none a smooth one and a dropped clutch.
 
@@ -134,7 +200,8 @@ def start(
     gear, state = parts.gears.index(wanted.gear), _state(parts, asked[0], wanted)
     converter = parts.converter
     powertrain = parts.slipping if converter else parts.closed
-    line = powertrain.line.case([gear], [state])
+    losses = Losses.of(parts, powertrain)
+    straight = line = losses.on(powertrain.line.case([gear], [state]))
     i, r = float(parts.ratios[gear]), parts.radius
     full = float(max(engine.torque))
     clutch_torque = wanted.clutch_torque if wanted.clutch_torque is not None else full
@@ -151,16 +218,14 @@ def start(
 
     mass = float(parts.mass[state])
     weight = mass * g * r
-    resists = weight * (np.cos(wanted.grade) * ROLLING + max(np.sin(wanted.grade), 0.0))
+    slope = np.cos(wanted.grade) * ROLLING + max(np.sin(wanted.grade), 0.0)
+    resists = losses.vehicle * weight * slope
     stuck = replace(line, relaxation=np.full(line.relaxation.shape, np.inf)).case(0)
     found = modes(stuck)
-    stall = (
-        (application.gearbox.converter_ratio if application.gearbox else 1.0) if converter else 1.0
-    )
-    if application.converter is not None:
-        stall = application.converter.stall_torque_ratio
-    gives = min(capacity, clutch_torque) * stall * i
-    takes = resists / r * powertrain.road_ratio
+    stall = application.gearbox.converter_ratio if application.gearbox else 1.0
+    gain = losses.ahead * i
+    gives = min(capacity, clutch_torque) * stall * gain * powertrain.share
+    takes = resists / r * powertrain.road_ratio * powertrain.share
     if gives <= takes:
         msg = (
             f"the vehicle does not start: the clutch brings {gives:.0f} N·m to the line, "
@@ -168,8 +233,9 @@ def start(
         )
         raise NotConverged(msg)
     line, springs, road = _on_road(powertrain, line, 50 * float(line.stiffness.max() / i**2))
+    lost = np.append(losses.springs, losses.vehicle)
     tyres = [k for k, (_, p) in enumerate(springs) if p.kind == "tyres"]
-    grip = _grips(parts, asked, state, r)
+    grip = lost[tyres] * _grips(parts, asked, state)
     disc = None if converter else springs.index(("", Part("clutch disc")))
     held = (*([] if disc is None else [disc]), *tyres, road)
     damping = part_damping(stuck, found, slide=held[:-1])
@@ -180,7 +246,7 @@ def start(
 
     def most(t: float) -> FloatArray:
         if disc is not None:
-            bounds[:, 0] = capacity * i * max(_risen(t, wanted.ramp), least)
+            bounds[:, 0] = capacity * gain * max(_risen(t, wanted.ramp), least)
         return bounds.copy()
 
     firing, order = parts.firing_torque, parts.cylinders / 2
@@ -191,17 +257,17 @@ def start(
         ramp = _risen(t, wanted.ramp)
         if converter:
             ratio = np.clip(v[:, input_at] * i / turning, 0.0, COUPLING) / COUPLING
-            out[:, input_at] = clutch_torque * ramp * (stall - (stall - 1) * ratio) * i
+            out[:, input_at] = clutch_torque * ramp * (stall - (stall - 1) * ratio) * gain
             return out
         given = min(capacity * ramp, clutch_torque)
         wave = firing * given / full * np.sin(order * turning * t)
-        out[:, 0] = (given + np.where(fires, wave, 0.0)) * i
+        out[:, 0] = (given + np.where(fires, wave, 0.0)) * gain
         return out
 
     first = float(found.frequency[1])
     duration = min(wanted.ramp + max(1.2, 3.5 * 2 * pi / first), LONGEST)
-    target = clutch_torque * stall * i
-    bent = _bent(parts, asked, powertrain, (gear, state), target)
+    target = clutch_torque * stall * gain * powertrain.share
+    bent = _bent(parts, asked, powertrain, straight, state, target)
     rate = np.zeros((B, n))
     if not converter:
         rate[:, 0] = turning / i
@@ -222,9 +288,12 @@ def start(
         duration=duration,
         step=step,
     )  # fmt: skip
+    # What stands in the tables is what each spring carries, not as the main line feels it.
+    travel = replace(travel, torque=travel.torque / lost)
     return _told(
-        parts, asked[0], wanted, state, travel, springs, powertrain, target, grip, tyres, disc
-    )
+        parts, asked[0], wanted, state, travel, springs, powertrain, target,
+        grip / lost[tyres], tyres, disc,
+    )  # fmt: skip
 
 
 def _risen(t: float, ramp: float) -> float:
@@ -273,8 +342,10 @@ def _on_road(
     return road, (*powertrain.springs, ("", Part("vehicle"))), line.springs.shape[0]
 
 
-def _grips(parts: Drivetrain, asked: tuple[Demand, ...], state: int, r: float) -> list[float]:
-    """Torque at the wheels of each line at which they slide, N m."""
+def _grips(parts: Drivetrain, asked: tuple[Demand, ...], state: int) -> FloatArray:
+    """Torque at the wheels of each line at which they slide, (lines,) N m."""
+    tyre = parts.application.tyre
+    r = parts.radius if tyre is None else tyre.static_radius
     found: list[float] = []
     for d in asked:
         load = float(np.broadcast_to(d.driven_load, (len(parts.states),))[state])
@@ -285,27 +356,26 @@ def _grips(parts: Drivetrain, asked: tuple[Demand, ...], state: int, r: float) -
         if d is asked[0] and behind:
             load *= 1 - sum(e.installed.load_share for e in behind)
         found.append(parts.friction * load * r)
-    return found
+    return np.array(found)
 
 
 def _bent(
     parts: Drivetrain,
     asked: tuple[Demand, ...],
     powertrain: Powertrain,
-    index: tuple[int, int],
+    line: Branched,
+    state: int,
     target: float,
 ):
     """Return the joints' leads by how far the housing has turned: a parabola through three.
 
     In tan(β/2) e^{i·place}, which goes with the slopes, so that nothing kinks.
     """
-    gear, state = index
-    line = powertrain.line.case([gear], [state])
     found = modes(line)
     force = powertrain.balanced(np.array([target]), found.shape[..., 0])
     twist, _ = carried(line, found, force)
     housing = powertrain.freedoms.index((asked[0].installed.line.name, Part("axle housing")))
-    turned = float(twist[0, housing] - 0.0)
+    turned = float(twist[0, housing])
     shares = np.array([0.0, 0.5, 1.0])
     leads: list[ComplexArray] = []
     for d in asked:
@@ -337,7 +407,7 @@ def _told(
     springs: tuple[tuple[str, Part], ...],
     powertrain: Powertrain,
     target: float,
-    grip: list[float],
+    grip: FloatArray,
     tyres: list[int],
     disc: int | None,
 ) -> Started:

@@ -66,6 +66,8 @@ class Powertrain:
         Relaxation length of the tyres.
     road_ratio : m
         How far the vehicle goes for each radian of the line.
+    share : 1
+        What the main line carries of the torque that the gearbox gives all lines.
     """
 
     line: Branched
@@ -76,6 +78,7 @@ class Powertrain:
     vehicle: int
     slip_length: FloatArray
     road_ratio: float
+    share: float
 
     def rolling(self, speed: FloatArray) -> Branched:
         """Return the line at a speed (G, S) rad/s of its shafts, its tyres slipping."""
@@ -85,10 +88,11 @@ class Powertrain:
         return replace(self.line, relaxation=relaxation)
 
     def balanced(self, torque: FloatArray, rigid: FloatArray) -> FloatArray:
-        """Return mean torques on the freedoms (..., n) N m that carry one through the line.
+        """Return mean torques on the freedoms (..., n) N m that carry one through the main line.
 
         `rigid` (..., n) is how they turn together.
         """
+        torque = torque / self.share
         force = np.zeros(
             (*np.broadcast_shapes(np.shape(torque), rigid.shape[:-1]), rigid.shape[-1])
         )
@@ -341,6 +345,7 @@ class _Vehicle:
             vehicle=parts.freedoms.index(vehicle),
             slip_length=self._slip_length(),
             road_ratio=self.radius / axle.ratio,
+            share=self._output(parts)[self.lines[0].line.name, Part("joint", 1)],
         )
 
     # ----- engine to gearbox -----
