@@ -246,7 +246,7 @@ def start(
 
     def most(t: float) -> FloatArray:
         if disc is not None:
-            bounds[:, 0] = capacity * gain * max(_risen(t, wanted.ramp), least)
+            bounds[:, 0] = capacity * gain * max(min(t / wanted.ramp, 1.0), least)
         return bounds.copy()
 
     firing, order = parts.firing_torque, parts.cylinders / 2
@@ -254,7 +254,7 @@ def start(
 
     def driving(t: float, v: FloatArray) -> FloatArray:
         out = np.zeros((B, n))
-        ramp = _risen(t, wanted.ramp)
+        ramp = min(t / wanted.ramp, 1.0)
         if converter:
             ratio = np.clip(v[:, input_at] * i / turning, 0.0, COUPLING) / COUPLING
             out[:, input_at] = clutch_torque * ramp * (stall - (stall - 1) * ratio) * gain
@@ -294,12 +294,6 @@ def start(
         parts, asked[0], wanted, state, travel, springs, powertrain, target,
         grip / lost[tyres], tyres, disc,
     )  # fmt: skip
-
-
-def _risen(t: float, ramp: float) -> float:
-    """Return the share of a ramp at a time: without a kink, for what throws a line is steepness."""
-    share = min(t / ramp, 1.0)
-    return share * share * (3 - 2 * share)
 
 
 def _play(wanted: Launch, springs: tuple[tuple[str, Part], ...]) -> tuple[int, float] | None:
