@@ -60,6 +60,13 @@ def test_a_check_follows_the_kinds(read):
     # Each own angle cap; needles that must roll, and accelerations of their own, only of the cross.
     assert asked["joint_angle", 1].limit.maximum == pytest.approx(25 * deg)
     assert asked["joint_angle", 3].limit.maximum == pytest.approx(20 * deg)
+    # A cap of its own takes the place of the profile's, which is one of crosses.
+    for number, own in ((1, 25.0), (3, 20.0)):
+        mine = [
+            c.limit for c in found.checks if (c.quantity, c.part.number) == ("joint_angle", number)
+        ]
+        assert {limit.maximum for limit in mine} == {pytest.approx(own * deg)}
+        assert {limit.normal for limit in mine} == {None}
     for quantity in ("joint_angle_min", "angle_for_speed"):
         assert {n for q, n in asked if q == quantity} == {2}
     assert not any(q == "end_angle_difference" for q, _ in asked)

@@ -5,7 +5,7 @@ last leading axis, variants of a study on axes before it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -405,7 +405,7 @@ class Response:
                 constant_velocity.double_cardan_swing(
                     beta, length=size.centre_distance, ball=size.ball_from_rear
                 )
-                if size.centre_distance and size.ball_from_rear
+                if size.centre_distance is not None and size.ball_from_rear is not None
                 else np.full_like(beta, np.nan)
             ),
         )
@@ -417,7 +417,7 @@ class Response:
             "tripod",
             lambda size, beta: (
                 constant_velocity.tripod_orbit(beta, radius=size.pitch_radius)
-                if size.pitch_radius
+                if size.pitch_radius is not None
                 else np.full_like(beta, np.nan)
             ),
         )
@@ -647,10 +647,11 @@ class Response:
             rated_torque=self.life_ratings[..., None],
             prime_mover_factor=self.application.prime_mover_factor,
         )
+        each = list(np.moveaxis(wear, -2, 0))
         for k, size in enumerate(self.sizes):
             if size and size.kind != "cross":
-                wear[..., k, :] = life.wear_of(
-                    size,
+                each[k] = life.wear_of(
+                    _over_duty(size),
                     torque[..., 0, :],
                     speed=speed[..., 0, :],
                     angle=np.where(
@@ -658,6 +659,7 @@ class Response:
                     ),
                     prime_mover_factor=self.application.prime_mover_factor,
                 )
+        wear = np.stack(np.broadcast_arrays(*each), axis=-2)
         hours = life.joint_life(wear, shares=shares)
         return np.where(self.lasting[:, None], hours, np.nan)
 
@@ -728,6 +730,12 @@ def _across(moment: Any, axis: FloatArray) -> Cycle:
     """Return what is across axes (..., 3) of moments with waves (..., K, 3)."""
     along = axis[..., None, :]
     return Cycle(moment - (moment * along).sum(-1, keepdims=True) * along)
+
+
+def _over_duty(size: JointSize) -> JointSize:
+    """Return a joint whose own numbers, where they vary, leave an axis for a duty cycle."""
+    varied = {f.name: getattr(size, f.name) for f in fields(size)}
+    return replace(size, **{k: np.asarray(v)[..., None] for k, v in varied.items() if np.ndim(v)})
 
 
 def respond(

@@ -115,7 +115,8 @@ def over_travel(r: Response, say: Language, *, quantity: str) -> Figure:
     travel = r.demand.travel / mm
     ride = _ride(r) if np.ptp(travel) >= 1 else None
     drawn = [values, _acceleration(ride[1], quantity)] if ride else [values]
-    top = 1.15 * max(float(np.nanmax(v)) for v in drawn)
+    # A line that keeps its speed accelerates nothing: 1 rad/s² high, then.
+    top = 1.15 * max(float(np.nanmax(v)) for v in drawn) or 1.0
     for limit in limits:
         for bound in (limit.normal, limit.maximum):
             if bound is not None and bound < 2.5 * top:

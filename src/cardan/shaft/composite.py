@@ -120,9 +120,9 @@ def strength_share(tube: CompositeTube, torque: ArrayLike) -> FloatArray:
     for sense in (1.0, -1.0):
         stress = ply_stresses(tube, sense * T)
         for k, ply in enumerate(tube.plies):
-            of = stress[..., k, :, :]
-            shares.append((1 / strength_ratio(of, ply)).max(-1))
-            shares.append(maximum_stress(of, ply).max(-1))
+            of = np.moveaxis(stress[..., k, :, :], -2, 0)
+            shares.append((1 / strength_ratio(of, ply)).max(0))
+            shares.append(maximum_stress(of, ply).max(0))
     return np.max(np.stack(np.broadcast_arrays(*shares)), axis=0)
 
 

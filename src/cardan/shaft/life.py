@@ -129,7 +129,7 @@ def wear_of(
         return wear(M, speed=n, angle=share * beta, rated_torque=rated, prime_mover_factor=K1)
     assert size.rated_life is not None  # or the rating were not complete
     assert size.rated_speed is not None
-    at = size.rated_angle or 0.0
+    at = np.asarray(0.0 if size.rated_angle is None else size.rated_angle)
     if size.kind == "rzeppa":
         stronger, p = _ball_share(beta) / _ball_share(at), 3.0
         rolling = 1.0 + 0 * beta

@@ -33,7 +33,12 @@ def data_of(application: Application) -> Iterator[Datum]:
                 found.setdefault((kind, name, source, note), []).append(part)
         for (kind, name, source, note), parts in found.items():
             yield Datum(
-                line=line.name, kind=kind, name=name, parts=tuple(parts), source=source, note=note
+                line=line.name,
+                kind=kind,
+                name=name,
+                parts=tuple(dict.fromkeys(parts)),
+                source=source,
+                note=note,
             )
 
 

@@ -88,12 +88,14 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         assert quantity.parts is not None  # of those that a line answers
         parts, known = quantity.parts(response), _known(quantity, response)
         rated = np.array([limit is not None for limit in own]) if own else np.array([False])
+        # A profile's angles are those of crosses: another joint with a cap of its own has that.
+        own_first = quantity.own_first | (np.array(response.line.crosses) == 0 if own else False)
         kinds = _of_kinds(quantity.states, response)
         turning = ~_idle(quantity, response)
         each: list[tuple[Limit, BoolArray, BoolArray]] = [
             (
                 limit,
-                kinds & _of_kinds(limit.states, response) & ~(quantity.own_first & rated),
+                kinds & _of_kinds(limit.states, response) & ~(own_first & rated),
                 turning & _bent(limit, response),
             )
             for limit in asking
