@@ -1,5 +1,8 @@
 """A tube of plies in the application file: its layup, and what a check makes of it."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,9 +10,12 @@ import cardan
 from cardan.base.errors import BadFile
 from cardan.base.units import MPa, deg, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, CompositeTube
+from cardan.model.parts import STEEL, Tube
 from cardan.report.language import Language
 from cardan.report.workbook import workbook
 from cardan.shaft.composite import buckling_torques, critical_speed
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "composite-van.yaml"
 
 TEXT = """\
 title: Carbon shaft
@@ -169,3 +175,24 @@ def test_a_workbook_holds_what_no_formula_follows(read, tmp_path):
     ]
     assert "Torque over the tube's buckling torque, shaft 1" in cells
     assert any(isinstance(c, float) and abs(c - 0.7578) < 1e-4 for c in cells)
+
+
+def test_a_ply_is_named_once_for_each_tube_it_is_in():
+    found = cardan.check(cardan.read(EXAMPLE))
+    (plies,) = (d for d in found.data if d.kind == "material")
+    assert (plies.name, plies.parts) == ("T300/5208", (1,))
+
+
+def test_one_tube_of_plies_spans_what_a_steel_one_cannot():
+    """The example's story: below 0.75 of its critical speed, where steel of its size is above it."""
+    app = cardan.read(EXAMPLE)
+    (plies,) = cardan.check(app).responses
+    shaft = app.lines[0].line.shafts[0]
+    steel = Tube(outer=0.127, wall=3.4e-3, material=STEEL)
+    line = replace(app.lines[0].line, shafts=(replace(shaft, tube=steel),))
+    (other,) = cardan.check(replace(app, lines=(replace(app.lines[0], line=line),))).responses
+    top = app.speed
+    assert (top / plies.critical_speeds).max() < 0.70
+    assert (top / other.critical_speeds).min() > 0.95
+    assert shaft.tube.mass_per_length < 0.25 * steel.mass_per_length
+    assert 6 < 1 / plies.tube_buckling_utilisation.max() < 10

@@ -151,6 +151,18 @@ def carried_by(vehicle, torque):
     return dict(zip(train.springs, carried(line, of, force)[1][0], strict=True))
 
 
+def test_each_line_of_a_four_wheel_drive_carries_its_share():
+    """The main line's mean torque is what `check` has for it; the front line's likewise."""
+    vehicle = stability(files.read(EXAMPLES / "pick-up-4x4.yaml"))
+    s = vehicle.states.index("gvw")
+    for line, share in (("main", 0.6), ("front", 0.4)):
+        shaft = vehicle.closed.powertrain.springs.index((line, Part("shaft", 1)))
+        mean = vehicle.closed.mean[:, s, shaft]
+        assert mean == pytest.approx(400 * 0.95 * share * vehicle.drivetrain.ratios, rel=1e-6)
+    for started in vehicle.launches:
+        assert started.torque == pytest.approx(400 * 0.95 * 0.6 * 4.31)
+
+
 def test_a_gear_refers_the_engine_by_its_ratio_squared(found):
     """The closed line in first and direct gear: the first rotor is the engine's."""
     inertia = found.closed.powertrain.line.inertia[:, 0, 0]
