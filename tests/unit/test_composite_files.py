@@ -184,7 +184,7 @@ def test_a_ply_is_named_once_for_each_tube_it_is_in():
 
 
 def test_one_tube_of_plies_spans_what_a_steel_one_cannot():
-    """The example's story: below 0.75 of its critical speed, where steel of its size is above it."""
+    """Below 0.7 of its critical speed, where one of steel of its size turns above it."""
     app = cardan.read(EXAMPLE)
     (plies,) = cardan.check(app).responses
     shaft = app.lines[0].line.shafts[0]
