@@ -925,7 +925,7 @@ STUDY = (
            "half the engine is nobody's", "unit/test_stability.py::test_each_line_of_a_four_wheel_drive_carries_its_share"),
     mutant("study/powertrain.py", "        torque = torque / self.share\n", "", "the main line's torque is shared out once more",
            "unit/test_stability.py::test_each_line_of_a_four_wheel_drive_carries_its_share"),
-    mutant("files/application.py", "return replace(gearbox or DIRECT, converter_ratio=stall)", "return gearbox", "a converter multiplies nothing",
+    mutant("files/application.py", "return replace(gearbox or DIRECT, converter_ratio=stall)", "return gearbox", "the ratio of a converter of its own is lost",
            "unit/test_stability.py::test_a_converter_multiplies_torque_wherever_the_file_says_so"),
     mutant("study/driveline.py", "own_first = quantity.own_first | (", "own_first = quantity.own_first | False & (", "a profile's angle for crosses binds every joint",
            "unit/test_joint_kinds_files.py::test_a_check_follows_the_kinds"),
