@@ -552,6 +552,11 @@ BRACKET = (
 )  # fmt: skip
 
 QUANTITY = (
+    mutant("quantity/response.py", "<= 2 * modes.damping[state, k]:", "<= 1.0:",
+           "every point meets some mode", "unit/test_on_rubber.py"),
+    mutant("quantity/response.py", "np.multiply.outer(orders, speed)",
+           "np.multiply.outer(orders / 2, speed)", "order 2 is looked for as order 1",
+           "unit/test_on_rubber.py"),
     mutant("quantity/response.py", "np.minimum(left, draw - travel)",
            "np.minimum(left, draw + travel)", "a spline drawn out has more draw left", "verify/test_truck_by_hand.py::test_every_quantity_of_every_part"),
     mutant("quantity/response.py",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
-from cardan.base.part import Occasion, Part, Point
+from cardan.base.part import Mode, Occasion, Part, Point
 from cardan.base.units import deg, rpm
 from cardan.base.verdict import Check, Unanswered
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
@@ -82,7 +82,14 @@ def check(of: Check) -> dict[str, Any]:
         "source": str(of.limit.source),
         "how_read": of.how_read or None,
         **({"point": operating_point(of.point)} if of.point else {}),
+        **({"mode": _met(of.mode)} if of.mode else {}),
     }
+
+
+def _met(mode: Mode) -> dict[str, Any]:
+    return {
+        "shape": mode.shape, "frequency_Hz": mode.frequency / (2 * pi), "order": mode.order,
+    }  # fmt: skip
 
 
 def datum(of: Datum) -> dict[str, Any]:
