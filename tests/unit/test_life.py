@@ -347,7 +347,7 @@ def test_a_target_missed_fails(broken):
     done = run(broken, *ONE, "--target-hours", "1e9")
     assert done.exit_code == 1, done.output
     assert "broken.csv: FAIL (1 fail, 0 warn, 0 pass)" in done.output
-    assert "asked on the command line" in done.output
+    assert "asked of the recording" in done.output
     assert "-100 %" in done.output
 
 

@@ -379,7 +379,7 @@ def test_limits_of_a_recording_are_not_dropped_by_a_check():
     found = assess(files.loads("\n".join(lines) + "\n"))
     assert found.verdict == "incomplete"
     (open_,) = found.coverage.unanswered
-    assert open_.needs == ("cardan life, with a recording",)
+    assert open_.needs == ("a campaign of recordings, by --recording",)
 
 
 def test_what_nobody_asks_is_named_for_the_first_line():

@@ -21,7 +21,7 @@ from cardan.quantity.response import Response
 from cardan.report import phased
 from cardan.study.approval import Approval, Coverage
 from cardan.study.data import Datum
-from cardan.study.finding import VIBRATION
+from cardan.study.finding import RECORDING, VIBRATION
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
 
@@ -63,6 +63,11 @@ def approval(of: Approval) -> dict[str, Any]:
         from cardan.report.stability import vehicle  # few checks ask it
 
         document["vehicle"] = vehicle(of.of(VIBRATION))
+    for finding in of.findings:
+        if finding.study == RECORDING and finding.answer is not None:
+            from cardan.report.life import mix_document
+
+            document["recording"] = mix_document(finding)
     return plain(document)
 
 

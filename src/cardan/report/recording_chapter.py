@@ -14,7 +14,7 @@ from cardan.fatigue.cuts import Cuts
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.rainflow import range_pairs
 from cardan.report import otherwise, used
-from cardan.report.blocks import Block, Figures, Picture, Table, Text
+from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
 from cardan.report.identified import parameter, promise
@@ -26,6 +26,13 @@ from cardan.study.recording import Heard, Mix, Pictures
 
 DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
+
+
+def chapters(of: Mix, say: Language) -> Iterator[Chapter]:
+    """Yield what a campaign's recordings come to together, and a chapter of each."""
+    yield Chapter(title=say("The mix"), blocks=tuple(mix(of, say)))
+    for name, _, heard in of.parts:
+        yield Chapter(title=name, blocks=tuple(chapter(heard, say)))
 
 
 def mix(of: Mix, say: Language) -> Iterator[Block]:
