@@ -472,9 +472,9 @@ def test_the_line_is_that_of_the_application(broken):
     ("code", "said"),
     [
         ("pt", ("REPROVADO (1 reprovado", "Vida em fadiga", "uma medição em que todos",
-                "pedido na linha de comando")),
+                "pedido ao registro")),
         ("it", ("NON CONFORME (1 non conforme", "una registrazione in cui tutti i suoi canali",
-                "richiesto sulla riga di comando")),
+                "richiesto alla registrazione")),
     ],
 )  # fmt: skip
 def test_the_verdict_is_told_in_other_languages(broken, code, said):

@@ -28,11 +28,15 @@ DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
 
 
-def chapters(of: Mix, say: Language) -> Iterator[Chapter]:
-    """Yield what a campaign's recordings come to together, and a chapter of each."""
-    yield Chapter(title=say("The mix"), blocks=tuple(mix(of, say)))
+def chapters(of: Mix, say: Language, *, short: bool = False) -> Iterator[Chapter]:
+    """Yield what a campaign's recordings come to together, and a chapter of each.
+
+    `short` leaves out a mix of one, and the orders that the joints do not make.
+    """
+    if len(of.parts) > 1 or not short:
+        yield Chapter(title=say("The mix"), blocks=tuple(mix(of, say)))
     for name, _, heard in of.parts:
-        yield Chapter(title=name, blocks=tuple(chapter(heard, say)))
+        yield Chapter(title=name, blocks=tuple(chapter(heard, say, short=short)))
 
 
 def mix(of: Mix, say: Language) -> Iterator[Block]:
@@ -49,7 +53,7 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
         yield Text(paragraphs=tuple(customers(of, say)))
 
 
-def chapter(of: Heard, say: Language) -> Iterator[Block]:
+def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]:
     """Yield what a recording did to its gauges, and who did it.
 
     Raises
@@ -75,7 +79,7 @@ def chapter(of: Heard, say: Language) -> Iterator[Block]:
         if of.pictures.cuts is not None:
             cuts, names = of.pictures.cuts, of.pictures.gauges
             found = of.identification
-            for order in (2.0, 1.0, 4.0):
+            for order in (2.0,) if short else (2.0, 1.0, 4.0):
                 yield Figures(figures=tuple(order_cut(cuts, names, order, say, found=found)))
     if of.causes is not None:
         yield from _causes(of.causes, say)

@@ -112,7 +112,7 @@ def approval(
     for response in () if short else of.responses:
         chapters += _line(response, of.checks, say, several=several)
     chapters += [
-        *_studies(of, say),
+        *_studies(of, say, short=short),
         *more,
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
     ]
@@ -480,7 +480,7 @@ def _row_grades(
     return tuple(shown)
 
 
-def _studies(of: Approval, say: Language) -> Iterator[Chapter]:
+def _studies(of: Approval, say: Language, *, short: bool) -> Iterator[Chapter]:
     """Yield a chapter for each study that was asked beside the driveline."""
     told: dict[str, Callable[[Finding[Any], Language], Iterator[Block]]] = {
         VIBRATION: vibration_chapter.chapter,
@@ -490,7 +490,7 @@ def _studies(of: Approval, say: Language) -> Iterator[Chapter]:
         if f.study == RECORDING and f.answer is not None:
             from cardan.report import recording_chapter  # few reports tell of one
 
-            yield from recording_chapter.chapters(f.answer, say)
+            yield from recording_chapter.chapters(f.answer, say, short=short)
         elif f.study in told and f.asked:
             blocks = told[f.study](f, say) if f.answer else _not_asked(f, say)
             yield Chapter(title=say(STUDY_TITLES[f.study]), blocks=tuple(blocks))
