@@ -807,7 +807,7 @@ STUDY = (
     mutant("study/driveline.py", "response.angles.max(axis=-1, keepdims=True) > limit.above_angle",
            "response.angles.min(axis=-1, keepdims=True) > limit.above_angle",
            "a limit above an angle asks where all joints exceed it", "verify/test_truck_by_hand.py::test_every_quantity_of_every_part"),
-    mutant("study/driveline.py", "& ~(quantity.own_first & rated)", "& ~(quantity.own_first & ~rated)",
+    mutant("study/driveline.py", "& ~(own_first & rated)", "& ~(own_first & ~rated)",
            "a joint's own limit stands aside for the profile's", "unit/test_study.py::test_a_joint_brings_its_own_limit_in_place_of_the_profiles"),
     mutant("study/driveline.py", "(limit, kinds & (np.arange(len(parts)) == k), turning)",
            "(limit, kinds & (np.arange(len(parts)) >= k), turning)", "a joint's rating holds for those behind it",
