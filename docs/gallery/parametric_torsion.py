@@ -32,8 +32,10 @@ tips = {}
 for damping, colour in ((0.002, "tab:blue"), (0.02, "tab:orange")):
     for name, centre in centres.items():
         found = tongue(
-            lambda speed, beta, c=damping: growth(about_rigid_rotation(line(beta, c), speed)),
-            centre=centre, x=(0.45, 2.0), y=(0.0, np.radians(35)), reach=0.012,
+            lambda speed, beta, c=damping: growth(
+                about_rigid_rotation(line(beta, c), speed), tolerance=1e-7
+            ),
+            centre=centre, x=(0.45, 2.0), y=(0.0, np.radians(35)), reach=0.012, rows=14,
         )  # fmt: skip
         if found is None:
             continue
