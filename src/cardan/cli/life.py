@@ -406,8 +406,9 @@ def _campaign(
     )  # fmt: skip
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
-            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf)
-        )
+            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf),
+            identified=bool(corrected or load_history), changed=bool(changed_history),
+        )  # fmt: skip
     if json_out is not None:
         write_json(report.mix_document(found), json_out)
     if json_out != "-":
@@ -417,23 +418,10 @@ def _campaign(
 
         told = story.campaign(found, say=say, issue=_issue(path, text=True))
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
-    if any((corrected, load_history, changed_history)):
-        _of_one(path, found.answer, corrected, load_history, changed_history)
+    if found.answer is not None and any((corrected, load_history, changed_history)):
+        ((_, _, heard),) = found.answer.parts
+        _write_identified(found.answer.campaign, heard, corrected, load_history, changed_history)
     leave(verdict_on(found) or "pass")
-
-
-def _of_one(path: Path, mix: Any, *outputs: Path | None) -> None:
-    """Write what follows from the identification of a campaign's only recording."""
-    if len(mix.parts) != 1 or mix.parts[0][2].identification is None:
-        msg = (
-            f"--corrected and the histories are of one recording with identify: {path.name} has "
-            f"{len(mix.parts)}" + ("" if len(mix.parts) != 1 else " without it")
-        )
-        raise DesignError(msg)
-    if outputs[2] is not None and mix.campaign.changed is None:
-        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
-        raise DesignError(msg)
-    _write_identified(mix.campaign, mix.parts[0][2], *outputs)
 
 
 def _issue(path: Path, *, text: bool) -> Any:

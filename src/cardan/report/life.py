@@ -219,6 +219,11 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         "gauges": gauges,
+        **(
+            {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
+            if of.otherwise
+            else {}
+        ),
         "recordings": [
             {
                 "times": times,
@@ -249,6 +254,8 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
         yield ""
         yield from columns(mix_rows(of, one, say))
         yield from mix_says(of, one, say)
+    for one in of.otherwise:
+        yield from otherwise.lines(one, say)
     yield from customers(of, say)
     for _, _, heard in of.parts:
         yield ""

@@ -38,6 +38,7 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
             rows=tuple((row[0].strip(), *row[1:]) for row in rows),
         )
         yield Text(paragraphs=tuple(mix_says(of, one, say)))
+    yield from otherwise.blocks(of.otherwise, say)
     if of.customers:
         yield Text(paragraphs=tuple(customers(of, say)))
 

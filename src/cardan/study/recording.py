@@ -26,6 +26,7 @@ from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
+from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.response import FOUND, Evidence, together
 from cardan.fatigue.usage import customer, usage
@@ -36,7 +37,7 @@ from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import NAME, TURN, Campaign, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
-from cardan.study.otherwise import Otherwise, grown, odds, strained
+from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
 from cardan.study.promise import Promised, promised
 from cardan.study.usage import Used, used
 
@@ -264,6 +265,11 @@ class Mixed:
         )  # fmt: skip
 
     @property
+    def cycles(self) -> Cycles:
+        """Of the mix: those of each recording as often as it is driven."""
+        return join(one.cycles.repeated(times) for one, times in self.parts)
+
+    @property
     def heard(self) -> bool:
         """Whether it said something in every recording."""
         return all(one.heard for one, _ in self.parts)
@@ -294,6 +300,8 @@ class Mix:
         Damage at failure.
     campaign
         What was asked of every recording.
+    otherwise
+        The mix's gauges judged by strain, by a crack, by odds; none where it was not asked.
     """
 
     title: str
@@ -303,6 +311,7 @@ class Mix:
     customer: float = 0.0
     allowed: float = 1.0
     campaign: Campaign | None = None
+    otherwise: tuple[Otherwise, ...] = ()
 
     @property
     def customers(self) -> dict[str, tuple[float, float]]:
@@ -330,9 +339,13 @@ class Mix:
 
 
 def listen_to_all(
-    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False
-) -> Finding[Mix]:
+    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False,
+    identified: bool = False, changed: bool = False,
+) -> Finding[Mix]:  # fmt: skip
     """Ask every recording of a campaign's file, and hold the mix against its limits.
+
+    `identified` where what is wanted follows from the identification of its only recording, and
+    `changed` where it is of the changed line: refused before anything is read if there is none.
 
     Raises
     ------
@@ -341,6 +354,16 @@ def listen_to_all(
     """
     written = campaigned(path, allow_outside=allow_outside)
     asked = Campaign(**written.options)
+    count = sum(len(drive.segments or (None,)) for drive in written.drives)
+    if (identified or changed) and not (count == 1 and asked.identify):
+        msg = (
+            f"--corrected and the histories are of one recording with identify: {path.name} has "
+            f"{count}" + ("" if count != 1 else " without it")
+        )
+        raise DesignError(msg)
+    if changed and asked.changed is None:
+        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
+        raise DesignError(msg)
     profile, limits = asked.asked()
     parts: list[tuple[str, float, Heard]] = []
     for drive in written.drives:
@@ -379,10 +402,25 @@ def listen_to_all(
             customer=written.customer,
             allowed=asked.allowed,
             campaign=asked,
+            otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
         ),
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _mixed_otherwise(
+    campaign: Campaign, parts: Sequence[tuple[str, float, Heard]], lives: Sequence[Mixed]
+) -> Iterator[Otherwise]:
+    """Yield what a mix comes to otherwise, at each gauge that every recording has an answer of."""
+    told = [{o.gauge: o for o in heard.otherwise} for _, _, heard in parts]
+    for one in lives:
+        if all(one.name in of for of in told):
+            yield mixed(
+                one, [(of[one.name], times) for of, (_, times, _) in zip(told, parts, strict=True)],
+                parts[0][2].plan, gauge=one.name, crack=campaign.cracked,
+                hours=campaign.service_hours, miner_scatter=campaign.miner_scatter,
+            )  # fmt: skip
 
 
 def _times(campaign: Campaign, recording: Recording, segment: Segment) -> tuple[float, float]:
