@@ -11,7 +11,6 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -52,16 +51,21 @@ class Rotation:
         first, last = self.time[0], self.time[-1]
         # Beyond its ends it goes on at its last speed.
         before, after = np.minimum(t - first, 0), np.maximum(t - last, 0)
-        beyond = before * self._speed[0] + after * self._speed[-1]
-        return np.interp(t, self.time, self.turns) + beyond
-
-    @cached_property
-    def _speed(self) -> FloatArray:
-        return np.gradient(self.turns, self.time)
+        slow, fast = (
+            (self.turns[k + 1] - self.turns[k]) / (self.time[k + 1] - self.time[k]) for k in (0, -2)
+        )
+        return np.interp(t, self.time, self.turns) + before * slow + after * fast
 
     def speed(self, time: ArrayLike) -> FloatArray:
         """Return the turns a second (...) at each time (...) s."""
-        return np.interp(np.asarray(time, float), self.time, self._speed)
+        t = np.asarray(time, float)
+        if not t.size:
+            return np.zeros(t.shape)
+        # Of a day's drive only what is asked is derived.
+        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 3
+        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 3
+        near = slice(max(min(first, self.time.size - 4), 0), max(last, 4))
+        return np.interp(t, self.time[near], np.gradient(self.turns[near], self.time[near]))
 
     def geared(self, ratio: float) -> "Rotation":
         """Return the rotation of what turns `ratio` times as fast: a wheel, an engine."""

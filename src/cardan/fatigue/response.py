@@ -628,7 +628,9 @@ def _wandering(
     def blocks(x: np.ndarray) -> np.ndarray:
         return x.reshape(count, -1).sum(-1) if x.size == count * n else np.array([x.sum()])
 
-    power = np.maximum(blocks(np.abs(z) ** 2) / 2, 1e-300)
+    power = blocks(np.abs(z) ** 2) / 2
+    # Where the shaft stands a mode's memory fades to nothing, and says nothing of its gain.
+    power = np.maximum(power, 1e-12 * power.max() + 1e-300)
     off = blocks(rest * np.conj(z)) / power
     ghosts = [
         np.abs(blocks(rest * np.conj(z * np.exp(2j * np.pi * k / BLOCK * time))) / power) ** 2

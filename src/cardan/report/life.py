@@ -11,7 +11,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
-from cardan.fatigue.fault import FREEZE, HOLE, KINDS
+from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.quality import FAST, Rule
 from cardan.fatigue.rainflow import range_pairs
@@ -25,7 +25,7 @@ from cardan.report.wording import gaps, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.campaign import ASKED
 from cardan.study.finding import Finding
-from cardan.study.recording import Heard, Mix, Mixed, verdict_on
+from cardan.study.recording import Heard, Mix, Mixed, OtherWay, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -150,6 +150,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
 def _more(of: Heard) -> dict[str, Any]:
     """Return what a recording was asked beyond damage and cause."""
     return {
+        **({"misread": [_misread(m) for m in of.misread]} if of.misread else {}),
         **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
         **(
             {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
@@ -158,6 +159,22 @@ def _more(of: Heard) -> dict[str, Any]:
         ),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         **({"changed": identified.promises(of.promised)} if of.promised else {}),
+    }
+
+
+def _misread(of: OtherWay) -> dict[str, Any]:
+    """Return where a bus wrote no value into a speed, and the answer with that taken otherwise."""
+    own = of.misread
+    return {
+        "channel": own.channel,
+        "kind": SENTINEL,
+        "rpm": own.speed * 60,
+        "count": len(own.runs),
+        "seconds": float((own.runs[:, 1] - own.runs[:, 0]).sum()),
+        "places": [{"from_s": a, "to_s": b} for a, b in own.runs[:MOST].tolist()],
+        "accepted": own.accepted,
+        "turns_otherwise": _number(of.turns),
+        "gauges_otherwise": {name: _evidence(e) for name, e in of.evidence.items()},
     }
 
 
@@ -436,6 +453,8 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
 
 def _said_more(of: Heard, say: Language) -> Iterator[str]:
     """Yield what a recording was asked beyond damage and cause as lines of text."""
+    for one in of.misread:
+        yield from misread(one, say)
     for one in of.used:
         yield from used.lines(one, say)
     for one in of.otherwise:
@@ -446,6 +465,36 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
     if of.promised:
         yield ""
         yield from identified.kept(of.promised, say)
+
+
+def misread(of: OtherWay, say: Language) -> Iterator[str]:
+    """Yield where a speed is a bus' number for no value, and what the other reading would do."""
+    own = of.misread
+    places = {
+        "channel": own.channel, "seconds": say.short(float(np.diff(own.runs).sum()), 3),
+        "count": len(own.runs), "first": say.short(float(own.runs[0, 0]), 6),
+        "speed": f"{say.short(own.speed * 60, 7)} rpm", "turns": say.short(abs(of.turns), 3),
+    }  # fmt: skip
+    if own.accepted:
+        yield say(
+            "{channel}: accepted as a speed for {seconds} s in {count} places, the first at "
+            "{first} s: {speed}, which a bus (SAE J1939) writes for an error or no value; as "
+            "holes the shaft would make {turns} turns less",
+            **places,
+        )  # fmt: skip
+    else:
+        yield say(
+            "{channel}: no speed for {seconds} s in {count} places, the first at {first} s: {speed}, "
+            "which a bus (SAE J1939) writes for an error or no value, taken for holes; as "
+            "speeds the shaft would make {turns} turns more (--accept {channel}=sentinel)",
+            **places,
+        )  # fmt: skip
+    for gauge, evidence in of.evidence.items():
+        yield say(
+            "{gauge}: with that taken otherwise {share} of the damage would go with the joints "
+            "(90 % interval {low} to {high}): {finding}",
+            gauge=gauge, finding=say(evidence.finding).upper(), **_shares(evidence, say),
+        )  # fmt: skip
 
 
 def _verdict(

@@ -34,7 +34,7 @@ from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
-from cardan.study.campaign import NAME, TURN, Campaign, numbers
+from cardan.study.campaign import NAME, TURN, Campaign, Misread, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
@@ -84,6 +84,25 @@ class Pictures:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OtherWay:
+    """A channel of speed with numbers that are none, and the answer with these taken otherwise.
+
+    Attributes
+    ----------
+    misread
+        Where they are, and how they are taken.
+    turns
+        That the shaft would make more.
+    evidence
+        What the joints would be answerable for, by gauge.
+    """
+
+    misread: Misread
+    turns: float
+    evidence: Mapping[str, Evidence]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Heard:
     """The answer: what a recording did to its gauges.
 
@@ -108,6 +127,8 @@ class Heard:
         What gauges would do with the changed line; none where none was given.
     otherwise
         Its gauges judged by strain, by a crack, by odds; none where it was not asked.
+    misread
+        Channels of speed in which a bus wrote that it had no value.
     """
 
     recording: Recording
@@ -121,6 +142,7 @@ class Heard:
     used: tuple[Used, ...] = ()
     promised: tuple[Promised, ...] = ()
     otherwise: tuple[Otherwise, ...] = ()
+    misread: tuple[OtherWay, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -164,6 +186,12 @@ class RecordingStudy:
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 predicted=predicted, progress=progress,
             )  # fmt: skip
+        misread = tuple(
+            _other_ways(
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                predicted=predicted, progress=progress,
+            )
+        )  # fmt: skip
         when = Occasion("recording", recording.name)
         if angle is not None and causes is not None:
             angle = _told_angle(angle, causes)
@@ -206,6 +234,7 @@ class RecordingStudy:
                 used=told,
                 promised=kept,
                 otherwise=others,
+                misread=misread,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -533,6 +562,27 @@ def _causes(
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted,
         orders_said=bool(campaign.engine_orders), progress=progress,
     )  # fmt: skip
+
+
+def _other_ways(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
+    healths: dict[str, Health], predicted: dict[str, float], progress: room.Progress,
+) -> Iterator[OtherWay]:  # fmt: skip
+    """Yield what it would come to if numbers of a bus that are no speeds were taken otherwise."""
+    for one in campaign.misread(recording):
+        other = campaign.other_way(one)
+        turned = other.shaft(recording)
+        evidence: dict[str, Evidence] = {}
+        if turned is not None and plan.gauges:
+            found = _causes(
+                other, recording, plan, turned, healths=healths, predicted=predicted,
+                progress=progress,
+            )  # fmt: skip
+            evidence = dict(zip(found.gauges, found.evidence, strict=True))
+        turns = math.nan
+        if turned is not None and angle is not None:
+            turns = float(np.ptp(turned.rotation.turns) - np.ptp(angle.rotation.turns))
+        yield OtherWay(misread=one, turns=turns, evidence=evidence)
 
 
 def _told_angle(angle: Angle, causes: Causes) -> Angle:
