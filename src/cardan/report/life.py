@@ -484,8 +484,8 @@ def misread(of: OtherWay, say: Language) -> Iterator[str]:
         )  # fmt: skip
     else:
         yield say(
-            "{channel}: no speed for {seconds} s in {count} places, the first at {first} s: {speed}, "
-            "which a bus (SAE J1939) writes for an error or no value, taken for holes; as "
+            "{channel}: no speed for {seconds} s in {count} places, the first at {first} s: "
+            "{speed}, which a bus (SAE J1939) writes for an error or no value, taken for holes; as "
             "speeds the shaft would make {turns} turns more (--accept {channel}=sentinel)",
             **places,
         )  # fmt: skip
