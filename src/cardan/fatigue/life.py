@@ -10,8 +10,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
@@ -53,7 +55,7 @@ from cardan.fatigue.rainflow import (
     half_cycles,
     join,
 )
-from cardan.fatigue.recording import Recording, cut
+from cardan.fatigue.recording import SIZE, Recording, cut
 from cardan.fatigue.response import Evidence, Identified, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
@@ -625,6 +627,9 @@ DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 AT_ONCE = 1
 """Stretches of gauges in which the joints' part is identified at once: each takes 70 MB."""
 
+BESIDE = 2
+"""Gauges that are asked side by side, each in 100 MB or so; the next when these are done."""
+
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -657,6 +662,32 @@ def causes(
     progress
         Told how far it is.
     """
+    parts = [
+        _of_some(
+            recording, plan=replace(plan, gauges=plan.gauges[k : k + BESIDE]), healths=healths,
+            how=how, angle=angle, torque=torque, predicted=predicted, orders_said=orders_said,
+            progress=progress,
+        )
+        for k in range(0, len(plan.gauges), BESIDE)
+    ]  # fmt: skip
+    return replace(
+        parts[0],
+        gauges=tuple(name for p in parts for name in p.gauges),
+        attributions=[one for p in parts for one in p.attributions],
+        evidence=[one for p in parts for one in p.evidence],
+        without=[one for p in parts for one in p.without],
+        order2=np.concatenate([p.order2 for p in parts]),
+        comparisons=[one for p in parts for one in p.comparisons],
+        doubts=list(dict.fromkeys(doubt for p in parts for doubt in p.doubts)),
+    )
+
+
+def _of_some(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
+    angle: Angle | None, torque: tuple[str, float] | None, predicted: dict[str, float] | None,
+    orders_said: bool, progress: Progress | None,
+) -> Causes:  # fmt: skip
+    """Share the damage among its causes at some gauges, all of them held at once."""
     shaft = how.suspects[0].tone.rotation
     joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
     if not orders_said:
@@ -672,7 +703,8 @@ def causes(
             parts[row] += theirs
             times.append(stretch.time)
             place = np.rint(stretch.time * recording.rate).astype(np.intp) - stretch.start
-            amplitudes.append(order2[:, np.clip(place, 0, order2.shape[1] - 1)])
+            middle = np.clip(place, 0, order2.shape[1] - 1)
+            amplitudes.append(np.asarray(order2[:, middle], dtype=np.float64))
             yield parts
 
     found = attribute(
@@ -722,6 +754,9 @@ def _direct(shaft: Rotation, engine: Rotation, time: FloatArray) -> float:
     return float(np.mean(np.abs(own - other)[moving] < 0.25)) if moving.any() else 0.0
 
 
+_Coarse: TypeAlias = npt.NDArray[np.float32]
+
+
 class _Joints:
     """The joints' part of every gauge, identified stretch by stretch as the stress passes."""
 
@@ -734,7 +769,7 @@ class _Joints:
         self.engine = engine[0].rotation if engine else None
         self.engine_orders = tuple(tone.order for tone in engine)
         self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
-        self.held: list[tuple[int, FloatArray, FloatArray]] = []
+        self.held: list[tuple[int, _Coarse, _Coarse]] = []
         self.without = [_Count(plan, recording.rate) for _ in plan.gauges]
 
     def damage(self, stress: FloatArray) -> float:
@@ -752,7 +787,7 @@ class _Joints:
             loads = self.recording.pieces([self.torque[0]], size=size)
         start = 0
         waiting: deque[tuple[int, FloatArray, list[Future[Identified]]]] = deque()
-        with ThreadPoolExecutor(4) as pool:
+        with ThreadPoolExecutor(BESIDE) as pool:
             for piece, load in zip(cut(stress, size=size), loads, strict=False):
                 torque = None if load is None or self.torque is None else load[0] * self.torque[1]
                 ask = partial(
@@ -763,24 +798,30 @@ class _Joints:
                 start += piece.shape[1]
                 # Stretches know nothing of each other; so many at once as memory bears.
                 if len(waiting) * len(piece) >= AT_ONCE:
-                    yield self._left(*waiting.popleft())
+                    yield from self._left(*waiting.popleft())
             while waiting:
-                yield self._left(*waiting.popleft())
+                yield from self._left(*waiting.popleft())
 
-    def _left(self, start: int, piece: FloatArray, asked: "list[Future[Identified]]") -> FloatArray:
-        """Take a stretch's answers in, and return what is left of it without their part."""
+    def _left(
+        self, start: int, piece: FloatArray, asked: "list[Future[Identified]]"
+    ) -> Iterator[FloatArray]:
+        """Take a stretch's answers in, and yield what is left of it without their part."""
         answers = [one.result() for one in asked]
         for told, answer, x in zip(self.told, answers, piece, strict=True):
             told.append((answer.evidence, self.damage(x)))
-        theirs = np.stack([a.stress for a in answers])
+        # Held until the stretches that follow have passed: seven digits of it are taken off.
+        theirs = np.stack([a.stress.astype(np.float32) for a in answers])
         theirs[np.isnan(piece)] = 0.0
-        self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+        order2 = np.stack([a.order2.astype(np.float32) for a in answers])
+        self.held.append((start, theirs, order2))
         left = piece - theirs
         for count, x in zip(self.without, left, strict=True):
             count.add(x)
-        return left
+        del answers, asked, piece, theirs, order2
+        for first in range(0, left.shape[1], SIZE // 8):
+            yield left[:, first : first + SIZE // 8]
 
-    def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
+    def part(self, start: int, n: int) -> "tuple[_Coarse, _Coarse]":
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
         self.held = [h for h in self.held if h[0] + h[1].shape[1] > start]
         rows = [

@@ -233,8 +233,10 @@ def _aligned(
         heard = np.bincount(slot, minlength=bands)[busy]
         middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
         # What turns within a bin is averaged: at the ends of the search it loses this much.
-        power = np.abs(fft(grid.astype(np.complex64), size, axis=-1)[:, near]) ** 2
-        energy = (1 / weight) @ power / np.sinc(2 * TURNS * off[near]) ** 2
+        energy = np.zeros(near.size)
+        for row, often in zip(grid, weight, strict=True):
+            energy += np.abs(fft(row.astype(np.complex64), size)[near]) ** 2 / often
+        energy /= np.sinc(2 * TURNS * off[near]) ** 2
         for peak in near[_peaks(energy)[:4]]:
             # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in
             # each of `SHARES` of the whole it is none.
