@@ -27,8 +27,8 @@ SHY = 0.8
 """Share of the first number that is no speed from which a real one may have come to it."""
 RAMP = 0.45
 """Full scales a second at which no shaft under a vehicle gains speed: 3700 rpm a second."""
-MOST = 4_000_000
-"""Times of a rotation: eleven hours at a hundred a second, and a longer drive is met less often."""
+MOST = 2_500_000
+"""Times of a rotation: seven hours at a hundred a second, and a longer drive is met less often."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 

@@ -38,6 +38,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
     SHORT,
     WOULD_BREAK,
+    Assumed,
     Effect,
     Quality,
     Rule,
@@ -549,7 +550,16 @@ class _Listened:
         doubts = of.doubts
         if not of.vetoes and damage >= allowed:
             doubts = (*doubts, said(WOULD_BREAK, times=f"{damage / allowed:.3g}"))
-        return replace(of, effects=(*of.effects, *effects), doubts=doubts)
+        assumed = None
+        if self.gauge.otherwise is not None:
+            other, factor = self.gauge.otherwise
+            of_other = miner(
+                one.cycles.scaled(factor), curve=self.plan.curve, correction=self.plan.correction
+            )  # fmt: skip
+            assumed = Assumed(
+                unit=self.gauge.assumed, other=other, factor=factor, damage=of_other
+            )  # fmt: skip
+        return replace(of, effects=(*of.effects, *effects), doubts=doubts, assumed=assumed)
 
     def _effects(self) -> Iterator[Effect]:
         ruled = self.count.closed()

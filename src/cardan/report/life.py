@@ -13,7 +13,7 @@ from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
 from cardan.fatigue.life import Causes, GaugeLife, Plan
-from cardan.fatigue.quality import FAST, Rule
+from cardan.fatigue.quality import FAST, Assumed, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
@@ -66,6 +66,17 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
         "doubts": [str(d) for d in of.doubts],
+        **({"assumed": _assumed(of.assumed)} if of.assumed is not None else {}),
+    }
+
+
+def _assumed(of: Assumed) -> dict[str, Any]:
+    """Return a unit that only the command line says, and the damage in the other."""
+    return {
+        "unit": of.unit,
+        "otherwise": of.other,
+        "factor": of.factor,
+        "damage_otherwise": _number(of.damage),
     }
 
 
@@ -669,6 +680,13 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
                 state=say("undecided") if e.undecided else say("decided"),
                 recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
             )  # fmt: skip
+    if of.assumed is not None:
+        yield say(
+            "{gauge}: assumed to be in {unit}, as the recording does not say; were it in {other}, "
+            "its stress would be {factor} times and its damage {damage}",
+            gauge=name, unit=of.assumed.unit, other=of.assumed.other,
+            factor=say.short(of.assumed.factor, 3), damage=_known(of.assumed.damage, ".3g", say),
+        )  # fmt: skip
     for doubt in of.doubts:
         yield say("{gauge}: doubt: {doubt}", gauge=name, doubt=say.said(doubt))
     if of.share < 0.9999:

@@ -85,6 +85,13 @@ _STRAINS = re.compile(
 )
 _STRESSES = re.compile(r"(?<![a-z])(stress|spannung|tens[ãi]o|sigma)", re.IGNORECASE)
 
+ASSUMED: Mapping[str, str] = {
+    u: "um/m" if u in ("MPa", "N/mm2", "N/mm²") else "MPa"
+    for u in UNITS
+    if u in ("MPa", "N/mm2", "N/mm²") or STRAIN.get(u) == STRAIN["um/m"]
+}
+"""Units whose numbers look alike, some tens to hundreds: which it may be as well."""
+
 FASTEST_SHAFT = 200.0
 """Turns a second that no propshaft makes: 12,000 rpm."""
 
@@ -650,7 +657,13 @@ class Campaign:
             factor = _unit(recording, channel, given, units)
             gauge = strain.direct(channel, channel, factor=factor)
             of = recording.channel(channel)
-            found.append(replace(gauge, doubts=_doubted(of, given or of.unit)))
+            taken = given or of.unit
+            gauge = replace(gauge, doubts=_doubted(of, taken))
+            if taken in ASSUMED and not (of.settled or of.unit or _WRITTEN.search(of.name)):
+                # What whoever names a unit by hand confuses: numbers of either look alike.
+                other = ASSUMED[taken]
+                gauge = replace(gauge, assumed=taken, otherwise=(other, units[other] / factor))
+            found.append(gauge)
         return found
 
     def _rosettes(self, recording: Recording) -> list[Gauge]:
