@@ -503,7 +503,7 @@ FATIGUE = (
            "join(one.cycles for one, times in self.parts)", "cycles of a mix come once",
            "unit/test_otherwise.py::test_a_mix_is_judged_as_a_mix"),
     mutant("study/recording.py", "if (identified or changed) and not (count == 1 and asked.identify):",
-           "if (identified or changed) and not asked.identify:",
+           "if changed and not (count == 1 and asked.identify):",
            "what follows from one recording is asked of some",
            "unit/test_campaign_file.py::test_what_is_corrected_is_of_one_recording_identified"),
     mutant("fatigue/cause.py", "{choice | 1 << k: value for", "{choice | 1 << k: value * 0 for",

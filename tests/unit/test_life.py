@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -23,6 +24,7 @@ from cardan.fatigue.spectral import spectrum
 from cardan.fatigue.strain import direct, rosette_gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report.contract_schema import schema
 from cardan.report.life import blame as verdict
 
 RATE = 1000.0
@@ -186,6 +188,8 @@ def test_the_json_contract(parquet, drive, tmp_path):
     done = run(parquet, *ALL, "--json", tmp_path / "out.json")
     assert done.exit_code == 0, done.output
     document = json.loads((tmp_path / "out.json").read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(document, contract, jsonschema.Draft202012Validator)
     first, second = document["gauges"]
     shares = {c["cause"]: c["share"] for c in first["causes"]}
     assert sum(shares.values()) == pytest.approx(1)

@@ -4,11 +4,13 @@ import json
 import math
 from statistics import NormalDist
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from cardan.cli.life import life as command
+from cardan.report.contract_schema import schema
 
 RATE = 1000.0
 T = np.arange(20_000) / RATE
@@ -163,7 +165,10 @@ def test_a_mix_is_judged_as_a_mix(tone, tmp_path):
     asks = [str(tmp_path / "c.yaml"), "--json", str(out), "--html", str(page), "-q"]
     done = CliRunner().invoke(command, asks)
     assert done.exit_code == 0, done.output
-    found = json.loads(out.read_text())["otherwise"]["S1_MPa"]
+    whole = json.loads(out.read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/campaign"}
+    jsonschema.validate(whole, contract, jsonschema.Draft202012Validator)
+    found = whole["otherwise"]["S1_MPa"]
     each = [told(p, *STRAIN)["strain_life"] for p in (tone, low)]
     strain = 3 * each[0]["damage"] + each[1]["damage"]
     assert found["strain_life"]["damage"] == pytest.approx(strain)

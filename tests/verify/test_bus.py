@@ -6,6 +6,7 @@ Two bytes of 0.125 rpm: values to 0xFAFF (8031.875), an error from 0xFE00 (8128)
 
 import json
 
+import jsonschema
 import numpy as np
 import pytest
 from adversarial import made
@@ -15,6 +16,7 @@ from cardan.cli.life import life as command
 from cardan.fatigue.angle import SHAFTS, VEHICLES, no_value
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.response import GUILTY
+from cardan.report.contract_schema import schema
 from cardan.study import campaign as module
 from cardan.study.campaign import Campaign
 
@@ -101,6 +103,8 @@ def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     sound, _ = asked(spoiled, "n")
     assert "misread" not in sound
     found, text = asked(spoiled, "lost")
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(found, contract, jsonschema.Draft202012Validator)
     (of,) = found["misread"]
     assert (of["channel"], of["kind"], of["count"], of["accepted"]) == ("lost", "sentinel", 1, 0)
     assert of["rpm"] == 8191.875
