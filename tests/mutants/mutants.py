@@ -496,6 +496,8 @@ FATIGUE = (
     mutant("study/campaign.py", "if taken in ASSUMED and not (of.settled or of.unit", "if taken in ASSUMED and not (of.settled",
            "a unit of the file's is assumed",
            "unit/test_said_wrongly.py::test_what_the_recording_or_a_calibration_says_is_not_assumed"),
+    mutant("fatigue/life.py", "evidence=[one for p in parts for one in p.evidence]", "evidence=parts[0].evidence * len(parts)",
+           "every gauge has the first one's finding", "unit/test_life.py::test_causes_of_a_gauge_are_those_of_it_alone"),
     mutant("study/otherwise.py", "sum(d * times for d, (_, times) in zip(strained",
            "sum(d for d, (_, times) in zip(strained", "strain of a mix is of each recording once",
            "unit/test_otherwise.py::test_a_mix_is_judged_as_a_mix"),

@@ -210,6 +210,28 @@ def test_the_json_contract(parquet, drive, tmp_path):
     assert json.loads(run(parquet, *ALL[:6], "--json").output)["gauges"][0]["name"] == "S1"
 
 
+def test_causes_of_a_gauge_are_those_of_it_alone(drive):
+    """Blows that one of them felt had been left out of the other's orders too."""
+    recording, plan = drive.recording, Plan(
+        gauges=tuple(direct(g, g, factor=MPa) for g in ("S1", "S2")), curve=CURVE
+    )  # fmt: skip
+    health = look(recording, channels=plan.channels)
+    how = separation(suspects(drive.shaft), rate=recording.rate)
+
+    def asked(of):
+        return causes(recording, plan=of, healths=health, how=how, torque=("torque", 1e3))
+
+    both = asked(plan)
+    assert both.gauges == ("S1", "S2")
+    for k, gauge in enumerate(plan.gauges):
+        alone = asked(replace(plan, gauges=(gauge,)))
+        assert alone.evidence[0] == both.evidence[k]
+        np.testing.assert_array_equal(alone.attributions[0].damage, both.attributions[k].damage)
+        np.testing.assert_array_equal(alone.order2[0], both.order2[k])
+        np.testing.assert_array_equal(alone.without[0].start, both.without[k].start)
+        assert set(map(str, alone.doubts)) <= set(map(str, both.doubts))
+
+
 def test_a_tacho_and_a_guess_serve_in_place_of_a_speed(parquet):
     by_tacho = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho")
     assert "the joints' orders answer for" in by_tacho.output

@@ -4,9 +4,7 @@ Two passes over the recording, one to see what is wrong with it and one to count
 where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest
@@ -634,12 +632,6 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
-AT_ONCE = 1
-"""Stretches of gauges in which the joints' part is identified at once: each takes 70 MB."""
-
-BESIDE = 2
-"""Gauges that are asked side by side, each in 100 MB or so; the next when these are done."""
-
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -672,13 +664,14 @@ def causes(
     progress
         Told how far it is.
     """
+    # One by one: in the memory of one, and what stands beside a gauge changes nothing of it.
     parts = [
-        _of_some(
-            recording, plan=replace(plan, gauges=plan.gauges[k : k + BESIDE]), healths=healths,
+        _of_one(
+            recording, plan=replace(plan, gauges=(gauge,)), healths=healths,
             how=how, angle=angle, torque=torque, predicted=predicted, orders_said=orders_said,
             progress=progress,
         )
-        for k in range(0, len(plan.gauges), BESIDE)
+        for gauge in plan.gauges
     ]  # fmt: skip
     return replace(
         parts[0],
@@ -692,12 +685,12 @@ def causes(
     )
 
 
-def _of_some(
+def _of_one(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
     angle: Angle | None, torque: tuple[str, float] | None, predicted: dict[str, float] | None,
     orders_said: bool, progress: Progress | None,
 ) -> Causes:  # fmt: skip
-    """Share the damage among its causes at some gauges, all of them held at once."""
+    """Share the damage among its causes at the gauge of a plan."""
     shaft = how.suspects[0].tone.rotation
     joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
     if not orders_said:
@@ -796,27 +789,22 @@ class _Joints:
         if self.torque is not None:
             loads = self.recording.pieces([self.torque[0]], size=size)
         start = 0
-        waiting: deque[tuple[int, FloatArray, list[Future[Identified]]]] = deque()
-        with ThreadPoolExecutor(BESIDE) as pool:
-            for piece, load in zip(cut(stress, size=size), loads, strict=False):
-                torque = None if load is None or self.torque is None else load[0] * self.torque[1]
-                ask = partial(
-                    identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
+        for piece, load in zip(cut(stress, size=size), loads, strict=False):
+            torque = None if load is None or self.torque is None else load[0] * self.torque[1]
+            answers = [
+                identified(
+                    x, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
                     engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
-                )  # fmt: skip
-                waiting.append((start, piece, [pool.submit(ask, x) for x in piece]))
-                start += piece.shape[1]
-                # Stretches know nothing of each other; so many at once as memory bears.
-                if len(waiting) * len(piece) >= AT_ONCE:
-                    yield from self._left(*waiting.popleft())
-            while waiting:
-                yield from self._left(*waiting.popleft())
+                )
+                for x in piece
+            ]  # fmt: skip
+            yield from self._left(start, piece, answers)
+            start += piece.shape[1]
 
     def _left(
-        self, start: int, piece: FloatArray, asked: "list[Future[Identified]]"
+        self, start: int, piece: FloatArray, answers: list[Identified]
     ) -> Iterator[FloatArray]:
         """Take a stretch's answers in, and yield what is left of it without their part."""
-        answers = [one.result() for one in asked]
         for told, answer, x in zip(self.told, answers, piece, strict=True):
             told.append((answer.evidence, self.damage(x)))
         # Held until the stretches that follow have passed: seven digits of it are taken off.
@@ -827,7 +815,7 @@ class _Joints:
         left = piece - theirs
         for count, x in zip(self.without, left, strict=True):
             count.add(x)
-        del answers, asked, piece, theirs, order2
+        del answers, piece, theirs, order2
         for first in range(0, left.shape[1], SIZE // 8):
             yield left[:, first : first + SIZE // 8]
 
