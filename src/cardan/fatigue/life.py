@@ -5,6 +5,7 @@ where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest

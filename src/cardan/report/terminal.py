@@ -35,6 +35,7 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval, Coverage
+from cardan.study.finding import RECORDING
 from cardan.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:  # one check of one design is not to wait for these
@@ -92,6 +93,11 @@ def approval(
     yield from verdict(of, say, every=every, brief=not every, width=width)
     several = len(of.responses) > 1
     yield from folded(_helps(tuple(helps), sizes or {}, say, several=several), width)
+    heard = of.of(RECORDING)
+    if heard is not None:
+        from cardan.report.life import mix_lines  # few checks ask it
+
+        yield from mix_lines(heard, say)
     if every or phasings:
         for response in of.responses:
             yield from _phased(response, say, width, several=several)
@@ -242,7 +248,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         line=of[0].line, room=room(of[0].before, say),
     )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
-    if scatter := scattered(of[0], say):
+    if scatter := scattered(of[0].trucks, say):
         yield scatter
     for k, p in enumerate(of, 1):
         yield ""
@@ -250,7 +256,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
-        yield from (f"     {one}" for one in survives(p, say))
+        yield from (f"     {one}" for one in survives(p.survival, say))
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from math import pi
 from typing import TYPE_CHECKING
 
 from cardan.base.errors import BadFile, Problem
@@ -20,6 +21,7 @@ from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
     from cardan.study.fix import Proposal
+    from cardan.study.robust import Survival, Trucks
 
 STUDY_TITLES = {
     "vibration": "Vibration and stability",
@@ -61,9 +63,16 @@ def badness(c: Check) -> tuple[int, float]:
 
 
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
-    """Return where a check is: state, part and, with several lines, which line."""
-    state = occasion(c, say)
-    where = state if c.part == LINE else f"{state}, {say.part(c.part)}"
+    """Return where a check is: state, torque, mode, part and, with several lines, which line."""
+    told = [occasion(c, say)]
+    if isinstance(c, Check) and c.point:
+        told.append(f"{say.short(c.point.torque, 4)} N·m")
+    if isinstance(c, Check) and c.mode:
+        told.append(say(
+            "order {order} meets {mode} at {frequency} Hz", order=c.mode.order,
+            mode=say(c.mode.shape), frequency=say.short(c.mode.frequency / (2 * pi), 3),
+        ))  # fmt: skip
+    where = say.list(*told) if c.part == LINE else say.list(*told, say.part(c.part))
     return f"{c.line}: {where}" if several else where
 
 
@@ -143,9 +152,8 @@ def left(
     return still + gaps(of.approval.coverage.missed, say, several=several)
 
 
-def scattered(of: "Proposal", say: Language) -> str:
+def scattered(trucks: "Trucks | None", say: Language) -> str:
     """Return how the trucks are taken to scatter about a setting; "" where nothing does."""
-    trucks = of.trucks
     if trucks is None:
         return ""
     each = dict[str, None]()
@@ -167,9 +175,8 @@ def room(margin: float, say: Language) -> str:
     return say("{margin} short of a warning", margin=far)
 
 
-def survives(of: "Proposal", say: Language) -> list[str]:
+def survives(found: "Survival | None", say: Language) -> list[str]:
     """Return how many trucks keep what a proposal promises, and what would win most."""
-    found = of.survival
     if found is None:
         return []
     share = say.pointed(f"{100 * found.share:.0f} %")

@@ -368,10 +368,10 @@ class Mix:
 
 
 def listen_to_all(
-    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False,
-    identified: bool = False, changed: bool = False,
+    path: Path, *, limits: Sequence[Limit] = (), allow_outside: bool = False, tell: Tell = silent,
+    draw: bool = False, identified: bool = False, changed: bool = False,
 ) -> Finding[Mix]:  # fmt: skip
-    """Ask every recording of a campaign's file, and hold the mix against its limits.
+    """Ask every recording of a campaign's file, and hold the mix against its limits and others.
 
     `identified` where what is wanted follows from the identification of its only recording, and
     `changed` where it is of the changed line: refused before anything is read if there is none.
@@ -393,7 +393,8 @@ def listen_to_all(
     if changed and asked.changed is None:
         msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
         raise DesignError(msg)
-    profile, limits = asked.asked()
+    profile, own = asked.asked()
+    limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
     for drive in written.drives:
         own = {
