@@ -148,6 +148,11 @@ def test_a_day_is_met_less_often_and_comes_to_the_same(monkeypatch):
     values, often = module._every(of, "n")
     assert often == 25.0
     np.testing.assert_array_equal(values, speed[::16])
+    # Steady for most of the time, which is no staircase however seldom it is looked at.
+    held = np.clip(speed, 1150, 1250)
+    calm = in_memory(np.stack([held, held]), rate=rate, names=["S1", "n"], units=["MPa", "rpm"])
+    found = asks.shaft(calm)
+    assert (found.trusted, found.lag) == (True, 0.15)
     less = asks.shaft(of).rotation
     at = np.arange(1, 119, 0.37)
     # Straight lines over 40 ms of 5 turns/s at 0.1 Hz: (0.2π)² 5 (0.04)²/12 = 2.6e-4 turns/s.
