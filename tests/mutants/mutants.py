@@ -498,7 +498,7 @@ FATIGUE = (
            "unit/test_said_wrongly.py::test_what_the_recording_or_a_calibration_says_is_not_assumed"),
     mutant("fatigue/life.py", "evidence=[one for p in parts for one in p.evidence]", "evidence=parts[0].evidence * len(parts)",
            "every gauge has the first one's finding", "unit/test_life.py::test_causes_of_a_gauge_are_those_of_it_alone"),
-    mutant("fatigue/angle.py", "return max(STAIR, 2.5 / rate)", "return STAIR",
+    mutant("fatigue/angle.py", "float(np.median(steps) if", "float(np.mean(steps) if",
            "a steady speed that is seldom looked at is a staircase",
            "verify/test_bus.py::test_a_day_is_met_less_often_and_comes_to_the_same"),
     mutant("study/otherwise.py", "sum(d * times for d, (_, times) in zip(strained",

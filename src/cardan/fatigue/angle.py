@@ -66,14 +66,6 @@ class Readings:
         return np.interp(time, self.time, self.value)
 
 
-def _stair(rate: float) -> float:
-    """Seconds between new values from which a channel met so often is a staircase.
-
-    Met less often than twice in that time, speed that is steady for a while looks like one.
-    """
-    return max(STAIR, 2.5 / rate)
-
-
 def readings(speed: FloatArray, *, rate: float) -> Readings:
     """Read a channel of speed (n,) turns/s, nan where it says nothing.
 
@@ -105,7 +97,7 @@ def readings(speed: FloatArray, *, rate: float) -> Readings:
     # The usual one: a speed that is steady for a while says nothing new, and is no staircase.
     steps = np.diff(np.flatnonzero(fresh & moving))
     period = float(np.median(steps) if steps.size else np.count_nonzero(moving)) / rate
-    if period < _stair(rate):
+    if period < STAIR:
         return Readings(place / rate, value, known, period)
     # Constant stretches longer than a few steps are steady speed, held at both ends.
     gap = np.diff(np.append(place, x.size))
@@ -187,7 +179,7 @@ def shaft_angle(
     step = max(step, speed.size / rate / MOST)
     time = np.arange(0.0, speed.size / rate + step, step)
     turning = own.at(time)
-    stair = own.period >= _stair(rate)
+    stair = own.period >= STAIR
     holes = float(np.mean(~own.known))
     trusted = own.period < COARSE and holes < 0.005
     motor = None
@@ -196,7 +188,7 @@ def shaft_angle(
             motor = readings(engine, rate=rate)
         except DesignError:
             motor = None
-    if motor is not None and motor.period < _stair(rate) and np.mean(~motor.known) < 0.005:
+    if motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005:
         late = _lag(own, motor, time) if stair else 0.0
         geared, engaged = _geared(own.at(time + late), motor.at(time))
         turning = np.where(engaged, geared, own.at(time + late))
