@@ -162,6 +162,11 @@ def test_what_is_corrected_is_of_one_recording_identified(folder):
     assert done.exit_code == 2
     assert "--corrected and the histories are of one recording with identify" in done.output
     assert not (folder / "new.yaml").exists()
+    # Before anything is read: it had come after the whole run.
+    (folder / "town.csv").unlink()
+    for option in ("--corrected", "--load-history", "--changed-history"):
+        done = run("life", folder / "c.yaml", option, folder / "new.csv")
+        assert "--corrected and the histories are of one recording" in done.output, option
     (folder / "c.yaml").write_text(CAMPAIGN + "application: none.yaml\n")
     done = run("life", folder / "c.yaml")
     assert done.exit_code == 2

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -23,6 +24,7 @@ from cardan.fatigue.spectral import spectrum
 from cardan.fatigue.strain import direct, rosette_gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report.contract_schema import schema
 from cardan.report.life import blame as verdict
 
 RATE = 1000.0
@@ -186,6 +188,8 @@ def test_the_json_contract(parquet, drive, tmp_path):
     done = run(parquet, *ALL, "--json", tmp_path / "out.json")
     assert done.exit_code == 0, done.output
     document = json.loads((tmp_path / "out.json").read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(document, contract, jsonschema.Draft202012Validator)
     first, second = document["gauges"]
     shares = {c["cause"]: c["share"] for c in first["causes"]}
     assert sum(shares.values()) == pytest.approx(1)
@@ -204,6 +208,28 @@ def test_the_json_contract(parquet, drive, tmp_path):
     assert document["distance_km"] == pytest.approx(driven / 1e3, rel=1e-3)
     assert document["rules"]["shares"] == "Shapley"
     assert json.loads(run(parquet, *ALL[:6], "--json").output)["gauges"][0]["name"] == "S1"
+
+
+def test_causes_of_a_gauge_are_those_of_it_alone(drive):
+    """Blows that one of them felt had been left out of the other's orders too."""
+    recording, plan = drive.recording, Plan(
+        gauges=tuple(direct(g, g, factor=MPa) for g in ("S1", "S2")), curve=CURVE
+    )  # fmt: skip
+    health = look(recording, channels=plan.channels)
+    how = separation(suspects(drive.shaft), rate=recording.rate)
+
+    def asked(of):
+        return causes(recording, plan=of, healths=health, how=how, torque=("torque", 1e3))
+
+    both = asked(plan)
+    assert both.gauges == ("S1", "S2")
+    for k, gauge in enumerate(plan.gauges):
+        alone = asked(replace(plan, gauges=(gauge,)))
+        assert alone.evidence[0] == both.evidence[k]
+        np.testing.assert_array_equal(alone.attributions[0].damage, both.attributions[k].damage)
+        np.testing.assert_array_equal(alone.order2[0], both.order2[k])
+        np.testing.assert_array_equal(alone.without[0].start, both.without[k].start)
+        assert set(map(str, alone.doubts)) <= set(map(str, both.doubts))
 
 
 def test_a_tacho_and_a_guess_serve_in_place_of_a_speed(parquet):

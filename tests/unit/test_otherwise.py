@@ -4,11 +4,13 @@ import json
 import math
 from statistics import NormalDist
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from cardan.cli.life import life as command
+from cardan.report.contract_schema import schema
 
 RATE = 1000.0
 T = np.arange(20_000) / RATE
@@ -139,6 +141,49 @@ def test_a_campaign_asks_them_too(tone):
     (of,) = json.loads(done.output)["recordings"]
     own = told(tone, *STRAIN, *CRACK, "--service-hours", "100")
     assert of["otherwise"]["S1_MPa"] == own
+
+
+def test_a_mix_is_judged_as_a_mix(tone, tmp_path):
+    """100 MPa three times to 60 MPa once: damages add, a crack grows by all, odds are of all."""
+    low = tmp_path / "low.csv"
+    rows = np.stack([T, 60 * np.sin(2 * np.pi * 10 * T)], -1)
+    np.savetxt(low, rows, "%.9g", delimiter=",", header="time_s,S1_MPa", comments="")
+    (tmp_path / "tone.csv").write_bytes(tone.read_bytes())
+    alone = {p: json.loads(run(p, "--json", "-q").output)["gauges"][0]["damage"]
+             for p in (tone, low)}  # fmt: skip
+    damage = 3 * alone[tone] + alone[low]
+    hours = 0.4 / damage * 80 / 3600
+    (tmp_path / "c.yaml").write_text(
+        "campaign: x\nrecordings: [{file: tone.csv, times: 3}, {file: low.csv}]\n"
+        "gauges: ['S1_MPa:MPa']\n"
+        "strength: {amplitude_MPa: 120, cycles: 2e6, slope: 5, miner: elementary, scatter: 0.05}\n"
+        "strain_life: [900, -0.09, 0.6, -0.6]\ncrack: [0.5, 10, 6.9e-12, 3]\ncrack_shape: 1\n"
+        f"service_hours: {hours}\nminer_scatter: 0\n"
+    )
+    page = tmp_path / "a.html"
+    out = tmp_path / "a.json"
+    asks = [str(tmp_path / "c.yaml"), "--json", str(out), "--html", str(page), "-q"]
+    done = CliRunner().invoke(command, asks)
+    assert done.exit_code == 0, done.output
+    whole = json.loads(out.read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/campaign"}
+    jsonschema.validate(whole, contract, jsonschema.Draft202012Validator)
+    found = whole["otherwise"]["S1_MPa"]
+    each = [told(p, *STRAIN)["strain_life"] for p in (tone, low)]
+    strain = 3 * each[0]["damage"] + each[1]["damage"]
+    assert found["strain_life"]["damage"] == pytest.approx(strain)
+    assert found["strain_life"]["hours"] == pytest.approx(80 / strain / 3600)
+    assert found["strain_life"]["largest_strain_amplitude"] == each[0]["largest_strain_amplitude"]
+    # m = 3: each passage grows it by 200 C (3 ΔS₁³ + ΔS₂³), open half.
+    c = 6.9e-12 * math.pi**1.5 * (3 * 100**3 + 60**3)
+    repeats = 2 / c * (0.5e-3**-0.5 - 10e-3**-0.5) / 200
+    assert found["crack"]["repeats"] == pytest.approx(repeats, rel=0.01)
+    assert found["crack"]["hours"] == pytest.approx(repeats * 80 / 3600, rel=0.01)
+    beta = math.log(1 / 0.4) / (5 * 0.05 * math.log(10))
+    assert found["odds"]["beta"] == pytest.approx(beta, rel=2e-3)
+    text = CliRunner().invoke(command, [str(tmp_path / "c.yaml"), "-q"]).output
+    assert text.count("the crack grows to its end in") == 3  # the mix's, and each recording's
+    assert page.read_text().count("Judged otherwise") >= 3
 
 
 def test_a_vetoed_gauge_is_told_nothing(tmp_path):

@@ -260,3 +260,33 @@ def test_gauges_that_all_said_nothing_are_no_answer(tmp_path):
     path = written(tmp_path, {"S1": 5 + 0 * T})
     done = run(path, "--gauge", "S1:MPa", *SN, "--json")
     assert (done.exit_code, json.loads(done.output)["verdict"]) == (1, "incomplete")
+
+
+def test_a_unit_that_only_a_word_says_is_said_with_what_it_would_be(tmp_path):
+    """Numbers in µm/m read as MPa look like any stress: five times too large at a steel's E."""
+    path = written(tmp_path, {"S1": stress()})
+    gauge = asked(path, "--gauge", "S1:MPa", *SN, code=0)
+    of = gauge["quality"]["assumed"]
+    assert (of["unit"], of["otherwise"]) == ("MPa", "um/m")
+    assert of["factor"] == pytest.approx(0.206)
+    other = asked(path, "--gauge", "S1:um/m", *SN, code=0)
+    # Bins of the count round a stress to half of one: 1e-3 in damage.
+    assert of["damage_otherwise"] == pytest.approx(other["damage"], rel=2e-3)
+    back = other["quality"]["assumed"]
+    assert (back["unit"], back["otherwise"]) == ("um/m", "MPa")
+    assert back["damage_otherwise"] == pytest.approx(gauge["damage"], rel=2e-3)
+    told = run(path, "--gauge", "S1:MPa", *SN).output
+    assert "S1: assumed to be in MPa, as the recording does not say; were it in um/m" in told
+
+
+@pytest.mark.parametrize(
+    ("name", "gauge", "more"),
+    [
+        ("S1 [MPa]", "S1", ()),
+        ("S1_MPa", "S1_MPa:MPa", ()),
+        ("S1", "S1", ("--scale", "S1=1:MPa")),
+    ],
+)
+def test_what_the_recording_or_a_calibration_says_is_not_assumed(tmp_path, name, gauge, more):
+    path = written(tmp_path, {name: stress()})
+    assert "assumed" not in asked(path, "--gauge", gauge, *more, *SN, code=0)["quality"]

@@ -2,6 +2,7 @@
 
 import json
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -25,6 +26,7 @@ from cardan.fatigue.usage import (
     shortened,
     usage,
 )
+from cardan.report.contract_schema import schema
 
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
 RATE = 200.0
@@ -158,7 +160,10 @@ def test_the_command_tells_it(tmp_path):
     done = CliRunner().invoke(command, [str(path), *options, "--json", str(out), "--lang", "pt"])
     assert done.exit_code == 0, done.output
     assert "maiores tensões" in done.output
-    found = json.loads(out.read_text())["usage"]["S1"]
+    whole = json.loads(out.read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(whole, contract, jsonschema.Draft202012Validator)
+    found = whole["usage"]["S1"]
     assert found["peaks"][0]["MPa"] == 150
     assert found["peaks"][0]["time_s"] == pytest.approx(30, abs=0.01)
     assert found["peaks"][0]["rpm"] == pytest.approx(600, rel=1e-3)

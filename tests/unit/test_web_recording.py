@@ -236,3 +236,27 @@ def test_what_is_masked_and_where_it_is_cut_count(run):
         told = answer({**question, "args": args})
         assert why in told["problems"][0]["message"]
         assert str(run.parent) not in told["problems"][0]["message"]
+
+
+def test_a_speed_is_not_told_that_it_drifts_or_stands_still(tmp_path):
+    """A truck stands at a light, shifts and goes faster towards the end: that is driving."""
+    rate, n = 100.0, 12_000
+    t = np.arange(n) / rate
+    speed = np.where(t < 60, 600.0, 600 + 15 * (t - 60))
+    speed[2000:3500] = 0.0
+    speed[7000:7050] = np.nan
+    gauge = 20 * np.sin(2 * np.pi * 3 * t) + 5 * np.sin(2 * np.pi * 7.1 * t) + t
+    gauge[2000:3500] = gauge[2000]
+    head = "time_s,S1 [MPa],shaft [rpm],torque [kNm],mark"
+    rows = np.stack([t, gauge, speed, speed / 500, gauge], -1)
+    path = tmp_path / "a.csv"
+    np.savetxt(path, rows, "%.7g", delimiter=",", header=head, comments="")
+    path.write_text(path.read_text().replace("nan", ""))
+    told = {c["name"]: c for c in job("recording", path)["channels"]}
+    kinds = {name: {s["kind"] for s in c["suspects"]} for name, c in told.items()}
+    assert kinds["S1"] == kinds["mark"] == {"freeze"}  # of what nobody knows it may be a gauge
+    assert any("drifts" in s for s in told["S1"]["said"])
+    for name in ("shaft", "torque"):
+        assert kinds[name] == {"hole"}
+        assert len(told[name]["said"]) == 1
+        assert "missing" in told[name]["said"][0]

@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -18,6 +19,7 @@ from cardan.cli.life import life as command
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cuts import order_cuts, windows
 from cardan.fatigue.orders import Rotation
+from cardan.report.contract_schema import schema
 from cardan.study.identification import changed, identify
 
 TRUE = Truth()
@@ -157,6 +159,8 @@ def told(tmp_path_factory):
         header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
     )  # fmt: skip
     (folder / "line.yaml").write_text(LINE)
+    stiff = re.sub(r"(vertical_stiffness_N_mm: )[\d.]+", r"\g<1>400", LINE)
+    (folder / "stiff.yaml").write_text(stiff)
     done = CliRunner().invoke(
         command,
         [
@@ -164,7 +168,7 @@ def told(tmp_path_factory):
             "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
             "as given", "--unit-stress", "S1=0,9,30", "--identify", "--corrected",
             str(folder / "new.yaml"), "--load-history", str(folder / "load.csv"), "--json",
-            str(folder / "told.json"),
+            str(folder / "told.json"), "--changed", str(folder / "stiff.yaml"),
         ],
     )  # fmt: skip
     assert done.exit_code == 0, done.output
@@ -202,6 +206,19 @@ def test_the_command_tells_numbers_and_cuts(told):
     was = [abs(w["measured_MPa"] - w["written_MPa"]) for w in second]
     assert np.mean(off) < 0.2 * np.mean(was)
     assert "otherwise than written" in output
+
+
+def test_what_is_told_is_what_the_contract_says(told):
+    """With a changed line as well: `changed` had not been in the schema."""
+    folder, _, _ = told
+    found = json.loads((folder / "told.json").read_text())
+    (promise,) = found["changed"]
+    assert promise["gauge"] == "S1"
+    assert promise["damage_recorded"] == pytest.approx(found["gauges"][0]["damage"], rel=0.05)
+    of = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    check = jsonschema.Draft202012Validator(of)
+    assert [e.message for e in check.iter_errors(found)] == []
+    assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
 
 
 def test_the_load_history_is_the_force_on_the_bearing(told):

@@ -260,6 +260,23 @@ def test_equal_causes_share_equally():
     assert answer.shares == pytest.approx({"a": 0.5, "b": 0.5, "none": 0}, abs=1e-9)
 
 
+def test_who_acts_late_or_never_counts_as_who_was_there_all_along():
+    """Choices that differ in who has done nothing yet are one: until he comes."""
+    rng = np.random.default_rng(3)
+    parts = 40 * MPa * rng.normal(size=(4, 1, 60_000))
+    parts[1, 0, :50_000] = 0.0  # comes in the third of three stretches
+    parts[2] = 0.0
+    stretches = [parts[..., k : k + 20_000] for k in (0, 20_000, 40_000)]
+    answer = attribute(stretches, causes=("a", "late", "never", "b"), curve=CURVE)[0]
+    for choice in range(16):
+        x = sum((parts[k, 0] for k in range(4) if choice >> k & 1), np.zeros(60_000))
+        true = miner(rainflow(x), curve=CURVE) if choice else 0.0
+        # Cycles of a ten-thousandth of the damage are passed over.
+        assert answer.damage[choice] == pytest.approx(true, abs=1e-4 * answer.whole), choice
+    assert answer.share("never") == 0
+    assert answer.share("late") > 0.01
+
+
 def test_tones_that_run_together_are_said():
     t = np.linspace(0, 100, 1001)
     shaft = Rotation(t, 20 * t)

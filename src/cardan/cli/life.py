@@ -1,5 +1,6 @@
 """`cardan life`: from a recording to damage, life and cause, held against limits."""
 
+import contextlib
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -307,6 +308,7 @@ def life(
     from cardan.study.campaign import Campaign
     from cardan.study.recording import listen, verdict_on
 
+    _thrifty()
     say = Language(lang)
     if recording.suffix.lower() in (".yaml", ".yml"):
         _campaign(
@@ -351,6 +353,17 @@ def life(
     if found.answer is not None:
         _write_identified(campaign, found.answer, corrected, load_history, changed_history)
     leave(verdict_on(found) or "pass")
+
+
+def _thrifty() -> None:
+    """Let threads take their memory from one place: each else keeps what it has done with.
+
+    It is worth 100 MB on a long recording, and nothing can be said where there is no glibc.
+    """
+    import ctypes
+
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).mallopt(-8, 1)  # M_ARENA_MAX
 
 
 def _write_identified(
@@ -406,8 +419,9 @@ def _campaign(
     )  # fmt: skip
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
-            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf)
-        )
+            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf),
+            identified=bool(corrected or load_history), changed=bool(changed_history),
+        )  # fmt: skip
     if json_out is not None:
         write_json(report.mix_document(found), json_out)
     if json_out != "-":
@@ -417,23 +431,10 @@ def _campaign(
 
         told = story.campaign(found, say=say, issue=_issue(path, text=True))
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
-    if any((corrected, load_history, changed_history)):
-        _of_one(path, found.answer, corrected, load_history, changed_history)
+    if found.answer is not None and any((corrected, load_history, changed_history)):
+        ((_, _, heard),) = found.answer.parts
+        _write_identified(found.answer.campaign, heard, corrected, load_history, changed_history)
     leave(verdict_on(found) or "pass")
-
-
-def _of_one(path: Path, mix: Any, *outputs: Path | None) -> None:
-    """Write what follows from the identification of a campaign's only recording."""
-    if len(mix.parts) != 1 or mix.parts[0][2].identification is None:
-        msg = (
-            f"--corrected and the histories are of one recording with identify: {path.name} has "
-            f"{len(mix.parts)}" + ("" if len(mix.parts) != 1 else " without it")
-        )
-        raise DesignError(msg)
-    if outputs[2] is not None and mix.campaign.changed is None:
-        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
-        raise DesignError(msg)
-    _write_identified(mix.campaign, mix.parts[0][2], *outputs)
 
 
 def _issue(path: Path, *, text: bool) -> Any:

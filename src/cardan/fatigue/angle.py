@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from cardan.base.errors import DesignError
+from cardan.fatigue.fault import union
 from cardan.fatigue.orders import Rotation
 
 STAIR = 0.06
@@ -22,6 +23,12 @@ COARSE = 0.25
 """Seconds between new values that leave the angle between them open."""
 ENGAGED = 0.9
 """Share of the time under way in gear from which an engine gives the angle."""
+SHY = 0.8
+"""Share of the first number that is no speed from which a real one may have come to it."""
+RAMP = 0.45
+"""Full scales a second at which no shaft under a vehicle gains speed: 3700 rpm a second."""
+MOST = 2_500_000
+"""Times of a rotation: seven hours at a hundred a second, and a longer drive is met less often."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 
@@ -87,13 +94,71 @@ def readings(speed: FloatArray, *, rate: float) -> Readings:
     value = x[place]
     moving = value > 0.5
     fresh = np.append(True, np.diff(value) != 0)
-    period = float(np.count_nonzero(moving)) / max(np.count_nonzero(fresh & moving), 1) / rate
+    # The usual one: a speed that is steady for a while says nothing new, and is no staircase.
+    steps = np.diff(np.flatnonzero(fresh & moving))
+    period = float(np.median(steps) if steps.size else np.count_nonzero(moving)) / rate
     if period < STAIR:
         return Readings(place / rate, value, known, period)
     # Constant stretches longer than a few steps are steady speed, held at both ends.
     gap = np.diff(np.append(place, x.size))
     keep = fresh | np.append(fresh[1:], True) & (gap > 1) | (value == 0)
     return Readings(place[keep] / rate, value[keep], known, period)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Numbers of a bus: one every `step`, and from `first` to `last` none of them a value."""
+
+    first: float
+    last: float
+    step: float
+
+
+SHAFTS = Scale(0xFB00 * 0.125, 0xFFFF * 0.125, 0.125)
+"""Engine and shaft speeds of SAE J1939-71 (SPN 190, 191), rpm: 0xFE.. is an error, 0xFF.. nothing.
+
+What lies from 0xFB00 is no value of any parameter: J1939-71, section 5.1.4, table 1.
+"""
+VEHICLES = Scale(0xFB00 / 256, 0xFFFF / 256, 1 / 256)
+"""Speeds of the vehicle there (SPN 84), km/h."""
+
+
+def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
+    """Return runs (k, 2) of samples where a bus wrote that it had no value, with ways in and out.
+
+    A shaft that turns as fast gets there through the speeds below; what comes out of a speed far
+    below within moments, on a number of the bus, never turned. Laid on a faster clock such a run
+    has flanks, straight lines between two readings: they are no speeds either.
+
+    Parameters
+    ----------
+    x : (n,)
+        A channel of speed in the unit of its scale; nan where nothing was written.
+    rate : Hz
+        Of its samples.
+    of
+        The bus' numbers.
+    """
+    number = x / of.step
+    # A thousandth of a step is what float32 leaves of them.
+    written = (x >= of.first) & (x <= of.last + of.step) & (np.abs(number - np.rint(number)) < 0.01)
+    edge = np.flatnonzero(np.diff(np.concatenate([[False], x >= of.first, [False]]).astype(int)))
+    rise = RAMP * of.last / rate
+    found: list[tuple[int, int]] = []
+    for a, b in zip(edge[::2].tolist(), edge[1::2].tolist(), strict=True):
+        if not written[a:b].any():
+            continue
+        first, last = a, b
+        while first > 0 and x[first] - x[first - 1] > rise:
+            first -= 1
+        while last < x.size and x[last - 1] - x[last] > rise:
+            last += 1
+        # The feet of its flanks are readings.
+        foot, other = min(first, a - 1), max(last - 1, b)
+        beside = [x[k] for k in (foot, other) if 0 <= k < x.size and not np.isnan(x[k])]
+        if all(v < SHY * of.first for v in beside):
+            found.append((foot + 1, other))
+    return union([np.array([run], np.intp) for run in found])
 
 
 def shaft_angle(
@@ -111,6 +176,7 @@ def shaft_angle(
         Between the times of the rotation.
     """
     own = readings(speed, rate=rate)
+    step = max(step, speed.size / rate / MOST)
     time = np.arange(0.0, speed.size / rate + step, step)
     turning = own.at(time)
     stair = own.period >= STAIR
@@ -162,11 +228,17 @@ def _lag(own: Readings, motor: Readings, time: FloatArray) -> float:
         centres = _gears(level[~np.isnan(r) & (np.abs(r - level) < 0.02)])
         if not centres.size:
             continue
-        off = np.abs(r[:, None] - centres).min(-1)
+        off = np.abs(r - _nearest(r, centres))
         rough = float(np.nanmean(np.minimum(off, 0.1)))
         if rough < least:
             best, least = float(late), rough
     return best
+
+
+def _nearest(x: FloatArray, centres: FloatArray) -> FloatArray:
+    """Return the nearest of some centres to each value (n,)."""
+    rising = np.sort(centres)
+    return rising[np.searchsorted((rising[1:] + rising[:-1]) / 2, x)]
 
 
 def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -177,7 +249,7 @@ def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArra
     centres = _gears(calm)
     if not centres.size:
         return speed, np.zeros(speed.size, bool)
-    near = centres[np.argmin(np.abs(level[:, None] - centres), axis=-1)]
+    near = _nearest(level, centres)
     # Where the median itself sits between two gears, neither is in.
     engaged = ~np.isnan(r) & (np.abs(level - near) < 0.08) & (np.abs(r - near) < 0.1)
     return np.exp(near) * engine, engaged
@@ -186,7 +258,8 @@ def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArra
 def gear_ratios(shaft: Rotation, engine: Rotation, time: ArrayLike) -> FloatArray:
     """Return the engine's turns a shaft turn in the gear at times (n,) s, nan in none."""
     time = np.asarray(time, float)
-    fine = np.arange(0.0, float(time[-1]) + 0.05, 0.01) if time.size else np.empty(0)
+    until = float(time[-1]) + 0.05 if time.size else 0.0
+    fine = np.arange(0.0, until, max(0.01, until / MOST))
     if fine.size < 2:
         return np.full(time.size, np.nan)
     own, motor = shaft.speed(fine), engine.speed(fine)

@@ -13,7 +13,6 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -205,44 +204,59 @@ class Attribution:
         return {cause: self.share(cause) for cause in self.causes}
 
 
-class _Tally:
-    """Damage of one channel over some choices of causes, as stretches pass."""
+class _Choices:
+    """Damage of one channel over all choices of causes, as stretches pass.
 
-    def __init__(self, fixed: int, free: Sequence[int], curve: SNCurve, correction: Correction):
+    A cause that has done nothing so far changes nothing: until it acts, choices with it are
+    those without.
+    """
+
+    def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction = curve, correction
-        # Gray's order: from one choice to the next a single cause comes or goes.
-        gray = [k ^ (k >> 1) for k in range(1 << len(free))]
-        self.flips = [(a ^ b).bit_length() - 1 for a, b in pairwise(gray)]
-        self.free, self.fixed = list(free), fixed
-        self.choices = [
-            fixed | sum(1 << free[i] for i in range(len(free)) if code >> i & 1) for code in gray
-        ]
-        self.damage = dict.fromkeys(self.choices, 0.0)
-        self.residue: dict[int, FloatArray] = dict.fromkeys(self.choices, NONE)
+        self.acting: list[int] = []
+        self.damage: dict[int, float] = {0: 0.0}
+        self.residue: dict[int, FloatArray] = {0: NONE}
 
-    def add(self, parts: FloatArray, gate: float) -> None:
-        x = np.zeros(parts.shape[1])
-        for k in range(parts.shape[0]):
-            if self.fixed >> k & 1:
-                x += parts[k]
-        for step, choice in enumerate(self.choices):
-            if step:
-                k = self.free[self.flips[step - 1]]
-                x = x + parts[k] if choice >> k & 1 else x - parts[k]
+    def meet(self, parts: FloatArray) -> list[list[int]]:
+        """Take note of who acts in a stretch (causes, n); return who is counted, side by side."""
+        for k in np.flatnonzero(parts.any(-1)).tolist():
+            if k not in self.acting:
+                self.acting.append(k)
+                for book in (self.damage, self.residue):
+                    book |= {choice | 1 << k: value for choice, value in book.items()}
+        # Gray's order: from one choice to the next a single cause comes or goes.
+        gray = [k ^ (k >> 1) for k in range(1 << len(self.acting))]
+        choices = [sum(1 << k for i, k in enumerate(self.acting) if g >> i & 1) for g in gray]
+        each = -(-len(choices) // SIDES)
+        return [choices[k : k + each] for k in range(0, len(choices), each)]
+
+    def add(self, parts: FloatArray, choices: Sequence[int], gate: float) -> None:
+        """Count some choices of a stretch."""
+        x, before = np.zeros(parts.shape[1]), 0
+        for choice in choices:
+            for k in range(parts.shape[0]):
+                if (choice ^ before) >> k & 1:
+                    x = x + parts[k] if choice >> k & 1 else x - parts[k]
+            before = choice
             if not choice:
                 continue
             kept = without_small(x, gate=gate)
             cycles, self.residue[choice] = four_point(kept, residue=self.residue[choice])
             self.damage[choice] += miner(cycles, curve=self.curve, correction=self.correction)
 
-    def closed(self, rule: ResidueRule) -> dict[int, float]:
-        return {
-            c: self.damage[c]
-            + miner(rule(self.residue[c]), curve=self.curve, correction=self.correction)
-            for c in self.choices
+    def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
+        """Return the damage of every choice (2^causes,), with that of all causes known."""
+        acted = sum(1 << k for k in self.acting)
+        done = {
+            c: d + miner(rule(self.residue[c]), curve=self.curve, correction=self.correction)
+            for c, d in self.damage.items()
         }
+        done[acted] = whole
+        return np.array([done[c & acted] for c in range(1 << causes)])
 
 
+SIDES = 4
+"""Parts of the choices that are counted side by side."""
 PASSED_OVER = 1e-4
 """Share of a gauge's damage that cycles may have which are passed over in choices of causes."""
 
@@ -303,30 +317,22 @@ def attribute(
     list of Attribution
         One a channel.
     """
-    G = len(causes)
-    high = [k for k in range(G) if k >= G - 2]
-    low = [k for k in range(G) if k < G - 2]
-    tallies: list[list[_Tally]] = []
+    choices: list[_Choices] = []
     wholes: list[_Whole] = []
-    own = ThreadPoolExecutor(4) if executor is None else None
+    own = ThreadPoolExecutor(SIDES) if executor is None else None
     pool = executor or own
     assert pool is not None
     try:
         for parts in stretches:
-            if not tallies:
-                fixed = [sum(1 << k for i, k in enumerate(high) if s >> i & 1) for s in range(4)]
-                fixed = fixed[: 1 << len(high)]
-                tallies = [
-                    [_Tally(f, low, curve, correction) for f in fixed]
-                    for _ in range(parts.shape[1])
-                ]
-                wholes = [_Whole(curve, correction) for _ in tallies]
-            each = [np.ascontiguousarray(parts[:, c]) for c in range(len(tallies))]
+            if not choices:
+                choices = [_Choices(curve, correction) for _ in range(parts.shape[1])]
+                wholes = [_Whole(curve, correction) for _ in choices]
+            each = [np.ascontiguousarray(parts[:, c]) for c in range(len(choices))]
             gates = list(pool.map(_Whole.add, wholes, each))
             jobs = [
-                pool.submit(tally.add, each[c], gates[c])
-                for c, group in enumerate(tallies)
-                for tally in group
+                pool.submit(one.add, x, some, gate)
+                for one, x, gate in zip(choices, each, gates, strict=True)
+                for some in one.meet(x)
             ]
             for job in jobs:
                 job.result()
@@ -334,12 +340,8 @@ def attribute(
         if own:
             own.shutdown()
     found: list[Attribution] = []
-    for group, whole in zip(tallies, wholes, strict=True):
-        damage = np.zeros(1 << G)
-        for tally in group:
-            for choice, value in tally.closed(rule).items():
-                damage[choice] = value
-        damage[-1] = whole.closed(rule)
+    for one, whole in zip(choices, wholes, strict=True):
+        damage = one.closed(rule, causes=len(causes), whole=whole.closed(rule))
         found.append(Attribution(tuple(causes), damage))
     return found
 

@@ -7,7 +7,7 @@ same result as whole (`overlapping`).
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.fatigue.fault import (
+    ANYWHERE,
     CLIP,
     DROPOUT,
     FREEZE,
@@ -242,6 +243,11 @@ class Health:
     def drifts(self) -> bool:
         """Whether it creeps by more than it swings."""
         return not self.dead and abs(self.drift) > max(self.deviation, 1e-300)
+
+    def of_no_gauge(self) -> "Health":
+        """Return it without what only a gauge can show: a speed stands, creeps and jumps."""
+        here = {kind: where for kind, where in self.faults.items() if kind in ANYWHERE}
+        return replace(self, faults=here, levels=self.levels[:0], hum=None)
 
     def findings(self, *, rate: float) -> list[Said]:
         """Return what a user should know, a sentence each; empty if all is well."""

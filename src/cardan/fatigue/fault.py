@@ -30,6 +30,8 @@ from cardan.base.arrays import BoolArray, FloatArray, IntArray
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
 CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
 HUM, UNIT, RATE, STRENGTH = "hum", "unit", "rate", "strength"
+ANYWHERE = (HOLE, SENTINEL)
+"""What is no value in any channel; all else is of a gauge, that swings about a zero of its own."""
 IMPOSSIBLE = (UNIT, RATE, STRENGTH)
 """What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
 KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT, HUM, *IMPOSSIBLE)

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import ComplexArray, FloatArray
 
 Kernel: TypeAlias = Callable[..., tuple[int, int, float, int]]
 
@@ -101,6 +101,27 @@ def gated(x: Any, gate: float, out: FloatArray) -> int:
     return n
 
 
+def followed(force: ComplexArray, stays: complex, out: ComplexArray) -> None:
+    """Write y[i] = force[i] + stays y[i - 1] of each row to `out`."""
+    for row in range(force.shape[0]):
+        y = 0j
+        for i in range(force.shape[1]):
+            y = force[row, i] + stays * y
+            out[row, i] = y
+
+
+def remembered(force: ComplexArray, stays: complex) -> ComplexArray:
+    """Return what forces (rows, n) do to something that keeps a share of itself each sample."""
+    compiled = followed_fast()
+    if compiled is None:
+        from scipy.signal import lfilter
+
+        return np.asarray(lfilter([1], [1, -stays], force, axis=-1), complex)
+    out = np.empty_like(force)
+    compiled(force, stays, out)
+    return out
+
+
 def reversals(x: FloatArray) -> FloatArray:
     """Return the samples where `x` turns, with its first and last; nan is left out."""
     x = x[~np.isnan(x)]
@@ -124,6 +145,16 @@ def gate_of_all() -> Callable[[Any, float, FloatArray], int] | None:
     except ImportError:
         return None
     return numba.njit(cache=True, nogil=True)(gated)
+
+
+@cache
+def followed_fast() -> Callable[[ComplexArray, complex, ComplexArray], None] | None:
+    """Return the compiled memory if numba is installed; without it SciPy's filter is faster."""
+    try:
+        import numba  # pyright: ignore[reportMissingTypeStubs]
+    except ImportError:
+        return None
+    return numba.njit(cache=True, nogil=True)(followed)
 
 
 @cache

@@ -4,14 +4,15 @@ Two passes over the recording, one to see what is wrong with it and one to count
 where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import repeat, tee, zip_longest
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
@@ -36,6 +37,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
     SHORT,
     WOULD_BREAK,
+    Assumed,
     Effect,
     Quality,
     Rule,
@@ -53,7 +55,7 @@ from cardan.fatigue.rainflow import (
     half_cycles,
     join,
 )
-from cardan.fatigue.recording import Recording, cut
+from cardan.fatigue.recording import SIZE, Recording, cut
 from cardan.fatigue.response import Evidence, Identified, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
@@ -547,7 +549,16 @@ class _Listened:
         doubts = of.doubts
         if not of.vetoes and damage >= allowed:
             doubts = (*doubts, said(WOULD_BREAK, times=f"{damage / allowed:.3g}"))
-        return replace(of, effects=(*of.effects, *effects), doubts=doubts)
+        assumed = None
+        if self.gauge.otherwise is not None:
+            other, factor = self.gauge.otherwise
+            of_other = miner(
+                one.cycles.scaled(factor), curve=self.plan.curve, correction=self.plan.correction
+            )  # fmt: skip
+            assumed = Assumed(
+                unit=self.gauge.assumed, other=other, factor=factor, damage=of_other
+            )  # fmt: skip
+        return replace(of, effects=(*of.effects, *effects), doubts=doubts, assumed=assumed)
 
     def _effects(self) -> Iterator[Effect]:
         ruled = self.count.closed()
@@ -622,9 +633,6 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
-AT_ONCE = 1
-"""Stretches of gauges in which the joints' part is identified at once: each takes 70 MB."""
-
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -657,6 +665,33 @@ def causes(
     progress
         Told how far it is.
     """
+    # One by one: in the memory of one, and what stands beside a gauge changes nothing of it.
+    parts = [
+        _of_one(
+            recording, plan=replace(plan, gauges=(gauge,)), healths=healths,
+            how=how, angle=angle, torque=torque, predicted=predicted, orders_said=orders_said,
+            progress=progress,
+        )
+        for gauge in plan.gauges
+    ]  # fmt: skip
+    return replace(
+        parts[0],
+        gauges=tuple(name for p in parts for name in p.gauges),
+        attributions=[one for p in parts for one in p.attributions],
+        evidence=[one for p in parts for one in p.evidence],
+        without=[one for p in parts for one in p.without],
+        order2=np.concatenate([p.order2 for p in parts]),
+        comparisons=[one for p in parts for one in p.comparisons],
+        doubts=list(dict.fromkeys(doubt for p in parts for doubt in p.doubts)),
+    )
+
+
+def _of_one(
+    recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
+    angle: Angle | None, torque: tuple[str, float] | None, predicted: dict[str, float] | None,
+    orders_said: bool, progress: Progress | None,
+) -> Causes:  # fmt: skip
+    """Share the damage among its causes at the gauge of a plan."""
     shaft = how.suspects[0].tone.rotation
     joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
     if not orders_said:
@@ -672,7 +707,8 @@ def causes(
             parts[row] += theirs
             times.append(stretch.time)
             place = np.rint(stretch.time * recording.rate).astype(np.intp) - stretch.start
-            amplitudes.append(order2[:, np.clip(place, 0, order2.shape[1] - 1)])
+            middle = np.clip(place, 0, order2.shape[1] - 1)
+            amplitudes.append(np.asarray(order2[:, middle], dtype=np.float64))
             yield parts
 
     found = attribute(
@@ -722,6 +758,9 @@ def _direct(shaft: Rotation, engine: Rotation, time: FloatArray) -> float:
     return float(np.mean(np.abs(own - other)[moving] < 0.25)) if moving.any() else 0.0
 
 
+_Coarse: TypeAlias = npt.NDArray[np.float32]
+
+
 class _Joints:
     """The joints' part of every gauge, identified stretch by stretch as the stress passes."""
 
@@ -734,7 +773,7 @@ class _Joints:
         self.engine = engine[0].rotation if engine else None
         self.engine_orders = tuple(tone.order for tone in engine)
         self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
-        self.held: list[tuple[int, FloatArray, FloatArray]] = []
+        self.held: list[tuple[int, _Coarse, _Coarse]] = []
         self.without = [_Count(plan, recording.rate) for _ in plan.gauges]
 
     def damage(self, stress: FloatArray) -> float:
@@ -751,36 +790,37 @@ class _Joints:
         if self.torque is not None:
             loads = self.recording.pieces([self.torque[0]], size=size)
         start = 0
-        waiting: deque[tuple[int, FloatArray, list[Future[Identified]]]] = deque()
-        with ThreadPoolExecutor(4) as pool:
-            for piece, load in zip(cut(stress, size=size), loads, strict=False):
-                torque = None if load is None or self.torque is None else load[0] * self.torque[1]
-                ask = partial(
-                    identified, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
+        for piece, load in zip(cut(stress, size=size), loads, strict=False):
+            torque = None if load is None or self.torque is None else load[0] * self.torque[1]
+            answers = [
+                identified(
+                    x, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
                     engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
-                )  # fmt: skip
-                waiting.append((start, piece, [pool.submit(ask, x) for x in piece]))
-                start += piece.shape[1]
-                # Stretches know nothing of each other; so many at once as memory bears.
-                if len(waiting) * len(piece) >= AT_ONCE:
-                    yield self._left(*waiting.popleft())
-            while waiting:
-                yield self._left(*waiting.popleft())
+                )
+                for x in piece
+            ]  # fmt: skip
+            yield from self._left(start, piece, answers)
+            start += piece.shape[1]
 
-    def _left(self, start: int, piece: FloatArray, asked: "list[Future[Identified]]") -> FloatArray:
-        """Take a stretch's answers in, and return what is left of it without their part."""
-        answers = [one.result() for one in asked]
+    def _left(
+        self, start: int, piece: FloatArray, answers: list[Identified]
+    ) -> Iterator[FloatArray]:
+        """Take a stretch's answers in, and yield what is left of it without their part."""
         for told, answer, x in zip(self.told, answers, piece, strict=True):
             told.append((answer.evidence, self.damage(x)))
-        theirs = np.stack([a.stress for a in answers])
+        # Held until the stretches that follow have passed: seven digits of it are taken off.
+        theirs = np.stack([a.stress.astype(np.float32) for a in answers])
         theirs[np.isnan(piece)] = 0.0
-        self.held.append((start, theirs, np.stack([a.order2 for a in answers])))
+        order2 = np.stack([a.order2.astype(np.float32) for a in answers])
+        self.held.append((start, theirs, order2))
         left = piece - theirs
         for count, x in zip(self.without, left, strict=True):
             count.add(x)
-        return left
+        del answers, piece, theirs, order2
+        for first in range(0, left.shape[1], SIZE // 8):
+            yield left[:, first : first + SIZE // 8]
 
-    def part(self, start: int, n: int) -> tuple[FloatArray, FloatArray]:
+    def part(self, start: int, n: int) -> "tuple[_Coarse, _Coarse]":
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""
         self.held = [h for h in self.held if h[0] + h[1].shape[1] > start]
         rows = [

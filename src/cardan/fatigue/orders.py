@@ -11,7 +11,6 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -52,16 +51,21 @@ class Rotation:
         first, last = self.time[0], self.time[-1]
         # Beyond its ends it goes on at its last speed.
         before, after = np.minimum(t - first, 0), np.maximum(t - last, 0)
-        beyond = before * self._speed[0] + after * self._speed[-1]
-        return np.interp(t, self.time, self.turns) + beyond
-
-    @cached_property
-    def _speed(self) -> FloatArray:
-        return np.gradient(self.turns, self.time)
+        slow, fast = (
+            (self.turns[k + 1] - self.turns[k]) / (self.time[k + 1] - self.time[k]) for k in (0, -2)
+        )
+        return np.interp(t, self.time, self.turns) + before * slow + after * fast
 
     def speed(self, time: ArrayLike) -> FloatArray:
         """Return the turns a second (...) at each time (...) s."""
-        return np.interp(np.asarray(time, float), self.time, self._speed)
+        t = np.asarray(time, float)
+        if not t.size:
+            return np.zeros(t.shape)
+        # Of a day's drive only what is asked is derived.
+        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 3
+        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 3
+        near = slice(max(min(first, self.time.size - 4), 0), max(last, 4))
+        return np.interp(t, self.time[near], np.gradient(self.turns[near], self.time[near]))
 
     def geared(self, ratio: float) -> "Rotation":
         """Return the rotation of what turns `ratio` times as fast: a wheel, an engine."""
@@ -470,10 +474,13 @@ class Splitter:
     def _regressors(self, time: FloatArray, spans: int) -> FloatArray:
         """One for the slow mean, cosine and sine for each tone, (1 + 2 tones, spans, n)."""
         rows = [np.ones_like(time)]
+        met = {id(t.rotation): t.rotation for t in self.tones}
+        known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
         for tone in self.tones:
-            phase = 2 * np.pi * ((tone.order * tone.rotation.at(time)) % 1.0)
+            made, speed = known[id(tone.rotation)]
+            phase = 2 * np.pi * ((tone.order * made) % 1.0)
             # Let a tone in smoothly over a quarter above the slowest frequency.
-            gate = np.clip((tone.frequency(time) / self.slowest - 1) * 4, 0, 1)
+            gate = np.clip((tone.order * speed / self.slowest - 1) * 4, 0, 1)
             gate = gate * gate * (3 - 2 * gate)
             rows += [gate * np.cos(phase), gate * np.sin(phase)]
         return np.stack(rows).reshape(len(rows), spans, -1)
@@ -487,22 +494,20 @@ class Splitter:
         p, spans, n = regressors.shape
         channels = x.shape[0]
         rows = regressors.transpose(1, 0, 2)
-        # Products of small slices of a span: too small for BLAS to start threads on, which
-        # on a busy machine cost thirty times the work.
-        slices = -(-(16 * p * p * n) // BLAS_ALONE)
-        m = -(-n // slices)
-
-        def sliced(a: FloatArray) -> FloatArray:
-            wide = np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, slices * m - n)])
-            return np.moveaxis(wide.reshape(*a.shape[:-1], slices, m), -2, 1 if a.ndim > 2 else 0)
-
-        # Design of one slice: four splines times p regressors.
-        design = sliced(basis)[None, :, :, None, :] * sliced(rows)[:, :, None]
-        design = design.reshape(spans, slices, 4 * p, m)
-        weighted = design * sliced(weight.reshape(spans, 1, n))
-        gram = (weighted @ design.swapaxes(-1, -2)).sum(1)
-        target = sliced(x.reshape(channels, spans, n).swapaxes(0, 1))
-        right = (weighted @ target.swapaxes(-1, -2)).sum(1)
+        weighted = rows * weight.reshape(spans, 1, n)
+        # Four splines times p regressors, each by each: what two splines make is alike in all
+        # spans, and what two regressors make is alike either way round.
+        both = (basis[:, None] * basis).reshape(16, n)
+        gram = np.empty((spans, 4, p, 4, p))
+        for k in range(p):
+            pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], both)
+            pairs = pairs.reshape(spans, k + 1, 4, 4).transpose(0, 2, 1, 3)
+            gram[:, :, : k + 1, :, k] = pairs
+            gram[:, :, k, :, : k + 1] = pairs.swapaxes(-1, -2)
+        gram = gram.reshape(spans, 4 * p, 4 * p)
+        target = x.reshape(channels, spans, 1, n)
+        right = np.stack([_products(weighted * each, basis) for each in target], axis=-1)
+        right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
         size = (spans + 3) * p
         banded: FloatArray = np.zeros((4 * p, size))
         total: FloatArray = np.zeros((size, channels))
@@ -551,6 +556,17 @@ class Splitter:
                 edge = np.clip((wide + soft - far) / soft, 0, 1)
                 out[k] = edge * edge * (3 - 2 * edge)
         return out
+
+
+def _products(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return Σ a b over samples of each two rows of (spans, i, n) and (j, n), (spans, i, j).
+
+    In slices too small for BLAS to start threads on: on a busy machine they cost thirty times
+    the work.
+    """
+    n, size = b.shape[-1], max(BLAS_ALONE // (a.shape[-2] * b.shape[-2]), 1)
+    parts = [a[..., k : k + size] @ b[:, k : k + size].T for k in range(0, n, size)]
+    return np.sum(parts, axis=0) if len(parts) > 1 else parts[0]
 
 
 def _numbered(pieces: Iterable[FloatArray]) -> Iterator[FloatArray]:

@@ -345,6 +345,26 @@ class Effect:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Assumed:
+    """A unit that only somebody's word says, and what it would be in one as likely.
+
+    Attributes
+    ----------
+    unit, other
+        As they are written.
+    factor
+        How many times as large the stress is in the other.
+    damage
+        Of that.
+    """
+
+    unit: str
+    other: str
+    factor: float
+    damage: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Quality:
     """How far one gauge's answer may be trusted.
 
@@ -364,6 +384,8 @@ class Quality:
         Damage of a rosette by each measure of its stress, where it is sheared.
     doubts
         What looks as if it had been said wrongly, a sentence each.
+    assumed
+        Its unit, where the recording does not say it: no number of it shows that it is right.
     """
 
     live: float
@@ -374,6 +396,7 @@ class Quality:
     biaxiality: float = float("nan")
     measures: Mapping[str, float] = field(default_factory=dict[str, float])
     doubts: tuple[Said, ...] = ()
+    assumed: Assumed | None = None
 
     @property
     def share(self) -> float:

@@ -259,6 +259,9 @@ class FromTo:
             return self
         bins, counts, width = self.counts.shape[0], self.counts, self.width
         reach = max(np.abs(cycles.start).max(), np.abs(cycles.end).max())
+        if not counts.any():
+            while reach >= width * (bins // 2):
+                width *= 2
         while reach >= width * (bins // 2):
             quarter = bins // 4
             merged = counts.reshape(bins // 2, 2, bins // 2, 2).sum((1, 3))

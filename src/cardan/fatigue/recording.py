@@ -114,7 +114,9 @@ def cut(pieces: Iterable[FloatArray], *, size: int) -> Iterator[FloatArray]:
             full = count - count % size
             for start in range(0, full, size):
                 yield whole[..., start : start + size]
-            held, count = [whole[..., full:]], count - full
+            # A view would hold all of it.
+            held, count = [whole[..., full:].copy()], count - full
+            del whole
     if count:
         yield np.concatenate(held, axis=-1)
 

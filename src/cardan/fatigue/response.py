@@ -15,6 +15,7 @@ Source: derived from first principles; Ljung, System Identification (1999), ch. 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.conditioning import bridged
+from cardan.fatigue.kernel import remembered
 from cardan.fatigue.orders import Rotation
 
 GUILTY, INNOCENT, CANNOT_TELL = "guilty", "innocent", "cannot tell"
@@ -34,6 +36,10 @@ CLEAR = 60.0
 """F from which the interval is that of the draws alone."""
 OFF = 0.05
 """Largest error of a speed's scale that is looked for, relative."""
+MET = 100.0
+"""Samples a second at which it is looked for."""
+SHARES = 64
+"""Of the recording, in each of which what is between two lines of its spectrum stands still."""
 TURNS = 2.0
 """Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
 BAND = 2.5
@@ -179,25 +185,35 @@ def _aligned(
     The response is one number in each band of twice the speed. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
     """
-    # Three samples of a cycle tell its energy as well as ten.
-    top = 2 * float(angle.rotation.speed(start + np.arange(0, y.size, 50) / rate).max())
-    every = max(int(rate / (3 * max(top, SLOWEST))), 1)
+    from scipy.fft import fft, next_fast_len
+
+    # Turned back by the shaft, an order stands nearly still: some samples a second say as much.
+    every = max(int(rate / MET), 1)
     m = y.size // every
     if m < 100:
         return []
-    y, torque = (x[: m * every].reshape(m, every).mean(-1) for x in (y, torque))
+    y, torque = y[: m * every], torque[: m * every]
+    back = np.exp(-4j * np.pi * angle.rotation.at(start + np.arange(y.size) / rate))
+    moved = (y * torque * back).reshape(m, every).mean(-1)
+    square = (torque**2).reshape(m, every).mean(-1)
     step = every / rate
     lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
     shifts = np.unique(np.rint(lags / step).astype(np.int64))
     # The shaft as of the latest lag on to the earliest: a lag is a place in that.
-    most = int(shifts[-1])
-    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - shifts[0]) - most) * step
+    most, least = max(int(shifts[-1]), 0), min(int(shifts[0]), 0)
+    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - least) - most) * step
     turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
-    wave = np.exp(-4j * np.pi * turns)
     band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
     bands, count = int(band.max()) + 1, int(bins.max()) + 1
     cell, fast = band * count + bins, f2 > SLOWEST
-    moved, square = y * torque, torque**2
+    prompt = turns[most : most + m]
+    size = next_fast_len(3 * count)
+    # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
+    off = np.fft.fftfreq(size) / (2 * TURNS)
+    near = np.flatnonzero(np.abs(off) <= OFF)
+    place = np.arange(count) + 0.5
+    share = np.unique(np.arange(SHARES) * count // SHARES)
+    amid = (share + np.append(share[1:], count)) // 2
     found: list[_Aligned] = []
     for shift in shifts:
         own = slice(most - shift, most - shift + m)
@@ -206,7 +222,7 @@ def _aligned(
             continue
         lag = float(shift * step)
         here = cell[own][used]
-        z = (moved * wave[own])[used]
+        z = moved[used] * np.exp(4j * np.pi * (prompt[used] - turns[own][used]))
         grid = np.bincount(here, z.real, bands * count) + 1j * np.bincount(
             here, z.imag, bands * count
         )
@@ -216,18 +232,21 @@ def _aligned(
         grid, weight = grid.reshape(bands, count)[busy], weight[busy]
         heard = np.bincount(slot, minlength=bands)[busy]
         middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
-        # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
-        size = 1 << int(np.ceil(np.log2(3 * count)))
-        off = np.fft.fftfreq(size) / (2 * TURNS)
-        near = np.flatnonzero(np.abs(off) <= OFF)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
-        power = np.abs(np.fft.fft(grid, size, axis=-1)[:, near]) ** 2
-        energy = (1 / weight) @ power / np.sinc(2 * TURNS * off[near]) ** 2
-        place = np.arange(count) + 0.5
+        energy = np.zeros(near.size)
+        for row, often in zip(grid, weight, strict=True):
+            energy += np.abs(fft(row.astype(np.complex64), size)[near]) ** 2 / often
+        energy /= np.sinc(2 * TURNS * off[near]) ** 2
         for peak in near[_peaks(energy)[:4]]:
-            # Between the lines of the spectrum: a sixth of one is a radian at the ends.
-            fine = off[peak] + np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
-            lines = grid @ np.exp(-4j * np.pi * TURNS * np.outer(place, fine))
+            # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in
+            # each of `SHARES` of the whole it is none.
+            beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
+            near_line = np.exp(-4j * np.pi * TURNS * off[peak] * place)
+            summed = np.add.reduceat(grid * near_line, share, axis=-1)
+            lines: ComplexArray = summed @ np.exp(
+                -4j * np.pi * TURNS * np.outer(place[amid], beside)
+            )
+            fine = off[peak] + beside
             lines /= np.sinc(2 * TURNS * fine)
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
             k = int(np.argmax(sharp))
@@ -386,25 +405,44 @@ class _Slow:
         """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
         time = np.arange(self.speed.size) / self.rate
         beside = np.exp(2j * np.pi * shift * time)
-        plain = self.loads * beside
-        each = [plain, *(self.through(p, beside, shift) for p in poles)]
+        turning = self.turning.by(beside, shift)
+        back = np.conj(self.turn)
+        each = [self.loads * beside, *(turning.through(p) * back for p in poles)]
         return np.concatenate(each).astype(np.complex128)
 
-    def through(
-        self, pole: tuple[float, float], beside: ComplexArray | float = 1.0, shift: float = 0.0
-    ) -> ComplexArray:
-        """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
-        from scipy.signal import lfilter
+    @cached_property
+    def turning(self) -> "_Turning":
+        """The same forces as they turn."""
+        return _Turning(
+            self.rate, self.loads * self.turn, self.speed, np.exp(-1j * self.speed / self.rate)
+        )
 
+
+@dataclass(frozen=True)
+class _Turning:
+    """Forces (forces, m) that turn at speeds (m,) rad/s, at a rate Hz, and their steps back."""
+
+    rate: float
+    forces: ComplexArray
+    speed: FloatArray
+    step_back: ComplexArray
+
+    def by(self, beside: ComplexArray, shift: float) -> "_Turning":
+        """Return them turned `beside` by as many Hz as the shift."""
+        faster = 2 * np.pi * shift
+        return replace(
+            self, forces=self.forces * beside, speed=self.speed + faster,
+            step_back=self.step_back * np.exp(-1j * faster / self.rate),
+        )  # fmt: skip
+
+    def through(self, pole: tuple[float, float]) -> ComplexArray:
+        """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
         w = 2 * np.pi * pole[0]
         p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
-        off = p - 1j * (self.speed + 2 * np.pi * shift)
+        stays = np.exp(p / self.rate)
         # A steady force is followed exactly.
-        gain = -w * pole[1] * (1 - np.exp(off / self.rate)) / off
-        force = self.loads * (gain * self.turn * beside)
-        moved = np.asarray(lfilter([1], [1, -np.exp(p / self.rate)], force, axis=-1), complex)
-        back: ComplexArray = moved * np.conj(self.turn)
-        return back
+        gain = (w * pole[1]) * (stays * self.step_back - 1) / (p - 1j * self.speed)
+        return remembered(self.forces * gain, stays)
 
 
 SLOW = 50.0
@@ -428,7 +466,13 @@ def _fitted(
     columns: ComplexArray, z: ComplexArray, *, ridge: float = 1e-9
 ) -> tuple[ComplexArray, float]:
     """Coefficients of z ≈ Σ c X by least squares, and the energy explained."""
-    gram, right = np.conj(columns) @ columns.T, np.conj(columns) @ z
+    return _explained(np.conj(columns) @ columns.T, np.conj(columns) @ z, ridge=ridge)
+
+
+def _explained(
+    gram: ComplexArray, right: ComplexArray, *, ridge: float
+) -> tuple[ComplexArray, float]:
+    """Solve normal equations: coefficients, and the energy explained."""
     scale = np.sqrt(np.maximum(np.diag(gram).real, 1e-300))
     gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
     c = np.linalg.solve(gram, right / scale) / scale
@@ -445,14 +489,17 @@ def _searched(
         q, _ = np.linalg.qr(base.T)
         left = z - q @ (np.conj(q.T) @ z)
         whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
+        # What is known already and what is left, as they turn.
+        known = np.conj(np.concatenate([q.T, left[None]]) * slow.turn).T
 
-        def gain(
-            pole: tuple[float, float], q: ComplexArray = q, left: ComplexArray = left
-        ) -> float:
+        @cache
+        def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:
             """Energy that the order through one more mode explains of what is left."""
-            rows = slow.through(pole)
-            rows = rows - (rows @ np.conj(q)) @ q.T
-            return _fitted(rows, left, ridge=1e-6)[1]
+            rows = slow.turning.through(pole)
+            met = rows @ known
+            theirs, right = met[:, :-1], np.conj(met[:, -1])
+            gram = np.conj(rows @ np.conj(rows.T) - theirs @ np.conj(theirs.T))
+            return _explained(gram, right, ridge=1e-6)[1]
 
         best, f, d = max((gain(pole), *pole) for pole in _likely(slow, left, within))
         log_step, damp_step, steps = 0.03, 0.5, 0
@@ -583,7 +630,9 @@ def _wandering(
     def blocks(x: np.ndarray) -> np.ndarray:
         return x.reshape(count, -1).sum(-1) if x.size == count * n else np.array([x.sum()])
 
-    power = np.maximum(blocks(np.abs(z) ** 2) / 2, 1e-300)
+    power = blocks(np.abs(z) ** 2) / 2
+    # Where the shaft stands a mode's memory fades to nothing, and says nothing of its gain.
+    power = np.maximum(power, 1e-12 * power.max() + 1e-300)
     off = blocks(rest * np.conj(z)) / power
     ghosts = [
         np.abs(blocks(rest * np.conj(z * np.exp(2j * np.pi * k / BLOCK * time))) / power) ** 2

@@ -137,6 +137,10 @@ class Gauge:
         Turns them into the plane stress, of which `stress` is one measure; None of single gauges.
     doubts
         Whether its channels are what they are taken for, a sentence each.
+    assumed
+        The unit that nothing but a word on the command line says; "" where the recording does.
+    otherwise
+        The unit it may be in as well, and how many times as large its stress is then.
     """
 
     name: str
@@ -144,6 +148,8 @@ class Gauge:
     stress: Callable[[FloatArray], FloatArray]
     plane: Callable[[FloatArray], PlaneStress] | None = None
     doubts: tuple[Said, ...] = ()
+    assumed: str = ""
+    otherwise: tuple[str, float] | None = None
 
 
 def _scaled(piece: FloatArray, *, factor: float) -> FloatArray:

@@ -11,9 +11,9 @@ from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
-from cardan.fatigue.fault import FREEZE, HOLE, KINDS
+from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
 from cardan.fatigue.life import Causes, GaugeLife, Plan
-from cardan.fatigue.quality import FAST, Rule
+from cardan.fatigue.quality import FAST, Assumed, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
 from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
@@ -25,7 +25,7 @@ from cardan.report.wording import gaps, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.campaign import ASKED
 from cardan.study.finding import Finding
-from cardan.study.recording import Heard, Mix, Mixed, verdict_on
+from cardan.study.recording import Heard, Mix, Mixed, OtherWay, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,6 +66,17 @@ def _quality(one: GaugeLife) -> dict[str, Any]:
         "biaxiality": _number(of.biaxiality),
         "damage_by_measure": dict(of.measures),
         "doubts": [str(d) for d in of.doubts],
+        **({"assumed": _assumed(of.assumed)} if of.assumed is not None else {}),
+    }
+
+
+def _assumed(of: Assumed) -> dict[str, Any]:
+    """Return a unit that only the command line says, and the damage in the other."""
+    return {
+        "unit": of.unit,
+        "otherwise": of.other,
+        "factor": of.factor,
+        "damage_otherwise": _number(of.damage),
     }
 
 
@@ -150,6 +161,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
 def _more(of: Heard) -> dict[str, Any]:
     """Return what a recording was asked beyond damage and cause."""
     return {
+        **({"misread": [_misread(m) for m in of.misread]} if of.misread else {}),
         **({"usage": {u.gauge: used.document(u) for u in of.used}} if of.used else {}),
         **(
             {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
@@ -158,6 +170,22 @@ def _more(of: Heard) -> dict[str, Any]:
         ),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         **({"changed": identified.promises(of.promised)} if of.promised else {}),
+    }
+
+
+def _misread(of: OtherWay) -> dict[str, Any]:
+    """Return where a bus wrote no value into a speed, and the answer with that taken otherwise."""
+    own = of.misread
+    return {
+        "channel": own.channel,
+        "kind": SENTINEL,
+        "rpm": own.speed * 60,
+        "count": len(own.runs),
+        "seconds": float((own.runs[:, 1] - own.runs[:, 0]).sum()),
+        "places": [{"from_s": a, "to_s": b} for a, b in own.runs[:MOST].tolist()],
+        "accepted": own.accepted,
+        "turns_otherwise": _number(of.turns),
+        "gauges_otherwise": {name: _evidence(e) for name, e in of.evidence.items()},
     }
 
 
@@ -219,6 +247,11 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
         "verdict": verdict_on(found),
         "profile": of.profile or None,
         "gauges": gauges,
+        **(
+            {"otherwise": {o.gauge: otherwise.document(o) for o in of.otherwise}}
+            if of.otherwise
+            else {}
+        ),
         "recordings": [
             {
                 "times": times,
@@ -254,6 +287,8 @@ def mix_lines(of: Mix, say: Language = EN) -> Iterator[str]:
         yield ""
         yield from columns(mix_rows(of, one, say))
         yield from mix_says(of, one, say)
+    for one in of.otherwise:
+        yield from otherwise.lines(one, say)
     yield from customers(of, say)
     for _, _, heard in of.parts:
         yield ""
@@ -434,6 +469,8 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
 
 def _said_more(of: Heard, say: Language) -> Iterator[str]:
     """Yield what a recording was asked beyond damage and cause as lines of text."""
+    for one in of.misread:
+        yield from misread(one, say)
     for one in of.used:
         yield from used.lines(one, say)
     for one in of.otherwise:
@@ -444,6 +481,36 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
     if of.promised:
         yield ""
         yield from identified.kept(of.promised, say)
+
+
+def misread(of: OtherWay, say: Language) -> Iterator[str]:
+    """Yield where a speed is a bus' number for no value, and what the other reading would do."""
+    own = of.misread
+    places = {
+        "channel": own.channel, "seconds": say.short(float(np.diff(own.runs).sum()), 3),
+        "count": len(own.runs), "first": say.short(float(own.runs[0, 0]), 6),
+        "speed": f"{say.short(own.speed * 60, 7)} rpm", "turns": say.short(abs(of.turns), 3),
+    }  # fmt: skip
+    if own.accepted:
+        yield say(
+            "{channel}: accepted as a speed for {seconds} s in {count} places, the first at "
+            "{first} s: {speed}, which a bus (SAE J1939) writes for an error or no value; as "
+            "holes the shaft would make {turns} turns less",
+            **places,
+        )  # fmt: skip
+    else:
+        yield say(
+            "{channel}: no speed for {seconds} s in {count} places, the first at {first} s: "
+            "{speed}, which a bus (SAE J1939) writes for an error or no value, taken for holes; as "
+            "speeds the shaft would make {turns} turns more (--accept {channel}=sentinel)",
+            **places,
+        )  # fmt: skip
+    for gauge, evidence in of.evidence.items():
+        yield say(
+            "{gauge}: with that taken otherwise {share} of the damage would go with the joints "
+            "(90 % interval {low} to {high}): {finding}",
+            gauge=gauge, finding=say(evidence.finding).upper(), **_shares(evidence, say),
+        )  # fmt: skip
 
 
 def _verdict(
@@ -618,6 +685,13 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
                 state=say("undecided") if e.undecided else say("decided"),
                 recorded=_known(e.recorded, ".4g", say), without=_known(e.without, ".4g", say),
             )  # fmt: skip
+    if of.assumed is not None:
+        yield say(
+            "{gauge}: assumed to be in {unit}, as the recording does not say; were it in {other}, "
+            "its stress would be {factor} times and its damage {damage}",
+            gauge=name, unit=of.assumed.unit, other=of.assumed.other,
+            factor=say.short(of.assumed.factor, 3), damage=_known(of.assumed.damage, ".3g", say),
+        )  # fmt: skip
     for doubt in of.doubts:
         yield say("{gauge}: doubt: {doubt}", gauge=name, doubt=say.said(doubt))
     if of.share < 0.9999:

@@ -19,7 +19,17 @@ from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
 from cardan.report.identified import parameter, promise
 from cardan.report.language import Language
-from cardan.report.life import channels, customers, gauges, mix_rows, mix_says, shared, told, trust
+from cardan.report.life import (
+    channels,
+    customers,
+    gauges,
+    misread,
+    mix_rows,
+    mix_says,
+    shared,
+    told,
+    trust,
+)
 from cardan.report.svg import PALETTE, Figure, line, rect, text
 from cardan.study.identification import Identification
 from cardan.study.recording import Heard, Mix, Pictures
@@ -49,6 +59,7 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
             rows=tuple((row[0].strip(), *row[1:]) for row in rows),
         )
         yield Text(paragraphs=tuple(mix_says(of, one, say)))
+    yield from otherwise.blocks(of.otherwise, say)
     if of.customers:
         yield Text(paragraphs=tuple(customers(of, say)))
 
@@ -81,6 +92,8 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
             found = of.identification
             for order in (2.0,) if short else (2.0, 1.0, 4.0):
                 yield Figures(figures=tuple(order_cut(cuts, names, order, say, found=found)))
+    if of.misread:
+        yield Text(paragraphs=tuple(line for one in of.misread for line in misread(one, say)))
     if of.causes is not None:
         yield from _causes(of.causes, say)
     for one in of.used:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.said import Said, said
 from cardan.base.source import Source
@@ -22,9 +22,9 @@ from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, local, rainflow, strain
-from cardan.fatigue.angle import Angle, shaft_angle
+from cardan.fatigue.angle import MOST, SHAFTS, VEHICLES, Angle, no_value, shaft_angle
 from cardan.fatigue.correction import Correction
-from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE, SENTINEL
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
 from cardan.fatigue.quality import NAMED_STRAIN, NAMED_STRESS, Rule
@@ -84,6 +84,13 @@ _STRAINS = re.compile(
     r"(?<![a-z])(strain(?!\W*_*gau)|dehnung|deforma[çz]|epsilon|mikrodehn)", re.IGNORECASE
 )
 _STRESSES = re.compile(r"(?<![a-z])(stress|spannung|tens[ãi]o|sigma)", re.IGNORECASE)
+
+ASSUMED: Mapping[str, str] = {
+    u: "um/m" if u in ("MPa", "N/mm2", "N/mm²") else "MPa"
+    for u in UNITS
+    if u in ("MPa", "N/mm2", "N/mm²") or STRAIN.get(u) == STRAIN["um/m"]
+}
+"""Units whose numbers look alike, some tens to hundreds: which it may be as well."""
 
 FASTEST_SHAFT = 200.0
 """Turns a second that no propshaft makes: 12,000 rpm."""
@@ -507,6 +514,7 @@ class Campaign:
             )
             raise DesignError(msg)
         channels = {c for g in gauges for c in g.channels}
+        channels |= {_named(text)[0] for text in (self.speed, self.engine) if text is not None}
         ruled = [r.channel for r in self.rules if r.channel]
         self._held("mask and --accept", ruled, channels, "gauge's channel")
         if self.low_pass_Hz is not None:
@@ -554,13 +562,56 @@ class Campaign:
             )
             return Angle(counted, lag=0.02)
         if self.speed is not None:
-            engine = None if self.engine is None else _speeds(recording, self.engine)
-            speed, rate = _speeds(recording, self.speed, wheel=self._wheel())
+            engine = None if self.engine is None else self._read(recording, self.engine)
+            speed, rate = self._read(recording, self.speed)
             return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
             signal = recording.pieces([self.estimate_speed])
             return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
         return None
+
+    def _read(self, recording: Recording, text: str) -> tuple[FloatArray, float]:
+        """Return a channel of speed, turns/s, as it is taken: nan where it has no value."""
+        speed, rate, runs = _speeds(recording, text, wheel=self._wheel())
+        if not self._taken(text, runs, rate).size:
+            return speed, rate
+        for first, last in self._taken(text, runs, rate):
+            speed[first:last] = np.nan
+        return speed, rate
+
+    def _taken(self, text: str, runs: IntArray, rate: float) -> IntArray:
+        """Return those runs of no value that are taken for holes: what no rule accepts."""
+        open_ = np.ones(len(runs), bool)
+        for rule in self.rules:
+            if rule.concerns(_named(text)[0], SENTINEL) and rule.kind:
+                inside = (runs[:, 0] / rate >= rule.first) & (runs[:, 0] / rate <= rule.last)
+                open_[inside] = rule.mask
+        return runs[open_]
+
+    def misread(self, recording: Recording) -> "tuple[Misread, ...]":
+        """Return the channels of speed in which a bus wrote that it had no value, and where."""
+        found: list[Misread] = []
+        for text in (self.speed, self.engine):
+            if text is None or (self.tacho is not None and text == self.speed):
+                continue
+            speed, rate, runs = _speeds(recording, text, wheel=self._wheel())
+            if len(runs):
+                taken = self._taken(text, runs, rate)
+                top = float(np.nanmax(speed[runs[0, 0] : runs[0, 1]]))
+                found.append(
+                    Misread(
+                        channel=_named(text)[0], runs=runs / rate, speed=top,
+                        accepted=len(runs) - len(taken),
+                    )
+                )  # fmt: skip
+        return tuple(found)
+
+    def other_way(self, of: "Misread") -> "Campaign":
+        """Return the campaign with what a bus wrote taken the other way: as speeds, or as none."""
+        rule = (f"{of.channel}={SENTINEL}",)
+        if of.accepted:
+            return replace(self, accept=tuple(r for r in self.accept if not _sentinel(r)))
+        return replace(self, accept=(*self.accept, *rule))
 
     def _wheel(self) -> float | None:
         """Shaft turns a metre of the vehicle's way, where the axle and its tyres are given."""
@@ -572,7 +623,7 @@ class Campaign:
         """Return the engine's rotation, where it was measured."""
         if self.engine is None:
             return None
-        speed, rate = _speeds(recording, self.engine)
+        speed, rate = self._read(recording, self.engine)
         return shaft_angle(speed, rate=rate).rotation
 
     def torque_of(self, recording: Recording) -> tuple[str, float] | None:
@@ -606,7 +657,13 @@ class Campaign:
             factor = _unit(recording, channel, given, units)
             gauge = strain.direct(channel, channel, factor=factor)
             of = recording.channel(channel)
-            found.append(replace(gauge, doubts=_doubted(of, given or of.unit)))
+            taken = given or of.unit
+            gauge = replace(gauge, doubts=_doubted(of, taken))
+            if taken in ASSUMED and not (of.settled or of.unit or _WRITTEN.search(of.name)):
+                # What whoever names a unit by hand confuses: numbers of either look alike.
+                other = ASSUMED[taken]
+                gauge = replace(gauge, assumed=taken, otherwise=(other, units[other] / factor))
+            found.append(gauge)
         return found
 
     def _rosettes(self, recording: Recording) -> list[Gauge]:
@@ -670,6 +727,28 @@ class Campaign:
         if name == "walker":
             return partial(correction.walker, exponent=0.65 if given is None else given)
         return correction.swt if name == "swt" else correction.uncorrected
+
+
+@dataclass(frozen=True, kw_only=True)
+class Misread:
+    """A channel of speed in which a bus wrote that it had no value.
+
+    Attributes
+    ----------
+    channel
+        Its name.
+    runs : (k, 2) s
+        From when to when, flanks that a faster clock laid between readings among them.
+    speed : turns/s
+        What it would be as a speed.
+    accepted
+        How many of them are taken for speeds all the same, as a rule has it.
+    """
+
+    channel: str
+    runs: FloatArray
+    speed: float
+    accepted: int = 0
 
 
 _TIMES = re.compile(r"([0-9.eE+-]*?)\.\.([0-9.eE+-]*)")
@@ -777,12 +856,18 @@ READ = 200.0
 """Readings a second of a channel of speed that are looked at."""
 
 
+def _sentinel(rule: str) -> bool:
+    """Whether a rule, as it was written, is of sentinels."""
+    return _rule(rule, mask=False).kind == SENTINEL
+
+
 def _speeds(
     recording: Recording, text: str, *, wheel: float | None = None
-) -> tuple[FloatArray, float]:
+) -> tuple[FloatArray, float, IntArray]:
     """Return a channel of speed in turns/s, as written, and at which rate it was looked at.
 
-    `wheel` is how many turns go to a metre, for a speed of the vehicle.
+    `wheel` is how many turns go to a metre, for a speed of the vehicle. With it the runs (k, 2)
+    of samples in which a bus wrote that it had no value.
     """
     channel, given = _named(text)
     taken = given or recording.channel(channel).unit
@@ -798,8 +883,12 @@ def _speeds(
     else:
         unit = _unit(recording, channel, given, SPEED)
     values, rate = _every(recording, channel)
+    if taken in DRIVEN:
+        runs = no_value(values * DRIVEN[taken] * 3.6, rate=rate, of=VEHICLES)
+    else:
+        runs = no_value(values * unit * 60, rate=rate, of=SHAFTS)
     _turning(channel, values * unit, taken or "")
-    return values * unit, rate
+    return values * unit, rate, runs
 
 
 def _turning(channel: str, speed: FloatArray, unit: str) -> None:
@@ -815,10 +904,16 @@ def _turning(channel: str, speed: FloatArray, unit: str) -> None:
 
 
 def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:
-    """Return a slow channel as it is looked at, and how often."""
-    every = max(int(recording.rate / READ), 1)
-    size = every * 4096
-    read = [piece[0][::every] for piece in recording.pieces([channel], size=size)]
+    """Return a slow channel as it is looked at, and how often: of a day's drive less often."""
+    every, start, count = max(int(recording.rate / READ), 1), 0, 0
+    read: list[FloatArray] = []
+    for piece in recording.pieces([channel]):
+        x = piece[0]
+        read.append(np.array(x[-start % every :: every], float))
+        start, count = start + x.size, count + read[-1].size
+        while count > MOST:
+            read = [np.concatenate(read)[::2].copy()]
+            every, count = 2 * every, read[0].size
     return np.concatenate(read or [np.empty(0)]), recording.rate / every
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 
@@ -11,9 +12,10 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
 from cardan.base.units import MPa, hour
 from cardan.fatigue import crack
-from cardan.fatigue.damage import miner
+from cardan.fatigue.damage import Life, miner
 from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.local import Local, Material
+from cardan.fatigue.rainflow import Cycles
 from cardan.fatigue.reliability import (
     Estimate,
     Form,
@@ -23,6 +25,21 @@ from cardan.fatigue.reliability import (
     monte_carlo,
     sorm,
 )
+
+
+class Counted(Protocol):
+    """A gauge of a recording or of a mix: its cycles, and what they came to."""
+
+    @property
+    def cycles(self) -> Cycles:
+        """Closed cycles, and the residue by its rule."""
+        ...
+
+    @property
+    def life(self) -> Life:
+        """Damage and what follows from it."""
+        ...
+
 
 DRAWS = 2000
 """Parts drawn about the likeliest failure."""
@@ -95,10 +112,9 @@ class Otherwise:
     Attributes
     ----------
     strain_damage, strain
-        Of the recording by strain-life, and the largest local strain amplitude; nan where the
-        gauge's answer is vetoed.
+        Of the recording or mix by strain-life, and the largest local strain amplitude.
     growth
-        Passages of the recording that grow the crack; infinite where it stops.
+        Passages of the recording or mix that grow the crack; infinite where it stops.
     duration : s
         The gauge was alive, of one passage.
     """
@@ -149,7 +165,29 @@ def strained(
     return [(float(d), float(s)) for d, s in zip(damage, strain, strict=True)]
 
 
-def grown(one: GaugeLife, of: Cracked) -> float:
+def mixed(
+    one: Counted, parts: Sequence[tuple[Otherwise, float]], plan: Plan, *, gauge: str,
+    crack: Cracked | None, hours: float | None, miner_scatter: float,
+) -> Otherwise:  # fmt: skip
+    """Return the other answers of a gauge in a mix of recordings, each driven so many times.
+
+    Damage by strain adds up, each recording beginning with a memory of nothing. A crack grows by
+    the cycles of all in one, and odds are of those: what has to hold is the mix, and neither is
+    a mean of what each recording would come to by itself.
+    """
+    damages = [p.strain_damage for p, _ in parts]
+    strained = [d for d in damages if d is not None]
+    return Otherwise(
+        gauge=gauge, duration=one.life.duration, allowed=plan.allowed,
+        strain_damage=sum(d * times for d, (_, times) in zip(strained, parts, strict=True))
+        if strained else None,
+        strain=max((p.strain for p, _ in parts), default=math.nan),
+        growth=None if crack is None else grown(one, crack),
+        odds=None if hours is None else odds(one, plan, hours=hours, miner_scatter=miner_scatter),
+    )  # fmt: skip
+
+
+def grown(one: Counted, of: Cracked) -> float:
     """Return passages of a recording that grow a crack at a gauge; infinite where it stops."""
     law = partial(crack.paris, C=of.C * MPa**-of.m, m=of.m, threshold=of.threshold * MPa)
     return crack.repeats(
@@ -158,7 +196,7 @@ def grown(one: GaugeLife, of: Cracked) -> float:
     )  # fmt: skip
 
 
-def odds(one: GaugeLife, plan: Plan, *, hours: float, miner_scatter: float, seed: int = 1) -> Odds:
+def odds(one: Counted, plan: Plan, *, hours: float, miner_scatter: float, seed: int = 1) -> Odds:
     """Return how often parts fail at a gauge within some hours of service.
 
     g = ln(Δ D₀) - ln D(B σ, A): strength A and stress scale B about the plan's, and damage at

@@ -26,6 +26,7 @@ from cardan.fatigue.damage import Life
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
+from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.response import FOUND, Evidence, together
 from cardan.fatigue.usage import customer, usage
@@ -33,10 +34,10 @@ from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
-from cardan.study.campaign import NAME, TURN, Campaign, numbers
+from cardan.study.campaign import NAME, TURN, Campaign, Misread, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
-from cardan.study.otherwise import Otherwise, grown, odds, strained
+from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
 from cardan.study.promise import Promised, promised
 from cardan.study.usage import Used, used
 
@@ -83,6 +84,25 @@ class Pictures:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OtherWay:
+    """A channel of speed with numbers that are none, and the answer with these taken otherwise.
+
+    Attributes
+    ----------
+    misread
+        Where they are, and how they are taken.
+    turns
+        That the shaft would make more.
+    evidence
+        What the joints would be answerable for, by gauge.
+    """
+
+    misread: Misread
+    turns: float
+    evidence: Mapping[str, Evidence]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Heard:
     """The answer: what a recording did to its gauges.
 
@@ -107,6 +127,8 @@ class Heard:
         What gauges would do with the changed line; none where none was given.
     otherwise
         Its gauges judged by strain, by a crack, by odds; none where it was not asked.
+    misread
+        Channels of speed in which a bus wrote that it had no value.
     """
 
     recording: Recording
@@ -120,6 +142,7 @@ class Heard:
     used: tuple[Used, ...] = ()
     promised: tuple[Promised, ...] = ()
     otherwise: tuple[Otherwise, ...] = ()
+    misread: tuple[OtherWay, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -163,6 +186,12 @@ class RecordingStudy:
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 predicted=predicted, progress=progress,
             )  # fmt: skip
+        misread = tuple(
+            _other_ways(
+                campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
+                predicted=predicted, progress=progress,
+            )
+        )  # fmt: skip
         when = Occasion("recording", recording.name)
         if angle is not None and causes is not None:
             angle = _told_angle(angle, causes)
@@ -205,6 +234,7 @@ class RecordingStudy:
                 used=told,
                 promised=kept,
                 otherwise=others,
+                misread=misread,
             ),
             checks=tuple(_checks(lives, limits, when=when, line=campaign.line)),
             unanswered=tuple(_unanswered(lives, limits, when=when, line=campaign.line)),
@@ -264,6 +294,11 @@ class Mixed:
         )  # fmt: skip
 
     @property
+    def cycles(self) -> Cycles:
+        """Of the mix: those of each recording as often as it is driven."""
+        return join(one.cycles.repeated(times) for one, times in self.parts)
+
+    @property
     def heard(self) -> bool:
         """Whether it said something in every recording."""
         return all(one.heard for one, _ in self.parts)
@@ -294,6 +329,8 @@ class Mix:
         Damage at failure.
     campaign
         What was asked of every recording.
+    otherwise
+        The mix's gauges judged by strain, by a crack, by odds; none where it was not asked.
     """
 
     title: str
@@ -303,6 +340,7 @@ class Mix:
     customer: float = 0.0
     allowed: float = 1.0
     campaign: Campaign | None = None
+    otherwise: tuple[Otherwise, ...] = ()
 
     @property
     def customers(self) -> dict[str, tuple[float, float]]:
@@ -331,9 +369,12 @@ class Mix:
 
 def listen_to_all(
     path: Path, *, limits: Sequence[Limit] = (), allow_outside: bool = False, tell: Tell = silent,
-    draw: bool = False,
+    draw: bool = False, identified: bool = False, changed: bool = False,
 ) -> Finding[Mix]:  # fmt: skip
     """Ask every recording of a campaign's file, and hold the mix against its limits and others.
+
+    `identified` where what is wanted follows from the identification of its only recording, and
+    `changed` where it is of the changed line: refused before anything is read if there is none.
 
     Raises
     ------
@@ -342,6 +383,16 @@ def listen_to_all(
     """
     written = campaigned(path, allow_outside=allow_outside)
     asked = Campaign(**written.options)
+    count = sum(len(drive.segments or (None,)) for drive in written.drives)
+    if (identified or changed) and not (count == 1 and asked.identify):
+        msg = (
+            f"--corrected and the histories are of one recording with identify: {path.name} has "
+            f"{count}" + ("" if count != 1 else " without it")
+        )
+        raise DesignError(msg)
+    if changed and asked.changed is None:
+        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
+        raise DesignError(msg)
     profile, own = asked.asked()
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
@@ -381,10 +432,25 @@ def listen_to_all(
             customer=written.customer,
             allowed=asked.allowed,
             campaign=asked,
+            otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
         ),
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _mixed_otherwise(
+    campaign: Campaign, parts: Sequence[tuple[str, float, Heard]], lives: Sequence[Mixed]
+) -> Iterator[Otherwise]:
+    """Yield what a mix comes to otherwise, at each gauge that every recording has an answer of."""
+    told = [{o.gauge: o for o in heard.otherwise} for _, _, heard in parts]
+    for one in lives:
+        if all(one.name in of for of in told):
+            yield mixed(
+                one, [(of[one.name], times) for of, (_, times, _) in zip(told, parts, strict=True)],
+                parts[0][2].plan, gauge=one.name, crack=campaign.cracked,
+                hours=campaign.service_hours, miner_scatter=campaign.miner_scatter,
+            )  # fmt: skip
 
 
 def _times(campaign: Campaign, recording: Recording, segment: Segment) -> tuple[float, float]:
@@ -497,6 +563,27 @@ def _causes(
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted,
         orders_said=bool(campaign.engine_orders), progress=progress,
     )  # fmt: skip
+
+
+def _other_ways(
+    campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
+    healths: dict[str, Health], predicted: dict[str, float], progress: room.Progress,
+) -> Iterator[OtherWay]:  # fmt: skip
+    """Yield what it would come to if numbers of a bus that are no speeds were taken otherwise."""
+    for one in campaign.misread(recording):
+        other = campaign.other_way(one)
+        turned = other.shaft(recording)
+        evidence: dict[str, Evidence] = {}
+        if turned is not None and plan.gauges:
+            found = _causes(
+                other, recording, plan, turned, healths=healths, predicted=predicted,
+                progress=progress,
+            )  # fmt: skip
+            evidence = dict(zip(found.gauges, found.evidence, strict=True))
+        turns = math.nan
+        if turned is not None and angle is not None:
+            turns = float(np.ptp(turned.rotation.turns) - np.ptp(angle.rotation.turns))
+        yield OtherWay(misread=one, turns=turns, evidence=evidence)
 
 
 def _told_angle(angle: Angle, causes: Causes) -> Angle:

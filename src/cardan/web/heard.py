@@ -42,6 +42,8 @@ def brought(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     names = recording.names[:DRAWN]
     healths = room.look(recording, channels=names, progress=_progress(recording, say, tell))
     samples = max(h.samples for h in healths.values())
+    roles = {c.name: _role(c) for c in recording.channels if c.name in healths}
+    healths = {n: h if roles[n] in ("gauge", "") else h.of_no_gauge() for n, h in healths.items()}
     low, high = _envelope(recording, names, samples=samples)
     return {
         "name": recording.name,
@@ -51,7 +53,7 @@ def brought(_: Document, args: Json, say: Language, tell: Tell) -> Json:
         "left": len(recording.names) - len(names),
         "channels": [
             {
-                "name": c.name, "unit": c.unit, "role": _role(c),
+                "name": c.name, "unit": c.unit, "role": roles[c.name],
                 "low": g(h.low), "high": g(h.high), "lowest": fs(a, 4), "highest": fs(b, 4),
                 "suspects": _suspects(h, recording.rate, say),
                 "said": [say.said(s) for s in h.findings(rate=recording.rate)],

@@ -1,0 +1,160 @@
+"""Numbers by which a bus says that it has none: SAE J1939-71, transmitted signal ranges.
+
+Two bytes of 0.125 rpm: values to 0xFAFF (8031.875), an error from 0xFE00 (8128), nothing from
+0xFF00 to 0xFFFF (8191.875). Of a vehicle's speed, 1/256 km/h: 250.996, 254 and 255.996.
+"""
+
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+from adversarial import made
+from click.testing import CliRunner
+
+from cardan.cli.life import life as command
+from cardan.fatigue.angle import SHAFTS, VEHICLES, no_value
+from cardan.fatigue.recording import in_memory
+from cardan.fatigue.response import GUILTY
+from cardan.report.contract_schema import schema
+from cardan.study import campaign as module
+from cardan.study.campaign import Campaign
+
+RATE = 200.0
+
+
+def drive(seconds=60.0):
+    t = np.arange(0, seconds, 1 / RATE)
+    return 1500 + 600 * np.sin(t / 4)
+
+
+def test_the_numbers_are_those_of_the_bus():
+    assert (SHAFTS.first, SHAFTS.last) == (8032.0, 8191.875)
+    assert (VEHICLES.first, VEHICLES.last) == (251.0, 255.99609375)
+
+
+@pytest.mark.parametrize("number", [0xFFFF, 0xFF00, 0xFE00, 0xFE13, 0xFB00])
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_each_of_them_is_found_where_it_stands(number, kind):
+    x = drive()
+    x[2000:2300] = number * 0.125
+    x[7000:7004] = number * 0.125
+    found = no_value(x.astype(kind).astype(float), rate=RATE, of=SHAFTS)
+    assert found.tolist() == [[2000, 2300], [7000, 7004]]
+
+
+def test_first_and_last_readings_and_those_beside_holes_count_too():
+    x = drive()
+    x[:40] = x[-25:] = x[3000:3100] = 8191.875
+    x[2990:3000] = x[3100:3110] = np.nan
+    found = no_value(x, rate=RATE, of=SHAFTS)
+    assert found.tolist() == [[0, 40], [3000, 3100], [x.size - 25, x.size]]
+
+
+def test_flanks_that_a_faster_clock_laid_go_with_it():
+    """Read ten times a second and laid on 200 Hz, it is reached by twenty steps of 330 rpm."""
+    t = np.arange(0, 60, 0.1)
+    read = 1500 + 600 * np.sin(t / 4)
+    read[100:115] = 8191.875
+    x = np.interp(np.arange(0, 59.8, 1 / RATE), t, read)
+    ((first, last),) = no_value(x, rate=RATE, of=SHAFTS).tolist()
+    # From behind the reading at 9.9 s up to that at 11.5 s.
+    assert (first, last) == (1981, 2300)
+
+
+def test_what_turns_as_fast_is_no_fault():
+    t = np.arange(0, 60, 1 / RATE)
+    fast = np.rint((6000 + 2150 * np.sin(t / 4)) / 0.125) * 0.125
+    assert fast.max() > 8100
+    assert not no_value(fast, rate=RATE, of=SHAFTS).size
+    odd = drive()
+    odd[2000:2300] = 8191.8  # of no bus
+    assert not no_value(odd, rate=RATE, of=SHAFTS).size
+
+
+@pytest.fixture(scope="module")
+def spoiled(tmp_path_factory):
+    """A guilty line whose shaft's channel says 8191.875 rpm for 1.5 s, and its truth beside."""
+    case = made(
+        5, fault="none", ratio_off=0.0, engine_known=True, contact=False, engine_order=3.0,
+        kind="mixed", modes=[{"hertz": 55, "damping": 0.02, "share": 1.0}], seconds=75.0,
+        guilt=1.5, road=3.0,
+    )  # fmt: skip
+    t = np.arange(case.stress.size) / case.rate
+    rpm = case.speed * 60
+    lost = rpm.copy()
+    lost[round(12 * case.rate) : round(13.5 * case.rate)] = 8191.875
+    rows = np.stack([t, case.stress, rpm, lost, case.torque / 1e3], -1)
+    path = tmp_path_factory.mktemp("bus") / "a.csv"
+    head = "time [s],S1 [MPa],n [rpm],lost [rpm],torque [kNm]"
+    np.savetxt(path, rows, "%.9g", delimiter=",", header=head, comments="")
+    return path
+
+
+def asked(path, speed, *more):
+    asks = [str(path), "--gauge", "S1", "--sn", "30,2e6,5", "--speed", speed, "--torque", "torque",
+            "-q", *more]  # fmt: skip
+    done = CliRunner().invoke(command, [*asks, "--json"])
+    assert done.exit_code == 0, done.output
+    return json.loads(done.output), CliRunner().invoke(command, asks).output
+
+
+def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
+    sound, _ = asked(spoiled, "n")
+    assert "misread" not in sound
+    found, text = asked(spoiled, "lost")
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(found, contract, jsonschema.Draft202012Validator)
+    (of,) = found["misread"]
+    assert (of["channel"], of["kind"], of["count"], of["accepted"]) == ("lost", "sentinel", 1, 0)
+    assert of["rpm"] == 8191.875
+    assert of["places"][0]["from_s"] == pytest.approx(12, abs=0.01)
+    assert of["seconds"] == pytest.approx(1.5, abs=0.02)
+    # 136.5 turns/s in place of some 20, for 1.5 s.
+    assert 130 < of["turns_otherwise"] < 205
+    (gauge,), (true,) = found["gauges"], sound["gauges"]
+    assert gauge["removed"] == pytest.approx(true["removed"], abs=0.05)
+    assert true["finding"] == GUILTY
+    assert gauge["strength"] == pytest.approx(true["strength"], rel=0.5)
+    # As a speed it loses the angle behind it: nearly nothing is locked any more.
+    other = of["gauges_otherwise"]["S1"]
+    assert other["strength"] < 0.1 * true["strength"]
+    assert other["removed_interval"][0] < true["removed_interval"][0] - 0.05
+    assert "8192 rpm" in text or "8191.875 rpm" in text
+    assert "writes for an error or no value, taken for holes" in text
+    assert "S1: with that taken otherwise" in text
+
+
+def test_whoever_knows_better_accepts_it(spoiled):
+    found, text = asked(spoiled, "lost", "--accept", "lost=sentinel@11..14")
+    (of,) = found["misread"]
+    assert of["accepted"] == 1
+    assert of["turns_otherwise"] < -130
+    first, _ = asked(spoiled, "lost")
+    other = first["misread"][0]["gauges_otherwise"]["S1"]
+    assert found["gauges"][0]["removed"] == pytest.approx(other["removed"], abs=1e-6)
+    assert "accepted as a speed" in text
+
+
+def test_a_day_is_met_less_often_and_comes_to_the_same(monkeypatch):
+    """Held in no more memory than some hours: the channel's straight lines stay what they are."""
+    rate = 400.0
+    t = np.arange(0, 120, 1 / rate)
+    speed = 1200 + 300 * np.sin(2 * np.pi * t / 10)
+    of = in_memory(np.stack([speed, speed]), rate=rate, names=["S1", "n"], units=["MPa", "rpm"])
+    asks = Campaign(sn="30,2e6,5", gauges=("S1",), speed="n")
+    whole = asks.shaft(of).rotation
+    monkeypatch.setattr(module, "MOST", 5000)
+    values, often = module._every(of, "n")
+    assert often == 25.0
+    np.testing.assert_array_equal(values, speed[::16])
+    # Steady for most of the time, which is no staircase however seldom it is looked at.
+    held = np.clip(speed, 1150, 1250)
+    calm = in_memory(np.stack([held, held]), rate=rate, names=["S1", "n"], units=["MPa", "rpm"])
+    found = asks.shaft(calm)
+    assert (found.trusted, found.lag) == (True, 0.15)
+    less = asks.shaft(of).rotation
+    at = np.arange(1, 119, 0.37)
+    # Straight lines over 40 ms of 5 turns/s at 0.1 Hz: (0.2π)² 5 (0.04)²/12 = 2.6e-4 turns/s.
+    np.testing.assert_allclose(less.at(at), whole.at(at), atol=1e-3)
+    np.testing.assert_allclose(less.speed(at), whole.speed(at), atol=5e-3)
