@@ -215,6 +215,36 @@ class CentreBearing:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Flange:
+    """What holds the first or last joint of a line: the transmission's tail, or the axle.
+
+    Attributes
+    ----------
+    stiffness : (vertical, lateral) N/m
+        At the joint centre, across the member; None is rigid.
+    loss_factor : 1
+        The tangent of its loss angle.
+    mass : kg
+        What moves with the joint centre.
+    """
+
+    stiffness: tuple[float, float] | None = None
+    loss_factor: float = 0.0
+    mass: Kilogram = 0.0
+
+    def __post_init__(self) -> None:
+        if self.stiffness is not None:
+            positive("a flange", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)))
+        loss = self.loss_factor
+        if wrong := failing((loss >= 0) & (loss < 1), loss):
+            msg = f"loss_factor of a flange must be 0 or more and below 1, got {wrong[0]:g}"
+            raise DesignError(msg)
+
+
+RIGID_FLANGE = Flange()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Spline:
     """The sliding spline: how far it can move from its installed place, and how it rubs.
 
@@ -306,6 +336,8 @@ class Line:
     gearbox_bearing_overhang: Metre | None = None
     pinion_bearing_spacing: Metre | None = None
     pinion_bearing_overhang: Metre | None = None
+    gearbox_flange: Flange = RIGID_FLANGE
+    pinion_flange: Flange = RIGID_FLANGE
 
     def __post_init__(self) -> None:
         if not self.shafts:
@@ -327,6 +359,17 @@ class Line:
     def joint_count(self) -> int:
         """Number of joints: one more than shafts."""
         return len(self.shafts) + 1
+
+    @property
+    def flanges(self) -> tuple[Flange, Flange]:
+        """What holds the first joint and the last."""
+        return self.gearbox_flange, self.pinion_flange
+
+    @property
+    def swings(self) -> int:
+        """Number of ways in which its shafts swing without bending."""
+        soft = sum(f.stiffness is not None for f in self.flanges)
+        return 2 * (len(self.shafts) - 1 + soft)
 
     @property
     def measured(self) -> bool:

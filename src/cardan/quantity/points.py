@@ -17,8 +17,10 @@ from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
 from cardan.demand.states import Demand, demand_pitched
+from cardan.kinematics.chain import turn
+from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
-from cardan.loads.running import Running, running
+from cardan.loads.running import Running, at_joints, running
 from cardan.loads.sketch import PITCHES, Sketch, sketch
 from cardan.model.layout import Layout
 
@@ -162,11 +164,11 @@ def _each(change: Callable[..., Any], *of: Points) -> Points:
     )
 
 
-def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
+def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Suspended | None:
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
     It needs a tube of each shaft for its mass, and a stiffness of one bearing. A loss factor
-    that nobody gives is `assumed` (...).
+    that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
     unknown = not r.seats and all(b.stiffness is None for b in bearings)
@@ -183,7 +185,7 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
     columns = np.broadcast_arrays(*(np.asarray(v, dtype=float) for row in stiffness for v in row))
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)
     eta = np.stack(np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in loss)), axis=-1)
-    found = suspended(r.layout, r.line, stiffness=k, loss=eta)
+    found = suspended(r.layout, r.line, stiffness=k, loss=eta, cut=cut)
     for bearing, seat in r.seats.items():
         found = found.mounted(bearing, seat)
     return found
@@ -219,20 +221,25 @@ def run(
 
     On its own rubber, or on that of `on`.
     """
-    known = np.isfinite(of.torque)
-    found = running(
-        layout,
-        r.line,
-        r.phases,
-        torque=np.nan_to_num(of.torque),
-        speed=np.nan_to_num(of.speed),
-        held=on or r.held,
-        inertias=r.inertias if inertia else None,
-        gravity=r.gravity,
-        slip=r.slip_at(of.torque),
-        balanced_at=r.balanced_at if r.application.include_unbalance else None,
-    )
-    nothing = np.where(known, 0.0, np.nan)[..., None]
+    found = running(layout, r.line, r.phases, held=on or r.held, **_asked(r, of, inertia=inertia))
+    return _known(found, of)
+
+
+def _asked(r: "Response", of: Demand, *, inertia: bool) -> dict[str, Any]:
+    """Return what a line's forces as it runs depend on, beside where it lies."""
+    return {
+        "torque": np.nan_to_num(of.torque),
+        "speed": np.nan_to_num(of.speed),
+        "inertias": r.inertias if inertia else None,
+        "gravity": r.gravity,
+        "slip": r.slip_at(of.torque),
+        "balanced_at": r.balanced_at if r.application.include_unbalance else None,
+    }
+
+
+def _known(found: Running, of: Demand) -> Running:
+    """Return forces with nan where a demand is no point."""
+    nothing = np.where(np.isfinite(of.torque), 0.0, np.nan)[..., None]
     return Running(
         mean=found.mean + nothing[..., None],
         thrust=found.thrust + nothing,
@@ -251,7 +258,7 @@ def worst(r: "Response") -> dict[str, Points]:
     found = curves(r.demand)
     if not found.gears or r.line.joint_count < 3:
         return {}
-    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    quick = None if r.held is None else r.held.slowest(r.line.swings)
     found = _beside_variants(found, _cases(r, found))
     curve, speed = _candidates(r, found, quick)
     if quick is None:
@@ -263,6 +270,96 @@ def worst(r: "Response") -> dict[str, Points]:
     seeds = *(_best(tried, name) for name in FORCES), _best(tried, "static", 1)
     last = _at(r, found, *_gathered(found, [_once(*_rows(*seeds))]))
     return {name: _best(last, name) for name in FORCES}
+
+
+def worst_joints(r: "Response") -> Points | None:
+    """Return the point where what shakes each joint is largest, (..., S, n).
+
+    Of a line on its rubber, at the corners of its curves and where orders meet modes; None
+    where it is not on rubber, or has no point. The first joint and the last are those of the
+    flanges.
+    """
+    found, cut = curves(r.demand), held(r, cut=True)
+    if not found.gears or r.held is None or cut is None or r.line.joint_count < 3:
+        return None
+    found = _beside_variants(found, _cases(r, found))
+    curve, speed = _candidates(r, found, r.held.slowest(r.line.swings))
+    asked = demand_at(r.demand, found, curve=curve, speed=speed)
+    carried = at_joints(
+        r.lay(asked), r.line, r.phases, held=r.held, cut=cut, **_asked(r, asked, inertia=True)
+    )
+    every = Points(
+        curves=found,
+        curve=np.broadcast_to(curve, asked.speed.shape),
+        speed=asked.speed,
+        torque=asked.torque,
+        running=_known(carried, asked),
+    )
+    return _best(every, "dynamic")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swinging:
+    """How a line's swinging goes on, (..., 1) 1/s: above 0 it grows by itself."""
+
+    growth: FloatArray
+
+
+def worst_growth(r: "Response") -> Points | None:
+    """Return the point where a line's swinging grows most, or dies away least, (..., S, 1).
+
+    At the corners of its curves, and with most torque where twice the speed meets the sum of
+    two modes; None where the line is not on rubber, or has no point.
+    """
+    found = curves(r.demand)
+    if not found.gears or r.held is None or r.line.joint_count < 3:
+        return None
+    quick = r.held.slowest(r.line.swings)
+    found = _beside_variants(found, _cases(r, found))
+    rows: list[_Row] = []
+    for of in _ways(found):
+        rows += [*_corners(found, of), _sums(found, quick, of)]
+    tried = _swinging(r, found, quick, *_gathered(found, rows), how=of_two)
+    # Zones lie close, and more than two modes feed each other.
+    most = [_best(tried, "growth", rank) for rank in range(CRESTS)]
+    last = _swinging(r, found, quick, *_gathered(found, [_once(*_rows(*most))]), how=growth)
+    return _best(last, "growth")
+
+
+def _swinging(
+    r: "Response",
+    found: Curves,
+    quick: Suspended,
+    curve: IntArray,
+    speed: FloatArray,
+    *,
+    how: Callable[..., FloatArray],
+) -> Points:
+    """Return how a line's swinging goes on at points, their curves and speeds (P, ..., S)."""
+    asked = demand_at(r.demand, found, curve=curve, speed=speed)
+    turned = turn(r.lay(asked).directions, phases=r.phases, crosses=r.line.crosses, samples=16)
+    torque, pace = np.nan_to_num(asked.torque), np.nan_to_num(asked.speed)
+    rate = how(quick, quick.swing(turned), speed=pace, torque=torque)
+    return Points(
+        curves=found,
+        curve=np.broadcast_to(curve, asked.speed.shape),
+        speed=asked.speed,
+        torque=asked.torque,
+        running=Swinging(growth=np.where(np.isnan(asked.torque), np.nan, rate)[..., None]),
+    )
+
+
+def _sums(found: Curves, quick: Suspended, of: IntArray) -> _Row:
+    """Return where order 2 meets the sum of two modes with most torque of curves `of` C."""
+    cases, modes = found.fastest.shape[1:], quick.mass.shape[-1]
+    one, other = np.triu_indices(modes)
+    free = np.broadcast_to(quick.frequencies(), (*cases, modes))
+    meets = np.moveaxis(free[..., one] + free[..., other], -1, 0) / 2
+    _, torque = _with_most(found, of, meets)
+    under = quick.frequencies(torque=np.nan_to_num(torque))
+    meets = np.stack([(under[q, ..., i] + under[q, ..., j]) / 2
+                      for q, (i, j) in enumerate(zip(one, other, strict=True))])  # fmt: skip
+    return _with_most(found, of, meets)[0], meets
 
 
 def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
@@ -444,7 +541,7 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
     On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
     """
     found = curves(r.demand)
-    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    quick = None if r.held is None else r.held.slowest(r.line.swings)
     of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
     shape = (len(of), len(speed), *found.fastest.shape[1:])
     curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])
@@ -520,7 +617,7 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
     Or that of the next larger ones, by `rank`.
     """
     value = getattr(p.running, force)
-    order = np.argsort(-np.nan_to_num(value, nan=-1.0), axis=0, kind="stable")
+    order = np.argsort(-np.nan_to_num(value, nan=-np.inf), axis=0, kind="stable")
     at = order[min(rank, len(order) - 1)][None]
 
     def taken(values: Any) -> Any:

@@ -145,7 +145,7 @@ def swept(response: Response, bearing: int) -> Swept | None:
     if not np.nanmax(end, initial=0.0) > 0:
         return None
     modes = held.of_case(s).modes()
-    low = 2 * (response.line.joint_count - 2)  # the rest bends tubes and brackets
+    low = response.line.swings  # the rest bends tubes and brackets
     speed = _speeds(modes.frequency, top=float(np.nanmax(end)), low=low)
     drawn = [k for k in np.flatnonzero(end > 0).tolist() if worst.curves.directions[k] != "coast"]
     torque, waves = _along(response, speed, worst.curves, drawn, state=s, bearing=bearing)

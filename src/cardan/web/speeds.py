@@ -140,7 +140,7 @@ def _on_rubber(r: Response, say: Language) -> Iterator[Mode]:
     if r.held is not None and r.line.joint_count > 2:
         found = r.held.modes()
         names = found.names(0)
-        for k in range(2 * (r.line.joint_count - 2)):
+        for k in range(r.line.swings):
             yield float(found.frequency[0, k]), say(names[k])
 
 
