@@ -91,6 +91,21 @@ class FlangeTable(Table):
         return Flange(stiffness=pair, loss_factor=self.loss_factor or 0.0, mass=self.mass)
 
 
+_AXES = ListOf(
+    Number(*measure.STIFFNESSES, least=1, most=1e12, usual=(1e5, 1e9)), "along", "across", "up"
+)
+
+
+class SeatTable(Table):
+    """The bracket a centre bearing hangs in, as far as the line feels it."""
+
+    fixed = True  # what `cardan bracket` found of one
+
+    stiffness: Annotated[tuple[float, float, float], _AXES] = key(
+        "where the bearing sits, along the shaft, across and up"
+    )
+
+
 class CentreBearingTable(Table):
     """The bearing a shaft hangs on near its rear joint."""
 
@@ -108,6 +123,9 @@ class CentreBearingTable(Table):
     loss_factor: LossFactor | None = key(
         "of the rubber, the tangent of its loss angle; not known if left out", default=None
     )
+    bracket: Annotated[SeatTable, TableRule(SeatTable)] | None = key(
+        "what it hangs in; then the stiffness is the rubber's alone", default=None
+    )
 
     def build(self) -> CentreBearing:
         """Return the bearing in SI."""
@@ -116,6 +134,7 @@ class CentreBearingTable(Table):
             stiffness=_pair(self),
             axial_stiffness=self.axial_stiffness,
             loss_factor=self.loss_factor,
+            bracket_stiffness=self.bracket and self.bracket.stiffness,
         )
 
 

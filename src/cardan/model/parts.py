@@ -186,14 +186,28 @@ class CentreBearing:
 
     `stiffness` is that of rubber and bracket across the shaft, N/m, vertical and lateral;
     None is rigid. `axial_stiffness` is that of the rubber along the shaft, N/m; None slides
-    freely. `loss_factor` is the rubber's, the tangent of its loss angle; None is not known.
-    `from_rear_joint` is how far ahead of the rear joint centre it sits.
+    freely. Where `bracket_stiffness` is given, N/m along x, y and z of the vehicle, those two
+    are the rubber's alone, in series with it. `loss_factor` is the rubber's, the tangent of
+    its loss angle; None is not known. `from_rear_joint` is how far ahead of the rear joint
+    centre it sits.
     """
 
     from_rear_joint: Metre = 0.0
     stiffness: tuple[float, float] | None = None
     axial_stiffness: float | None = None
     loss_factor: float | None = None
+    bracket_stiffness: tuple[float, float, float] | None = None
+
+    @property
+    def across(self) -> tuple[float, float] | None:
+        """Vertical and lateral stiffness of rubber and bracket together, N/m; None is rigid."""
+        if self.bracket_stiffness is None:
+            return self.stiffness
+        _, y, z = self.bracket_stiffness
+        if self.stiffness is None:
+            return z, y
+        vertical, lateral = self.stiffness
+        return 1 / (1 / vertical + 1 / z), 1 / (1 / lateral + 1 / y)
 
     def __post_init__(self) -> None:
         if wrong := failing(self.from_rear_joint >= 0, self.from_rear_joint):
@@ -208,6 +222,8 @@ class CentreBearing:
                 **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
         positive("a centre bearing", axial_stiffness=self.axial_stiffness)
+        if self.bracket_stiffness is not None:
+            positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
         loss = self.loss_factor
         if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
             msg = f"loss_factor of a centre bearing must be above 0 and below 1, got {wrong[0]:g}"

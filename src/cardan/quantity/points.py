@@ -16,13 +16,14 @@ from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
-from cardan.demand.states import Demand, demand_pitched
+from cardan.demand.states import Demand, demand_pitched, pitch_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
 from cardan.loads.running import Running, at_joints, running
 from cardan.loads.sketch import PITCHES, Sketch, sketch
 from cardan.model.layout import Layout
+from cardan.model.seat import soft
 
 if TYPE_CHECKING:
     from cardan.quantity.response import Response
@@ -171,12 +172,14 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Susp
     that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    unknown = not r.seats and all(b.stiffness is None for b in bearings)
+    told = {k: soft(k_b) for k, b in enumerate(bearings) if (k_b := b.bracket_stiffness)}
+    seats = {**told, **r.seats}
+    unknown = not seats and all(b.stiffness is None for b in bearings)
     if any(s.tube is None for s in r.line.shafts) or unknown:
         return None
     stiffness = [
         [
-            *(b.stiffness or ((FIRM, FIRM) if k in r.seats else (np.inf, np.inf))),
+            *(b.stiffness or ((FIRM, FIRM) if k in seats else (np.inf, np.inf))),
             0.0 if b.axial_stiffness is None else b.axial_stiffness,
         ]
         for k, b in enumerate(bearings)
@@ -186,7 +189,7 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Susp
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)
     eta = np.stack(np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in loss)), axis=-1)
     found = suspended(r.layout, r.line, stiffness=k, loss=eta, cut=cut)
-    for bearing, seat in r.seats.items():
+    for bearing, seat in seats.items():
         found = found.mounted(bearing, seat)
     return found
 
@@ -552,6 +555,50 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
         return values.reshape(*shape[:2], *values.shape[1:])
 
     return _each(gear_by_gear, flat)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Driven:
+    """A drive of the line in time: P instants of even steps.
+
+    Attributes
+    ----------
+    time, turned : (P,) s, rad
+        And how far the gearbox's yoke has turned.
+    torque, speed : (P,) N m, rad/s
+    """
+
+    time: FloatArray
+    turned: FloatArray
+    torque: FloatArray
+    speed: FloatArray
+
+
+def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatArray] | None:
+    """Return what the bearings carry along a drive in a state, (P, n-2) N twice.
+
+    Steadily at each instant's torque and speed, and as the line passes through; the axle wound
+    up by the torque of the instant. None where the line is not on rubber.
+    """
+    if r.held is None:
+        return None
+    on = r.held.of_case(state).slowest(r.line.swings)
+    every = np.repeat(of.torque[:, None], len(r.demand.states), axis=1)
+    pitch, slip = (v[:, state] for v in (pitch_under(r.demand, every), r.slip_at(every)))
+    least, largest = pitch.min(), pitch.max()
+    shares = PITCHES if largest > least else (0.0,)
+    pitches = np.stack([np.asarray(r.demand.ride.pitch, dtype=float)] * len(shares))
+    pitches[:, state] = [least + (1 + x) / 2 * (largest - least) for x in shares]
+    laid = r.lay(demand_pitched(r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed))
+    where = Layout(
+        points=np.broadcast_to(laid.points, (len(shares), *laid.points.shape[-3:]))[:, state],
+        directions=np.broadcast_to(
+            laid.directions, (len(shares), *laid.directions.shape[-3:])
+        )[:, state],
+    )  # fmt: skip
+    drawn = sketch(on, where, r.line, r.phases, least=least, largest=largest, gravity=r.gravity)
+    asked = {"torque": of.torque, "speed": of.speed, "pitch": pitch, "slip": np.nan_to_num(slip)}
+    return drawn.at(**asked).peak, drawn.passed(of.time, of.turned, **asked)
 
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:

@@ -87,7 +87,7 @@ def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
         spline_mass=stacked(s.mass if s else 0.0 for s in splines),
         spline_position=stacked(s.from_front_joint if s else 0.0 for s in splines),
         overhang=stacked(b.from_rear_joint for b in bearings),
-        bearing_stiffness=vectors((b.stiffness or (np.inf, np.inf) for b in bearings), size=2),
+        bearing_stiffness=vectors((b.across or (np.inf, np.inf) for b in bearings), size=2),
         flange_stiffness=vectors((f.stiffness or (np.inf, np.inf) for f in line.flanges), size=2),
         flange_mass=stacked(f.mass for f in line.flanges),
     )
