@@ -39,7 +39,7 @@ from cardan.study import shards
 from cardan.study import sizing as sizings
 from cardan.study import sweep as sweeps
 from cardan.study.finding import BRACKET, DRIVELINE, Finding, Study
-from cardan.study.studies import STUDIES, BracketStudy, VibrationStudy
+from cardan.study.studies import STUDIES, BracketStudy, CampaignStudy, VibrationStudy
 
 __all__ = [
     "Application", "Approval", "CompositeTube", "Driven", "Life", "LooseJoint", "Proposals",
@@ -353,6 +353,7 @@ def check(
     app: Application,
     limits: str | Path | None = None,
     studies: Iterable[str] | None = None,
+    recording: str | Path | None = None,
 ) -> Approval:
     """Hold an application against every limit, in every state.
 
@@ -365,6 +366,8 @@ def check(
     studies
         Which to ask beside the driveline: "vibration", "bracket". By default vibration,
         where the file says what turns at both ends.
+    recording
+        A campaign's file, whose recordings are asked too, for the same verdict.
 
     Raises
     ------
@@ -374,9 +377,14 @@ def check(
     if limits is not None:
         name, rows = files.limits(str(limits))
         app = replace(app, profile=name, limits=rows)
-    if studies is None:
-        return _approved(app, *approvals.default_studies(app))
-    return _approved(app, *map(_study, dict.fromkeys((DRIVELINE, *studies))))
+    chosen = (
+        approvals.default_studies(app)
+        if studies is None
+        else tuple(map(_study, dict.fromkeys((DRIVELINE, *studies))))
+    )
+    if recording is not None:
+        chosen = (*chosen, CampaignStudy(Path(recording), draw=True, allow_outside=True))
+    return _approved(app, *chosen)
 
 
 def stability(app: Application, **torsion: float) -> Approval:

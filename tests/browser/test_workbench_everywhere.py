@@ -12,6 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from brackets import BRACKET, LINE
 from browsing import CHAIN, SETTLED, browsing, clean, opened, serious, wait, workbench
 
 from cardan.base.units import MPa
@@ -28,20 +29,14 @@ VIEWS = {
 }  # fmt: skip
 """What stands in each view once it is there."""
 
-BRACKET = """title: Two-piece line
-speed_rpm: 2500
-torque_Nm: 8000
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x4}
-bracket:
-  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 8, height_mm: 90, flange_mm: 55,
-            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+TURNED = (
+    LINE
+    + BRACKET.replace("thickness_mm: 6", "thickness_mm: 8")
+    + """\
   element_mm: 25
   cases: [{name: kerb, force_N: [0, 1000, 0]}]
 """
+)
 
 
 def sized(driver, width):
@@ -161,7 +156,7 @@ def test_a_recording_is_dropped_its_suspects_decided_and_its_causes_told(tmp_pat
 @pytest.mark.bracket
 def test_a_bracket_is_solved_turned_and_its_zones_marked(tmp_path):
     pytest.importorskip("ngsolve")
-    with browsing(deep=True) as driver, workbench(tmp_path, BRACKET) as (house, _):
+    with browsing(deep=True) as driver, workbench(tmp_path, TURNED) as (house, _):
         opened(driver, house)
         show(driver, "bracket")
         press(driver, ".bracket .asking button")

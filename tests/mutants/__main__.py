@@ -41,7 +41,9 @@ class Copy:
         self.folder, self.package = folder, folder / "src" / "cardan"
         shutil.copytree(ROOT / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__"))
 
-    def tested(self, tests: tuple[str, ...], *options: str) -> subprocess.CompletedProcess[str]:
+    def tested(
+        self, tests: tuple[str, ...], *options: str, patience: float | None = PATIENCE
+    ) -> subprocess.CompletedProcess[str]:
         """Run tests on this copy."""
         known = dict(os.environ)
         known |= {
@@ -54,7 +56,7 @@ class Copy:
         quietly = ("-q", "--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", *also)
         return subprocess.run(
             [sys.executable, "-B", "-m", "pytest", *quietly, *options, *tests],
-            cwd=ROOT, env=known, timeout=PATIENCE, capture_output=True, text=True, check=False,
+            cwd=ROOT, env=known, timeout=patience, capture_output=True, text=True, check=False,
         )  # fmt: skip
 
     def outcome(self, mutant: Mutant, red: tuple[str, ...]) -> tuple[str, str]:
@@ -86,7 +88,7 @@ def red_anyway(copies: "SimpleQueue[Copy]", mutants: tuple[Mutant, ...]) -> tupl
     tests = tuple(dict.fromkeys(t for m in mutants for t in m.noticed_by))
     copy = copies.get()
     try:
-        found = copy.tested(tests, "-n", str(AT_ONCE), "-rfE")
+        found = copy.tested(tests, "-n", str(AT_ONCE), "-rfE", patience=None)
     finally:
         copies.put(copy)
     return tuple(dict.fromkeys(failures(found.stdout)))

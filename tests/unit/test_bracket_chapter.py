@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from brackets import BRACKET, LINE
 from click.testing import CliRunner
 
 from cardan import files
@@ -22,25 +23,18 @@ from cardan.study.finding import Finding
 
 pytestmark = pytest.mark.bracket
 
-FILE = """
-title: Two-piece line
-speed_rpm: 2500
-torque_Nm: 8000
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x4}
-duty: [{share_percent: 100, torque_Nm: 8000, speed_rpm: 2500}]
-bracket:
-  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
-            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+FILE = (
+    LINE
+    + "duty: [{share_percent: 100, torque_Nm: 8000, speed_rpm: 2500}]\n"
+    + BRACKET
+    + """\
   element_mm: 16
   carried_mass_kg: 18
   fatigue: {amplitude_MPa: 2, cycles: 1.0e+6, slope: 5}
   gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
   cases: [{name: kerb, force_N: [0, 1000, 0]}]
 """
+)
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from brackets import BRACKET, LINE
 
 from cardan import files
 from cardan.base.errors import BadFile, DesignError
@@ -147,24 +148,19 @@ def test_a_duty_cycle_adds_rates_and_the_worst_place_counts():
     assert np.isnan(endured(up(0, 200), **how, turns=1).hours)
 
 
-TEXT = """
-title: Two-piece line
-speed_rpm: 2400
-torque_Nm: 8000
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x4}
+TEXT = (
+    LINE.replace("speed_rpm: 2500", "speed_rpm: 2400")
+    + """\
 duty:
   - {share_percent: 75, torque_Nm: 8000, speed_rpm: 2400}
   - {share_percent: 25, torque_Nm: 4000, speed_rpm: 600}
 include: [unbalance]
-bracket:
-  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
-            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+"""
+    + BRACKET
+    + """\
   fatigue: {amplitude_MPa: 150, cycles: 2.0e+6, slope: 5}
 """
+)
 
 
 def test_the_file_gives_the_curve():

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from brackets import BRACKET, LINE
 
 from cardan import files
 from cardan.base.part import Occasion
@@ -21,20 +22,13 @@ from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, O
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import Finding, silence
 
-FILE = """
-title: Two-piece line
-speed_rpm: 2500
-torque_Nm: 8000
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x4}
-bracket:
-  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
-            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+FILE = (
+    LINE
+    + BRACKET
+    + """\
   gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
 """
+)
 
 HOT = np.array([120.5e6, 80.25e6])
 

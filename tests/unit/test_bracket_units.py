@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from brackets import BRACKET, LINE
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError, NotConverged
@@ -340,18 +341,10 @@ def test_hooke_and_back():
     assert hooke(strain, STEEL)[:3] == pytest.approx([206e6, 0, 0], abs=1e-3)
 
 
-FILE = """
-title: Two-piece line
-speed_rpm: 2500
-torque_Nm: 8000
-driveline:
-  slopes: {side_deg: [3.0, 1.0, 4.5, 2.0], top_deg: [0.0, 1.5, -0.8, 0.6]}
-  shafts:
-    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140}}
-    - {length_mm: 1500, tube: 120x4}
-bracket:
-  u_shape: {seat_diameter_mm: 100, width_mm: 70, thickness_mm: 6, height_mm: 90, flange_mm: 55,
-            bend_radius_mm: 10, bolt_diameter_mm: 11, bolt_pitch_mm: 40}
+FILE = (
+    LINE
+    + BRACKET
+    + """\
   element_mm: 12
   carried_mass_kg: 18
   gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1]}]
@@ -361,6 +354,7 @@ bracket:
   reinforced: {thickness_mm: 8}
 include: [unbalance]
 """
+)
 
 
 def test_the_command_judges_a_file(tmp_path):

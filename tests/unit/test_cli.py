@@ -641,7 +641,7 @@ def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_p
     assert any(c["quantity"].startswith("torsional_r") for c in first["checks"]) == (row != GROWS)
     said = " ".join(result.stdout.split())
     assert ("still fail: Growth of torsional vibration" in said) == (verdict == "fail")
-    assert ("required, and needs cardan life" in said) == (verdict == "incomplete")
+    assert ("required, and needs a campaign" in said) == (verdict == "incomplete")
 
 
 def test_the_file_changed_as_proposed_gives_what_is_proposed():

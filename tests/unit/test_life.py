@@ -347,7 +347,7 @@ def test_a_target_missed_fails(broken):
     done = run(broken, *ONE, "--target-hours", "1e9")
     assert done.exit_code == 1, done.output
     assert "broken.csv: FAIL (1 fail, 0 warn, 0 pass)" in done.output
-    assert "asked on the command line" in done.output
+    assert "asked of the recording" in done.output
     assert "-100 %" in done.output
 
 
@@ -472,9 +472,9 @@ def test_the_line_is_that_of_the_application(broken):
     ("code", "said"),
     [
         ("pt", ("REPROVADO (1 reprovado", "Vida em fadiga", "uma medição em que todos",
-                "pedido na linha de comando")),
+                "pedido ao registro")),
         ("it", ("NON CONFORME (1 non conforme", "una registrazione in cui tutti i suoi canali",
-                "richiesto sulla riga di comando")),
+                "richiesto alla registrazione")),
     ],
 )  # fmt: skip
 def test_the_verdict_is_told_in_other_languages(broken, code, said):

@@ -82,6 +82,18 @@ def test_the_worst_point_of_a_line_without_an_engine_is_where_its_torque_meets_a
     assert below["speed_rpm"] == pytest.approx(100)  # a state's own speed holds
 
 
+def test_a_check_names_the_mode_that_an_order_meets_where_it_is_worst(tmp_path):
+    """METHOD 15: order 2 meets the lateral mode at 427.25 rpm; nothing is met at 100 rpm."""
+    limits = "limits: [{quantity: centre_bearing_dynamic, maximum: 150, source: ours}]\n"
+    checks = told(tmp_path, two_shafts().replace("limits: protractor\n", limits))["checks"]
+    met = {c["state"]: c.get("mode") for c in checks}
+    assert met["100"] is None
+    assert (met["551.3"]["shape"], met["551.3"]["order"]) == ("lateral", 2)
+    assert met["551.3"]["frequency_Hz"] == pytest.approx(2 * 427.25 / 60, rel=3e-3)
+    done = CliRunner().invoke(cli, ["check", str(tmp_path / "line.yaml")])
+    assert "1000 N·m, order 2 meets lateral at 14.2 Hz" in " ".join(done.stdout.split())
+
+
 @pytest.mark.parametrize(("speed", "off"), [(500, 0.0940), (380, 0.1106), (600, 0.0872)])
 def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_path, speed, off):
     """METHOD 15: order 2 meets the modes at 427.25 and 551.90 rpm; tubes move them by 0.3 %."""

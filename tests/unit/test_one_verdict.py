@@ -140,12 +140,12 @@ def test_documents_are_read_back(tmp_path):
                 of_document(tmp_path / "out.pdf")
 
 
-def said(case: Case, folder: Path) -> dict[str, object]:
+def said(case: Case, folder: Path, *asked: str) -> dict[str, object]:
     """What every medium of `cardan check` says of an application."""
     path = put(folder, case.name, case.text)
     outs = {kind: folder / f"{case.name}.{kind}" for kind in KINDS}
     options = [word for kind, out in outs.items() for word in (f"--{kind}", str(out))]
-    options += ["--with", "bracket"] if case.hangs else []
+    options += ["--with", "bracket"] if case.hangs else asked
     run = CliRunner().invoke(cli, ["check", str(path), *options], catch_exceptions=False)
     contract = json.loads(outs["json"].read_text(encoding="utf-8"))
     html = outs["html"].read_text(encoding="utf-8")
@@ -292,6 +292,57 @@ def test_what_a_recording_tells_is_one_verdict_in_every_medium(
     profile = tmp_path / "ours.yaml"
     profile.write_text(yaml.safe_dump(rows), encoding="utf-8")
     held(heard(recording, "--limits", str(profile)), verdict)
+
+
+@pytest.fixture
+def campaign(recording, tmp_path) -> Path:
+    """The recording as a campaign that limits nothing of its own."""
+    (tmp_path / recording.name).write_bytes(recording.read_bytes())
+    path = tmp_path / "campaign.yaml"
+    path.write_text(
+        f"campaign: One drive\nrecordings: [{{file: {recording.name}}}]\ngauges: [S1]\n"
+        "strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n", encoding="utf-8",
+    )  # fmt: skip
+    return path
+
+
+@pytest.mark.parametrize(("verdict", "held_by", "share"), VERDICTS)
+@pytest.mark.parametrize("quantity", RECORDING)
+@pytest.mark.usefixtures("drawn_once")
+def test_a_recording_beside_an_application_is_in_its_one_verdict(
+    recording, campaign, tmp_path, quantity, verdict, held_by, share
+):
+    """Its limits are rows of the application like any other."""
+    bound = past(quantity, heard_value(recording, quantity), share)
+    case = passing("joint_angle")
+    text = yaml.safe_load(case.text)
+    text["limits"].append(limit(quantity, **{held_by: bound}))
+    case = replace(case, text=yaml.safe_dump(text))
+    held(said(case, tmp_path, "--recording", str(campaign)), verdict)
+    contract = json.loads((tmp_path / f"{case.name}.json").read_text(encoding="utf-8"))
+    assert contract["recording"]["campaign"] == "One drive"
+    assert contract["studies"] == ["driveline", "recording"]
+    page = (tmp_path / f"{case.name}.html").read_text(encoding="utf-8")
+    assert "drive.csv" in page
+    found = cardan.check(cardan.read(tmp_path / f"{case.name}.yaml"), recording=campaign)
+    assert found.verdict == verdict
+
+
+def test_a_recording_is_of_one_application(campaign):
+    two = [str(EXAMPLES / "medium-truck-4x2.yaml")] * 2
+    run = CliRunner().invoke(cli, ["check", *two, "--recording", str(campaign)])
+    assert run.exit_code == 2
+    assert "give one file with --recording" in run.output
+
+
+def test_a_short_report_has_no_numbers_that_nobody_decides_by(tmp_path):
+    path, out = put(tmp_path, "truck", passing("joint_angle").text), tmp_path / "out.html"
+    said = {}
+    for how in ("--short", "--all"):
+        CliRunner().invoke(cli, ["check", str(path), how, "--html", str(out)])
+        said[how] = re.findall(r"<h2[^>]*>(.*?)</h2>", out.read_text(encoding="utf-8"))
+    assert [t.split()[-1] for t in said["--short"]] == ["Verdict", "Limits", "change", "Approval"]
+    assert len(said["--all"]) > len(said["--short"])
 
 
 def test_a_target_missed_by_a_millionth_fails_in_every_medium(recording):

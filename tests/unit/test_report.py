@@ -712,7 +712,7 @@ def test_a_report_names_what_is_required_and_unanswered():
     found = approve(limited(FLAT, LIVES | {"required": True}))
     assert found.verdict == "incomplete"
     (said,) = what_to_change(found)
-    assert said.endswith("required, and needs cardan life, with a recording")
+    assert said.endswith("required, and needs a campaign of recordings, by --recording")
 
 
 def test_a_report_of_nothing_says_that_nothing_is_approved():

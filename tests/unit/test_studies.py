@@ -261,6 +261,7 @@ def test_intervals_are_those_of_the_binomial():
             assert found == pytest.approx((low, high), rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_tolerance_half_as_wide_wins_what_a_study_of_it_says():
     correlated = (("driveline.slopes.side_deg[1]", "driveline.slopes.side_deg[2]", 0.5),)
     plain = variants_of({}, TOLERANCES)

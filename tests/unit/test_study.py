@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,9 +17,9 @@ from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyP
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.study.approval import assess, held_to
-from cardan.study.fix import fix
+from cardan.study.fix import Proposal, fix
 from cardan.study.margins import PLENTY, margins
-from cardan.study.moves import adjustables, tried
+from cardan.study.moves import Move, adjustables, tried
 from cardan.study.sensitivity import sensitivities
 
 HOUSE = Source("House rules")
@@ -246,6 +247,22 @@ def test_proposals_pay_for_what_they_cost(truck):
         assert [p.margin for p in alike] == sorted(p.margin for p in alike)
 
 
+def test_a_better_verdict_comes_before_a_cheaper_one():
+    shim = Adjustable(what="shim", part=1, low=-3 * deg, high=3 * deg)
+    proposals = [
+        Proposal(
+            line="main", moves=(Move(adjustable=shim, amount=amount * deg),), before=-1.0,
+            margin=0.1, approval=SimpleNamespace(verdict=verdict),
+        )
+        for amount, verdict in ((1.0, "fail"), (3.0, "pass"), (2.0, "pass"), (0.5, "warn"))
+    ]  # fmt: skip
+    ranked = sorted(proposals, key=lambda p: p.rank)
+    assert [(p.verdict, p.cost > 0.5) for p in ranked] == [
+        ("pass", True), ("pass", True), ("warn", False), ("fail", False)
+    ]  # fmt: skip
+    assert ranked[0].cost < ranked[1].cost
+
+
 def test_what_is_held_stays(truck):
     response = respond(truck, demand(resolve(truck, truck.lines[0])))
     whats = {a.what for a in adjustables(response)}
@@ -380,7 +397,7 @@ def test_limits_of_a_recording_are_not_dropped_by_a_check():
     found = assess(files.loads("\n".join(lines) + "\n"))
     assert found.verdict == "incomplete"
     (open_,) = found.coverage.unanswered
-    assert open_.needs == ("cardan life, with a recording",)
+    assert open_.needs == ("a campaign of recordings, by --recording",)
 
 
 def test_what_nobody_asks_is_named_for_the_first_line():

@@ -68,6 +68,8 @@ def test_on_rubber_the_line_fails_in_first_gear():
     assert worst.point.torque == pytest.approx(3370, rel=0.01)
     # Order 2 at 220 rpm is the sideways mode, 7.3 Hz.
     assert worst.point.speed * 30 / np.pi == pytest.approx(220, abs=5)
+    assert (worst.mode.shape, worst.mode.order) == ("yaw", 2)
+    assert worst.mode.frequency / (2 * np.pi) == pytest.approx(7.3, abs=0.05)
 
 
 # ----------------------------------------------------------- 3: damage, life, peaks, cause

@@ -73,6 +73,18 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
+class Mode:
+    """A mode of a line on its centre bearings that an order of its turning meets.
+
+    `shape` is bounce, lateral, pitch, yaw, bending or bracket; `frequency` in rad/s.
+    """
+
+    shape: str
+    frequency: float
+    order: int
+
+
+@dataclass(frozen=True, slots=True)
 class Occasion:
     """When a number was asked for: a state, a range of speed, a load case, a recording.
 

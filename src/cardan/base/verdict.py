@@ -10,7 +10,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
-from cardan.base.part import Occasion, Part, Point
+from cardan.base.part import Mode, Occasion, Part, Point
 from cardan.base.source import Source
 
 Grade: TypeAlias = Literal["pass", "warn", "fail"]
@@ -141,6 +141,8 @@ class Check:
     limit: Limit
     point: Point | None = None
     """Where in its state it is worst, if that was sought over the state's operating points."""
+    mode: Mode | None = None
+    """What makes it so large there: the mode that an order of the line's turning meets."""
 
     @property
     def state(self) -> str:

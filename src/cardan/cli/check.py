@@ -39,6 +39,12 @@ from cardan.cli.ending import Once, kindly, leave
 @click.option("--xlsx", metavar="OUT", type=OUT, help="A workbook with live formulas.")
 @click.option("--live", metavar="OUT", type=OUT, help="The workbench's page, by itself.")
 @ALSO
+@click.option(
+    "--recording",
+    metavar="CAMPAIGN",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Ask a campaign's recordings too, as cardan life does, for the same verdict.",
+)
 @click.option("--bracket", is_flag=True, help="The same as --with bracket; takes a while.")
 @LIMITS
 @OUTSIDE
@@ -52,6 +58,9 @@ from cardan.cli.ending import Once, kindly, leave
     default=True,
     help="Look for corrections for a report: minutes for a line of four shafts.",
 )
+@click.option(
+    "--short", is_flag=True, help="Reports without numbers of every state, inputs and equations."
+)
 @click.option("--quiet", "-q", is_flag=True, help="The verdict alone.")
 @kindly
 def check(
@@ -63,6 +72,7 @@ def check(
     xlsx: Path | None,
     live: Path | None,
     also: tuple[str, ...],
+    recording: Path | None,
     bracket: bool,
     limits: str | None,
     allow_outside: bool,
@@ -72,6 +82,7 @@ def check(
     phasings: bool,
     state: str | None,
     corrections: bool,
+    short: bool,
     quiet: bool,
 ) -> None:
     """Hold an application against every limit, in every state; several files side by side.
@@ -84,12 +95,20 @@ def check(
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
-    outputs = claim(*files, limits, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx, live=live)
+    outputs = claim(
+        *files, limits, recording, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx, live=live
+    )
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
+    if recording and len(files) > 1:
+        raise CardanError(say("a recording is of one application: give one file with --recording"))
     if live and (len(files) > 1 or limits):
         raise CardanError(say("a page by itself holds one application, with its own limits"))
-    studies = (*also, "bracket") if bracket else also
+    studies: list[Any] = [*also, *(["bracket"] if bracket else [])]
+    if recording:
+        from cardan.study.studies import CampaignStudy
+
+        studies.append(CampaignStudy(recording, bool(html or pdf), allow_outside))
     with progress(say("asking"), quiet=quiet) as tell:
         found = [
             approved(
@@ -104,7 +123,16 @@ def check(
         write_json(documents[0] if len(found) == 1 else {"variants": documents}, json_out)
     if html or pdf:
         with progress(say("looking for corrections"), quiet=quiet or not corrections) as tell:
-            told = _story(files, found, say=say, state=state, corrections=corrections, tell=tell)
+            told = _story(
+                files,
+                found,
+                say=say,
+                state=state,
+                corrections=corrections,
+                short=short,
+                tell=tell,
+                beside=(recording,) if recording else (),
+            )
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if xlsx:
         from cardan.report import workbook
@@ -159,29 +187,33 @@ def _variants(paths: tuple[Path, ...], found: list[Any]) -> list[Any]:
 
 
 def _story(paths: tuple[Path, ...], found: list[Any], *, say: Any, state: str | None,
-           corrections: bool, tell: Any) -> Any:  # fmt: skip
+           corrections: bool, short: bool, tell: Any, beside: tuple[Path, ...]) -> Any:  # fmt: skip
     """Return the story of one application, with all that belongs to it, or of variants."""
     from cardan.report import story
 
-    of_this = issue(paths)
+    of_this = issue(paths, *beside)
     if len(found) > 1:
         return story.comparison(_variants(paths, found), say=say, issue=of_this)
     return story.whole(
-        found[0], say=say, issue=of_this, state=state, corrections=corrections, tell=tell
-    )
+        found[0], say=say, issue=of_this, state=state, corrections=corrections, short=short,
+        tell=tell,
+    )  # fmt: skip
 
 
-def issue(paths: tuple[Path, ...]) -> Any:
-    """Return what says which report this is: the day, the files and what they held."""
+def issue(paths: tuple[Path, ...], *beside: Path) -> Any:
+    """Return what says which report this is: the day, the files and what they held.
+
+    Of files `beside` the applications only which they were.
+    """
     from datetime import date
     from hashlib import sha256
 
     from cardan.report import story
 
-    contents = [p.read_bytes() for p in paths]
+    contents = [p.read_bytes() for p in (*paths, *beside)]
     return story.Issue(
         date=date.today().isoformat(),
-        files=tuple(click.format_filename(p, shorten=True) for p in paths),
+        files=tuple(click.format_filename(p, shorten=True) for p in (*paths, *beside)),
         prints=tuple(sha256(c).hexdigest()[:16] for c in contents),
-        texts=tuple(c.decode("utf-8-sig") for c in contents),
+        texts=tuple(c.decode("utf-8-sig") for c in contents[: len(paths)]),
     )

@@ -8,11 +8,14 @@ from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
 from cardan.base.errors import DesignError
+
+if TYPE_CHECKING:
+    from cardan.study.finding import Study
 
 _TEXTS = Path(__file__).parents[1] / "report" / "text"
 _STARTERS = Path(__file__).parents[1] / "files" / "starters"
@@ -110,7 +113,7 @@ def approved(
     *,
     allow_outside: bool,
     outputs: Outputs,
-    also: Iterable[str] = (),
+    also: "Iterable[str | Study[Any]]" = (),
     tell: "Progress | None" = None,
 ) -> Any:
     """Return the approval of a file's application, `also` by other studies than it asks for."""
@@ -119,7 +122,8 @@ def approved(
 
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     chosen = {s.name: s for s in default_studies(application)}
-    chosen |= {name: STUDIES[name] for name in also if name not in chosen}
+    for study in (STUDIES[s] if isinstance(s, str) else s for s in also):
+        chosen.setdefault(study.name, study)
     with of(file, application):
         return approve(application, tuple(chosen.values()), tell=tell.study if tell else silent)
 

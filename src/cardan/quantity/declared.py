@@ -158,6 +158,8 @@ class Quantity:
     of: Of | None = None
     sought: Callable[[Response], Points | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
+    shaken: bool = False
+    """Whether it is large where an order meets a mode of the line on its rubber."""
     on_rubber: bool = False
     """Whether other rubber, or another place of a bearing, changes it."""
     at_points: bool = False

@@ -14,6 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.frozen import dataclass
+from cardan.base.part import Mode
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.states import Demand, each_axle_load
@@ -670,6 +671,26 @@ class Response:
                 )
         hours = life.joint_life(wear, shares=shares)
         return np.where(self.lasting[:, None], hours, np.nan)
+
+    def met(self, spots: points.Spots) -> list[list[Mode | None]]:
+        """Return the mode on the rubber that an order meets at points (S, parts), None where none.
+
+        Met is what lies within its resonance's width at half its height, 2 ζ each way.
+        """
+        found: list[list[Mode | None]] = [[None] * spots.speed.shape[1] for _ in spots.speed]
+        if self.held is None:
+            return found
+        orders = np.array([2, 1] if self.application.include_unbalance else [2])
+        for part, (torque, speed) in enumerate(zip(spots.torque.T, spots.speed.T, strict=True)):
+            modes = self.held.modes(torque=np.nan_to_num(torque))
+            slow = np.maximum(modes.frequency, 1e-300)  # torque may buckle a line
+            off = np.abs(np.multiply.outer(orders, speed)[..., None] / slow - 1)
+            for state in range(len(speed)):
+                order, k = np.unravel_index(off[:, state].argmin(), off[:, state].shape)
+                if off[order, state, k] <= 2 * modes.damping[state, k]:
+                    shape, frequency = modes.names(state)[k], float(slow[state, k])
+                    found[state][part] = Mode(shape, frequency, int(orders[order]))
+        return found
 
     @cached_property
     def resonance_distance(self) -> FloatArray:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cardan import __version__
-from cardan.base.part import Occasion, Part, Point
+from cardan.base.part import Mode, Occasion, Part, Point
 from cardan.base.units import deg, rpm
 from cardan.base.verdict import Check, Unanswered
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
@@ -21,7 +21,7 @@ from cardan.quantity.response import Response
 from cardan.report import phased
 from cardan.study.approval import Approval, Coverage
 from cardan.study.data import Datum
-from cardan.study.finding import VIBRATION
+from cardan.study.finding import RECORDING, VIBRATION
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
 
@@ -63,6 +63,11 @@ def approval(of: Approval) -> dict[str, Any]:
         from cardan.report.stability import vehicle  # few checks ask it
 
         document["vehicle"] = vehicle(of.of(VIBRATION))
+    for finding in of.findings:
+        if finding.study == RECORDING and finding.answer is not None:
+            from cardan.report.life import mix_document
+
+            document["recording"] = mix_document(finding)
     return plain(document)
 
 
@@ -82,7 +87,14 @@ def check(of: Check) -> dict[str, Any]:
         "source": str(of.limit.source),
         "how_read": of.how_read or None,
         **({"point": operating_point(of.point)} if of.point else {}),
+        **({"mode": _met(of.mode)} if of.mode else {}),
     }
+
+
+def _met(mode: Mode) -> dict[str, Any]:
+    return {
+        "shape": mode.shape, "frequency_Hz": mode.frequency / (2 * pi), "order": mode.order,
+    }  # fmt: skip
 
 
 def datum(of: Datum) -> dict[str, Any]:

@@ -245,6 +245,11 @@ def mix_terminal(found: Finding[Mix], say: Language = EN) -> Iterator[str]:
     """Yield the verdict on a campaign, its mix, and each recording as lines of text."""
     of = _mix(found)
     yield from _verdict(found, of.title, of.profile, say)
+    yield from mix_lines(of, say)
+
+
+def mix_lines(of: Mix, say: Language = EN) -> Iterator[str]:
+    """Yield what recordings come to together and each of them as lines of text, ungraded."""
     for one in of.lives:
         yield ""
         yield from columns(mix_rows(of, one, say))

@@ -14,7 +14,7 @@ from cardan.fatigue.cuts import Cuts
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.rainflow import range_pairs
 from cardan.report import otherwise, used
-from cardan.report.blocks import Block, Figures, Picture, Table, Text
+from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
 from cardan.report.identified import parameter, promise
@@ -26,6 +26,17 @@ from cardan.study.recording import Heard, Mix, Pictures
 
 DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
+
+
+def chapters(of: Mix, say: Language, *, short: bool = False) -> Iterator[Chapter]:
+    """Yield what a campaign's recordings come to together, and a chapter of each.
+
+    `short` leaves out a mix of one, and the orders that the joints do not make.
+    """
+    if len(of.parts) > 1 or not short:
+        yield Chapter(title=say("The mix"), blocks=tuple(mix(of, say)))
+    for name, _, heard in of.parts:
+        yield Chapter(title=name, blocks=tuple(chapter(heard, say, short=short)))
 
 
 def mix(of: Mix, say: Language) -> Iterator[Block]:
@@ -42,7 +53,7 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
         yield Text(paragraphs=tuple(customers(of, say)))
 
 
-def chapter(of: Heard, say: Language) -> Iterator[Block]:
+def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]:
     """Yield what a recording did to its gauges, and who did it.
 
     Raises
@@ -68,7 +79,7 @@ def chapter(of: Heard, say: Language) -> Iterator[Block]:
         if of.pictures.cuts is not None:
             cuts, names = of.pictures.cuts, of.pictures.gauges
             found = of.identification
-            for order in (2.0, 1.0, 4.0):
+            for order in (2.0,) if short else (2.0, 1.0, 4.0):
                 yield Figures(figures=tuple(order_cut(cuts, names, order, say, found=found)))
     if of.causes is not None:
         yield from _causes(of.causes, say)

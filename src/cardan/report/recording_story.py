@@ -7,7 +7,8 @@ from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.blocks import Block, Chapter, Issue, Points, Story, Table, Text
 from cardan.report.language import Language
-from cardan.report.recording_chapter import chapter, mix
+from cardan.report.recording_chapter import chapter
+from cardan.report.recording_chapter import chapters as recorded
 from cardan.report.story import signs
 from cardan.report.wording import gaps, sense, worst_of_each
 from cardan.study.approval import coverage_of
@@ -32,8 +33,7 @@ def campaign(of: Finding[Mix], *, say: Language, issue: Issue) -> Story:
     assert found is not None  # of a campaign that could be asked
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
-        Chapter(title=say("The mix"), blocks=tuple(mix(found, say))),
-        *(Chapter(title=name, blocks=tuple(chapter(heard, say))) for name, _, heard in found.parts),
+        *recorded(found, say),
     ]
     return _recorded(of, found.title, found.profile, chapters, say=say, issue=issue)
 

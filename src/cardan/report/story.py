@@ -55,7 +55,7 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval
-from cardan.study.finding import BRACKET, DRIVELINE, VIBRATION, Finding
+from cardan.study.finding import BRACKET, DRIVELINE, RECORDING, VIBRATION, Finding
 from cardan.study.fix import Proposal, fix
 from cardan.study.sensitivity import Sensitivity, sensitivities
 from cardan.study.sizing import next_sizes
@@ -70,18 +70,20 @@ def whole(
     issue: Issue,
     state: str | None = None,
     corrections: bool = True,
+    short: bool = False,
     tell: Callable[[int, int], None] | None = None,
 ) -> Story:
     """Return the story of one application, with what would help and the best corrections.
 
     The line is drawn in a `state`; by default in the one that decides. Corrections of a line
     of four shafts take minutes to find: without them the story says that nobody looked.
+    `short` leaves out what nobody decides by: numbers of every state, inputs, equations.
     """
     helps = sensitivities(of)
     fixes = None if helps and not corrections else ()
     if helps and corrections:
         fixes = fix(of.application, count=3, tell=tell)
-    return approval(of, helps=helps, fixes=fixes, say=say, issue=issue, state=state)
+    return approval(of, helps=helps, fixes=fixes, say=say, issue=issue, state=state, short=short)
 
 
 def approval(
@@ -93,6 +95,7 @@ def approval(
     issue: Issue,
     more: Sequence[Chapter] = (),
     state: str | None = None,
+    short: bool = False,
 ) -> Story:
     """Return the story of one application: on its first page what decides and what to change.
 
@@ -106,15 +109,18 @@ def approval(
         Chapter(title=say("Limits"), blocks=tuple(verdict(of, say))),
         Chapter(title=say("What to change"), blocks=tuple(_changes(of, helps, fixes, say))),
     ]
-    for response in of.responses:
+    for response in () if short else of.responses:
         chapters += _line(response, of.checks, say, several=several)
     chapters += [
-        *_studies(of, say),
+        *_studies(of, say, short=short),
         *more,
         Chapter(title=say("Approval"), blocks=tuple(_approval(say, issue))),
-        Chapter(title=say("Inputs"), blocks=(*_inputs(of, say), *_given(say, issue))),
-        Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
     ]
+    if not short:
+        chapters += [
+            Chapter(title=say("Inputs"), blocks=(*_inputs(of, say), *_given(say, issue))),
+            Chapter(title=say("Equations and sources"), blocks=tuple(_equations(of, say))),
+        ]
     return Story(
         language=say.code,
         title=of.application.title,
@@ -474,14 +480,18 @@ def _row_grades(
     return tuple(shown)
 
 
-def _studies(of: Approval, say: Language) -> Iterator[Chapter]:
+def _studies(of: Approval, say: Language, *, short: bool) -> Iterator[Chapter]:
     """Yield a chapter for each study that was asked beside the driveline."""
     told: dict[str, Callable[[Finding[Any], Language], Iterator[Block]]] = {
         VIBRATION: vibration_chapter.chapter,
         BRACKET: bracket_chapter.chapter,
     }
     for f in of.findings:
-        if f.study in told and f.asked:
+        if f.study == RECORDING and f.answer is not None:
+            from cardan.report import recording_chapter  # few reports tell of one
+
+            yield from recording_chapter.chapters(f.answer, say, short=short)
+        elif f.study in told and f.asked:
             blocks = told[f.study](f, say) if f.answer else _not_asked(f, say)
             yield Chapter(title=say(STUDY_TITLES[f.study]), blocks=tuple(blocks))
 

@@ -35,6 +35,7 @@ from cardan.report.wording import (
     worst_of_each,
 )
 from cardan.study.approval import Approval, Coverage
+from cardan.study.finding import RECORDING
 from cardan.study.sensitivity import Sensitivity
 
 if TYPE_CHECKING:  # one check of one design is not to wait for these
@@ -92,6 +93,11 @@ def approval(
     yield from verdict(of, say, every=every, brief=not every, width=width)
     several = len(of.responses) > 1
     yield from folded(_helps(tuple(helps), sizes or {}, say, several=several), width)
+    heard = of.of(RECORDING)
+    if heard is not None:
+        from cardan.report.life import mix_lines  # few checks ask it
+
+        yield from mix_lines(heard, say)
     if every or phasings:
         for response in of.responses:
             yield from _phased(response, say, width, several=several)

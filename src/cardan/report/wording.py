@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from math import pi
 from typing import TYPE_CHECKING
 
 from cardan.base.errors import BadFile, Problem
@@ -61,9 +62,16 @@ def badness(c: Check) -> tuple[int, float]:
 
 
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
-    """Return where a check is: state, part and, with several lines, which line."""
-    state = occasion(c, say)
-    where = state if c.part == LINE else f"{state}, {say.part(c.part)}"
+    """Return where a check is: state, torque, mode, part and, with several lines, which line."""
+    told = [occasion(c, say)]
+    if isinstance(c, Check) and c.point:
+        told.append(f"{say.short(c.point.torque, 4)} N·m")
+    if isinstance(c, Check) and c.mode:
+        told.append(say(
+            "order {order} meets {mode} at {frequency} Hz", order=c.mode.order,
+            mode=say(c.mode.shape), frequency=say.short(c.mode.frequency / (2 * pi), 3),
+        ))  # fmt: skip
+    where = say.list(*told) if c.part == LINE else say.list(*told, say.part(c.part))
     return f"{c.line}: {where}" if several else where
 
 

@@ -129,6 +129,10 @@ class Approval:
         return tuple(q for q in missed if q not in answered)
 
 
+UNHEARD = "a campaign of recordings, by --recording"
+"""What limits of a recording need of whoever asks."""
+
+
 def coverage_of(*findings: Finding[Any]) -> Coverage:
     """Return what studies were asked, and what got an answer."""
     return Coverage(
@@ -212,6 +216,8 @@ def held_to(application: Application, study: str) -> Application:
         return application
     name, every = profile(DEFAULT)
     rows = tuple(m for m in every if QUANTITIES[m.quantity].study == study)
+    if not rows:
+        return application
     return replace(
         application,
         limits=(*application.limits, *rows),
@@ -252,6 +258,7 @@ def _unasked(application: Application, names: set[str]) -> Iterator[Finding[Any]
             required = tuple(u for u in silence(name, application, needs) if u.limit.required)
             if required:
                 yield Finding(study=name, answer=None, unanswered=required)
-    unheard = tuple(silence(RECORDING, application, ("cardan life, with a recording",)))
-    if unheard:  # of an application nobody can ask it, so its limits stay open
-        yield Finding(study=RECORDING, answer=None, unanswered=unheard)
+    if RECORDING not in names:  # its limits stay open: no file names the campaign that answers them
+        unheard = tuple(silence(RECORDING, application, (UNHEARD,)))
+        if unheard:
+            yield Finding(study=RECORDING, answer=None, unanswered=unheard)

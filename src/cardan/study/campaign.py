@@ -38,7 +38,7 @@ from cardan.study.otherwise import Cracked, Strained
 from cardan.study.recorded import predicted_stress
 
 NAME = "recording"
-ASKED = Source("asked on the command line")
+ASKED = Source("asked of the recording")
 """Who says how long a gauge has to live, where no profile does."""
 
 FASTEST = 25.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.frozen import dataclass
-from cardan.base.part import Occasion, Part
+from cardan.base.part import Mode, Occasion, Part
 from cardan.base.verdict import EQUAL, Check, Limit, Unanswered
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Application
@@ -181,8 +181,13 @@ def _bent(limit: Limit, response: Response) -> BoolArray:
     return response.angles.max(axis=-1, keepdims=True) > limit.above_angle
 
 
-def check(response: Response, question: Asked, state: int, part: int) -> Check | None:
-    """Return the check of one state and part; None where the limit has no answer there."""
+def check(
+    response: Response, question: Asked, state: int, part: int, *, mode: Mode | None = None
+) -> Check | None:
+    """Return the check of one state and part; None where the limit has no answer there.
+
+    `mode` is what a line's turning meets there, where somebody has looked.
+    """
     value = question.values[state, part]
     if np.isnan(value):
         return None
@@ -194,6 +199,7 @@ def check(response: Response, question: Asked, state: int, part: int) -> Check |
         value=float(value),
         limit=question.limit,
         point=question.spots.named((state, part)) if question.spots else None,
+        mode=mode,
     )
 
 
@@ -210,8 +216,11 @@ def unanswered_of(response: Response) -> Iterator[Unanswered]:
 
 
 def _answers(response: Response, question: Asked) -> Iterator[Check]:
+    shaken = ANSWERED[question.limit.quantity].shaken
+    modes = response.met(question.spots) if shaken and question.spots else None
     for state, part in np.argwhere(~np.isnan(question.values)).tolist():
-        found = check(response, question, state, part)
+        mode = modes[state][part] if modes else None
+        found = check(response, question, state, part, mode=mode)
         if found:
             yield found
 

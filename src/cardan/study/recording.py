@@ -330,9 +330,10 @@ class Mix:
 
 
 def listen_to_all(
-    path: Path, *, allow_outside: bool = False, tell: Tell = silent, draw: bool = False
-) -> Finding[Mix]:
-    """Ask every recording of a campaign's file, and hold the mix against its limits.
+    path: Path, *, limits: Sequence[Limit] = (), allow_outside: bool = False, tell: Tell = silent,
+    draw: bool = False,
+) -> Finding[Mix]:  # fmt: skip
+    """Ask every recording of a campaign's file, and hold the mix against its limits and others.
 
     Raises
     ------
@@ -341,7 +342,8 @@ def listen_to_all(
     """
     written = campaigned(path, allow_outside=allow_outside)
     asked = Campaign(**written.options)
-    profile, limits = asked.asked()
+    profile, own = asked.asked()
+    limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
     for drive in written.drives:
         own = {

@@ -3,16 +3,27 @@
 A check of a driveline is not to wait for finite elements that nobody asks for.
 """
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cardan.base.frozen import dataclass
 from cardan.model.application import Application, Surroundings
 from cardan.quantity.declared import TUBES
 from cardan.study.driveline import DrivelineStudy
-from cardan.study.finding import BRACKET, VIBRATION, Finding, Study, Tell, silent
+from cardan.study.finding import (
+    BRACKET,
+    RECORDING,
+    VIBRATION,
+    Finding,
+    Study,
+    Tell,
+    limits_of,
+    silent,
+)
 
 if TYPE_CHECKING:
     from cardan.study.bracket import BracketAnswer, Case
+    from cardan.study.recording import Mix
     from cardan.study.stability import Stability
 
 
@@ -67,6 +78,39 @@ class BracketStudy:
         from cardan.study.bracket import judged
 
         return judged(application, extra=self.extra, tell=tell)
+
+
+@dataclass(frozen=True)
+class CampaignStudy:
+    """What a campaign's recordings did to its gauges, held against its limits and the file's.
+
+    `draw` where a report is to show it; `allow_outside` lets the campaign name files outside
+    its own folder.
+    """
+
+    campaign: Path
+    draw: bool = False
+    allow_outside: bool = False
+    name: str = RECORDING
+
+    def concerns(self, application: Application) -> bool:
+        """Whether the application is about this: somebody named a recording of it."""
+        del application
+        return True
+
+    def missing(self, application: Application) -> tuple[str, ...]:
+        """Return what the application would have to give: nothing, the campaign has it."""
+        del application
+        return ()
+
+    def run(self, application: Application, tell: Tell = silent) -> "Finding[Mix]":
+        """Ask every recording of the campaign."""
+        from cardan.study.recording import listen_to_all
+
+        return listen_to_all(
+            self.campaign, limits=limits_of(RECORDING, application),
+            allow_outside=self.allow_outside, tell=tell, draw=self.draw,
+        )  # fmt: skip
 
 
 STUDIES: dict[str, Study[Any]] = {
