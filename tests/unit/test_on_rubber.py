@@ -213,3 +213,33 @@ def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck)
     assert all("stiffness" in u.needs[0] for u in missing)
     assert response.loads.bearing_forces.dynamic.max() < 400
     assert found.assumed == ()
+
+
+SWINGS = two_shafts().replace("torque_Nm: 1000", "torque_Nm: 6000").replace("0.1\n", "0.01\n")
+
+
+def test_a_line_that_swings_by_itself_is_told_and_has_no_steady_force(tmp_path):
+    """Where order 1 meets a mode, 2 Ω = ω1 + ω1: a tenth of usual loss, six times the torque."""
+    found = told(tmp_path, SWINGS.replace("limits: protractor", "limits: heavy-truck"))
+    rows = {r["when"]["name"]: r for r in found["checks"] if r["quantity"] == "swing_growth"}
+    assert rows["551.3"]["verdict"] == "pass"  # no driven point is that fast
+    fast = SWINGS.replace(
+        '  - {name: "551.3", speed_rpm: 551.3}', '  - {name: "fast", speed_rpm: 1500}'
+    )
+    found = told(tmp_path, fast.replace("limits: protractor", "limits: heavy-truck"))
+    (row,) = (
+        r for r in found["checks"]
+        if r["quantity"] == "swing_growth" and r["when"]["name"] == "fast"
+    )  # fmt: skip
+    assert row["verdict"] == "fail"
+    assert row["value"] > 0
+    assert row["point"]["speed_rpm"] == pytest.approx(2 * 427.25, rel=0.01)
+    silent = {
+        u["quantity"]: u for u in found["coverage"]["unanswered"] if u["when"]["name"] == "fast"
+    }
+    assert {"centre_bearing_dynamic", "centre_bearing_peak"} <= set(silent)
+    assert silent["centre_bearing_dynamic"]["required"]
+    told_of = {
+        r["when"]["name"] for r in found["checks"] if r["quantity"] == "centre_bearing_dynamic"
+    }
+    assert told_of == {"100", "426.6", "500"}

@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -28,6 +29,7 @@ from cardan.report.contract_schema import schema
 from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
 from cardan.study.approval import approve
+from cardan.study import stability as stability_module
 from cardan.study.launching import _bent, start
 from cardan.study.powertrain import drivetrain
 from cardan.study.stability import ORDERS, _Running, stability
@@ -410,6 +412,20 @@ def test_a_clutch_slips_until_it_locks_and_the_vehicle_moves(starts):
     before = smooth.travel.time < 0.9 * smooth.locked
     assert (engine[before] > disc[before]).all()
     assert smooth.travel.rate[0, -1, -1] > 0
+
+
+def test_a_launch_says_what_its_bearings_carry(starts):
+    """Less than what lasts, and more than nothing; judged is what comes."""
+    _, _, started = starts
+    for s in started:
+        (steady,), (passed,) = s.bearing_force.max(0), s.bearing_passed.max(0)
+        assert 0.3 * steady < passed < 0.95 * steady
+    of = SimpleNamespace(
+        application=replace(files.read(EXAMPLES / "medium-truck-4x2.yaml"), launches=(Launch(),)),
+        launches=started, lines=[SimpleNamespace(line=SimpleNamespace(name="main"))],
+    )  # fmt: skip
+    told = [row[-1] for row in stability_module._launch_bearings(of)]
+    assert told == [s.bearing_passed.max() for s in started]
 
 
 def test_the_peak_is_the_same_with_half_the_steps(starts):
