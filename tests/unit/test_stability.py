@@ -28,8 +28,8 @@ from cardan.report import contract
 from cardan.report.contract_schema import schema
 from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
-from cardan.study.approval import approve
 from cardan.study import stability as stability_module
+from cardan.study.approval import approve
 from cardan.study.launching import _bent, start
 from cardan.study.powertrain import drivetrain
 from cardan.study.stability import ORDERS, _Running, stability
