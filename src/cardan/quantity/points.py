@@ -322,33 +322,36 @@ def worst_growth(r: "Response") -> Points | None:
     rows: list[_Row] = []
     for of in _ways(found):
         rows += [*_corners(found, of), _sums(found, quick, of)]
-    tried = _swinging(r, found, quick, *_gathered(found, rows), how=of_two)
+    curve, speed = _gathered(found, rows)
+    asked = placed(found, curve=curve, speed=speed)
+    # Where the axle rides changes a shaft's length, and so this, by next to nothing.
+    tried = _swinging(r, asked, quick, r.layout, how=of_two)
     # Zones lie close, and more than two modes feed each other.
     most = [_best(tried, "growth", rank) for rank in range(CRESTS)]
-    last = _swinging(r, found, quick, *_gathered(found, [_once(*_rows(*most))]), how=growth)
-    return _best(last, "growth")
+    curve, speed = _gathered(found, [_once(*_rows(*most))])
+    asked = placed(found, curve=curve, speed=speed)
+    lies = r.lay(demand_at(r.demand, found, curve=curve, speed=speed))
+    return _best(_swinging(r, asked, quick, lies, how=growth), "growth")
 
 
 def _swinging(
     r: "Response",
-    found: Curves,
+    at: Placed,
     quick: Suspended,
-    curve: IntArray,
-    speed: FloatArray,
+    lies: Layout,
     *,
     how: Callable[..., FloatArray],
 ) -> Points:
-    """Return how a line's swinging goes on at points, their curves and speeds (P, ..., S)."""
-    asked = demand_at(r.demand, found, curve=curve, speed=speed)
-    turned = turn(r.lay(asked).directions, phases=r.phases, crosses=r.line.crosses, samples=16)
-    torque, pace = np.nan_to_num(asked.torque), np.nan_to_num(asked.speed)
+    """Return how a line's swinging goes on at points (P, ..., S), where it lies."""
+    turned = turn(lies.directions, phases=r.phases, crosses=r.line.crosses, samples=16)
+    torque, pace = np.nan_to_num(at.torque), np.nan_to_num(at.speed)
     rate = how(quick, quick.swing(turned), speed=pace, torque=torque)
     return Points(
-        curves=found,
-        curve=np.broadcast_to(curve, asked.speed.shape),
-        speed=asked.speed,
-        torque=asked.torque,
-        running=Swinging(growth=np.where(np.isnan(asked.torque), np.nan, rate)[..., None]),
+        curves=at.curves,
+        curve=at.curve,
+        speed=at.speed,
+        torque=at.torque,
+        running=Swinging(growth=np.where(np.isnan(at.torque), np.nan, rate)[..., None]),
     )
 
 
