@@ -15,6 +15,7 @@ from cardan.files.catalogue import Catalogue, find
 from cardan.model.parts import JointSize, Tube
 from cardan.shaft.life import life_rating
 from cardan.study.approval import assess
+from cardan.study.robust import Survival, Trucks
 from cardan.study.sizing import Hopeless, Remedy, answers, changed, next_sizes, problems, sizing
 
 ROOT = Path(__file__).parents[2]
@@ -201,6 +202,35 @@ def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     less = changed(application, replace(split.offer, amount=split.offer.amount - 25 * mm))
     checks = [c for c in assess(less).checks if c.quantity == "critical_speed_ratio"]
     assert any(c.grade != "pass" for c in checks)
+
+
+def test_other_parts_are_kept_by_as_many_trucks_as_asking_each_says():
+    application = files.loads(LONG)
+    (remedy,) = sizing(application).remedies
+    assert {w.offer.kind for w in (remedy, *remedy.others)} == {"tube", "split"}
+    for way in (remedy, *remedy.others):
+        there = Trucks.of(changed(application, way.offer), "main")
+        each = there.survival((), np.empty(0), asked=2000).share
+        assert way.survival.share == pytest.approx(each, abs=4 * (0.25 / 2000) ** 0.5)
+        assert way.survival.share < 1  # or nothing is told here
+    # Where the file's own numbers scatter nothing is known of a line it does not have.
+    own = 'study: {tolerances: {"driveline.shafts[2].length_mm": {uniform: 30}}}\n'
+    (remedy,) = sizing(files.loads(LONG + own)).remedies
+    assert remedy.survival is None
+
+
+def test_the_way_that_most_trucks_keep_goes_first(monkeypatch):
+    """The usual one, another tube, where as many keep both."""
+    application = files.loads(LONG)
+    now = application.lines[0].line.lengths
+
+    def survival(self, *_, **__):
+        split = self.application.lines[0].line.lengths != now
+        return Survival(share=0.9 if split else 0.8, asked=False)
+
+    assert sizing(application).remedies[0].offer.kind == "tube"
+    monkeypatch.setattr(Trucks, "survival", survival)
+    assert sizing(application).remedies[0].offer.kind == "split"
 
 
 def test_the_users_own_catalogue_is_on_offer(tmp_path):

@@ -25,6 +25,9 @@ from cardan.base.verdict import GRADES, VERDICTS
 from cardan.cli import cli
 from cardan.files.study import read as read_study
 from cardan.model.variants import Ask, Spread, Variants
+from cardan.report import study as report
+from cardan.report.study import parallel
+from cardan.report.svg import GRADED
 from cardan.study import reduce, shards
 from cardan.study.approval import assess
 from cardan.study.draw import Drawing, Factor, drawing
@@ -204,6 +207,22 @@ def test_the_worst_are_the_worst_with_their_inputs():
     np.testing.assert_array_equal(state["inputs"], rows.inputs[order])
     for k, limit in zip(order, state["limit"].tolist(), strict=True):
         assert rows.answers.margins[limit, k] == rows.margins[k]
+
+
+def test_the_first_are_drawn_across_what_varies(monkeypatch):
+    found, rows = studied(), studied().rows
+    state = found.states["first"]
+    np.testing.assert_array_equal(state["inputs"], rows.inputs[:300])
+    np.testing.assert_array_equal(state["margin"], rows.margins[:300])
+    np.testing.assert_array_equal(state["verdict"], rows.grades[:300])
+    lines = {c: parallel(found).svg.count(c) for c in GRADED.values()}
+    told = [VERDICTS[v] for v in state["verdict"].tolist()]
+    assert len(set(told)) > 1
+    assert lines == {c: told.count(v) for v, c in GRADED.items()}
+    monkeypatch.setattr(report, "AXES", 1)  # the one that goes most with the margin
+    told = [abs(np.corrcoef(rows.inputs[:300, k], rows.margins[:300])[0, 1]) for k in range(
+        len(rows.names))]  # fmt: skip
+    assert f"1 {rows.names[int(np.argmax(told))]}, 2 smallest margin" in parallel(found).note
 
 
 def test_the_front_is_what_brute_force_leaves():

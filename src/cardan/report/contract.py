@@ -24,6 +24,7 @@ from cardan.study.data import Datum
 from cardan.study.finding import RECORDING, VIBRATION
 from cardan.study.fix import Proposal
 from cardan.study.published import Published
+from cardan.study.robust import Survival, Trucks
 
 CONTRACT = ".".join(__version__.split(".")[:2])
 
@@ -170,7 +171,7 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
                     for m in p.moves
                     for movable in (MOVABLES[m.adjustable.what],)
                 ],
-                "survival": _survival(p),
+                "survival": survival(p.survival, p.trucks),
                 "checks": [check(c) for c in p.checks],
                 "unanswered": [unanswered(u) for u in p.unanswered],
             }
@@ -179,9 +180,8 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
     )
 
 
-def _survival(of: Proposal) -> dict[str, Any] | None:
-    """Return how many trucks keep what a proposal promises; null where nothing scatters."""
-    found, trucks = of.survival, of.trucks
+def survival(found: Survival | None, trucks: Trucks | None) -> dict[str, Any] | None:
+    """Return how many trucks keep what is proposed; null where nothing scatters."""
     if found is None or trucks is None:
         return None
     return {

@@ -10,7 +10,7 @@ from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import contract
 from cardan.report.language import EN, Language
-from cardan.report.wording import gaps, how_read, sentence
+from cardan.report.wording import gaps, how_read, scattered, sentence, survives
 from cardan.study.sizing import WAYS, Hopeless, Offer, Remedy, Sizing
 
 WIDTH = 80
@@ -100,6 +100,10 @@ def lines(of: Sizing, say: Language = EN) -> Iterator[str]:
             if known
             else say("All together: the mass is not known of every part")
         )
+        for one in {r.offer.line: r for r in of.remedies}.values():
+            for text in (*survives(one.survival, say), scattered(one.trucks, say)):
+                told = say("{line}: {text}", line=one.offer.line, text=text) if several else text
+                yield from _wrapped(told if text else "")
     if of.hopeless:
         yield ""
         yield say("Nothing on offer answers")
@@ -196,5 +200,6 @@ def _document(of: Remedy) -> dict[str, Any]:
             for was, now in of.answered
         ],
         "worse": [contract.check(c) for c in of.worse],
+        "survival": contract.survival(of.survival, of.trucks),
         "others": [_document(o) for o in of.others],
     }

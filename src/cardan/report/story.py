@@ -349,7 +349,7 @@ def _changes(
             caption=say("Corrections over all states at once, best first"),
             points=tuple(_proposal(k, p, say) for k, p in enumerate(fixes, 1)),
         )
-        if scatter := scattered(fixes[0], say):
+        if scatter := scattered(fixes[0].trucks, say):
             yield Text(paragraphs=(scatter,))
     if helps:
         yield Points(
@@ -395,7 +395,7 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
     moves = tuple(move(m, say) for m in p.moves)
     return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
         *moves,
-        *survives(p, say),
+        *survives(p.survival, say),
         *left(p, say),
     )
 

@@ -23,6 +23,9 @@ from cardan.study.shards import Progress, Studied
 SHOWN = 6
 """Limits that figures and tables of the most telling ones show."""
 
+AXES = 7
+"""Inputs across which lines of variants go, at most."""
+
 BINS = 40
 """Bars of a histogram, about."""
 
@@ -404,6 +407,8 @@ def figures(of: Studied, say: Language = EN) -> Iterator[Figure]:
     if "sobol" in of.states:
         for column in _outputs(of):
             yield variance(of, column, say)
+    if len(of.drawing.names) > 1:
+        yield parallel(of, say)
     for chart, state in of.maps:
         yield heat(of, chart, state, say)
     if "pareto" in of.states and len(of.states["pareto"]["place"]):
@@ -597,6 +602,48 @@ def _rgb(colour: str) -> tuple[int, int, int]:
     digits = colour.removeprefix("#")
     red, green, blue = (int(digits[k : k + 2], 16) for k in (0, 2, 4))
     return red, green, blue
+
+
+def parallel(of: Studied, say: Language = EN) -> Figure:
+    """Return the first variants as lines across what varies and the smallest margin.
+
+    Of many inputs those are shown that go most with the margin; what fails lies on top.
+    """
+    state = of.states["first"]
+    known = np.isfinite(state["margin"])
+    inputs, margin = state["inputs"][known], 100 * state["margin"][known]
+    verdict = state["verdict"][known]
+    spread = inputs.std(axis=0)
+    moves = np.flatnonzero(spread > 0)
+    off = (inputs[:, moves] - inputs[:, moves].mean(axis=0)) / spread[moves]
+    told = np.abs(off.T @ (margin - margin.mean()))
+    moves = np.sort(moves[np.argsort(-told, kind="stable")[:AXES]])
+    values = np.column_stack([inputs[:, moves], margin])
+    low, high = values.min(axis=0), values.max(axis=0)
+    wide = np.where(high > low, high - low, 1.0)
+    names = [*(of.drawing.names[k] for k in moves), say("smallest margin [%]")]
+    places = np.arange(len(names), dtype=float)
+    chart = Chart(
+        say=say, x=(-0.3, len(names) - 0.7), y=(-0.06, 1.06), x_label="", y_label="",
+        categories=tuple(map(str, range(1, len(names) + 1))), values=False,
+    )  # fmt: skip
+    for grade in VERDICTS:  # the worst on top
+        for row in np.flatnonzero(verdict == VERDICTS.index(grade)):
+            x, y = chart.at(places, (values[row] - low) / wide)
+            chart.put(svg.path(x, y, stroke=GRADED.get(grade, INK), stroke_width=0.8,
+                               stroke_opacity=0.45))  # fmt: skip
+    for k, place in enumerate(places.tolist()):
+        (x, bottom), (_, top) = chart.spot(place, 0.0), chart.spot(place, 1.0)
+        chart.put(svg.line(x, bottom, x, top, stroke=INK, stroke_width=1))
+        for y, value in ((bottom + 12, low[k]), (top - 5, high[k])):
+            said = say.short(float(value), 4)
+            chart.put(svg.text(x, y, said, anchor="middle", font_size=10.5))
+    title = say("Variants across what varies")
+    note = say(
+        "{count} variants, each a line: {axes}.", count=len(values),
+        axes=say.list(*(f"{k} {name}" for k, name in enumerate(names, 1))),
+    )  # fmt: skip
+    return chart.figure(title=title, alt=f"{title}. {note}", note=note)
 
 
 def front(of: Studied, say: Language = EN) -> Figure:

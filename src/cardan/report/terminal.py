@@ -248,7 +248,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         line=of[0].line, room=room(of[0].before, say),
     )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
-    if scatter := scattered(of[0], say):
+    if scatter := scattered(of[0].trucks, say):
         yield scatter
     for k, p in enumerate(of, 1):
         yield ""
@@ -256,7 +256,7 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
         yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
         yield from (f"     {move(m, say)}" for m in p.moves)
-        yield from (f"     {one}" for one in survives(p, say))
+        yield from (f"     {one}" for one in survives(p.survival, say))
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
 
 

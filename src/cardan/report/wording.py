@@ -21,6 +21,7 @@ from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
     from cardan.study.fix import Proposal
+    from cardan.study.robust import Survival, Trucks
 
 STUDY_TITLES = {
     "vibration": "Vibration and stability",
@@ -151,9 +152,8 @@ def left(
     return still + gaps(of.approval.coverage.missed, say, several=several)
 
 
-def scattered(of: "Proposal", say: Language) -> str:
+def scattered(trucks: "Trucks | None", say: Language) -> str:
     """Return how the trucks are taken to scatter about a setting; "" where nothing does."""
-    trucks = of.trucks
     if trucks is None:
         return ""
     each = dict[str, None]()
@@ -175,9 +175,8 @@ def room(margin: float, say: Language) -> str:
     return say("{margin} short of a warning", margin=far)
 
 
-def survives(of: "Proposal", say: Language) -> list[str]:
+def survives(found: "Survival | None", say: Language) -> list[str]:
     """Return how many trucks keep what a proposal promises, and what would win most."""
-    found = of.survival
     if found is None:
         return []
     share = say.pointed(f"{100 * found.share:.0f} %")

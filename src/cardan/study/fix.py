@@ -26,7 +26,7 @@ from cardan.study.driveline import DrivelineStudy, checks_of, unanswered_of
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
 from cardan.study.margins import Bound, margins
 from cardan.study.moves import Move, adjustables, corrected, tried
-from cardan.study.robust import Survival, Trucks
+from cardan.study.robust import CLASSES, Survival, Trucks
 
 RESERVE = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
@@ -54,9 +54,6 @@ ROUGH = 1e-3
 
 SURE = 2.5
 """Standard deviations of its scatter that a robust correction keeps each margin away from 0."""
-
-CLASSES = 20
-"""Corrections that as many trucks survive, to a twentieth, are ranked by what they cost."""
 
 SEEN = 8
 """Corrections that are asked how many trucks survive them, at least."""
@@ -91,8 +88,7 @@ class Proposal:
     @property
     def rank(self) -> tuple[int, int, float]:
         """What proposals are sorted by: the verdict, how many trucks keep it, the cost."""
-        share = self.survival.share if self.survival else 1.0
-        sure = min(int(share * CLASSES + 1e-9), CLASSES - 1)
+        sure = self.survival.sure if self.survival else CLASSES - 1
         return VERDICTS.index(self.verdict), -sure, self.cost
 
     @property

@@ -50,6 +50,7 @@ def reductions(bench: Bench, ask: Ask) -> dict[str, Reduction]:
     drawn = bench.drawing
     found: dict[str, Reduction] = {"counts": Counts(), "worst": Worst(most=ask.worst)}
     found["values"] = Sketch()
+    found["first"] = First()
     if any(f.tolerance for f in drawn.factors):
         found["tighter"] = Tighter(drawing=drawn)
     if drawn.points == "saltelli":
@@ -246,6 +247,27 @@ class Worst:
     def _least(self, state: State) -> State:
         order = np.lexsort((state["place"], state["margin"], -state["verdict"]))[: self.most]
         return {name: v if name in ("refused", "why") else v[order] for name, v in state.items()}
+
+
+@dataclass(frozen=True)
+class First:
+    """The first variants with all that varied in them: any hundreds tell how they lie."""
+
+    most: int = 300
+
+    def of(self, rows: Sweep, start: int) -> State:
+        """Return those of a shard that are among the first."""
+        few = slice(0, max(self.most - start, 0))
+        refused = rows.answers.refused
+        return {
+            "margin": np.where(refused, np.nan, rows.margins)[few],
+            "verdict": np.where(refused, -1, rows.grades)[few],
+            "inputs": rows.inputs[few],
+        }
+
+    def both(self, one: State, other: State) -> State:
+        """Return the first of both."""
+        return {name: np.concatenate([one[name], other[name]])[: self.most] for name in one}
 
 
 # --------------------------------------------------------------------------- tolerances

@@ -34,6 +34,10 @@ REACH = 1.5
 which margins are asked: between them and a little beyond they go like parabolas."""
 
 
+CLASSES = 20
+"""Settings that as many trucks survive, to a twentieth, are ranked by what they cost."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Survival:
     """How many trucks keep what a setting promises.
@@ -55,6 +59,11 @@ class Survival:
     asked: bool
     tighter: tuple[str, float] | None = None
     lost: str = ""
+
+    @property
+    def sure(self) -> int:
+        """Which class of settings it is in: those that as many trucks keep, to a twentieth."""
+        return min(int(self.share * CLASSES + 1e-9), CLASSES - 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +99,12 @@ class Trucks:
             ),
             assumed=not own,
         )
+
+    @property
+    def of_moves(self) -> bool:
+        """Whether all that scatters are things a workshop moves, and no number of the file."""
+        every = movable(i.line for i in self.application.lines)
+        return all(name in every for name, _ in self.tolerances)
 
     @property
     def tolerances(self) -> tuple[tuple[str, Spread], ...]:

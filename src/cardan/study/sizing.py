@@ -26,6 +26,7 @@ from cardan.quantity.response import Response, respond
 from cardan.shaft.life import life_rating
 from cardan.study.approval import Approval, approve
 from cardan.study.driveline import asked, check, checks_of
+from cardan.study.robust import CLASSES, Survival, Trucks
 
 Kind: TypeAlias = Literal["tube", "joint", "split", "bearing place"]
 
@@ -88,14 +89,26 @@ class Offer:
 class Remedy:
     """An offer, and the checks that asked for it, each as it was and with the offer in place.
 
-    `worse` are checks that then warn and did not before. `others` are other ways to answer
-    the same.
+    `worse` are checks that then warn and did not before. `survival` tells how many trucks keep
+    what the line then comes to, as `trucks` scatter. `others` are other ways to answer the same.
     """
 
     offer: Offer
     answered: tuple[tuple[Check, Check], ...]
     worse: tuple[Check, ...] = ()
+    survival: Survival | None = None
+    trucks: Trucks | None = None
     others: "tuple[Remedy, ...]" = ()
+
+    def kept(self, application: Application) -> "Remedy":
+        """Return it with how many trucks keep the line of an application that it is part of.
+
+        Not told where numbers of the file scatter: they are of the file, which has other parts.
+        """
+        trucks = Trucks.of(application, self.offer.line)
+        if trucks is None or not trucks.of_moves:
+            return self
+        return replace(self, trucks=trucks, survival=trucks.survival((), np.empty(0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +168,8 @@ def sizing(
     and nothing that was answered is left without an answer. Where none does that, and the
     check fails, one after which it warns, or others warn, will do. The smallest of tubes is
     the lightest, of joints that of the least peak torque, of splits and places the one that
-    moves least. Yokes are taken to stay as heavy as they are.
+    moves least. Of several ways the one goes first that most trucks keep as they scatter, the
+    usual one where as many keep it. Yokes are taken to stay as heavy as they are.
     """
     names = [i.line.name for i in application.lines]
     if line is not None and line not in names:
@@ -173,7 +187,8 @@ def sizing(
         if problem is None:
             break
         found = answers(application, problem)
-        ways = [a for a in found if isinstance(a, Remedy)]
+        ways = [a.kept(changed(application, a.offer)) for a in found if isinstance(a, Remedy)]
+        ways.sort(key=lambda w: -w.survival.sure if w.survival else -CLASSES)
         if not ways:
             hopeless += (a for a in found[:1] if isinstance(a, Hopeless))
         if not ways or any(after.grade != "pass" for _, after in ways[0].answered):
@@ -211,7 +226,7 @@ def _together(application: Application, remedies: list[Remedy]) -> Iterator[Reme
             ),
             worse=group[-1].worse,
             others=group[0].others if len(group) == 1 else (),
-        )
+        ).kept(application)
 
 
 def next_sizes(application: Application, checks: Iterable[Check]) -> dict[tuple[str, str], Remedy]:
