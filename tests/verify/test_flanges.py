@@ -158,3 +158,14 @@ def test_joints_carry_more_where_the_line_swings():
     rigid = major_axis(of(THREE, where, torque=3e3).joint_forces.order(2))
     assert (joints.orders[..., 0].max(0) > [1.5, 4, 10, 5] * rigid).all()
     assert abs(joints.dynamic[:, 1].argmax() - bearings.dynamic[:, 0].argmax()) <= 8
+
+
+def test_a_moving_axle_takes_the_last_tube_along_and_turns_it_about_its_front():
+    """A rod of 25 kg bent off the pinion: all of it along itself, a third across."""
+    line = replace(TWO, pinion_flange=AXLE)
+    where = laid(line, side=[0.0, 0.0, 12.0, 0.0], top=[0.0] * 4)
+    M = suspended(where, line, stiffness=RUBBER, sines=0).mass[-2:, -2:]
+    tilt = np.sin(np.radians(12))
+    up = AXLE.mass + 25 * (tilt**2 + (1 - tilt**2) / 3)
+    assert M[0, 0] == pytest.approx(up, rel=1e-6)
+    assert M[1, 1] == pytest.approx(AXLE.mass + 25 / 3, rel=1e-6)
