@@ -131,6 +131,7 @@ def test_another_study_counts_in_the_same_verdict(tmp_path):
         "torsional_pinion_acceleration",
         "launch_peak_utilisation",
         "launch_reversal",
+        "launch_bearing_force",
     }
     for document in (plain, more):
         coverage = document["coverage"]

@@ -13,6 +13,7 @@ from cardan.base.units import deg, g, inch, kg, kNm, lb, lbft, mm, rpm
 from cardan.border.table import MANY
 from cardan.files import loads, read, starter
 from cardan.model.application import Adjustable, State
+from cardan.model.parts import Flange
 from cardan.model.vehicle import Linkage, Spring
 
 SMALL = """\
@@ -828,3 +829,49 @@ def test_a_wrong_profile_is_told_where_it_is_named(tmp_path):
     assert refused(f"{SMALL}limits: ours.yaml\n", folder=tmp_path) == [
         f"f.yaml:11:9: limits: {tmp_path / 'ours.yaml'}:3:5: limits[1]: source is missing: who says so"
     ]
+
+
+FLANGES = """\
+title: Flanges
+torque_Nm: 1000
+speed_rpm: 2000
+driveline:
+  slopes: {side_deg: [3, 1, 4.5, 2]}
+  gearbox_flange: {stiffness_N_mm: 4000, mass_kg: 15}
+  pinion_flange: {vertical_stiffness_N_mm: 2500, lateral_stiffness_N_mm: 6000, loss_factor: 0.03}
+  shafts:
+    - {length_mm: 1200, tube: 120x4, centre_bearing: {from_rear_joint_mm: 140, stiffness_N_mm: 200}}
+    - {length_mm: 1500, tube: 120x4}
+"""
+
+
+def test_flanges_that_give():
+    application = loads(FLANGES)
+    line = application.lines[0].line
+    assert line.gearbox_flange == Flange(stiffness=(4e6, 4e6), mass=15.0)
+    assert line.pinion_flange == Flange(stiffness=(2.5e6, 6e6), loss_factor=0.03)
+    assert line.swings == 6
+    assert application.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("{stiffness_N_mm: 4000, mass_kg: 15}", "{mass_kg: 15}",
+         "give stiffness_N_mm: without it a flange is rigid"),
+        ("lateral_stiffness_N_mm: 6000, ", "",
+         "lateral_stiffness_N_mm is missing beside the other one"),
+        ("mass_kg: 15", "mass_kg: -15", "mass_kg"),
+        ("loss_factor: 0.03", "loss_factor: 3", "loss_factor"),
+    ],
+)  # fmt: skip
+def test_flanges_that_cannot_be(old, new, told):
+    with pytest.raises(BadFile, match=told):
+        loads(FLANGES.replace(old, new))
+
+
+def test_a_flange_under_rigid_bearings_is_wondered_at():
+    application = loads(FLANGES.replace(", stiffness_N_mm: 200", ""))
+    assert any("no centre bearing of the line gives" in str(w) for w in application.warnings)
+    soft = loads(FLANGES.replace("N_mm: 4000", "N_mm: 20"))
+    assert any("flange's stiffness over" in str(w) for w in soft.warnings)

@@ -50,6 +50,59 @@ limits: protractor
 """
 
 
+CLOSED = {
+    100: 21.239, 300: 39.127, 426.6: 207.10, 500: 105.89, 551.3: 203.99, 800: 18.265, 2400: 1.1272,
+}  # fmt: skip
+"""rpm and N: order 2 on the bearing for 1000 N m as torque goes to zero (METHOD section 15)."""
+MOVING = {
+    100: 21.2516, 426.6: 207.225, 500: 105.955, 551.3: 204.108, 800: 18.2756, 2400: 1.12789,
+}  # fmt: skip
+"""The same at 1000 N m, the geometry moving, by EXUDYN (METHOD section 15)."""
+
+
+def rods(torque: float, speeds: dict[float, float]) -> str:
+    """The two shafts as rods: a tube of next to no mass, and a third of the rod's at its end."""
+    light = "{name: light, youngs_modulus_GPa: 2000, density_kg_m3: 50}"
+    tube = f"tube: {{outer_mm: 500, wall_mm: 0.1, material: {light}}}"
+    own = 50 * np.pi * 0.4999 * 0.0001  # kg/m of the tube, and kg m of it about a diameter
+    about = own * 0.25**2 / 2
+    states = "\n".join(f'  - {{name: "{n}", speed_rpm: {n}}}' for n in speeds)
+    return f"""
+title: Two rods
+torque_Nm: {torque}
+speed_rpm: 2400
+driveline:
+  slopes: {{side_deg: [3, 1, 4.5, 2], top_deg: [0, 1.5, -0.8, 0.6]}}
+  shafts:
+    - length_mm: 1200
+      {tube}
+      yoke_mass_kg: [0, {(20 - 1.2 * own) / 3 - about / 1.2}]
+      polar_inertia_kgm2: 1e-7
+      centre_bearing:
+        from_rear_joint_mm: 0
+        vertical_stiffness_N_mm: 200
+        lateral_stiffness_N_mm: 120
+        loss_factor: 0.1
+    - length_mm: 1500
+      {tube}
+      yoke_mass_kg: [{(25 - 1.5 * own) / 3 - about / 1.5}, 0]
+      polar_inertia_kgm2: 1e-7
+states:
+{states}
+limits: protractor
+"""
+
+
+@pytest.mark.parametrize(("torque", "forces"), [(1, CLOSED), (1000, MOVING)])
+def test_the_closed_form_to_its_printed_digits_through_check(tmp_path, torque, forces):
+    """From the file to the JSON: `at_speed` of each of its speeds, within the last digit."""
+    states = {s["name"]: s for s in told(tmp_path, rods(torque, forces))["states"]}
+    for speed, force in forces.items():
+        found = states[str(speed)]["centre_bearings"][0]["on_rubber"]["at_speed"]["order2_N"]
+        # The stiffest tube a file may have bends a little: 1e-4 N at 2400 rpm.
+        assert found * 1000 / torque == pytest.approx(force, rel=5e-5, abs=2e-4)
+
+
 def told(tmp_path: Path, text: str, *options: str) -> dict:
     file, out = tmp_path / "line.yaml", tmp_path / "line.json"
     file.write_text(text, encoding="utf-8")
@@ -160,3 +213,33 @@ def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck)
     assert all("stiffness" in u.needs[0] for u in missing)
     assert response.loads.bearing_forces.dynamic.max() < 400
     assert found.assumed == ()
+
+
+SWINGS = two_shafts().replace("torque_Nm: 1000", "torque_Nm: 6000").replace("0.1\n", "0.01\n")
+
+
+def test_a_line_that_swings_by_itself_is_told_and_has_no_steady_force(tmp_path):
+    """Where order 1 meets a mode, 2 Ω = ω1 + ω1: a tenth of usual loss, six times the torque."""
+    found = told(tmp_path, SWINGS.replace("limits: protractor", "limits: heavy-truck"))
+    rows = {r["when"]["name"]: r for r in found["checks"] if r["quantity"] == "swing_growth"}
+    assert rows["551.3"]["verdict"] == "pass"  # no driven point is that fast
+    fast = SWINGS.replace(
+        '  - {name: "551.3", speed_rpm: 551.3}', '  - {name: "fast", speed_rpm: 1500}'
+    )
+    found = told(tmp_path, fast.replace("limits: protractor", "limits: heavy-truck"))
+    (row,) = (
+        r for r in found["checks"]
+        if r["quantity"] == "swing_growth" and r["when"]["name"] == "fast"
+    )  # fmt: skip
+    assert row["verdict"] == "fail"
+    assert row["value"] > 0
+    assert row["point"]["speed_rpm"] == pytest.approx(2 * 427.25, rel=0.01)
+    silent = {
+        u["quantity"]: u for u in found["coverage"]["unanswered"] if u["when"]["name"] == "fast"
+    }
+    assert {"centre_bearing_dynamic", "centre_bearing_peak"} <= set(silent)
+    assert silent["centre_bearing_dynamic"]["required"]
+    told_of = {
+        r["when"]["name"] for r in found["checks"] if r["quantity"] == "centre_bearing_dynamic"
+    }
+    assert told_of == {"100", "426.6", "500"}

@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -27,6 +28,7 @@ from cardan.report import contract
 from cardan.report.contract_schema import schema
 from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
+from cardan.study import stability as stability_module
 from cardan.study.approval import approve
 from cardan.study.launching import Losses, _bent, start
 from cardan.study.powertrain import drivetrain
@@ -426,6 +428,20 @@ def test_a_clutch_slips_until_it_locks_and_the_vehicle_moves(starts):
     assert smooth.travel.rate[0, -1, -1] > 0
 
 
+def test_a_launch_says_what_its_bearings_carry(starts):
+    """Less than what lasts, and more than nothing; judged is what comes."""
+    _, _, started = starts
+    for s in started:
+        (steady,), (passed,) = s.bearing_force.max(0), s.bearing_passed.max(0)
+        assert 0.3 * steady < passed < 0.95 * steady
+    of = SimpleNamespace(
+        application=replace(files.read(EXAMPLES / "medium-truck-4x2.yaml"), launches=(Launch(),)),
+        launches=started, lines=[SimpleNamespace(line=SimpleNamespace(name="main"))],
+    )  # fmt: skip
+    told = [row[-1] for row in stability_module._launch_bearings(of)]
+    assert told == [s.bearing_passed.max() for s in started]
+
+
 def test_the_peak_is_the_same_with_half_the_steps(starts):
     parts, asked, (smooth, dropped, _) = starts
     fine = start(parts, asked, dropped.launch, step=5e-4)
@@ -473,7 +489,7 @@ def test_a_grade_the_clutch_cannot_hold_is_no_launch(truck):
     ((_, why),) = found.unstarted
     assert f"the clutch brings {gives:.0f} N·m to the line, the road takes {takes:.0f} N·m" in why
     silent = {u.quantity for u in answer.coverage.unanswered if u.when.kind == "launch"}
-    assert silent == {"launch_peak_utilisation", "launch_reversal"}
+    assert silent == {"launch_peak_utilisation", "launch_reversal", "launch_bearing_force"}
 
 
 def test_a_launch_needs_an_engine_and_its_gear(starts):

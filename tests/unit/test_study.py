@@ -199,6 +199,7 @@ def test_a_study_by_itself_is_held_to_the_file_s_limits_first(truck):
         "torsional_resonance", "torsional_growth", "lateral_growth",
         "torsional_amplitude_utilisation", "torsional_peak_utilisation", "torsional_reversal",
         "torsional_pinion_acceleration", "launch_peak_utilisation", "launch_reversal",
+        "launch_bearing_force",
     }  # fmt: skip
     assert held.profile == f"{truck.profile}; vibration: heavy-truck"
     own = only(truck, Limit(quantity="torsional_growth", maximum=1.0, source=HOUSE))

@@ -17,6 +17,9 @@ import numpy as np
 FLYWHEEL = 1e6
 """kg m²: what the rubber loses in a run does not slow it down."""
 
+WHEEL = 1.0
+"""kg, of the flywheel."""
+
 SMALL = {"mass": 1e-4, "transverse": 1e-6, "polar": 1e-6}
 """kg, kg m²: crosses, the gearbox flange, the sliding end of the spline."""
 
@@ -54,16 +57,19 @@ class Swinging:
     (n-1,), overhangs (n-2,) m of the bearings ahead of the rear joints, stiffness (vertical,
     lateral) N/m, torque N m and speed rad/s. The dampers are loss k / 2 speed: at order 2, and
     only there, that is rubber of this loss. The first bearing may hang in a bracket: kg, the
-    N/m that hold it along x, y, z, and its loss.
+    N/m that hold it along x, y, z, and its loss. Transmission tail and axle may be a mass that
+    moves across its flange on springs: kg, N/m (up, level), loss; in `Steady` they come behind
+    the bearings.
     """
 
     def __init__(
         self, points: Any, directions: Any, phases: Any, shafts: list[Rigid], overhangs: Any, *,
         stiffness: Any, loss: float, torque: float, speed: float, bracket: Any = None,
+        tail: Any = None, axle: Any = None,
     ) -> None:  # fmt: skip
         self.speed = speed
         d = np.asarray(directions)
-        self._line(np.asarray(points), d, phases, shafts, speed=speed)
+        self._line(np.asarray(points), d, phases, shafts, speed=speed, tail=tail, axle=axle)
         self.mbs.CreateTorque(itemNumber=self.flange, loadVector=list(torque * d[0]))
         self.mbs.CreateTorque(itemNumber=self.pinion, loadVector=list(-torque * d[-1]))
         self._springs, self._axes = [], []
@@ -73,19 +79,35 @@ class Swinging:
             frame, held_at = self.ground, at
             if bracket is not None and k == 1:
                 frame, held_at = self._bracket(at, *bracket), np.zeros(3)
-            for axis, k_ in zip(axes, stiffness, strict=True):
-                spring = self._spring(
-                    [(frame, held_at), (self.tubes[k - 1], inside)], axis, k_,
-                    loss * k_ / (2 * speed),
-                )  # fmt: skip
-                self._springs.append(
-                    [self._watched("Object", v, objectNumber=spring)
-                     for v in ("ForceLocal", "VelocityLocal")]
-                )  # fmt: skip
+            self._suspend([(frame, held_at), (self.tubes[k - 1], inside)], axes, stiffness, loss)
+        for body, at, along, given in self._ends:
+            if given is not None:
+                axes = across(along)
+                self._axes.append(axes)
+                self._suspend([(self.ground, at), (body, np.zeros(3))], axes, *given[1:])
+
+    def _suspend(self, ends: Any, axes: Any, stiffness: Any, loss: float) -> None:
+        """Add a watched spring with its damper along each of two axes."""
+        for axis, k in zip(axes, stiffness, strict=True):
+            spring = self._spring(ends, axis, k, loss * k / (2 * self.speed))
+            self._springs.append(
+                [self._watched("Object", v, objectNumber=spring)
+                 for v in ("ForceLocal", "VelocityLocal")]
+            )  # fmt: skip
+
+    def _end(self, at: Any, along: Any, given: Any) -> Any:
+        """Return what a flange's bearings sit in: the ground, or a mass that moves across."""
+        if given is None:
+            return self.ground
+        # Too heavy to turn, and held along the flange by a spring that nothing moves.
+        body = self._body(along, at, [0, 0, 0], mass=given[0], transverse=1e6, polar=1e6)
+        self._spring([(self.ground, at), (body, np.zeros(3))], along, 1e9, 1e4)
+        return body
 
     def _line(
-        self, P: np.ndarray, d: np.ndarray, phases: Any, shafts: list[Rigid], *, speed: float
-    ) -> None:
+        self, P: np.ndarray, d: np.ndarray, phases: Any, shafts: list[Rigid], *, speed: float,
+        tail: Any = None, axle: Any = None,
+    ) -> None:  # fmt: skip
         """Add what turns, from the gearbox flange to the pinion, and nothing that holds it."""
         import exudyn as exu
 
@@ -94,7 +116,7 @@ class Swinging:
         pins, spins, crosses = turning(d, phases)
         pace = speed / spins[-1]
         spins, crosses = pace * spins[:, None] * d, pace * crosses
-        self.ground = ground = self.mbs.CreateGround()
+        self.ground = self.mbs.CreateGround()
         self.flange = flange = self._body(d[0], P[0], spins[0], **SMALL)
         self.tubes = tubes = [
             self._body(
@@ -104,10 +126,12 @@ class Swinging:
             for k, b in enumerate(shafts, 1)
         ]  # fmt: skip
         sliding = self._body(d[-2], P[-2], spins[-2], **SMALL)
-        wheel = {"mass": 1.0, "transverse": FLYWHEEL, "polar": FLYWHEEL}
+        wheel = {"mass": WHEEL, "transverse": FLYWHEEL, "polar": FLYWHEEL}
         self.pinion = pinion = self._body(d[-1], P[-1], spins[-1], **wheel)
-        self._hinge(ground, flange, P[0], d[0])
-        self._hinge(ground, pinion, P[-1], d[-1])
+        ends = self._end(P[0], d[0], tail), self._end(P[-1], d[-1], axle)
+        self._ends = (ends[0], P[0], d[0], tail), (ends[1], P[-1], d[-1], axle)
+        self._hinge(ends[0], flange, P[0], d[0])
+        self._hinge(ends[1], pinion, P[-1], d[-1])
         ahead, behind = [flange, *tubes], [*tubes[:-1], sliding, pinion]
         for k, (driving, driven) in enumerate(pins):
             cross = self._body(d[k], P[k], crosses[k], **SMALL)
@@ -123,10 +147,8 @@ class Swinging:
     def _hung(self, k: int, over: float) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
         """Where bearing k from 1 sits, in space and in its shaft, and its two ways, up first."""
         d, P = self._d, self._places
-        level = np.cross([0, 0, 1], d[k])
-        level /= np.linalg.norm(level)
         at = P[k] - over * d[k]
-        return at, at - P[k - 1] - self._shafts[k - 1].centre * d[k], [np.cross(d[k], level), level]
+        return at, at - P[k - 1] - self._shafts[k - 1].centre * d[k], across(d[k])
 
     def _bracket(self, at: Any, mass: float, stiffness: Any, loss: float) -> Any:
         """Add a mass on three springs, too heavy to turn; its axes stay those of the vehicle."""
@@ -220,6 +242,13 @@ class Swinging:
         found = (found[: len(parts)] + 1j * found[len(parts) :]).reshape(3, -1, 2)
         mean, force, velocity = np.einsum("abi,bij->abj", found, np.array(self._axes))
         return Steady(mean.real, force, velocity)
+
+
+def across(along: np.ndarray) -> list[np.ndarray]:
+    """Return the two ways across a member, up first."""
+    level = np.cross([0, 0, 1], along)
+    level /= np.linalg.norm(level)
+    return [np.cross(along, level), level]
 
 
 def turning(d: np.ndarray, phases: Any) -> tuple[Any, np.ndarray, np.ndarray]:

@@ -117,7 +117,7 @@ def test_a_spring_is_in_series_with_the_rubber():
         # Up and level by themselves have losses of their own.
         N = series.mass.shape[-1]
         rows = series.bearing.reshape(-1, N)[:2]
-        whole = series._shaken(2 * speed, speed, 0.0) + 1j * (rows.T * both.imag) @ rows
+        whole = series.shaken(2 * speed, speed, 0.0) + 1j * (rows.T * both.imag) @ rows
         q = np.linalg.solve(whole, series.pushed(bent))
         force = np.einsum("k,kx->x", both * (rows @ q), series.frame[0, :2])
         assert a.bearing_forces[0] == pytest.approx(force, rel=1e-6, abs=1e-9)

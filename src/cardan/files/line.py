@@ -49,17 +49,67 @@ from cardan.files.vehicle import AnAxle, APlace, ASuspension
 from cardan.model.application import Adjustable, Installed
 from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Movable
-from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Spline
+from cardan.model.parts import RIGID_FLANGE, CentreBearing, Flange, JointSize, Line, Shaft, Spline
 from cardan.model.vehicle import Axle, Drives
 
 SHAFTS = 12
 """Of one line: trucks have up to five, and a limit far above keeps a mistake short."""
 
 
+_ONE_STIFFNESS = (("stiffness", "vertical_stiffness"), ("stiffness", "lateral_stiffness"))
+
+
+def _pair(table: "CentreBearingTable | FlangeTable") -> tuple[float, float] | None:
+    """Return vertical and lateral stiffness, N/m, alike or told apart; None where it is rigid."""
+    if table.stiffness is not None:
+        return table.stiffness, table.stiffness
+    vertical, lateral = table.vertical_stiffness, table.lateral_stiffness
+    if (vertical is None) != (lateral is None):
+        missing = "lateral" if lateral is None else "vertical"
+        table.at().refuse(f"{missing}_stiffness_N_mm is missing beside the other one")
+    return None if vertical is None or lateral is None else (vertical, lateral)
+
+
+class FlangeTable(Table):
+    """What holds the first or the last joint, if it gives: transmission tail, or axle."""
+
+    at_most_one_of = _ONE_STIFFNESS
+
+    stiffness: Stiffness | None = key("at the joint centre, across the flange", default=None)
+    vertical_stiffness: Stiffness | None = key("the same, up and down", default=None)
+    lateral_stiffness: Stiffness | None = key("the same, side to side", default=None)
+    loss_factor: LossFactor | None = key(
+        "of that spring, the tangent of its loss angle; none if left out", default=None
+    )
+    mass: Mass = key("what moves with the joint centre", default=0.0)
+
+    def build(self) -> Flange:
+        """Return it in SI."""
+        pair = _pair(self)
+        if pair is None:
+            self.at().refuse("give stiffness_N_mm: without it a flange is rigid")
+        return Flange(stiffness=pair, loss_factor=self.loss_factor or 0.0, mass=self.mass)
+
+
+_AXES = ListOf(
+    Number(*measure.STIFFNESSES, least=1, most=1e12, usual=(1e5, 1e9)), "along", "across", "up"
+)
+
+
+class SeatTable(Table):
+    """The bracket a centre bearing hangs in, as far as the line feels it."""
+
+    fixed = True  # what `cardan bracket` found of one
+
+    stiffness: Annotated[tuple[float, float, float], _AXES] = key(
+        "where the bearing sits, along the shaft, across and up"
+    )
+
+
 class CentreBearingTable(Table):
     """The bearing a shaft hangs on near its rear joint."""
 
-    at_most_one_of = (("stiffness", "vertical_stiffness"), ("stiffness", "lateral_stiffness"))
+    at_most_one_of = _ONE_STIFFNESS
 
     from_rear_joint: BearingPlace = key("how far ahead of the rear joint centre it sits")
     stiffness: Stiffness | None = key(
@@ -73,21 +123,18 @@ class CentreBearingTable(Table):
     loss_factor: LossFactor | None = key(
         "of the rubber, the tangent of its loss angle; not known if left out", default=None
     )
+    bracket: Annotated[SeatTable, TableRule(SeatTable)] | None = key(
+        "what it hangs in; then the stiffness is the rubber's alone", default=None
+    )
 
     def build(self) -> CentreBearing:
         """Return the bearing in SI."""
-        vertical, lateral = self.vertical_stiffness, self.lateral_stiffness
-        if (vertical is None) != (lateral is None):
-            missing = "lateral" if lateral is None else "vertical"
-            self.at().refuse(f"{missing}_stiffness_N_mm is missing beside the other one")
-        pair = None if vertical is None or lateral is None else (vertical, lateral)
-        if self.stiffness is not None:
-            pair = (self.stiffness, self.stiffness)
         return CentreBearing(
             from_rear_joint=self.from_rear_joint,
-            stiffness=pair,
+            stiffness=_pair(self),
             axial_stiffness=self.axial_stiffness,
             loss_factor=self.loss_factor,
+            bracket_stiffness=self.bracket and self.bracket.stiffness,
         )
 
 
@@ -337,6 +384,12 @@ class LineTable(GeometryTable):
     gearbox_bearing_overhang: Size | None = key("joint 1 from the nearer of them", default=None)
     pinion_bearing_spacing: Size | None = key("between the pinion's bearings", default=None)
     pinion_bearing_overhang: Size | None = key("last joint from the nearer of them", default=None)
+    gearbox_flange: Annotated[Flange, FlangeTable] | None = key(
+        "how the transmission's tail gives under joint 1; rigid if left out", default=None
+    )
+    pinion_flange: Annotated[Flange, FlangeTable] | None = key(
+        "how the axle gives under the last joint; rigid if left out", default=None
+    )
 
     def build(self) -> "LineTable":
         """Return this table: its name and the vehicle's axle come from outside."""
@@ -345,7 +398,7 @@ class LineTable(GeometryTable):
 
     def installed(self, name: str, *, axle: Axle | None) -> Installed:
         """Return the line as installed, in SI; `axle` is the vehicle's, if it has none."""
-        checked: list[Any] = each((self._complete, self._laid_out, self._sizes))
+        checked: list[Any] = each((self._complete, self._laid_out, self._sizes, self._held))
         layout: Layout = checked[1]
         lengths = np.moveaxis(layout.lengths, -1, 0)
         shafts = each(lambda k=k: self._shaft(k, lengths[k]) for k in range(len(lengths)))
@@ -359,6 +412,8 @@ class LineTable(GeometryTable):
                 gearbox_bearing_overhang=self.gearbox_bearing_overhang,
                 pinion_bearing_spacing=self.pinion_bearing_spacing,
                 pinion_bearing_overhang=self.pinion_bearing_overhang,
+                gearbox_flange=self.gearbox_flange or RIGID_FLANGE,
+                pinion_flange=self.pinion_flange or RIGID_FLANGE,
             )
         )
         return self.attempt(
@@ -389,6 +444,16 @@ class LineTable(GeometryTable):
         except DesignError as error:
             message = f"between joints {k + 1} and {k + 2}: {error}"
             self.at("points", k + 2).refuse(message, f"see shaft {k + 1}")
+
+    def _held(self) -> None:
+        """Wonder at a flange that gives under a line whose bearings do not."""
+        given = [s.centre_bearing.stiffness for s in self.shafts if s.centre_bearing]
+        for name in ("gearbox_flange", "pinion_flange"):
+            if self.has(name) and not any(given):
+                self.at(name).warn(
+                    "changes nothing: no centre bearing of the line gives",
+                    "give stiffness_N_mm of a centre bearing",
+                )
 
     @property
     def _bare(self) -> bool:

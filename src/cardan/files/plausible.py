@@ -202,6 +202,21 @@ def _rubber(application: Application) -> Found:
             if shaft.centre_bearing and shaft.centre_bearing.stiffness:
                 keys = (f"{at}.centre_bearing.vertical_stiffness",)
                 yield keys, _over(*shaft.centre_bearing.stiffness)
+        for end in ("gearbox", "pinion"):
+            flange = getattr(line.installed.line, f"{end}_flange")
+            if flange.stiffness:
+                yield (f"{line.at}.{end}_flange.vertical_stiffness",), _over(*flange.stiffness)
+
+
+def _flanges(application: Application) -> Found:
+    for line in _lines(application):
+        soft = [s.centre_bearing.stiffness for _, s, _ in line.shafts if s.centre_bearing]
+        firm = max((max(k) for k in soft if k), default=None)
+        for end in ("gearbox", "pinion"):
+            flange = getattr(line.installed.line, f"{end}_flange")
+            if flange.stiffness:
+                keys = tuple(f"{line.at}.{end}_flange.{n}stiffness" for n in ("", "vertical_"))
+                yield keys, _over(min(flange.stiffness), firm)
 
 
 def _yokes(application: Application) -> Found:
@@ -595,6 +610,8 @@ RELATIONS: tuple[Relation, ...] = (
              hint="it is measured from the front joint"),
     Relation(says="the vertical stiffness over the lateral one", of=_rubber, usual=(0.1, 10),
              hint="is one of them in another unit?"),
+    Relation(says="the flange's stiffness over that of the firmest rubber", of=_flanges,
+             usual=(0.2, 1e4), hint="is one of them in another unit?"),
     Relation(says="the mass of a shaft's yoke over that of its tube", of=_yokes,
              usual=(0.01, 4), hint="check the unit"),
     Relation(says="the given inertia over that of the tube", of=_given_inertia, usual=(0.8, 20),

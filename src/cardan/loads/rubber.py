@@ -28,7 +28,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from math import pi
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -93,6 +93,8 @@ class Modes:
         Share of the energy that bends tubes; the rest is in the rubber.
     bracket : (..., m) 1
         Share of the energy that bends brackets.
+    flanges : (..., m) 1
+        Share of the energy in what holds the flanges.
     upright : (..., m) 1
         Share of the rubber's energy that is vertical.
     travel : (..., m, n-2) 1
@@ -103,24 +105,37 @@ class Modes:
     damping: FloatArray
     bending: FloatArray
     bracket: FloatArray
+    flanges: FloatArray
     upright: FloatArray
     travel: FloatArray
 
     def names(self, *case: int) -> list[str]:
-        """Return what each mode of a case is called: bounce, lateral, pitch, yaw, bending, bracket.
+        """Return what each mode of a case is called.
+
+        Bounce, lateral, pitch, yaw on rubber; bending, bracket, flange by what gives most.
 
         Bounce and pitch are upright, lateral and yaw level: the bearings together, or against
         each other.
         """
-        of = (self.bending[case], self.bracket[case], self.upright[case], self.travel[case])
-        return [
-            "bracket" if given > max(bent, 1 - bent - given)
-            else "bending" if bent > (1 - given) / 2 else (
-                ("bounce" if up > 0.5 else "lateral") if (going > -0.1).all() or (going < 0.1).all()
-                else ("pitch" if up > 0.5 else "yaw")
-            )
-            for bent, given, up, going in zip(*of, strict=True)
-        ]  # fmt: skip
+        of = (self.bending, self.bracket, self.flanges, self.upright, self.travel)
+        return [_named(*values) for values in zip(*(v[case] for v in of), strict=True)]
+
+
+def _named(
+    bent: float, given: float, held: float, up: float, going: FloatArray
+) -> Literal["bracket", "bending", "flange", "bounce", "lateral", "pitch", "yaw"]:
+    """Return what a mode is called, by shares of its energy and how the bearings go."""
+    rubber = 1 - bent - given - held
+    if held > max(bent, given, rubber):
+        return "flange"
+    if given > max(bent, rubber):
+        return "bracket"
+    if bent > rubber:
+        return "bending"
+    together = bool((going > -0.1).all() or (going < 0.1).all())
+    if up > 0.5:
+        return "bounce" if together else "pitch"
+    return "lateral" if together else "yaw"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,6 +162,10 @@ class Suspended:
     brackets, brackets_lost : (..., N, N)
         N/m of the brackets that bearings hang in (`mounted`), and what they lose; None where
         they are rigid.
+    flanges, flanges_lost : (..., N, N)
+        The same of what holds the first and the last joint.
+    seats
+        How many of the coordinates, the last ones, are modes of brackets.
     """
 
     mass: FloatArray
@@ -164,6 +183,9 @@ class Suspended:
     along: FloatArray
     brackets: FloatArray | None = None
     brackets_lost: FloatArray | None = None
+    flanges: FloatArray | None = None
+    flanges_lost: FloatArray | None = None
+    seats: int = 0
 
     def pushed(self, moments: ComplexArray) -> ComplexArray:
         """Return what crosses' moments (..., n, 3) N m do on the coordinates, (..., N) N."""
@@ -216,6 +238,10 @@ class Suspended:
             whole = self.first.some(some, len(lead)).at(*(stretch(v, some) for v in asked))
             stretch(moved, some)[...] = solve(whole, stretch(right, some))
         return self._motion(trailing(moved, of=2).mT, np.sign(W), each=True)
+
+    def still(self, forces: ComplexArray) -> ComplexArray:
+        """Return where forces (..., N) that do not move with the line hold it, (..., N) m."""
+        return np.linalg.solve(self._held[0], forces[..., None])[..., 0].astype(complex)
 
     def borne(self, forces: ComplexArray) -> ComplexArray:
         """Return what bearings carry, (..., n-2, 3) N, where forces (..., N) only hold still."""
@@ -295,7 +321,7 @@ class Suspended:
         q0, q2, q4 = (trailing(q, of=1) for q in moved)
         return self._motion(q0, 0.0), self._motion(q2, lossy), self._motion(q4, lossy)
 
-    def _shaken(self, frequency: ArrayLike, speed: ArrayLike, torque: ArrayLike) -> ComplexArray:
+    def shaken(self, frequency: ArrayLike, speed: ArrayLike, torque: ArrayLike) -> ComplexArray:
         """Return the line's stiffness at a frequency, (..., N, N) N/m."""
         asked = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (frequency, speed, torque))
@@ -335,9 +361,15 @@ class Suspended:
         rows, springs, loss = self.rows, self.springs, np.repeat(self.loss, 3, axis=-1)
         lost = (rows.mT * (springs * loss)[..., None, :]) @ rows
         still = self.bending + (rows.mT * springs[..., None, :]) @ rows
-        if self.brackets is None or self.brackets_lost is None:
-            return still, lost
-        return still + self.brackets, lost + self.brackets_lost
+        for name in self._others:
+            still = still + getattr(self, name)
+            lost = lost + getattr(self, f"{name}_lost")
+        return still, lost
+
+    @property
+    def _others(self) -> tuple[str, ...]:
+        """What gives beside rubber and tubes."""
+        return tuple(n for n in ("brackets", "flanges") if getattr(self, n) is not None)
 
     @cached_property
     def _share(self) -> FloatArray:
@@ -367,7 +399,7 @@ class Suspended:
         _, shapes = self._shapes()
         shapes = shapes[..., :count]
         both = ("mass", "bending", "gyroscopic", "torsion")
-        both += ("brackets", "brackets_lost") if self.brackets is not None else ()
+        both += tuple(n + end for n in self._others for end in ("", "_lost"))
         right = ("bearing", "front", "rear", "front_tilt", "rear_tilt")
         return replace(
             self,
@@ -378,7 +410,7 @@ class Suspended:
     def of_case(self, *case: int) -> "Suspended":
         """Return the line of one case of the leading axes."""
         each: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
-        return replace(self, **{name: v[case] for name, v in each.items() if v is not None})
+        return replace(self, **{n: v[case] for n, v in each.items() if isinstance(v, np.ndarray)})
 
     def mounted(self, bearing: int, seat: Seat) -> "Suspended":
         """Return the line with a bearing, from 0, in a bracket that gives, N more by its modes.
@@ -412,6 +444,12 @@ class Suspended:
             bearing=rows,
             brackets=beside(next(given), ω2),
             brackets_lost=beside(next(given), seat.loss * ω2),
+            seats=self.seats + more,
+            **{
+                n: beside(v)
+                for n in ("flanges", "flanges_lost")
+                if (v := getattr(self, n)) is not None
+            },
             **{n: unmoved(getattr(self, n)) for n in ("front", "rear", "front_tilt", "rear_tilt")},
         )
 
@@ -424,6 +462,15 @@ class Suspended:
         """Return ω² (..., N) and shapes (..., N, N) of mass 1 of the modes, slowest first."""
         squares, shapes = np.linalg.eigh(self._against_mass(torque))
         return squares, self._per_mass.mT @ shapes
+
+    def decaying(self, torque: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ω² (..., N), shapes (..., N, N) of mass 1 and decay (..., N) 1/s of the modes.
+
+        The decay is half of what a damper would take that loses as much as the rubber does.
+        """
+        squares, shapes = self._shapes(torque)
+        lost = (shapes * (self._held[1] @ shapes)).sum(-2)
+        return squares, shapes, lost / (2 * np.sqrt(np.maximum(squares, 1e-9)))
 
     def _against_mass(self, torque: ArrayLike) -> FloatArray:
         K = self._held[0] + np.asarray(torque, float)[..., None, None] * self.torsion
@@ -443,11 +490,11 @@ class Suspended:
         rubber = energy.sum((-2, -1))
         bent = (shapes * (self.bending @ shapes)).sum(-2)
         lost = (energy.sum(-1) * self.loss[..., None, :]).sum(-1)
-        given = np.zeros_like(bent)
-        if self.brackets is not None and self.brackets_lost is not None:
-            given = (shapes * (self.brackets @ shapes)).sum(-2)
-            lost = lost + (shapes * (self.brackets_lost @ shapes)).sum(-2)
-        whole = rubber + bent + given
+        others = {"brackets": np.zeros_like(bent), "flanges": np.zeros_like(bent)}
+        for name in self._others:
+            others[name] = (shapes * (getattr(self, name) @ shapes)).sum(-2)
+            lost = lost + (shapes * (getattr(self, f"{name}_lost") @ shapes)).sum(-2)
+        whole = rubber + bent + others["brackets"] + others["flanges"]
         whole = np.where(whole > 0, whole, 1.0)
         across = moves.reshape(*moves.shape[:-1], -1, 3)
         upright = energy[..., 0].sum(-1) / np.where(rubber > 0, rubber, 1.0)
@@ -457,7 +504,8 @@ class Suspended:
             frequency=np.sqrt(np.maximum(squares, 0.0)),
             damping=lost / (2 * whole),
             bending=bent / whole,
-            bracket=given / whole,
+            bracket=others["brackets"] / whole,
+            flanges=others["flanges"] / whole,
             upright=upright,
             travel=travel / np.where(size > 0, size, 1.0),
         )
@@ -470,26 +518,39 @@ def suspended(
     stiffness: ArrayLike,
     loss: ArrayLike = LOSS,
     sines: int = SINES,
+    cut: bool = False,
 ) -> Suspended:
-    """Return a line as it can move on its centre bearings.
+    """Return a line as it can move on its centre bearings, and its flanges.
 
     Parameters
     ----------
     layout : (..., n, 3) m
         Where it runs.
     line
-        Its tubes (each shaft needs one), yokes, spline, and the places of its bearings.
+        Its tubes (each shaft needs one), yokes, spline, the places of its bearings, and what
+        holds its flanges.
     stiffness : (..., n-2, 3) N/m
         Of the rubber across the shaft, vertical and lateral, and along it.
     loss : (..., n-2) 1
         Share of energy η that it loses in a radian.
     sines
         In how many a tube bends; 0 takes the shafts as rigid.
+    cut
+        Add three coordinates for each joint, behind all others: what lies behind it moves
+        along x, y and z while what is ahead stays, and the axle; at the last joint the last
+        shaft moves against the axle. Nothing moves so; what it
+        would take is the force that the joint carries (`cardan.loads.running.at_joints`).
     """
     d = layout.directions[..., 1:-1, :]
     lengths = layout.lengths
     frames = _frames(d)
+    soft = [f.stiffness is not None for f in line.flanges]
     fields = _fields(d, frames, sines=sines)
+    given = [_flange(layout.directions, fields.shape, end=k) for k in (0, -1) if soft[k]]
+    fields = np.concatenate([fields, *given], axis=-1)
+    flanges = _flanges(line, fields.shape[-1], behind=3 * line.joint_count if cut else 0)
+    if cut:
+        fields = np.concatenate([fields, _cuts(d, fields.shape)], axis=-1)
     turned = _skew(d) @ fields.reshape(*fields.shape[:-2], -1)
     turned = turned.reshape(fields.shape)
     at, mass, across, polar = _masses(line, lengths)
@@ -510,7 +571,7 @@ def suspended(
     at_joints = (rear_tilt[..., :-1, :, :].mT @ between @ front_tilt[..., 1:, :, :]).sum(-3)
     half = -(at_joints + _summed(_wound(lengths, sines), fields, turned)) / 2
     return Suspended(
-        mass=_summed(kinetic, fields, fields),
+        mass=_summed(kinetic, fields, fields) + flanges[2],
         gyroscopic=-_summed(spin, fields, turned),
         bending=_summed(_bending(line, lengths, sines), fields, fields),
         torsion=half + half.mT,
@@ -523,7 +584,31 @@ def suspended(
         front_tilt=front_tilt,
         rear_tilt=rear_tilt,
         along=d,
+        flanges=flanges[0] if any(soft) else None,
+        flanges_lost=flanges[1] if any(soft) else None,
     )
+
+
+def _flanges(line: Line, size: int, *, behind: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return stiffness N/m, what is lost of it, and mass kg at the flanges, (..., N, N) each.
+
+    Their coordinates are the last ones of `size`, the gearbox's first: up and level; so many
+    others come `behind`.
+    """
+    soft = [(f, *f.stiffness) for f in line.flanges if f.stiffness is not None]
+    rows = [
+        (np.minimum(k, RIGID), f.loss_factor * np.minimum(k, RIGID), f.mass)
+        for f, *both in soft
+        for k in both
+    ]
+    held, lost, mass = (
+        stacked([0.0] * (size - len(rows)) + [row[n] for row in rows] + [0.0] * behind)[
+            ..., None, :
+        ]
+        * np.eye(size + behind)
+        for n in range(3)
+    )
+    return held, lost, mass
 
 
 def _skew(d: FloatArray) -> FloatArray:
@@ -561,6 +646,38 @@ def _fields(d: FloatArray, frames: FloatArray, *, sines: int) -> FloatArray:
             start = hung + 2 * (k * sines + j)
             found[..., k, :, 2 + j, start : start + 2] = frames[..., k, :, :]
     return found
+
+
+def _flange(directions: FloatArray, shape: tuple[int, ...], *, end: int) -> FloatArray:
+    """Return what moving a flange up and level moves of each shaft, (..., n-1, 3, 2 + sines, 2).
+
+    The gearbox's takes all shafts along, the axle's the last one alone, whose tube is on the
+    axle's side of the spline. A flange does not tilt.
+    """
+    across, last = _frames(directions[..., end, :]), directions[..., -2, :]
+    along = last[..., :, None] * (last[..., None, :] @ across)
+    moved = np.zeros((*shape[:-1], 2))
+    if end == 0:
+        moved[..., :-1, :, 0, :] = across[..., None, :, :]
+        moved[..., -1, :, 0, :], moved[..., -1, :, 1, :] = across - along, along - across
+    else:
+        moved[..., -1, :, 0, :], moved[..., -1, :, 1, :] = along, across - along
+    return moved
+
+
+def _cuts(d: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return what breaks at the joints would move of each shaft, (..., n-1, 3, 2 + sines, 3 n)."""
+    count = d.shape[-2]
+    moved = np.zeros((*shape[:-1], 3 * (count + 1)))
+    last = d[..., -1, :]
+    along = last[..., :, None] * last[..., None, :]
+    across = np.eye(3) - along
+    for k in range(count):
+        here = slice(3 * k, 3 * k + 3)
+        moved[..., k:-1, :, 0, here] = np.eye(3)
+        moved[..., -1, :, 0, here], moved[..., -1, :, 1, here] = across, -across
+    moved[..., -1, :, 0, -3:], moved[..., -1, :, 1, -3:] = along, across
+    return moved
 
 
 def _shapes(

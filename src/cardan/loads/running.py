@@ -108,22 +108,14 @@ def running(
         Speed for which the shafts are balanced; None leaves unbalance out.
     """
     torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
-    turned = turn(layout.directions, phases=phases, crosses=line.crosses, samples=16)
-    # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
-    carried = loads(
-        layout,
-        turned,
-        line,
-        torque=torque,
-        inertias=inertias,
-        accelerations=0.0
-        if inertias is None
-        else speed[..., None, None] ** 2 * turned.acceleration,
-    )
-    if held is None:
-        found = {k: carried.bearing_forces.order(k) for k in (0, *ORDERS)}
-    else:
-        found = _on_rubber(held, carried, turned, torque=torque, speed=speed)
+    turned, carried = _turning(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
+    found = {k: carried.bearing_forces.order(k) for k in (0, *ORDERS)}
+    if held is not None:
+        # Statics, and what moving adds to them: so modes that `held` leaves out bear their share.
+        for k, (push, moved) in _swinging(
+            held, carried, turned, torque=torque, speed=speed
+        ).items():
+            found[k] = found[k] + moved.bearing_forces - held.borne(push)
     weight, pulled = resting(layout, line, gravity=gravity)
     steady = found[0].real + weight
     thrust = _worst_thrust(steady, pulled, slip=slip)
@@ -136,14 +128,131 @@ def running(
     )
 
 
-def _on_rubber(
-    held: Suspended, carried: Loads, turned: Turn, *, torque: FloatArray, speed: FloatArray
-) -> dict[int, ComplexArray]:
-    """Return the forces on the bearings order by order, (..., n-2, 3) N each.
+def at_joints(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    torque: ArrayLike,
+    speed: ArrayLike,
+    held: Suspended,
+    cut: Suspended,
+    inertias: FloatArray | None = None,
+    gravity: float = 0.0,
+    slip: ArrayLike = 0.0,
+    balanced_at: ArrayLike | None = None,
+) -> Running:
+    """Return what the joints carry as the line runs on its rubber, the flanges' among them.
 
-    Statics, and what moving adds to them: so modes that `held` leaves out bear their share.
+    `cut` is `held` with breaks at its joints (`suspended`); other arguments are those of
+    `running`. Forces (..., n) are those of each joint on the member behind it.
     """
-    moments, still = carried.joint_moments, carried.bearing_forces
+    torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
+    turned, carried = _turning(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
+    found = {k: carried.joint_forces.order(k) for k in (0, *ORDERS)}
+    breaks = _Breaks(cut, line.joint_count, torque=torque, speed=speed)
+    swinging = _swinging(held, carried, turned, torque=torque, speed=speed)
+    followed = breaks.followed(turned, {k: m.coordinates for k, (_, m) in swinging.items()})
+    for k, (push, moved) in swinging.items():
+        still = held.still(push)
+        found[k] = found[k] + breaks.force(
+            breaks.taken(moved.coordinates, k) - breaks.taken(still, 0, torque=0.0)
+            - followed.get(k, 0.0)
+        )  # fmt: skip
+    steady = loads(layout, turned, line, torque=0.0, gravity=gravity).joint_forces.static
+    pulled = loads(layout, turned, line, torque=0.0, thrust=1.0).joint_forces.static
+    steady = steady + found[0].real
+    thrust = _worst_thrust(steady, pulled, slip=slip)
+    order1 = np.zeros(thrust.shape)
+    if balanced_at is not None:
+        ω2 = speed[..., None, None] ** 2
+        pushes = ω2 * out_of_balance(line, held, balanced_at=balanced_at)
+        moved = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
+        own = ω2 * out_of_balance(line, cut, balanced_at=balanced_at)[..., breaks.rows]
+        order1 = major_axis(breaks.force(breaks.taken(moved.coordinates, 1, each=True) - own))
+        order1 = order1.sum(-2)
+    nothing = 0 * found[2]
+    return Running(
+        mean=steady + thrust[..., None] * pulled,
+        thrust=thrust,
+        order1=order1,
+        waves=np.stack([found.get(k, nothing) for k in ORDERS], axis=-2),
+    )
+
+
+class _Breaks:
+    """What a line's motion asks of its joints: rows of `cut` that nothing moves along.
+
+    N of its coordinates are the line's own; `rows` are the 3 n of the breaks.
+    """
+
+    def __init__(
+        self, cut: Suspended, joints: int, *, torque: FloatArray, speed: FloatArray
+    ) -> None:
+        self.cut, self.joints, self.torque, self.speed = cut, joints, torque, speed
+        size, seats = cut.mass.shape[-1], cut.seats
+        first = size - seats - 3 * joints
+        self.rows = slice(first, size - seats)
+        self.own = np.r_[:first, size - seats : size]
+
+    def taken(
+        self,
+        moved: ComplexArray,
+        order: int,
+        *,
+        torque: ArrayLike | None = None,
+        each: bool = False,
+    ) -> ComplexArray:
+        """Return what a motion (..., N) at an order of the speed asks, (..., 3 n) N."""
+        T = self.torque if torque is None else np.asarray(torque, dtype=float)
+        K = self.cut.shaken(order * self.speed, self.speed, T)[..., self.rows, :][..., self.own]
+        return ((K[..., None, :, :] if each else K) @ moved[..., None])[..., 0]
+
+    def followed(
+        self, turned: Turn, motions: dict[int, ComplexArray]
+    ) -> dict[int, ComplexArray | FloatArray]:
+        """Return what the crosses' moments do on the breaks as they follow the motion."""
+        pushes, bends = self.cut.swung(turned)
+        left = self.torque[..., None, None] * pushes[..., self.rows].mT
+        right = bends[..., self.own]
+        q0, q2 = (right @ motions[k][..., None] for k in (0, 2))
+        back = np.conj(right) @ motions[4][..., None]
+        return {
+            0: ((left @ np.conj(q2))[..., 0]).real / 2,
+            2: (left @ q0)[..., 0] + (np.conj(left) @ back)[..., 0] / 2,
+            4: (left @ q2)[..., 0] / 2,
+        }
+
+    def force(self, rows: ComplexArray) -> ComplexArray:
+        """Return forces on the members behind the joints, (..., n, 3) N."""
+        found = rows.reshape(*rows.shape[:-1], self.joints, 3)
+        # At the last one it is the shaft that the axle holds.
+        return found * np.where(np.arange(self.joints) == self.joints - 1, -1.0, 1.0)[:, None]
+
+
+def _turning(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    torque: FloatArray,
+    speed: FloatArray,
+    inertias: FloatArray | None,
+) -> tuple[Turn, Loads]:
+    """Return a line's turn, and what it carries on rigid bearings."""
+    turned = turn(layout.directions, phases=phases, crosses=line.crosses, samples=16)
+    # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
+    accelerations = 0.0 if inertias is None else speed[..., None, None] ** 2 * turned.acceleration
+    return turned, loads(
+        layout, turned, line, torque=torque, inertias=inertias, accelerations=accelerations
+    )
+
+
+def _swinging(
+    held: Suspended, carried: Loads, turned: Turn, *, torque: FloatArray, speed: FloatArray
+) -> dict[int, tuple[ComplexArray, Motion]]:
+    """Return order by order what pushes the coordinates, and how the line moves."""
+    moments = carried.joint_moments
     tied = (0, 2, 4)
     others = [k for k in ORDERS if k not in tied and k < 2 * moments.waves.shape[-2]]
     pushes = {k: held.pushed(moments.order(k)) for k in (*tied, *others)}
@@ -151,10 +260,7 @@ def _on_rubber(
     motions: dict[int, Motion] = dict(zip(tied, found, strict=True))
     for k in others:
         motions[k] = held.moved(pushes[k], frequency=k * speed, speed=speed, torque=torque)
-    return {
-        k: still.order(k) + moved.bearing_forces - held.borne(pushes[k])
-        for k, moved in motions.items()
-    }
+    return {k: (pushes[k], motions[k]) for k in motions}
 
 
 def _worst_thrust(force: FloatArray, pulled: FloatArray, *, slip: ArrayLike) -> FloatArray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.base.frozen import dataclass
-from cardan.base.small import leading, product, solve, stretch, stretches, wide
+from cardan.base.small import leading, product, solve, stretch, stretches, trailing, wide
 from cardan.kinematics.chain import turn
 from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import Suspended
@@ -90,8 +90,7 @@ class Sketch:
         slip : (P, ..., S) N
             Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
         """
-        half = (self.largest - self.least) / 2
-        x = (np.asarray(pitch) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
+        x = self._ridden(pitch)
         given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
         cases = given[0].shape
         sizes = np.empty((3, len(self.rows) // 3, *cases))
@@ -99,6 +98,71 @@ class Sketch:
             stretch(sizes, some)[...] = self._some(some, *(stretch(v, some) for v in given))
         static, dynamic, peak = np.moveaxis(sizes + np.where(np.isnan(torque), np.nan, 0.0), 1, -1)
         return Sizes(static=static, dynamic=dynamic, peak=peak)
+
+    def _ridden(self, pitch: ArrayLike) -> FloatArray:
+        """Return where between the least and the largest pitch of the axle one is, -1 to 1."""
+        half = (self.largest - self.least) / 2
+        return (np.asarray(pitch) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
+
+    def passed(
+        self,
+        time: FloatArray,
+        turned: FloatArray,
+        *,
+        torque: FloatArray,
+        speed: FloatArray,
+        pitch: FloatArray,
+        slip: FloatArray,
+    ) -> FloatArray:
+        """Return what the bearings carry along a drive, step by step from rest, (P, n-2) N.
+
+        Of a sketch of one case, at the worst thrust of each instant, without unbalance. Steps
+        by the implicit midpoint; the rubber's loss is that of dampers that lose as much at each
+        mode. What modes beyond the sketch's bear, they bear at once.
+
+        Parameters
+        ----------
+        time : (P,) s
+            Of even steps, short against the fastest mode.
+        turned : (P,) rad
+            How far the gearbox's yoke has turned.
+        torque, speed, pitch, slip : (P,)
+            As `at` has them, at each instant.
+        """
+        x = self._ridden(pitch)
+
+        def bent(values: _Bent) -> Any:
+            found, *more = (v[..., None] for v in values)
+            return (more[1] * x + more[0]) * x + found if more else found
+
+        wave = np.exp(2j * turned)
+        f0, f2, r0, r2, swing = (
+            torque * bent(v) for v in (*self.pushes, *self.borne, self.swing)
+        )  # fmt: skip
+        on, N = self.on, len(f0)
+        squares, shapes, decay = on.decaying(0.0)
+        modal = on.mass @ shapes
+        K = trailing(on.first.some(slice(None), 1).wound(torque) - (swing * wave).real, of=2)
+        C = (modal * (2 * decay)) @ modal.T + speed[:, None, None] * on.gyroscopic
+        inverse = np.linalg.inv(on.mass)
+        slope = np.zeros((len(time), 2 * N, 2 * N))
+        slope[:, :N, N:], slope[:, N:, :N], slope[:, N:, N:] = np.eye(N), -inverse @ K, -inverse @ C
+        given = np.zeros((len(time), 2 * N))
+        given[:, N:] = (f0 + (f2 * wave).real).T @ inverse
+        h, one = np.diff(time)[:, None, None], np.eye(2 * N)
+        half = h / 4 * (slope[1:] + slope[:-1])
+        kick = h / 2 * (given[1:] + given[:-1])[..., None]
+        steps = np.linalg.solve(one - half, np.concatenate([one + half, kick], axis=-1))
+        states = np.zeros((len(time), 2 * N))
+        for k, step in enumerate(steps):
+            states[k + 1] = step[:, :-1] @ states[k] + step[:, -1]
+        # Rubber's dampers, which lose what it loses at each mode.
+        slow = shapes / np.sqrt(squares) @ modal.T
+        give = states[:, :N] + self.loss[:, None, None] * (states[:, N:] @ slow.T)
+        pulled = self.springs[:, None] * (self.rows[:, None, :] * give).sum(-1)
+        mean = r0 + (r2 * wave).real + bent(self.weight) + pulled
+        drawn = slip * bent(self.pulled)
+        return np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)]).T
 
     def _some(self, some: slice, T: Any, omega: Any, x: Any, slip: Any) -> list[Any]:
         """Return mean, orders and peak (n-2, P, ...) N of a stretch of the cases."""

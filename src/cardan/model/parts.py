@@ -186,14 +186,28 @@ class CentreBearing:
 
     `stiffness` is that of rubber and bracket across the shaft, N/m, vertical and lateral;
     None is rigid. `axial_stiffness` is that of the rubber along the shaft, N/m; None slides
-    freely. `loss_factor` is the rubber's, the tangent of its loss angle; None is not known.
-    `from_rear_joint` is how far ahead of the rear joint centre it sits.
+    freely. Where `bracket_stiffness` is given, N/m along x, y and z of the vehicle, those two
+    are the rubber's alone, in series with it. `loss_factor` is the rubber's, the tangent of
+    its loss angle; None is not known. `from_rear_joint` is how far ahead of the rear joint
+    centre it sits.
     """
 
     from_rear_joint: Metre = 0.0
     stiffness: tuple[float, float] | None = None
     axial_stiffness: float | None = None
     loss_factor: float | None = None
+    bracket_stiffness: tuple[float, float, float] | None = None
+
+    @property
+    def across(self) -> tuple[float, float] | None:
+        """Vertical and lateral stiffness of rubber and bracket together, N/m; None is rigid."""
+        if self.bracket_stiffness is None:
+            return self.stiffness
+        _, y, z = self.bracket_stiffness
+        if self.stiffness is None:
+            return z, y
+        vertical, lateral = self.stiffness
+        return 1 / (1 / vertical + 1 / z), 1 / (1 / lateral + 1 / y)
 
     def __post_init__(self) -> None:
         if wrong := failing(self.from_rear_joint >= 0, self.from_rear_joint):
@@ -208,10 +222,42 @@ class CentreBearing:
                 **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
         positive("a centre bearing", axial_stiffness=self.axial_stiffness)
+        if self.bracket_stiffness is not None:
+            positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
         loss = self.loss_factor
         if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
             msg = f"loss_factor of a centre bearing must be above 0 and below 1, got {wrong[0]:g}"
             raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flange:
+    """What holds the first or last joint of a line: the transmission's tail, or the axle.
+
+    Attributes
+    ----------
+    stiffness : (vertical, lateral) N/m
+        At the joint centre, across the member; None is rigid.
+    loss_factor : 1
+        The tangent of its loss angle.
+    mass : kg
+        What moves with the joint centre.
+    """
+
+    stiffness: tuple[float, float] | None = None
+    loss_factor: float = 0.0
+    mass: Kilogram = 0.0
+
+    def __post_init__(self) -> None:
+        if self.stiffness is not None:
+            positive("a flange", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)))
+        loss = self.loss_factor
+        if wrong := failing((loss >= 0) & (loss < 1), loss):
+            msg = f"loss_factor of a flange must be 0 or more and below 1, got {wrong[0]:g}"
+            raise DesignError(msg)
+
+
+RIGID_FLANGE = Flange()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -306,6 +352,8 @@ class Line:
     gearbox_bearing_overhang: Metre | None = None
     pinion_bearing_spacing: Metre | None = None
     pinion_bearing_overhang: Metre | None = None
+    gearbox_flange: Flange = RIGID_FLANGE
+    pinion_flange: Flange = RIGID_FLANGE
 
     def __post_init__(self) -> None:
         if not self.shafts:
@@ -327,6 +375,17 @@ class Line:
     def joint_count(self) -> int:
         """Number of joints: one more than shafts."""
         return len(self.shafts) + 1
+
+    @property
+    def flanges(self) -> tuple[Flange, Flange]:
+        """What holds the first joint and the last."""
+        return self.gearbox_flange, self.pinion_flange
+
+    @property
+    def swings(self) -> int:
+        """Number of ways in which its shafts swing without bending."""
+        soft = sum(f.stiffness is not None for f in self.flanges)
+        return 2 * (len(self.shafts) - 1 + soft)
 
     @property
     def measured(self) -> bool:

@@ -128,3 +128,12 @@ def seat(
         parts=np.concatenate([mine, extra]),
         loss=loss,
     )
+
+
+def soft(stiffness: tuple[float, float, float], *, loss: float = LOSS) -> Seat:
+    """Return a bracket of which no more is known than its stiffness along x, y and z, N/m."""
+    none = np.zeros((0, 3))
+    return seat(
+        np.diag(1 / np.array(stiffness)), frequencies=none[:, 0], motion=none,
+        inertia=np.zeros((3, 3)), loss=loss,
+    )  # fmt: skip

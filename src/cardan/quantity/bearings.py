@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardan.base.arrays import stacked
+from cardan.base.arrays import FloatArray, stacked
 from cardan.base.part import Part
 from cardan.base.source import DERIVED, GWB, ISO21940
 from cardan.quantity.declared import (
@@ -17,8 +17,10 @@ from cardan.quantity.declared import (
     centre_bearings,
     joints,
     last_shaft,
+    line,
     of_line,
 )
+from cardan.quantity.response import Response
 
 
 def _lettered(letters: str) -> Parts:
@@ -39,6 +41,25 @@ def _placed(letters: str, end: str) -> Need:
         met=lambda r: np.isfinite(_end_bearings(letters)(r)),
     )
 
+
+def _of_joints(r: Response) -> FloatArray:
+    """Return what shakes each joint on rubber, (..., S, n) N; nan where nobody knows."""
+    worst = r.worst_joints
+    return np.full(r.angles.shape, np.nan) if worst is None else worst.running.dynamic
+
+
+def _growth(r: Response) -> FloatArray:
+    """Return how a line's swinging goes on at worst, (..., S) 1/s; nan where nobody knows."""
+    worst = r.worst_growth
+    shape = r.angles.shape[:-1]
+    return np.full(shape, np.nan) if worst is None else worst.running.growth[..., 0]
+
+
+STEADY = Need(
+    gives="a line whose swinging on its rubber does not grow (swing_growth)",
+    met=lambda r: ~(_growth(r)[..., None] > 0),
+)
+"""Where swinging grows by itself no steady force is an answer."""
 
 _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
@@ -88,7 +109,7 @@ DECLARED = (
         shaken=True,
         on_rubber=True,
         parts=centre_bearings,
-        needs=(TORQUE, RUBBER),
+        needs=(TORQUE, RUBBER, STEADY),
         section="Centre bearings",
         methods={
             "rigid": lambda r: r.loads.bearing_forces.dynamic,
@@ -112,9 +133,31 @@ DECLARED = (
         shaken=True,
         on_rubber=True,
         parts=centre_bearings,
-        needs=(LOAD, RUBBER),
+        needs=(LOAD, RUBBER, STEADY),
         section="Centre bearings",
         methods={"rigid": lambda r: r.bearing_peaks},
+    ),
+    Quantity(
+        key="swing_growth",
+        name="Growth of swinging on rubber",
+        symbol="λS",
+        unit="per_s",
+        equation="λS = max Re λ,  [(λ ± iΩ)² + (λ ± iΩ)(2 d + Ω G) + ω²] (A, B) = T (S B, S* A)/2",
+        where={
+            "d": "decay of a mode by what the rubber loses, η ω / 2",
+            "S": "what order 2 of the crosses' moments makes of one mode in another, of 1 N m",
+        },
+        source=DERIVED,
+        use="At the worst operating point. Above 0 the line swings by itself where twice its speed "
+        "meets the sum of two modes, whatever shakes it; then no steady force is an answer. Of two "
+        "modes it grows from T |Sij| = 4 √(ωi ωj di dj) on.",
+        of=of_line(_growth),
+        sought=lambda r: r.worst_growth,
+        on_rubber=True,
+        parts=line,
+        needs=(TORQUE, RUBBER),
+        section="Centre bearings",
+        contract="swing_growth_per_s",
     ),
     Quantity(
         key="joint_force",
@@ -132,6 +175,30 @@ DECLARED = (
         needs=(LOAD,),
         section="Speed and strength",
         contract="joint_forces.worst_N",
+    ),
+    Quantity(
+        key="joint_dynamic",
+        name="Joint, dynamic force",
+        symbol="Fk",
+        unit="N",
+        equation="Fk = F2 + F4 + F6,  F = Z q − f",
+        where={
+            "F2, F4, F6": "0-to-peak along the major axis of the force ellipse of each order",
+            "Z": "what motion q of the line asks of a joint: stiffness, gyroscope and mass",
+            "f": "the crosses' moments on it",
+        },
+        source=DERIVED,
+        use="At the worst operating point, centre bearings on their rubber and flanges as they "
+        "give; the first joint and the last shake the flanges of gearbox and axle. Steady: passing "
+        "quickly does not reach it.",
+        of=_of_joints,
+        methods={"rigid": lambda r: r.loads.joint_forces.dynamic},
+        sought=lambda r: r.worst_joints,
+        on_rubber=True,
+        parts=joints,
+        needs=(LOAD, RUBBER, STEADY),
+        section="Centre bearings",
+        contract="joint_forces.dynamic_N",
     ),
     Quantity(
         key="gearbox_bearing_force",

@@ -16,11 +16,14 @@ from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
-from cardan.demand.states import Demand, demand_pitched
+from cardan.demand.states import Demand, demand_pitched, pitch_under
+from cardan.kinematics.chain import turn
+from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
-from cardan.loads.running import Running, running
+from cardan.loads.running import Running, at_joints, running
 from cardan.loads.sketch import PITCHES, Sketch, sketch
 from cardan.model.layout import Layout
+from cardan.model.seat import soft
 
 if TYPE_CHECKING:
     from cardan.quantity.response import Response
@@ -162,19 +165,21 @@ def _each(change: Callable[..., Any], *of: Points) -> Points:
     )
 
 
-def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
+def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Suspended | None:
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
     It needs a tube of each shaft for its mass, and a stiffness of one bearing. A loss factor
-    that nobody gives is `assumed` (...).
+    that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    unknown = not r.seats and all(b.stiffness is None for b in bearings)
+    told = {k: soft(k_b) for k, b in enumerate(bearings) if (k_b := b.bracket_stiffness)}
+    seats = {**told, **r.seats}
+    unknown = not seats and all(b.stiffness is None for b in bearings)
     if any(s.tube is None for s in r.line.shafts) or unknown:
         return None
     stiffness = [
         [
-            *(b.stiffness or ((FIRM, FIRM) if k in r.seats else (np.inf, np.inf))),
+            *(b.stiffness or ((FIRM, FIRM) if k in seats else (np.inf, np.inf))),
             0.0 if b.axial_stiffness is None else b.axial_stiffness,
         ]
         for k, b in enumerate(bearings)
@@ -183,8 +188,8 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS) -> Suspended | None:
     columns = np.broadcast_arrays(*(np.asarray(v, dtype=float) for row in stiffness for v in row))
     k = np.stack(columns, axis=-1).reshape(*columns[0].shape, len(bearings), 3)
     eta = np.stack(np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in loss)), axis=-1)
-    found = suspended(r.layout, r.line, stiffness=k, loss=eta)
-    for bearing, seat in r.seats.items():
+    found = suspended(r.layout, r.line, stiffness=k, loss=eta, cut=cut)
+    for bearing, seat in seats.items():
         found = found.mounted(bearing, seat)
     return found
 
@@ -219,20 +224,25 @@ def run(
 
     On its own rubber, or on that of `on`.
     """
-    known = np.isfinite(of.torque)
-    found = running(
-        layout,
-        r.line,
-        r.phases,
-        torque=np.nan_to_num(of.torque),
-        speed=np.nan_to_num(of.speed),
-        held=on or r.held,
-        inertias=r.inertias if inertia else None,
-        gravity=r.gravity,
-        slip=r.slip_at(of.torque),
-        balanced_at=r.balanced_at if r.application.include_unbalance else None,
-    )
-    nothing = np.where(known, 0.0, np.nan)[..., None]
+    found = running(layout, r.line, r.phases, held=on or r.held, **_asked(r, of, inertia=inertia))
+    return _known(found, of)
+
+
+def _asked(r: "Response", of: Demand, *, inertia: bool) -> dict[str, Any]:
+    """Return what a line's forces as it runs depend on, beside where it lies."""
+    return {
+        "torque": np.nan_to_num(of.torque),
+        "speed": np.nan_to_num(of.speed),
+        "inertias": r.inertias if inertia else None,
+        "gravity": r.gravity,
+        "slip": r.slip_at(of.torque),
+        "balanced_at": r.balanced_at if r.application.include_unbalance else None,
+    }
+
+
+def _known(found: Running, of: Demand) -> Running:
+    """Return forces with nan where a demand is no point."""
+    nothing = np.where(np.isfinite(of.torque), 0.0, np.nan)[..., None]
     return Running(
         mean=found.mean + nothing[..., None],
         thrust=found.thrust + nothing,
@@ -251,7 +261,7 @@ def worst(r: "Response") -> dict[str, Points]:
     found = curves(r.demand)
     if not found.gears or r.line.joint_count < 3:
         return {}
-    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    quick = None if r.held is None else r.held.slowest(r.line.swings)
     found = _beside_variants(found, _cases(r, found))
     curve, speed = _candidates(r, found, quick)
     if quick is None:
@@ -263,6 +273,99 @@ def worst(r: "Response") -> dict[str, Points]:
     seeds = *(_best(tried, name) for name in FORCES), _best(tried, "static", 1)
     last = _at(r, found, *_gathered(found, [_once(*_rows(*seeds))]))
     return {name: _best(last, name) for name in FORCES}
+
+
+def worst_joints(r: "Response") -> Points | None:
+    """Return the point where what shakes each joint is largest, (..., S, n).
+
+    Of a line on its rubber, at the corners of its curves and where orders meet modes; None
+    where it is not on rubber, or has no point. The first joint and the last are those of the
+    flanges.
+    """
+    found, cut = curves(r.demand), held(r, cut=True)
+    if not found.gears or r.held is None or cut is None or r.line.joint_count < 3:
+        return None
+    found = _beside_variants(found, _cases(r, found))
+    curve, speed = _candidates(r, found, r.held.slowest(r.line.swings))
+    asked = demand_at(r.demand, found, curve=curve, speed=speed)
+    carried = at_joints(
+        r.lay(asked), r.line, r.phases, held=r.held, cut=cut, **_asked(r, asked, inertia=True)
+    )
+    every = Points(
+        curves=found,
+        curve=np.broadcast_to(curve, asked.speed.shape),
+        speed=asked.speed,
+        torque=asked.torque,
+        running=_known(carried, asked),
+    )
+    return _best(every, "dynamic")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swinging:
+    """How a line's swinging goes on, (..., 1) 1/s: above 0 it grows by itself."""
+
+    growth: FloatArray
+
+
+def worst_growth(r: "Response") -> Points | None:
+    """Return the point where a line's swinging grows most, or dies away least, (..., S, 1).
+
+    At the corners of its curves, and with most torque where twice the speed meets the sum of
+    two modes; None where the line is not on rubber, or has no point.
+    """
+    found = curves(r.demand)
+    if not found.gears or r.held is None or r.line.joint_count < 3:
+        return None
+    quick = r.held.slowest(r.line.swings)
+    found = _beside_variants(found, _cases(r, found))
+    rows: list[_Row] = []
+    for of in _ways(found):
+        rows += [*_corners(found, of), _sums(found, quick, of)]
+    curve, speed = _gathered(found, rows)
+    asked = placed(found, curve=curve, speed=speed)
+    # Where the axle rides changes a shaft's length, and so this, by next to nothing.
+    tried = _swinging(r, asked, quick, r.layout, how=of_two)
+    # Zones lie close, and more than two modes feed each other.
+    most = [_best(tried, "growth", rank) for rank in range(CRESTS)]
+    curve, speed = _gathered(found, [_once(*_rows(*most))])
+    asked = placed(found, curve=curve, speed=speed)
+    lies = r.lay(demand_at(r.demand, found, curve=curve, speed=speed))
+    return _best(_swinging(r, asked, quick, lies, how=growth), "growth")
+
+
+def _swinging(
+    r: "Response",
+    at: Placed,
+    quick: Suspended,
+    lies: Layout,
+    *,
+    how: Callable[..., FloatArray],
+) -> Points:
+    """Return how a line's swinging goes on at points (P, ..., S), where it lies."""
+    turned = turn(lies.directions, phases=r.phases, crosses=r.line.crosses, samples=16)
+    torque, pace = np.nan_to_num(at.torque), np.nan_to_num(at.speed)
+    rate = how(quick, quick.swing(turned), speed=pace, torque=torque)
+    return Points(
+        curves=at.curves,
+        curve=at.curve,
+        speed=at.speed,
+        torque=at.torque,
+        running=Swinging(growth=np.where(np.isnan(at.torque), np.nan, rate)[..., None]),
+    )
+
+
+def _sums(found: Curves, quick: Suspended, of: IntArray) -> _Row:
+    """Return where order 2 meets the sum of two modes with most torque of curves `of` C."""
+    cases, modes = found.fastest.shape[1:], quick.mass.shape[-1]
+    one, other = np.triu_indices(modes)
+    free = np.broadcast_to(quick.frequencies(), (*cases, modes))
+    meets = np.moveaxis(free[..., one] + free[..., other], -1, 0) / 2
+    _, torque = _with_most(found, of, meets)
+    under = quick.frequencies(torque=np.nan_to_num(torque))
+    meets = np.stack([(under[q, ..., i] + under[q, ..., j]) / 2
+                      for q, (i, j) in enumerate(zip(one, other, strict=True))])  # fmt: skip
+    return _with_most(found, of, meets)[0], meets
 
 
 def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
@@ -444,7 +547,7 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
     On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
     """
     found = curves(r.demand)
-    quick = None if r.held is None else r.held.slowest(2 * (r.line.joint_count - 2))
+    quick = None if r.held is None else r.held.slowest(r.line.swings)
     of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
     shape = (len(of), len(speed), *found.fastest.shape[1:])
     curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])
@@ -455,6 +558,50 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
         return values.reshape(*shape[:2], *values.shape[1:])
 
     return _each(gear_by_gear, flat)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Driven:
+    """A drive of the line in time: P instants of even steps.
+
+    Attributes
+    ----------
+    time, turned : (P,) s, rad
+        And how far the gearbox's yoke has turned.
+    torque, speed : (P,) N m, rad/s
+    """
+
+    time: FloatArray
+    turned: FloatArray
+    torque: FloatArray
+    speed: FloatArray
+
+
+def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatArray] | None:
+    """Return what the bearings carry along a drive in a state, (P, n-2) N twice.
+
+    Steadily at each instant's torque and speed, and as the line passes through; the axle wound
+    up by the torque of the instant. None where the line is not on rubber.
+    """
+    if r.held is None:
+        return None
+    on = r.held.of_case(state).slowest(r.line.swings)
+    every = np.repeat(of.torque[:, None], len(r.demand.states), axis=1)
+    pitch, slip = (v[:, state] for v in (pitch_under(r.demand, every), r.slip_at(every)))
+    least, largest = pitch.min(), pitch.max()
+    shares = PITCHES if largest > least else (0.0,)
+    pitches = np.stack([np.asarray(r.demand.ride.pitch, dtype=float)] * len(shares))
+    pitches[:, state] = [least + (1 + x) / 2 * (largest - least) for x in shares]
+    laid = r.lay(demand_pitched(r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed))
+    where = Layout(
+        points=np.broadcast_to(laid.points, (len(shares), *laid.points.shape[-3:]))[:, state],
+        directions=np.broadcast_to(
+            laid.directions, (len(shares), *laid.directions.shape[-3:])
+        )[:, state],
+    )  # fmt: skip
+    drawn = sketch(on, where, r.line, r.phases, least=least, largest=largest, gravity=r.gravity)
+    asked = {"torque": of.torque, "speed": of.speed, "pitch": pitch, "slip": np.nan_to_num(slip)}
+    return drawn.at(**asked).peak, drawn.passed(of.time, of.turned, **asked)
 
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
@@ -520,7 +667,7 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
     Or that of the next larger ones, by `rank`.
     """
     value = getattr(p.running, force)
-    order = np.argsort(-np.nan_to_num(value, nan=-1.0), axis=0, kind="stable")
+    order = np.argsort(-np.nan_to_num(value, nan=-np.inf), axis=0, kind="stable")
     at = order[min(rank, len(order) - 1)][None]
 
     def taken(values: Any) -> Any:

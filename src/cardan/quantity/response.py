@@ -286,6 +286,16 @@ class Response:
         return points.worst(self)
 
     @cached_property
+    def worst_joints(self) -> Points | None:
+        """The operating point at which each joint is shaken most on rubber."""
+        return points.worst_joints(self)
+
+    @cached_property
+    def worst_growth(self) -> Points | None:
+        """The operating point at which the line's swinging grows most, or dies away least."""
+        return points.worst_growth(self)
+
+    @cached_property
     def spread(self) -> Spread | None:
         """The line at the corners of its torque over speed; None where nobody knows them."""
         return points.spread(self)
@@ -698,7 +708,7 @@ class Response:
             return found
         for p in self.duty:
             modes = self.held.frequencies(torque=np.asarray(p.torque, dtype=float))
-            modes = modes[..., : 2 * (self.line.joint_count - 2)]  # the rest bends tubes
+            modes = modes[..., : self.line.swings]  # the rest bends tubes
             speed = np.asarray(p.speed, dtype=float)[..., None]
             for k in orders:
                 ratio = k * speed / np.where(modes > 0, modes, 1e-300)  # torque may buckle a line

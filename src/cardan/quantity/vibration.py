@@ -107,4 +107,19 @@ DECLARED = (
         source=DERIVED,
         use="Above 0 the torque swings back through nothing.",
     ),
+    Quantity(
+        key="launch_bearing_force",
+        study="vibration",
+        name="Centre bearing force in a launch",
+        symbol="FL",
+        unit="N",
+        equation="FL = max over time of |force on the bearing|,  M q'' + C q' + K q = f",
+        where={
+            "q": "the line's slowest motions on its rubber",
+            "f": "the crosses' moments of each instant's torque and angle",
+        },
+        source=DERIVED,
+        use="The line passes its resonances as it starts, at the worst thrust; what would come if "
+        "each instant lasted is told beside it, and centre_bearing_peak asks that of every gear.",
+    ),
 )

@@ -59,6 +59,8 @@ def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
     for label, values in _rows(of, say):
         yield f"{label:<{LABEL}}{_columns([say.number(v) for v in values])}"
     for v in of.variants:
+        yield pasted(v, say)
+    for v in of.variants:
         yield from _crossings(v, say)
         yield from response(v, say)
         yield from remarks(v, say)
@@ -84,6 +86,15 @@ def heading(of: BracketAnswer, say: Language = EN) -> str:
     return say(
         "{title}: bracket of line {line}, bearing {bearing}",
         title=of.title, line=of.bracket.line, bearing=of.bracket.bearing,
+    )  # fmt: skip
+
+
+def pasted(v: Judged, say: Language = EN) -> str:
+    """Return how a centre bearing of an application file says a bracket, as a line feels it."""
+    stiff = ", ".join(f"{1 / v.compliance[k, k] / (N / mm):.4g}" for k in range(3))
+    return say(
+        "{name}: for cardan check the centre bearing may say  {key}",
+        name=say(v.name), key=f"bracket: {{stiffness_N_mm: [{stiff}]}}",
     )  # fmt: skip
 
 

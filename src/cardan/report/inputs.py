@@ -200,6 +200,11 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
             )
         yield say("bearing stiffness along the shaft"), _q(b.axial_stiffness, 1 / mm, "N/mm", say)
         yield say("loss factor of the bearing's rubber"), _q(b.loss_factor, 1, "", say)
+        if b.bracket_stiffness:
+            yield (
+                say("bracket stiffness along the shaft, across and up"),
+                _each(b.bracket_stiffness, 1 / mm, "N/mm", say),
+            )
     if s.spline:
         yield say("spline plunge"), _q(s.spline.plunge, mm, "mm", say)
         yield say("spline draw"), _q(s.spline.draw, mm, "mm", say)

@@ -253,7 +253,7 @@ def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Iterator[
     if not drawn:
         return
     top = float(np.nanmax(found.fastest[drawn, s]))
-    modes = 2 * (r.line.joint_count - 2)
+    modes = r.line.swings
     meets = r.held.modes().frequency[s, :modes] / 2
     meets = meets[meets < top]
     top = min(top, 3 * float(meets.max())) if len(meets) else top  # beyond it only falls

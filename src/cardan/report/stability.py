@@ -188,13 +188,14 @@ def _launches(of: Stability, say: Language) -> TableOf:
                 say.number(shares["ramp"]), say.percent(shares["joints"]),
                 say.percent(shares["firing"]), say.number(shares["if tyres could not slide"]),
                 say("yes") if started.slid else say("no"),
-                _largest(started.order_2[k], say), _largest(started.bearing_force, say),
+                _largest(started.order_2[k], say), _largest(started.bearing_passed, say),
+                _largest(started.bearing_force, say),
             )
         )  # fmt: skip
     head = (say("launch"), say("T i [N·m]"), say("peak [N·m]"), say("lowest [N·m]"),
             say("ramp's peak over T i"), say("joints add"), say("firing adds"),
             say("over T i if tyres stick"), say("tyres slide"), say("order 2 [N·m]"),
-            say("bearing force [N]"))  # fmt: skip
+            say("bearing force [N]"), say("if each instant lasted [N]"))  # fmt: skip
     return say("Starts from rest: the first shaft of the main line"), head, tuple(rows), 1
 
 
@@ -423,8 +424,16 @@ def _launch(started: Started) -> dict[str, Any]:
         "time_s": started.travel.time[rows].tolist(),
         "torque_Nm": started.travel.torque[0, rows, k].tolist(),
         "order_2_Nm": started.order_2[k, rows].tolist(),
-        "bearing_time_s": started.bearing_time.tolist(),
-        "bearing_force_N": started.bearing_force.tolist(),
+        "bearings": [
+            {"steady_N": steady, "passing_N": passing}
+            for steady, passing in zip(
+                started.bearing_force.max(0).tolist(), started.bearing_passed.max(0).tolist(),
+                strict=True,
+            )
+        ],
+        "bearing_time_s": started.bearing_time[rows].tolist(),
+        "bearing_force_N": started.bearing_force[rows].tolist(),
+        "bearing_passed_N": started.bearing_passed[rows].tolist(),
     }  # fmt: skip
 
 
@@ -657,12 +666,17 @@ def started(of: Started, say: Language) -> Iterator[Figure]:
         yield plot(
             say, title=title, alt=title,
             series=[
-                Series(name=say.part(Part("centre bearing", b + 1)), x=of.bearing_time,
-                       y=of.bearing_force[:, b])
-                for b in range(of.bearing_force.shape[1])
+                Series(name=name.format(say.part(Part("centre bearing", b + 1))),
+                       x=of.bearing_time, y=force[:, b])
+                for name, force in (
+                    ("{}", of.bearing_passed),
+                    (say("{part}, if each instant lasted", part="{}"), of.bearing_force),
+                )
+                for b in range(force.shape[1]) if _any(force[:, b])
             ],
             zero=True, x_label=say("time [s]"), y_label=say("force [N]"),
-            note=say("Steady, on rubber, at each instant's torque and speed."),
+            note=say("On rubber, at the worst thrust: as the line passes through, and as each "
+                     "instant's torque and speed would give it in the end."),
         )  # fmt: skip
 
 

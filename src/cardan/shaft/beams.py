@@ -1,8 +1,9 @@
 """A line as Timoshenko beams, hinged to each other at its joints: mass, stiffness, gyroscopes.
 
 A joint carries force across, but no bending moment. Gearbox and axle hold the first and
-the last joint. The line is taken as straight: at truck angles of a few degrees, what a bent
-line adds is of the order of the angle squared. Torque, axial force and damping are left out.
+the last joint, rigidly or as springs with a mass. The line is taken as straight: at truck
+angles of a few degrees, what a bent line adds is of the order of the angle squared. Torque,
+axial force and damping are left out.
 """
 
 import numpy as np
@@ -39,6 +40,10 @@ class Beams:
         Rear joint centre behind the bearing.
     bearing_stiffness : (..., s-1, 2) N/m
         Vertical and lateral; infinite where rigid.
+    flange_stiffness : (..., 2, 2) N/m
+        The same of what holds the first joint and the last.
+    flange_mass : (..., 2) kg
+        What moves with them.
     """
 
     length: FloatArray
@@ -52,6 +57,8 @@ class Beams:
     spline_position: FloatArray
     overhang: FloatArray
     bearing_stiffness: FloatArray
+    flange_stiffness: FloatArray
+    flange_mass: FloatArray
 
 
 def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
@@ -80,7 +87,9 @@ def line_beams(line: Line, *, lengths: ArrayLike | None = None) -> Beams:
         spline_mass=stacked(s.mass if s else 0.0 for s in splines),
         spline_position=stacked(s.from_front_joint if s else 0.0 for s in splines),
         overhang=stacked(b.from_rear_joint for b in bearings),
-        bearing_stiffness=vectors((b.stiffness or (np.inf, np.inf) for b in bearings), size=2),
+        bearing_stiffness=vectors((b.across or (np.inf, np.inf) for b in bearings), size=2),
+        flange_stiffness=vectors((f.stiffness or (np.inf, np.inf) for f in line.flanges), size=2),
+        flange_mass=stacked(f.mass for f in line.flanges),
     )
 
 
@@ -94,8 +103,8 @@ class System:
         L⁻¹ M L⁻ᵀ of each plane.
     gyroscopic, mass : (..., N, N)
         The same of G, and of M, between the planes.
-    bearing : (..., 2, s-1, N)
-        Strains of the bearings; their squares add up to twice their energy.
+    bearing : (..., 2, b, N)
+        Strains of bearings and flanges; their squares add up to twice their energy.
     displacement : (..., 2, p, N)
         Of the stations.
     station : (..., p) m
@@ -141,42 +150,58 @@ class _Element:
 
 
 def _mesh(beams: Beams, elements: int) -> tuple[list[_Element], list[FloatArray]]:
-    """Divide a line; return its elements, and the rows of its bearings' strains.
+    """Divide a line; return its elements, and the rows of its bearings' and flanges' strains.
 
     Two limits get their care in the choice of coordinates, so that neither is a special
-    case. A bearing moves by its coordinate times a slack, 0 for a rigid one. Behind a
-    bearing the coordinates are the strains of the elements, which move nothing where the
-    joint sits in the bearing and they have no length.
+    case. A bearing moves by its coordinate times a slack, 0 for a rigid one; so do flanges,
+    where one of them gives. Behind a bearing the coordinates are the strains of the elements,
+    which move nothing where the joint sits in the bearing and they have no length.
     """
     shafts, behind = beams.length.shape[-1], max(1, elements // 2)
-    size = 2 * elements * shafts + (1 + 2 * behind) * (shafts - 1)
+    soft = bool(np.isfinite(beams.flange_stiffness).any())
+    size = 2 * elements * shafts + (1 + 2 * behind) * (shafts - 1) + 2 * soft
     free = iter(np.eye(size))
-    w = still = np.zeros(size)
     mesh: list[_Element] = []
     bearings: list[FloatArray] = []
+
+    def sprung(stiffness: FloatArray, unit: FloatArray) -> FloatArray:
+        """Return how a spring (..., 2) N/m lets its place move, beside a shaft's `unit` N/m."""
+        way, unit = next(free), unit[..., None]
+        slack = (1 + stiffness / unit) ** -0.5
+        bearings.append(np.sqrt(unit * (1 - slack**2))[..., None] * way)
+        return slack[..., None] * way
+
+    def flange(end: int) -> FloatArray:
+        if not soft:
+            return np.zeros(size)
+        unit = (beams.bending_stiffness / beams.length**3)[..., end]
+        return sprung(beams.flange_stiffness[..., end, :], unit)
+
+    w = flange(0)
     for k in range(shafts):
         hung = k < shafts - 1
         back = beams.overhang[..., k] if hung else np.zeros(())
         span = beams.length[..., k] - back
         EI = beams.bending_stiffness[..., k]
         root = np.sqrt(EI)[..., None, None]
-        soft = 12 * EI / beams.shear_stiffness[..., k]
+        shear = 12 * EI / beams.shear_stiffness[..., k]
         t = next(free)
         h = (span / elements)[..., None, None]
-        stretch, rho = _stretch(h, soft[..., None, None])
+        stretch, rho = _stretch(h, shear[..., None, None])
         for j in range(1, elements + 1):
-            far_w, far_t = (next(free) if j < elements or hung else still), next(free)
-            if j == elements and hung:
-                unit = (EI / span**3)[..., None]
-                slack = (1 + beams.bearing_stiffness[..., k, :] / unit) ** -0.5
-                bearings.append(np.sqrt(unit * (1 - slack**2))[..., None] * far_w)
-                far_w = slack[..., None] * far_w
+            if j < elements:
+                far_w = next(free)
+            elif hung:
+                far_w = sprung(beams.bearing_stiffness[..., k, :], EI / span**3)
+            else:
+                far_w = flange(-1)
+            far_t = next(free)
             sheared, bent = (far_w - w - h * t) / stretch, (far_t - t) / np.sqrt(h)
             strain = root * (12**0.5 * sheared - 3**0.5 * rho * bent), root * bent
             mesh.append(_Element(k, h[..., 0, 0], (w, t, far_w, far_t), strain))
             w, t = far_w, far_t
         h = (back / behind)[..., None, None]
-        stretch, rho = _stretch(h, soft[..., None, None])
+        stretch, rho = _stretch(h, shear[..., None, None])
         for _ in range(behind if hung else 0):
             strain = next(free), next(free)
             bent = strain[1] / root
@@ -238,7 +263,10 @@ def _inertia(beams: Beams, mesh: list[_Element]) -> tuple[FloatArray, FloatArray
     soft = (12 * beams.bending_stiffness / beams.shear_stiffness)[..., shaft]
     tube, spline = beams.mass_per_length[..., shaft] * h, beams.spline_mass[..., shaft] * holds
     rotary = beams.rotary_inertia[..., shaft] * h
-    yokes = beams.yoke_mass[..., shaft, :] * np.stack([first, last], axis=-1)
+    ends = beams.yoke_mass + np.zeros_like(beams.flange_mass[..., :1, None])
+    ends[..., 0, 0] += beams.flange_mass[..., 0]
+    ends[..., -1, 1] += beams.flange_mass[..., 1]
+    yokes = ends[..., shaft, :] * np.stack([first, last], axis=-1)
     turning = beams.yoke_inertia[..., shaft, :] * np.stack([first, last], axis=-1)
     share = (np.clip(place - start, 0, h) / np.where(h > 0, h, 1.0))[..., None]
     xi = _joined(_XI, share, np.array([0.0, 1.0]))

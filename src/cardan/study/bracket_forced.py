@@ -101,9 +101,10 @@ def on_rubber(response: Response, bracket: Bracket) -> bool:
 def hung(response: Response, bracket: Bracket, seat: Seat) -> Response:
     """Return a line's response with its bearing in a bracket that gives.
 
-    The rubber is that of the bracket. Where the bracket has none, the bearing's stiffness is
-    that of rubber and bracket in series, as the driveline gives it, and what is left of it
-    without the bracket is the rubber's; where nothing is left the bearing is rigid.
+    The rubber is that of the bracket, or of a bearing whose bracket is told apart. Where it is
+    not, the bearing's stiffness is that of rubber and bracket in series, as the driveline gives
+    it, and what is left of it without the bracket is the rubber's; where nothing is left the
+    bearing is rigid.
     """
     k = bracket.bearing - 1
     shafts = list(response.line.shafts)
@@ -112,8 +113,9 @@ def hung(response: Response, bracket: Bracket, seat: Seat) -> Response:
     if bracket.rubber is not None:
         along, across, up = bracket.rubber
         bearing = replace(bearing, stiffness=(up, across), axial_stiffness=along)
-    elif bearing.stiffness is not None:
+    elif bearing.stiffness is not None and bearing.bracket_stiffness is None:
         bearing = replace(bearing, stiffness=_less(bearing.stiffness, seat))
+    bearing = replace(bearing, bracket_stiffness=None)  # the seat says it better
     shafts[k] = replace(shafts[k], centre_bearing=bearing)
     line = replace(response.line, shafts=tuple(shafts))
     installed = replace(response.demand.installed, line=line)
@@ -145,7 +147,7 @@ def swept(response: Response, bearing: int) -> Swept | None:
     if not np.nanmax(end, initial=0.0) > 0:
         return None
     modes = held.of_case(s).modes()
-    low = 2 * (response.line.joint_count - 2)  # the rest bends tubes and brackets
+    low = response.line.swings  # the rest bends tubes and brackets
     speed = _speeds(modes.frequency, top=float(np.nanmax(end)), low=low)
     drawn = [k for k in np.flatnonzero(end > 0).tolist() if worst.curves.directions[k] != "coast"]
     torque, waves = _along(response, speed, worst.curves, drawn, state=s, bearing=bearing)

@@ -28,6 +28,9 @@ ROLLING = 0.008
 COUPLING = 0.85
 """Speed ratio of a converter from which on it multiplies no torque: Project Chrono, FMTV."""
 
+RIGID_ROWS = 40
+"""Instants of a launch at which bearings without rubber are asked."""
+
 LONGEST = 8.0
 """s: of a launch, however soft the vehicle."""
 
@@ -58,7 +61,10 @@ class Started:
     acceleration : rad/s²
         Largest of the main line's pinion, by what joints and engine add.
     bearing_time, bearing_force : (P,) s, (P, bearings) N
-        Largest force on each centre bearing of the main line along the ramp.
+        Peak force on each centre bearing of the main line along the ramp, as it would be if
+        each instant lasted.
+    bearing_passed : (P, bearings) N
+        The force as the line passes through; nan where nobody knows its rubber.
     """
 
     launch: Launch
@@ -74,6 +80,7 @@ class Started:
     acceleration: float
     bearing_time: FloatArray
     bearing_force: FloatArray
+    bearing_passed: FloatArray
 
     @property
     def shares(self) -> dict[str, float]:
@@ -437,11 +444,12 @@ def _told(
         - travel.rate[names["joints straight, no firing"], :, pinion]
     )
     acceleration = float(np.abs(np.gradient(shaken, travel.time)).max())
-    when, force = _bearings(parts, main, state, travel, springs, first_joint)
+    when, force, passed = _bearings(parts, main, state, travel, springs, first_joint)
     return Started(
         launch=wanted, state=parts.states[state], torque=target, springs=springs, travel=travel,
         peak=peak, lowest=lowest, order_2=order_2, locked=locked, slid=slid,
         acceleration=acceleration, bearing_time=when, bearing_force=force,
+        bearing_passed=passed,
     )  # fmt: skip
 
 
@@ -452,22 +460,29 @@ def _bearings(
     travel: Travel,
     springs: tuple[tuple[str, Part], ...],
     first_joint: int,
-    count: int = 40,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the force on each centre bearing at instants of a launch, (P,) s, (P, bearings) N.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the force on each centre bearing along a launch, (P,) s, (P, bearings) N twice.
 
-    What the line on its rubber carries steadily at each instant's torque and speed, its axle
-    wound up by that torque.
+    What the line on its rubber would carry at each instant's torque and speed, its axle wound
+    up by that torque, and what it carries as it passes; nan where nobody knows the rubber, and
+    bearings are taken as rigid.
     """
     shaft = springs.index((main.installed.line.name, Part("shaft", 1)))
-    rows = np.linspace(1, len(travel.time) - 1, count).astype(int)
-    T = np.maximum(travel.torque[1, rows, shaft], 1.0)
-    speed = np.maximum(travel.rate[1, rows, first_joint], 1e-3)
-    S = len(parts.states)
-    under = demand_under(
-        main, torque=np.repeat(T[:, None], S, axis=1), speed=np.repeat(speed[:, None], S, axis=1)
+    T, speed = travel.torque[1, :, shaft], np.maximum(travel.rate[1, :, first_joint], 1e-3)
+    bearings = max(0, main.installed.line.joint_count - 2)
+    if not bearings:
+        none = np.zeros((len(T), 0))
+        return travel.time, none, none
+    drive = points.Driven(
+        time=travel.time, turned=travel.rotation[1, :, first_joint], torque=T, speed=speed
     )
-    if main.installed.line.joint_count < 3:
-        return travel.time[rows], np.zeros((count, 0))
-    running = points.run(respond(parts.application, main), under, under.layout)
-    return travel.time[rows], np.asarray(running.peak)[:, state]
+    response = respond(parts.application, main)
+    found = points.driven(response, drive, state=state)
+    if found is not None:
+        return travel.time, *found
+    rows = np.linspace(1, len(T) - 1, RIGID_ROWS).astype(int)
+    each = (np.repeat(v[rows, None], len(parts.states), axis=1) for v in (np.maximum(T, 1), speed))
+    under = demand_under(main, **dict(zip(("torque", "speed"), each, strict=True)))
+    force = np.asarray(points.run(response, under, under.layout).peak)[:, state]
+    rigid = [np.interp(travel.time, travel.time[rows], force[:, b]) for b in range(bearings)]
+    return travel.time, np.stack(rigid, axis=-1), np.full((len(T), bearings), np.nan)

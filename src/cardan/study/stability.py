@@ -38,6 +38,7 @@ from cardan.dynamics.torsion import pins
 from cardan.model.application import Application, Surroundings
 from cardan.model.parts import JointSize, Line, Shaft
 from cardan.model.turning import Launch
+from cardan.quantity.declared import RUBBER
 from cardan.study.finding import VIBRATION, Finding, Tell, limits_of, silent
 from cardan.study.launching import Started, default_launches, held_speed, start
 from cardan.study.powertrain import Assumption, Drivetrain, Powertrain, drivetrain
@@ -719,9 +720,10 @@ def _lateral(shaft: Shaft, between: FloatArray, torque: float, loss: float) -> f
     Of the shaft swinging on its rubber: nobody gives the damping its bending modes have.
     """
     bearing, tube = shaft.centre_bearing, shaft.tube
-    if bearing is None or bearing.stiffness is None or tube is None:
+    across = bearing and bearing.across
+    if bearing is None or across is None or tube is None:
         return float("nan")
-    vertical, lateral = bearing.stiffness
+    vertical, lateral = across
     k = (vertical + lateral) / 2
     length = shaft.length - bearing.from_rear_joint
     # On its bearing the shaft swings about the joint like a rod: k L² = m L²/3 w².
@@ -759,6 +761,7 @@ def _held(of: Stability, limit: Limit) -> tuple[list[Check], list[Unanswered]]:
         "torsional_pinion_acceleration": _accelerations,
         "launch_peak_utilisation": _launch_peaks,
         "launch_reversal": _launch_reversals,
+        "launch_bearing_force": _launch_bearings,
     }[limit.quantity](of)
     checks: list[Check] = []
     silent_of: list[Unanswered] = []
@@ -796,6 +799,7 @@ _NEEDS = {
     "torsional_amplitude_utilisation": "a joint size with its reversing torque",
     "torsional_peak_utilisation": "a joint size with its peak torque",
     "launch_peak_utilisation": "a joint size with its peak torque",
+    "launch_bearing_force": RUBBER.gives,
 }
 
 
@@ -921,3 +925,13 @@ def _launch_reversals(of: Stability) -> Iterator[Row]:
             at = started.springs.index((line.name, Part("shaft", 1)))
             back = -float(started.lowest[at]) / float(started.peak[at])
             yield line.name, launch_occasion(started.launch), LINE, back
+
+
+def _launch_bearings(of: Stability) -> Iterator[Row]:
+    """Yield the largest force on each centre bearing as a launch passes its resonances."""
+    for started in _judged(of):
+        for b, force in enumerate(started.bearing_passed.max(0).tolist(), 1):
+            yield (
+                of.lines[0].line.name, launch_occasion(started.launch),
+                Part("centre bearing", b), force,
+            )  # fmt: skip

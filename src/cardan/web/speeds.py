@@ -140,7 +140,7 @@ def _on_rubber(r: Response, say: Language) -> Iterator[Mode]:
     if r.held is not None and r.line.joint_count > 2:
         found = r.held.modes()
         names = found.names(0)
-        for k in range(2 * (r.line.joint_count - 2)):
+        for k in range(r.line.swings):
             yield float(found.frequency[0, k]), say(names[k])
 
 
@@ -241,9 +241,15 @@ def _launch(of: Started, say: Language) -> Json:
             {"said": say(name), "values": fs(travel.torque[case, every, k], 0)}
             for case, name in ((0, "as it is"), (1, "joints straight"), (4, "tyres that stick"))
         ],
-        "bearing_time": fs(of.bearing_time, 3),
+        "bearing_time": fs(of.bearing_time[every], 3),
         "bearings": [
             {"said": say.part(Part("centre bearing", b + 1)), "values": fs(force, 0)}
-            for b, force in enumerate(of.bearing_force.T)
+            for b, force in enumerate(_passed(of)[every].T)
         ],
     }
+
+
+def _passed(of: Started) -> FloatArray:
+    """Return the force on the bearings as a launch passes through, where that is known."""
+    known = np.isfinite(of.bearing_passed).all()
+    return of.bearing_passed if known else of.bearing_force

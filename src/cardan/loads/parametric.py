@@ -1,0 +1,74 @@
+r"""Whether a line's swinging on its rubber grows by itself under the torque that swings with it.
+
+The crosses' moments turn with the shafts, and half of that comes twice a turn
+(`Suspended.swing`): a stiffness that goes up and down at 2 Ω. Where that meets the sum of two
+modes, one feeds the other and both grow, unless the rubber takes more than they are fed: then
+the steady answer to what shakes the line (`Suspended.balanced`) is there, but nothing runs so.
+
+In modes of unit mass, $x = e^{λt} (A e^{iΩt} + B e^{-iΩt})$ with
+
+$$[(λ ± iΩ)^2 + (λ ± iΩ) (2 d + Ω G) + ω^2] \begin{pmatrix} A \\ B \end{pmatrix}
+  = \frac T2 \begin{pmatrix} S B \\ \bar S A \end{pmatrix}$$
+
+(`growth`), and of two modes alone to first order (`of_two`)
+
+$$λ = -\frac{d_i + d_j}{2} +
+  \mathrm{Re} \sqrt{\left(\frac{d_i - d_j + i s}{2}\right)^2 + \frac{T^2 |S_{ij}|^2}{16 ω_i ω_j}},
+  \qquad s = 2 Ω - ω_i - ω_j$$
+
+which grows in the middle of its zone from $T |S_{ij}| = 4 \sqrt{ω_i ω_j d_i d_j}$ on. Zones at
+shares of that speed, 2 Ω = (ω_i + ω_j)/k, are of higher order in T S/ω², and rubber closes them.
+A loss is taken as that of dampers that lose as much at each mode.
+
+Source: harmonic balance of Hill's equation; two modes by averaging, as Asokanthan and Hwang have
+it for torsion. Held against Floquet multipliers of a time integration in the tests.
+"""
+
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.loads.rubber import Suspended
+
+
+def of_two(
+    on: Suspended, swing: ComplexArray, *, speed: ArrayLike, torque: ArrayLike
+) -> FloatArray:
+    """Return the largest growth of any two modes by themselves, (...) 1/s: nearly `growth`."""
+    speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
+    squares, shapes, decay = on.decaying(torque)
+    ω = np.sqrt(np.maximum(squares, 1e-9))
+    size = np.abs(shapes.mT @ swing @ shapes) * np.abs(torque)[..., None, None]
+    s = 2 * speed[..., None, None] - ω[..., :, None] - ω[..., None, :]
+    d, e = decay[..., :, None], decay[..., None, :]
+    fed = size**2 / (16 * ω[..., :, None] * ω[..., None, :])
+    beyond = np.sqrt(((d - e + 1j * s) / 2) ** 2 + fed)
+    return (np.real(beyond) - (d + e) / 2).max((-1, -2))
+
+
+def growth(
+    on: Suspended, swing: ComplexArray, *, speed: ArrayLike, torque: ArrayLike
+) -> FloatArray:
+    """Return the largest growth λ of a line's swinging, (...) 1/s; below 0 it dies away.
+
+    Parameters
+    ----------
+    on
+        The line, in as many modes as may meet (`Suspended.slowest`).
+    swing : (..., N, N)
+        `Suspended.swing` where it runs.
+    speed, torque : (...) rad/s, N m
+    """
+    speed, torque = (np.asarray(v, dtype=float)[..., None, None] for v in (speed, torque))
+    squares, shapes, decay = on.decaying(torque[..., 0, 0])
+    one = np.eye(squares.shape[-1])
+    K = squares[..., None] * one + 0j
+    C = K * 0 + 2 * decay[..., None] * one + speed * (shapes.mT @ on.gyroscopic @ shapes)
+    S = K * 0 + torque / 2 * (shapes.mT @ swing @ shapes)
+    W, one, none = K * 0 + 1j * speed * one, K * 0 + one, K * 0
+    whole = np.block([
+        [-W, none, one, none],
+        [none, W, none, one],
+        [-K, S, -W - C, none],
+        [np.conj(S), -K, none, W - C],
+    ])  # fmt: skip
+    return np.linalg.eigvals(whole).real.max(-1)

@@ -1,0 +1,78 @@
+"""A line that passes through its resonances: against mechanics of another hand, step by step.
+
+`shaken.py` knows two pins at right angles, virtual work and springs, and steps through time; the
+line is the one of its application file, with the rubber that is so. Its torque and speed come as
+a clutch brings them.
+"""
+
+import numpy as np
+import pytest
+from shaken import LINE, Truth, shaken
+
+from cardan import files
+from cardan.demand.states import demand, resolve
+from cardan.quantity.points import Driven, driven
+from cardan.quantity.response import respond
+
+TRUTH = Truth(noise=0.0, unbalance=0.0, offset=0.0)
+TEXT = (
+    LINE.replace("vertical_stiffness_N_mm: 150", "vertical_stiffness_N_mm: 172.5")
+    .replace("lateral_stiffness_N_mm: 100", "lateral_stiffness_N_mm: 85")
+    .replace("loss_factor: 0.1", "loss_factor: 0.085")
+    .replace("mean_radius_mm: 27, friction: 0.08, ", "")
+)
+
+
+def ramp(seconds: float, *, most: float = 2600.0, top: float = 12.0, ripple: float = 0.15):
+    """A clutch's torque in a second, swinging as it holds; speed that rises after it."""
+
+    def drive(_, rate, rng):
+        del rng
+        t = np.arange(int((seconds + 0.5) * rate)) / rate
+        s = np.minimum(t / 1.0, 1.0)
+        torque = most * s * s * (3 - 2 * s) * (1 + ripple * np.sin(2 * np.pi * 3 * t) * s)
+        go = np.clip(t / seconds, 0, 1)
+        return t, 1e-3 + top * go * go * (3 - 2 * go), torque
+
+    return drive
+
+
+def line():
+    application = files.loads(TEXT)
+    return respond(application, demand(resolve(application, application.lines[0])))
+
+
+def both(seconds, **asked):
+    """Force on the bearing as another hand has it, and ours: passing, and steadily."""
+    rate, inner = 1000.0, 4
+    told = shaken(TRUTH, seconds=0.0, rate=rate, inner=inner, drive=ramp(seconds, **asked))
+    turns = told.turns - TRUTH.offset / (2 * np.pi)
+    steady, passed = driven(
+        line(),
+        Driven(
+            time=np.arange(turns.size) / rate,
+            turned=2 * np.pi * turns,
+            torque=told.torque,
+            speed=2 * np.pi * told.speed,
+        ),
+        state=0,
+    )
+    return np.linalg.norm(told.force, axis=-1), passed[:, 0], steady[:, 0]
+
+
+@pytest.mark.parametrize("seconds", [1.2, 3.0, 8.0])
+def test_the_force_as_a_line_passes_through(seconds):
+    theirs, ours, steady = both(seconds)
+    # Small motions, and steps of a millisecond against order 2 at 24 Hz: (0.15)²/12 each.
+    assert np.abs(ours - theirs).max() < 0.02 * theirs.max()
+    assert theirs.max() == pytest.approx(ours.max(), rel=0.01)
+    assert ours.max() < 0.9 * steady.max()
+
+
+def test_whoever_passes_slowly_gets_what_lasts():
+    """The steady peak is a bound: mean and ellipse where they add up."""
+    _, quick, steady = both(3.0, ripple=0.0)
+    _, slow, same = both(60.0, ripple=0.0)
+    assert same.max() == pytest.approx(steady.max(), rel=0.01)
+    assert 0.9 * same.max() < slow.max() <= 1.001 * same.max()
+    assert quick.max() < 0.9 * slow.max()
