@@ -19,6 +19,7 @@ from pathlib import Path
 from unittest.mock import patch
 from zipfile import ZipFile
 
+import jsonschema
 import numpy as np
 import pytest
 import yaml
@@ -54,6 +55,7 @@ from cardan import files
 from cardan.cli import cli
 from cardan.quantity.quantities import LIMITABLE, QUANTITIES
 from cardan.report import story
+from cardan.report.contract_schema import schema as described
 from cardan.report.html import page
 from cardan.report.language import CODES, Language
 from cardan.report.pdf import _told, document
@@ -320,6 +322,7 @@ def test_a_recording_beside_an_application_is_in_its_one_verdict(
     case = replace(case, text=yaml.safe_dump(text))
     held(said(case, tmp_path, "--recording", str(campaign)), verdict)
     contract = json.loads((tmp_path / f"{case.name}.json").read_text(encoding="utf-8"))
+    jsonschema.validate(contract, described())
     assert contract["recording"]["campaign"] == "One drive"
     assert contract["studies"] == ["driveline", "recording"]
     page = (tmp_path / f"{case.name}.html").read_text(encoding="utf-8")

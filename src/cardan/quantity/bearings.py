@@ -194,6 +194,7 @@ DECLARED = (
         of=_of_joints,
         methods={"rigid": lambda r: r.loads.joint_forces.dynamic},
         sought=lambda r: r.worst_joints,
+        shaken=True,
         on_rubber=True,
         parts=joints,
         needs=(LOAD, RUBBER, STEADY),
