@@ -91,6 +91,9 @@ def base(which: str = "main") -> dict:
     found["obstacles"] = [o for o in found["obstacles"] if o.get("line", "main") != drop]
     found["suspension"]["axle_to_frame_mm"] = 420
     line = found["drivelines"][keep]
+    for shaft in line["shafts"]:
+        if "centre_bearing" in shaft:  # or it swings by itself, and no force of it is known
+            shaft["centre_bearing"] = {**shaft["centre_bearing"], "loss_factor": 0.2}
     line["joints"] = KINDS if which == "kinds" else [JOINT] * (3 if odd else 4)
     if which == "kinds":
         line["shafts"][0] = {**line["shafts"][0], "tube": PLIES}

@@ -26,7 +26,7 @@ def application(name: str) -> Application:
     reverse = "" if "  reverse_ratio" in text else "  reverse_ratio: 6.9\n"
     text = text.replace("gearbox:\n", f"gearbox:\n  retarder_torque_Nm: 900\n{reverse}")
     if "  brake_torque_Nm: 14000" not in text:
-        text = text.replace("  reference: gvw\n", "  reference: gvw\n  brake_torque_Nm: 9000\n")
+        text = text.replace("\n  reference: gvw\n", "\n  reference: gvw\n  brake_torque_Nm: 9000\n")
     return files.loads(text, folder=NAMES[name].parent)
 
 

@@ -108,7 +108,7 @@ def test_a_notebook_shows_the_verdict_and_each_limit(found):
     assert {"table", "td", "svg"} <= tags.seen
     for text in (
         "Clearance",
-        "jounce, pulling away in reverse, shaft 3",
+        "jounce, pulling away in reverse, -5969 N·m, shaft 3",
         "-63 %",
         "Not part of this",
     ):
@@ -135,7 +135,7 @@ def test_a_frame_has_a_row_for_each_check_and_each_that_has_no_answer(found):
     pytest.importorskip("pandas")
     frame = found.to_frame()
     assert len(frame) == found.coverage.asked
-    assert frame["verdict"].isna().sum() == len(found.coverage.unanswered) == 9
+    assert frame["verdict"].isna().sum() == len(found.coverage.unanswered) == 10
     counted = frame["verdict"].value_counts()
     assert (counted["fail"], counted["warn"]) == (8, 38)
     row = frame[(frame.quantity == "clearance") & (frame.verdict == "fail")].iloc[0]

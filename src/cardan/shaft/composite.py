@@ -117,8 +117,11 @@ def strength_share(tube: CompositeTube, torque: ArrayLike) -> FloatArray:
     """
     T = np.abs(np.asarray(torque, dtype=float))
     shares: list[FloatArray] = []
+    strengths = [s.shape for ply in tube.plies for s in _strengths(ply)]
     for sense in (1.0, -1.0):
         stress = ply_stresses(tube, sense * T)
+        cases = np.broadcast_shapes(stress.shape[:-3], *strengths)
+        stress = np.broadcast_to(stress, (*cases, *stress.shape[-3:]))
         for k, ply in enumerate(tube.plies):
             of = np.moveaxis(stress[..., k, :, :], -2, 0)
             shares.append((1 / strength_ratio(of, ply)).max(0))
