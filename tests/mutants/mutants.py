@@ -605,7 +605,7 @@ BRACKET = (
 )  # fmt: skip
 
 QUANTITY = (
-    mutant("quantity/response.py", "<= 2 * modes.damping[state, k]:", "<= 1.0:",
+    mutant("quantity/response.py", "<= modes.damping[state, k]:", "<= 1.0:",
            "every point meets some mode", "unit/test_on_rubber.py"),
     mutant("quantity/response.py", "np.multiply.outer(orders, speed)",
            "np.multiply.outer(orders / 2, speed)", "order 2 is looked for as order 1",

@@ -21,6 +21,7 @@ from cardan.base.part import LINE
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import worst
 from cardan.model.layout import from_slopes
+from cardan.model.parts import Tube
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response, respond
 from cardan.report import contract
@@ -129,7 +130,9 @@ def changed(r: Response, rng: np.random.Generator) -> tuple[dict[str, list], Res
     shafts = []
     outers, walls = rng.uniform(80, 130, n - 1), rng.uniform(2.5, 6, n - 1)
     for s, phase, outer, wall in zip(r.line.shafts, phases, outers, walls, strict=True):
-        tube = s.tube and replace(s.tube, outer=outer * mm, wall=wall * mm)
+        tube = s.tube  # plies stay as thick as they are
+        if isinstance(tube, Tube):
+            tube = replace(tube, outer=outer * mm, wall=wall * mm)
         inertia = s.polar_inertia
         shafts.append(replace(s, phase=phase * deg, tube=tube, polar_inertia_given=inertia or None))
     line = replace(r.line, shafts=tuple(shafts))
@@ -139,8 +142,8 @@ def changed(r: Response, rng: np.random.Generator) -> tuple[dict[str, list], Res
     typed |= {"state_torques": torque.tolist(), "state_speeds": speed.tolist()}
     typed |= {"yoke_phases": phases.tolist()}
     tubes = [s.tube for s in line.shafts]
-    typed["tube_outer"] = [o if t else None for o, t in zip(outers, tubes, strict=True)]
-    typed["tube_wall"] = [w if t else None for w, t in zip(walls, tubes, strict=True)]
+    typed["tube_outer"] = [t.outer / mm if t else None for t in tubes]
+    typed["tube_wall"] = [t.wall / mm if t else None for t in tubes]
     demand = replace(
         r.demand,
         installed=replace(r.demand.installed, line=line),

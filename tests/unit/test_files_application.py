@@ -12,6 +12,7 @@ from cardan.base.source import Source
 from cardan.base.units import deg, g, inch, kg, kNm, lb, lbft, mm, rpm
 from cardan.border.table import MANY
 from cardan.files import loads, read, starter
+from cardan.files.change import change
 from cardan.model.application import Adjustable, State
 from cardan.model.parts import Flange
 from cardan.model.vehicle import Linkage, Spring
@@ -870,8 +871,31 @@ def test_flanges_that_cannot_be(old, new, told):
         loads(FLANGES.replace(old, new))
 
 
+def test_a_bracket_gives_beside_rubber_alone():
+    """Of a rigid bearing its modes were wrong: 0 Hz."""
+    bracket = "bracket: {stiffness_N_mm: [9000, 1400, 5200]}"
+    loads(FLANGES.replace(", stiffness_N_mm: 200", f", stiffness_N_mm: 200, {bracket}"))
+    with pytest.raises(BadFile, match="the bearing has no stiffness"):
+        loads(FLANGES.replace(", stiffness_N_mm: 200", f", {bracket}"))
+
+
+def test_numbers_of_a_flange_vary():
+    loss = np.array([0.01, 0.1])
+    found = change(loads(FLANGES), {"driveline.pinion_flange.loss_factor": loss})
+    assert np.ravel(found.lines[0].line.pinion_flange.loss_factor).tolist() == loss.tolist()
+
+
 def test_a_flange_under_rigid_bearings_is_wondered_at():
     application = loads(FLANGES.replace(", stiffness_N_mm: 200", ""))
     assert any("no centre bearing of the line gives" in str(w) for w in application.warnings)
     soft = loads(FLANGES.replace("N_mm: 4000", "N_mm: 20"))
     assert any("flange's stiffness over" in str(w) for w in soft.warnings)
+
+
+@pytest.mark.parametrize("slope", ["grade_percent: -5", "grade_deg: -3"])
+def test_a_start_downhill_is_refused(slope):
+    """It was taken and counted as level."""
+    launch = "launch: {gear: 1, ramp_s: 0.5, SLOPE}\n"
+    loads(FLANGES + launch.replace("SLOPE", slope.replace("-", "")))
+    with pytest.raises(BadFile, match=f"launch.{slope.partition(':')[0]}: a start downhill"):
+        loads(FLANGES + launch.replace("SLOPE", slope))

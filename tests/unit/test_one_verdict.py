@@ -331,6 +331,26 @@ def test_a_recording_beside_an_application_is_in_its_one_verdict(
     assert found.verdict == verdict
 
 
+def test_what_is_wrong_with_a_campaign_is_told_and_nothing_passes(campaign, tmp_path):
+    """It passed in silence; and so did a recording that says nothing of its life."""
+    path = put(tmp_path, "truck", passing("joint_angle").text)
+    good = campaign.read_text(encoding="utf-8")
+    campaign.write_text(good.replace("gauges: [S1]", "gauges: [S2]"), encoding="utf-8")
+    asked = ["check", str(path), "-q", "--recording", str(campaign)]
+    run = CliRunner().invoke(cli, asked)
+    assert run.exit_code == 2
+    assert "campaign.yaml: drive.csv has no channel 'S2'" in run.output
+    campaign.write_text(good, encoding="utf-8")
+    assert CliRunner().invoke(cli, asked).exit_code == 0
+    file = campaign.parent / "drive.csv"
+    rows = file.read_text(encoding="utf-8").splitlines()
+    rows[2000] = f"{1.999:.3f},900"  # decides the damage, and nobody said what it was
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    run = CliRunner().invoke(cli, asked)
+    assert run.exit_code == 1
+    assert "INCOMPLETE" in run.output
+
+
 def test_a_recording_is_of_one_application(campaign):
     two = [str(EXAMPLES / "medium-truck-4x2.yaml")] * 2
     run = CliRunner().invoke(cli, ["check", *two, "--recording", str(campaign)])

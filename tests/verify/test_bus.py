@@ -43,6 +43,13 @@ def test_each_of_them_is_found_where_it_stands(number, kind):
     assert found.tolist() == [[2000, 2300], [7000, 7004]]
 
 
+@pytest.mark.parametrize("written", [8191.88, 8191.9, 8128.1])
+def test_a_logger_may_have_rounded_it(written):
+    x = drive()
+    x[2000:2300] = written
+    assert no_value(x, rate=RATE, of=SHAFTS).tolist() == [[2000, 2300]]
+
+
 def test_first_and_last_readings_and_those_beside_holes_count_too():
     x = drive()
     x[:40] = x[-25:] = x[3000:3100] = 8191.875
@@ -68,7 +75,7 @@ def test_what_turns_as_fast_is_no_fault():
     assert fast.max() > 8100
     assert not no_value(fast, rate=RATE, of=SHAFTS).size
     odd = drive()
-    odd[2000:2300] = 8191.8  # of no bus
+    odd[2000:2300] = 8191.83  # of no bus, and no rounded one
     assert not no_value(odd, rate=RATE, of=SHAFTS).size
 
 

@@ -102,7 +102,7 @@ def check(
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     if recording and len(files) > 1:
         raise CardanError(say("a recording is of one application: give one file with --recording"))
-    if live and (len(files) > 1 or limits):
+    if live and (len(files) > 1 or limits or recording):
         raise CardanError(say("a page by itself holds one application, with its own limits"))
     studies: list[Any] = [*also, *(["bracket"] if bracket else [])]
     if recording:

@@ -123,6 +123,10 @@ VEHICLES = Scale(0xFB00 / 256, 0xFFFF / 256, 1 / 256)
 """Speeds of the vehicle there (SPN 84), km/h."""
 
 
+ROUNDED = 1, 2
+"""Decimals to which loggers round a number of a bus."""
+
+
 def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
     """Return runs (k, 2) of samples where a bus wrote that it had no value, with ways in and out.
 
@@ -139,9 +143,11 @@ def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
     of
         The bus' numbers.
     """
-    number = x / of.step
-    # A thousandth of a step is what float32 leaves of them.
-    written = (x >= of.first) & (x <= of.last + of.step) & (np.abs(number - np.rint(number)) < 0.01)
+    # A hundredth of a step is more than float32 leaves of them; some loggers round them first.
+    near = np.rint(x / of.step)[..., None] + np.array([-1, 0, 1])
+    known = np.stack([near * of.step, *(np.round(near * of.step, d) for d in ROUNDED)])
+    written = (np.abs(x[:, None] - known) < 0.01 * of.step).any((0, 2))
+    written &= (x >= of.first) & (x <= of.last + of.step)
     edge = np.flatnonzero(np.diff(np.concatenate([[False], x >= of.first, [False]]).astype(int)))
     rise = RAMP * of.last / rate
     found: list[tuple[int, int]] = []

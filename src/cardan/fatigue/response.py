@@ -843,8 +843,9 @@ def identified(
             high = passing(x - mean, high)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
-        removed=float(middle), interval=(low, high), strength=line.strength, modes=line.poles,
-        ratio=first.ratio, lag=first.lag, doubts=tuple(doubts),
+        removed=float(np.clip(middle, low, high)), interval=(low, high),
+        strength=line.strength, modes=line.poles, ratio=first.ratio, lag=first.lag,
+        doubts=tuple(doubts),
     )  # fmt: skip
     one, middles, gain, _ = waves[0]
     slow = np.interp(since, middles, gain.real) + 1j * np.interp(since, middles, gain.imag)

@@ -88,7 +88,8 @@ class FlangeTable(Table):
         pair = _pair(self)
         if pair is None:
             self.at().refuse("give stiffness_N_mm: without it a flange is rigid")
-        return Flange(stiffness=pair, loss_factor=self.loss_factor or 0.0, mass=self.mass)
+        loss = 0.0 if self.loss_factor is None else self.loss_factor
+        return Flange(stiffness=pair, loss_factor=loss, mass=self.mass)
 
 
 _AXES = ListOf(
@@ -129,9 +130,15 @@ class CentreBearingTable(Table):
 
     def build(self) -> CentreBearing:
         """Return the bearing in SI."""
+        pair = _pair(self)
+        if self.bracket and pair is None:
+            self.at("bracket").refuse(
+                "a bracket gives beside rubber that gives: the bearing has no stiffness",
+                "give stiffness_N_mm of the rubber; of a bearing without, give the bracket's",
+            )
         return CentreBearing(
             from_rear_joint=self.from_rear_joint,
-            stiffness=_pair(self),
+            stiffness=pair,
             axial_stiffness=self.axial_stiffness,
             loss_factor=self.loss_factor,
             bracket_stiffness=self.bracket and self.bracket.stiffness,
@@ -451,7 +458,7 @@ class LineTable(GeometryTable):
         for name in ("gearbox_flange", "pinion_flange"):
             if self.has(name) and not any(given):
                 self.at(name).warn(
-                    "changes nothing: no centre bearing of the line gives",
+                    "only critical speeds feel it: no centre bearing of the line gives",
                     "give stiffness_N_mm of a centre bearing",
                 )
 

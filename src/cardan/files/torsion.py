@@ -212,13 +212,18 @@ class LaunchTable(Table):
     def build(self) -> Launch:
         """Return the launch in SI."""
         percent = 0.0 if self.grade_percent is None else self.grade_percent
+        grade = np.arctan(percent / 100) if self.grade is None else self.grade
+        if np.any(grade < 0):
+            self.at("grade_percent" if self.grade is None else "grade").refuse(
+                "a start downhill is not asked: the road makes it, not the clutch", "give 0 or more"
+            )
         return Launch(
             gear=str(self.gear),
             ramp=self.ramp,
             clutch_torque=self.clutch_torque,
             capacity=self.capacity,
             engine_speed=self.engine,
-            grade=np.arctan(percent / 100) if self.grade is None else self.grade,
+            grade=grade,
             load=self.load,
             play=self.play,
         )

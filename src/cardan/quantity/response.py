@@ -677,7 +677,7 @@ class Response:
     def met(self, spots: points.Spots) -> list[list[Mode | None]]:
         """Return the mode on the rubber that an order meets at points (S, parts), None where none.
 
-        Met is what lies within its resonance's width at half its height, 2 ζ each way.
+        Met is what lies within its resonance's width at half its power, ζ each way.
         """
         found: list[list[Mode | None]] = [[None] * spots.speed.shape[1] for _ in spots.speed]
         if self.held is None:
@@ -689,7 +689,7 @@ class Response:
             off = np.abs(np.multiply.outer(orders, speed)[..., None] / slow - 1)
             for state in range(len(speed)):
                 order, k = np.unravel_index(off[:, state].argmin(), off[:, state].shape)
-                if off[order, state, k] <= 2 * modes.damping[state, k]:
+                if off[order, state, k] <= modes.damping[state, k]:
                     shape, frequency = modes.names(state)[k], float(slow[state, k])
                     found[state][part] = Mode(shape, frequency, int(orders[order]))
         return found

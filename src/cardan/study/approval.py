@@ -235,7 +235,8 @@ def _found(study: Study[Any], application: Application, tell: Tell, *, alone: bo
         try:
             return study.run(application, tell)
         except (DesignError, NotConverged) as error:
-            if alone or study.name == DRIVELINE:
+            # A recording was named for its own sake: silence about it would be no answer.
+            if alone or study.name in (DRIVELINE, RECORDING):
                 raise
             needs = (str(error),)
     return Finding(

@@ -34,7 +34,7 @@ from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.study.approval import coverage_of, verdict_of
-from cardan.study.campaign import NAME, TURN, Campaign, Misread, numbers
+from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
@@ -503,6 +503,18 @@ def verdict_on(found: Finding[Heard] | Finding[Mix]) -> Verdict | None:
         spoiled = any(one.vetoes for one in lives) or not any(one.heard for one in lives)
         return "incomplete" if spoiled else None
     return verdict_of(found.checks, missed=bool(coverage.missed))
+
+
+KNOWN = Limit(quantity="fatigue_life", sense=">=", maximum=0.0, required=True, source=ASKED)
+"""That anything be known of a life: what is asked of a recording that nobody limits."""
+
+
+def unheard(found: Finding[Mix]) -> Iterator[Unanswered]:
+    """Yield the gauges of a campaign whose life is not known, where no limit asks for it."""
+    of = found.answer
+    if of is not None and of.campaign is not None and not coverage_of(found).asked:
+        when = Occasion("recording", of.title)
+        yield from _unanswered(of.lives, (KNOWN,), when=when, line=of.campaign.line)
 
 
 def _progress(recording: Recording, tell: Tell) -> room.Progress:

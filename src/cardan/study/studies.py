@@ -3,9 +3,11 @@
 A check of a driveline is not to wait for finite elements that nobody asks for.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
 from cardan.model.application import Application, Surroundings
 from cardan.quantity.declared import TUBES
@@ -105,12 +107,17 @@ class CampaignStudy:
 
     def run(self, application: Application, tell: Tell = silent) -> "Finding[Mix]":
         """Ask every recording of the campaign."""
-        from cardan.study.recording import listen_to_all
+        from cardan.study.recording import listen_to_all, unheard
 
-        return listen_to_all(
-            self.campaign, limits=limits_of(RECORDING, application),
-            allow_outside=self.allow_outside, tell=tell, draw=self.draw,
-        )  # fmt: skip
+        try:
+            found = listen_to_all(
+                self.campaign, limits=limits_of(RECORDING, application),
+                allow_outside=self.allow_outside, tell=tell, draw=self.draw,
+            )  # fmt: skip
+        except DesignError as error:  # the application is not at fault
+            msg = f"{self.campaign.name}: {error}"
+            raise DesignError(msg) from error
+        return replace(found, unanswered=(*found.unanswered, *unheard(found)))
 
 
 STUDIES: dict[str, Study[Any]] = {
