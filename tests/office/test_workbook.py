@@ -190,16 +190,20 @@ def books(tmp_path_factory):
 
 LASTING = [f"{truck}-{what}" for truck in ("tandem", "hand") for what in SPENT]
 NAMES = [*(p.stem for p in EXAMPLES), *STARTERS, *LASTING]
+AS_COMPUTED = {"composite-van", "pick-up-4x4"}
+"""Plies, and joints that are no crosses: what formulas of the workbook do not know stands there
+as computed, and turns stale."""
+LIVE = [name for name in NAMES if name not in AS_COMPUTED]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", LIVE)
 def test_formulas_give_what_cardan_gives(books, name):
     found, _, sheet, _ = books[name]
     for r in found.responses:
         assert held(sheet, r, tag_of(found, r)) > 10
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", LIVE)
 def test_results_follow_changed_inputs(books, name):
     found, others, _, sheet = books[name]
     for r in others:
@@ -290,7 +294,7 @@ def rows(sheet: Sheet, r: Response, *, end: str) -> dict[tuple[str, str], list[s
     return found
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", LIVE)
 def test_changed_inputs_make_live_rows_count_and_the_others_stale(books, name):
     """Where formulas are exact, a row comes to what cardan's limits come to for those inputs."""
     found, others, _, sheet = books[name]
