@@ -368,6 +368,17 @@ def test_a_short_report_has_no_numbers_that_nobody_decides_by(tmp_path):
     assert len(said["--all"]) > len(said["--short"])
 
 
+def test_a_short_report_has_every_limit_that_does_not_pass():
+    found = cardan.check(cardan.read(EXAMPLES / "medium-truck-4x2.yaml"), studies=())
+    told = {}
+    for short in (True, False):
+        table, *_ = story.verdict(found, Language("en"), short=short)
+        told[short] = [row[0] for row in table.rows]
+    bad = [grade for grade in told[False] if grade != "pass"]
+    assert bad
+    assert told[True] == [*bad, "pass", "pass", "pass"]
+
+
 def test_a_target_missed_by_a_millionth_fails_in_every_medium(recording):
     target = past("fatigue_life", heard_value(recording, "fatigue_life"), LITTLE)
     held(heard(recording, "--target-hours", repr(target)), "fail")

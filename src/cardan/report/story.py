@@ -106,7 +106,7 @@ def approval(
     first = tuple(_first_page(of, helps, fixes, say, state=state))
     chapters = [
         Chapter(title=say("Verdict"), blocks=first),
-        Chapter(title=say("Limits"), blocks=tuple(verdict(of, say))),
+        Chapter(title=say("Limits"), blocks=tuple(verdict(of, say, short=short))),
         Chapter(title=say("What to change"), blocks=tuple(_changes(of, helps, fixes, say))),
     ]
     for response in () if short else of.responses:
@@ -256,13 +256,20 @@ def _first_page(
         yield Points(caption=say("What to change first"), points=tuple(said))
 
 
-def verdict(of: Approval, say: Language) -> Iterator[Block]:
-    """Yield the worst check of each limit and where the limits come from."""
-    rows = worst_of_each(of.checks)
+def verdict(of: Approval, say: Language, *, short: bool = False) -> Iterator[Block]:
+    """Yield the worst check of each limit and where the limits come from.
+
+    `short` leaves out the limits that pass, but the nearest few.
+    """
+    every = worst_of_each(of.checks)
+    bad = sum(c.grade != "pass" for c in every)
+    rows = every[: bad + DECIDING] if short else every
     several = len(of.responses) > 1
     sources = list(dict.fromkeys(cited(c.limit.source, say) for c in rows))
     yield _rows(rows, say, caption=say("Every limit, where it is worst"), several=several,
                 sources=sources)  # fmt: skip
+    if len(rows) < len(every):
+        yield Text(paragraphs=(say("{count} more limits pass.", count=len(every) - len(rows)),))
     yield Points(
         caption=say("Where the limits come from"),
         points=tuple((f"[{k}] {source}", ()) for k, source in enumerate(sources, 1)),
