@@ -1,6 +1,7 @@
 """What centre bearings carry on rubber, from an application file to what is printed of it."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,29 +26,34 @@ def tube(mass: float, length: float) -> str:
     return f"tube: {{outer_mm: 100, wall_mm: {wall}, material: {stiff}}}"
 
 
-def two_shafts() -> str:
-    """The two shafts of 20 and 25 kg."""
-    states = "\n".join(f'  - {{name: "{n}", speed_rpm: {n}}}' for n in SPEEDS)
+def line(speeds: Iterable[float], first: str, last: str, *, torque: float = 1000) -> str:
+    """METHOD 15's line of two shafts, made of these keys, in a state at each speed rpm."""
+    states = "\n".join(f'  - {{name: "{n}", speed_rpm: {n}}}' for n in speeds)
     return f"""
 title: Two slender shafts
-torque_Nm: 1000
+torque_Nm: {torque}
 speed_rpm: 2400
 driveline:
   slopes: {{side_deg: [3, 1, 4.5, 2], top_deg: [0, 1.5, -0.8, 0.6]}}
   shafts:
     - length_mm: 1200
-      {tube(20, 1.2)}
+      {first}
       centre_bearing:
         from_rear_joint_mm: 0
         vertical_stiffness_N_mm: 200
         lateral_stiffness_N_mm: 120
         loss_factor: 0.1
     - length_mm: 1500
-      {tube(25, 1.5)}
+      {last}
 states:
 {states}
 limits: protractor
 """
+
+
+def two_shafts() -> str:
+    """The two shafts of 20 and 25 kg."""
+    return line(SPEEDS, tube(20, 1.2), tube(25, 1.5))
 
 
 CLOSED = {
@@ -63,34 +69,15 @@ MOVING = {
 def rods(torque: float, speeds: dict[float, float]) -> str:
     """The two shafts as rods: a tube of next to no mass, and a third of the rod's at its end."""
     light = "{name: light, youngs_modulus_GPa: 2000, density_kg_m3: 50}"
-    tube = f"tube: {{outer_mm: 500, wall_mm: 0.1, material: {light}}}"
     own = 50 * np.pi * 0.4999 * 0.0001  # kg/m of the tube, and kg m of it about a diameter
     about = own * 0.25**2 / 2
-    states = "\n".join(f'  - {{name: "{n}", speed_rpm: {n}}}' for n in speeds)
-    return f"""
-title: Two rods
-torque_Nm: {torque}
-speed_rpm: 2400
-driveline:
-  slopes: {{side_deg: [3, 1, 4.5, 2], top_deg: [0, 1.5, -0.8, 0.6]}}
-  shafts:
-    - length_mm: 1200
-      {tube}
-      yoke_mass_kg: [0, {(20 - 1.2 * own) / 3 - about / 1.2}]
-      polar_inertia_kgm2: 1e-7
-      centre_bearing:
-        from_rear_joint_mm: 0
-        vertical_stiffness_N_mm: 200
-        lateral_stiffness_N_mm: 120
-        loss_factor: 0.1
-    - length_mm: 1500
-      {tube}
-      yoke_mass_kg: [{(25 - 1.5 * own) / 3 - about / 1.5}, 0]
-      polar_inertia_kgm2: 1e-7
-states:
-{states}
-limits: protractor
-"""
+    thin = f"tube: {{outer_mm: 500, wall_mm: 0.1, material: {light}}}"
+    front, rear = (20 - 1.2 * own) / 3 - about / 1.2, (25 - 1.5 * own) / 3 - about / 1.5
+    still = "polar_inertia_kgm2: 1e-7"
+    first, last = (
+        f"{thin}\n      yoke_mass_kg: [{a}, {b}]\n      {still}" for a, b in ((0, front), (rear, 0))
+    )
+    return line(speeds, first, last, torque=torque)
 
 
 @pytest.mark.parametrize(("torque", "forces"), [(1, CLOSED), (1000, MOVING)])
