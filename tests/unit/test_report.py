@@ -186,6 +186,8 @@ def test_decimal_sign_of_the_language(code, shown):
         (-np.inf, "-∞"),
         (12345.6, "12346"),
         (8.41e-5, "8.410e-05"),
+        (5.8e-8, "5.800e-08"),
+        (1e-13, "0"),
     ],
 )
 def test_numbers_as_engineers_write_them(value, shown):

@@ -240,7 +240,7 @@ class Language:
             return "-"
         if math.isinf(value):
             return "∞" if value > 0 else "-∞"
-        if abs(value) < 5e-7:
+        if abs(value) < 1e-10:
             return "0"
         size = math.floor(math.log10(abs(value)))
         return self.pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
