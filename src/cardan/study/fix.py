@@ -24,7 +24,7 @@ from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, approve, default_studies
 from cardan.study.driveline import DrivelineStudy, checks_of, unanswered_of
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
-from cardan.study.margins import Bound, both, margins
+from cardan.study.margins import BOUNDS, Bound, both, margins
 from cardan.study.moves import Move, adjustables, corrected, tried
 from cardan.study.robust import CLASSES, Survival, Trucks
 
@@ -477,8 +477,9 @@ def _trials(
         yield _trial(response, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
-            seen = k == 0 and free == ways
-            known = {b: v[: len(spread), changed] for b, v in asked.items()} if seen else None
+            known: dict[Bound, FloatArray] | None = None
+            if k == 0 and free == ways:
+                known = {b: v[: len(spread), changed] for b, v in asked.items()}
             search = _Search(response, movable, turns, free, changed, trucks, known)
             for amounts in _corrections(search):
                 yield _trial(response, movable, amounts, changed)
@@ -486,7 +487,7 @@ def _trials(
 
 def _corrections(search: _Search) -> Iterator[FloatArray]:
     """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
-    for bound in ("normal", "maximum"):
+    for bound in BOUNDS:
         top, margin, near = search.best(to=bound)
         yield search.settable(top, to=bound)
         if margin > RESERVE:

@@ -1,6 +1,6 @@
 """Every margin of a line at once, as one array: what a search and a scatter look at."""
 
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from cardan.quantity.response import Response
 from cardan.study.driveline import Asked, asked
 
 Bound: TypeAlias = Literal["normal", "maximum"]
+BOUNDS: tuple[Bound, ...] = ("normal", "maximum")
 
 PLENTY = 10.0
 """Margins are cut here."""
@@ -26,7 +27,7 @@ def margins(response: Response, *, to: Bound) -> FloatArray:
 def both(response: Response) -> dict[Bound, FloatArray]:
     """Return every margin of a line to either bound, asked once."""
     questions = tuple(asked(response))
-    return {bound: _margins(response, questions, to=bound) for bound in get_args(Bound)}
+    return {bound: _margins(response, questions, to=bound) for bound in BOUNDS}
 
 
 def _margins(response: Response, questions: tuple[Asked, ...], *, to: Bound) -> FloatArray:
