@@ -1438,7 +1438,7 @@ KINDS = (
 )  # fmt: skip
 
 SWINGING = (
-    mutant("loads/parametric.py", "S = K * 0 + torque / 2 *", "S = K * 0 + torque *",
+    mutant("loads/parametric.py", "S = torque / 2 *", "S = torque *",
            "the torque's swing feeds twice", "verify/test_parametric.py"),
     mutant("loads/parametric.py", "fed = size**2 / (16 *", "fed = size**2 / (4 *",
            "two modes feed each other twice as fast", "verify/test_parametric.py"),
