@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cardan import __version__
-from cardan.base.arrays import FloatArray, single_threaded
+from cardan.base.arrays import FloatArray, memory_kept, single_threaded
 from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.verdict import VERDICTS, Limit, Verdict
 from cardan.border import writer
@@ -228,7 +228,7 @@ def _bench(of: _Once) -> Bench:
 
 def _asked(job: Job, start: int, stop: int) -> Shard:
     """Return a shard, wherever this is called."""
-    with single_threaded():
+    with single_threaded(), memory_kept():
         return job.shard(start, stop)
 
 
