@@ -39,8 +39,8 @@ from cardan.model.movable import meant, movable
 from cardan.model.variants import Ask, Goal, Spread, Variants
 from cardan.quantity.quantities import ANSWERED
 
-VARYING, LEVELS, WORST = 200, 200, 1000
-"""Names that vary, places of a grid, and worst variants that are kept, at most."""
+VARYING, LEVELS, WORST, BRED = 200, 200, 1000, 1_000_000
+"""Names that vary, places of a grid, worst variants kept, and variants bred, at most."""
 
 _ANY = Number()
 _SHARE = Number(above=0, below=1)
@@ -138,6 +138,9 @@ class AskTable(Table):
     pareto: Annotated[
         tuple[Goal, ...], ListOf(Choice("margin", "cost", "mass"), least=2, most=3)
     ] = key("what is weighed against each other", default=())
+    search: Annotated[int, Whole(BRED)] = key(
+        "variants bred for pareto from the best, beside those drawn", default=0
+    )
     maps: Annotated[
         tuple[tuple[str, str], ...], ListOf(ListOf(Text(), "across", "up"), most=10)
     ] = key("the yield over two of the names", default=())
@@ -151,10 +154,12 @@ class AskTable(Table):
 
     def build(self) -> Ask:
         """Return what is asked."""
+        if self.search and not self.pareto:
+            self.at("search").refuse("needs pareto", "say there what is weighed")
         return Ask(
             yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
             worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
-            limits=self.limits, rare=self.rare,
+            limits=self.limits, rare=self.rare, search=self.search,
         )  # fmt: skip
 
 
@@ -195,6 +200,8 @@ class StudyTable(Table):
                 if not any(name in (t, *meant(t, every)) for t in self.tolerances):
                     hint = nearest(name, self.tolerances)
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
+        if self.ask.search and self.tolerances:
+            self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
         for pair in self.ask.maps:
             for name in pair:
                 if name not in named:

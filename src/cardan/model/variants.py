@@ -44,6 +44,8 @@ class Ask:
         Whether variance is shared out to what varies.
     pareto
         What is weighed against each other.
+    search
+        How many variants more are bred for that.
     maps
         Pairs of names, over which the yield is drawn.
     limits
@@ -60,6 +62,7 @@ class Ask:
     worst: int = 3
     sobol: bool = False
     pareto: tuple[Goal, ...] = ()
+    search: int = 0
     maps: tuple[tuple[str, str], ...] = ()
     limits: tuple[str, ...] = ()
     rare: bool = False

@@ -85,6 +85,12 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "out.",
             own=of.own,
         )
+    if of.variants.ask.search and "pareto" in of.states:
+        yield say(
+            "{bred} of the {count} variants of the front were bred from the best (NSGA-II).",
+            bred=int((of.states["pareto"]["place"] >= of.asked).sum()),
+            count=len(of.states["pareto"]["place"]),
+        )
     if of.count < of.asked:
         yield say(
             "Stopped: {count} of {asked} variants are told of.", count=of.count, asked=of.asked

@@ -449,12 +449,7 @@ class Front:
 
     def of(self, rows: Sweep, start: int) -> State:
         """Return the front of a shard."""
-        goals = {
-            "margin": -rows.margins,
-            "cost": self._cost(self.drawing.of(rows.unit, start, scattered=False)),
-            "mass": rows.answers.mass,
-        }
-        found = np.stack([goals[name] for name in self.goals], axis=-1)
+        found = self.weighed(rows, start)
         known = np.isfinite(found).all(-1)
         return self._unbeaten(
             {
@@ -464,6 +459,15 @@ class Front:
                 "verdict": rows.grades[known],
             }
         )
+
+    def weighed(self, rows: Sweep, start: int) -> FloatArray:
+        """Return what is weighed, (V, goals), the smaller the better."""
+        goals = {
+            "margin": -rows.margins,
+            "cost": self._cost(self.drawing.of(rows.unit, start, scattered=False)),
+            "mass": rows.answers.mass,
+        }
+        return np.stack([goals[name] for name in self.goals], axis=-1)
 
     def both(self, one: State, other: State) -> State:
         """Return the front of both."""

@@ -30,6 +30,7 @@ from cardan.model.application import Application
 from cardan.model.variants import Variants
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import Approval
+from cardan.study.breed import bred
 from cardan.study.draw import Drawing, Points
 from cardan.study.rare import FAR, Rare, rare
 from cardan.study.reduce import (
@@ -95,7 +96,7 @@ class Studied:
     asked
         How many variants were to be asked; fewer are told of where the run was stopped.
     states
-        What is told of them, by name (`cardan.study.reduce`).
+        What is told of them, by name (`cardan.study.reduce`); `pareto` of those bred besides.
     rows
         Each variant, where they were kept.
     rare
@@ -277,7 +278,10 @@ def study(
     Stopped
         If it was stopped from the keyboard; it holds what is told of the shards done.
     """
-    job = Job(application=application, variants=variants, seed=seed, points=points)
+    job, asked = (
+        Job(application=application, variants=variants, seed=seed, points=points),
+        variants.ask,
+    )
     bench = job.bench
     count, size = bench.whole(count), -(-shard // bench.drawing.period) * bench.drawing.period
     spans = [(k, min(k + size, count)) for k in range(0, count, size)]
@@ -287,6 +291,10 @@ def study(
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
+    def now(done: int) -> None:
+        seconds = perf_counter() - begun
+        hear(Progress(before=before, done=done, count=count + asked.search, seconds=seconds))
+
     def keep(k: int, got: Shard) -> None:
         nonlocal finished
         if store:
@@ -295,9 +303,9 @@ def study(
             found[k] = got
         done.add(k)
         finished += spans[k][1] - spans[k][0]
-        hear(Progress(before=before, done=finished, count=count, seconds=perf_counter() - begun))
+        now(finished)
 
-    hear(Progress(before=before, done=before, count=count, seconds=0.0))
+    now(before)
     todo = [k for k in range(len(spans)) if k not in done]
     stopped = False
     try:
@@ -307,6 +315,14 @@ def study(
         if not done:
             raise
     told = _told(bench, variants, store, found, sorted(done))
+    if asked.search and not stopped:
+        try:
+            told["pareto"] = bred(
+                bench, asked.pareto, told["pareto"], count=asked.search, start=count, seed=seed,
+                hear=lambda more: now(count + min(more, asked.search)),
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            stopped = True
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
