@@ -1466,7 +1466,7 @@ SWINGING = (
            "moments do not follow a line that passes through", "verify/test_passing.py"),
     mutant("loads/sketch.py", "C = (modal * (2 * decay)) @ modal.T", "C = (modal * decay) @ modal.T",
            "a line that passes through loses half", "verify/test_passing.py"),
-    mutant("quantity/points.py", "rows += [*_corners(found, of), _sums(found, quick, of)]", "rows += _corners(found, of)",
+    mutant("quantity/points.py", "rows += [*corners, _sums(found, quick, of)]", "rows += corners",
            "growth is asked where no zone is", "unit/test_on_rubber.py"),
     mutant("quantity/bearings.py", "met=lambda r: ~(_growth(r)[..., None] > 0),", "met=lambda r: _growth(r)[..., None] < np.inf,",
            "a steady force is an answer where a line swings by itself", "unit/test_on_rubber.py"),

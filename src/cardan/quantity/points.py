@@ -34,7 +34,7 @@ FORCES = ("static", "dynamic", "peak")
 CLOSER = 0.25
 """How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
 
-_Row: TypeAlias = tuple[IntArray, FloatArray]
+Row: TypeAlias = tuple[IntArray, FloatArray]
 """Which curves points (P, ..., S) are on, and their speeds."""
 
 FIRM = 1e14
@@ -134,13 +134,13 @@ def spread(r: "Response") -> Spread | None:
     Those of most torque each way it is turned, and the highest speed of each gear: between
     them torque and speed go straight.
     """
-    found = curves(r.demand)
-    if not found.gears:
+    if not r.curved.gears:
         return None
-    cases = _cases(r, found)
-    # An axis for variants of what no force shows, a tube's wall: before the states.
-    found = _beside_variants(found, cases if len(cases) > 1 else (1, *cases))
-    rows = [row for of in _ways(found) for row in _corners(found, of)]
+    found, ways = r.curved, r.ways
+    if found.fastest.ndim < 3:  # an axis for variants of what no force shows, a tube's wall
+        found = _beside_variants(found, (1, *found.fastest.shape[1:]))
+        ways = [(of, [(c[:, None], v[:, None]) for c, v in rows]) for of, rows in ways]
+    rows = [row for _, corners in ways for row in corners]
     every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
     rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
     curve, speed = _gathered(found, rows)
@@ -258,11 +258,9 @@ def worst(r: "Response") -> dict[str, Points]:
     the line alone, and without the shafts' inertia, whose share is small where resonance is;
     what is found has all of it.
     """
-    found = curves(r.demand)
+    found, quick = r.curved, r.quick
     if not found.gears or r.line.joint_count < 3:
         return {}
-    quick = None if r.held is None else r.held.slowest(r.line.swings)
-    found = _beside_variants(found, _cases(r, found))
     curve, speed = _candidates(r, found, quick)
     if quick is None:
         tried = _at(r, found, curve, speed)
@@ -282,11 +280,10 @@ def worst_joints(r: "Response") -> Points | None:
     where it is not on rubber, or has no point. The first joint and the last are those of the
     flanges.
     """
-    found, cut = curves(r.demand), held(r, cut=True)
+    found, cut = r.curved, held(r, cut=True)
     if not found.gears or r.held is None or cut is None or r.line.joint_count < 3:
         return None
-    found = _beside_variants(found, _cases(r, found))
-    curve, speed = _candidates(r, found, r.held.slowest(r.line.swings))
+    curve, speed = _candidates(r, found, r.quick)
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
     carried = at_joints(
         r.lay(asked), r.line, r.phases, held=r.held, cut=cut, **_asked(r, asked, inertia=True)
@@ -314,14 +311,12 @@ def worst_growth(r: "Response") -> Points | None:
     At the corners of its curves, and with most torque where twice the speed meets the sum of
     two modes; None where the line is not on rubber, or has no point.
     """
-    found = curves(r.demand)
-    if not found.gears or r.held is None or r.line.joint_count < 3:
+    found, quick = r.curved, r.quick
+    if not found.gears or quick is None or r.line.joint_count < 3:
         return None
-    quick = r.held.slowest(r.line.swings)
-    found = _beside_variants(found, _cases(r, found))
-    rows: list[_Row] = []
-    for of in _ways(found):
-        rows += [*_corners(found, of), _sums(found, quick, of)]
+    rows: list[Row] = []
+    for of, corners in r.ways:
+        rows += [*corners, _sums(found, quick, of)]
     curve, speed = _gathered(found, rows)
     asked = placed(found, curve=curve, speed=speed)
     # Where the axle rides changes a shaft's length, and so this, by next to nothing.
@@ -355,7 +350,7 @@ def _swinging(
     )
 
 
-def _sums(found: Curves, quick: Suspended, of: IntArray) -> _Row:
+def _sums(found: Curves, quick: Suspended, of: IntArray) -> Row:
     """Return where order 2 meets the sum of two modes with most torque of curves `of` C."""
     cases, modes = found.fastest.shape[1:], quick.mass.shape[-1]
     one, other = np.triu_indices(modes)
@@ -368,7 +363,7 @@ def _sums(found: Curves, quick: Suspended, of: IntArray) -> _Row:
     return _with_most(found, of, meets)[0], meets
 
 
-def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
+def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> Row:
     """Return points (P, ..., S) at which bearings may be worst.
 
     Of each way to be turned: the corners of the curve of most torque, the highest speed, and
@@ -377,9 +372,9 @@ def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
     mode, and the end of each gear, as it grows with the speed while torque falls from gear to
     gear.
     """
-    rows: list[_Row] = []
-    for of in _ways(found):
-        rows += _corners(found, of)
+    rows: list[Row] = []
+    for of, corners in r.ways:
+        rows += corners
         if quick is not None:
             rows.append(_crossings(found, quick, of, orders=(2, 4)))
     if r.application.include_unbalance:
@@ -391,17 +386,23 @@ def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
     return _gathered(found, rows)
 
 
-def _ways(found: Curves) -> list[IntArray]:
-    """Return which curves turn the line each way.
+def curved(r: "Response") -> Curves:
+    """Return a line's torque over speed, in all cases of what its bearings carry."""
+    found = curves(r.demand)
+    return _beside_variants(found, _cases(r, found)) if found.gears else found
+
+
+def ways(found: Curves) -> list[tuple[IntArray, list[Row]]]:
+    """Return which curves turn the line each way, and the corners of the strongest.
 
     Coast and reverse are one way: the same torque pushes the same.
     """
     ways = ("drive",), ("coast", "reverse"), ("brake",)
     each = [np.flatnonzero([d in way for d in found.directions]) for way in ways]
-    return [of for of in each if len(of)]
+    return [(of, _corners(found, of)) for of in each if len(of)]
 
 
-def _corners(found: Curves, of: IntArray) -> list[_Row]:
+def _corners(found: Curves, of: IntArray) -> list[Row]:
     """Return the corners of the strongest of curves `of` C, and the end of the quickest."""
     standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
     standing = np.minimum(standing, found.most)
@@ -414,7 +415,7 @@ def _corners(found: Curves, of: IntArray) -> list[_Row]:
     ]
 
 
-def _gathered(found: Curves, rows: list[_Row]) -> _Row:
+def _gathered(found: Curves, rows: list[Row]) -> Row:
     """Return points (P, ..., S) with those that a state has first, in no more rows than needed."""
     curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
     fastest = np.take_along_axis(found.fastest, curve, axis=0)
@@ -431,7 +432,7 @@ def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray
     return of[strong], np.take_along_axis(size, strong[:, None], axis=1)[:, 0]
 
 
-def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> _Row:
+def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> Row:
     """Return where orders meet modes with most torque of curves `of` C, (Q, ..., S).
 
     Which curve that is, and the speed: a mode has the frequency that the torque leaves it.
@@ -447,7 +448,7 @@ def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[i
     return _with_most(found, of, meets)[0], meets
 
 
-def _rows(*found: Points) -> _Row:
+def _rows(*found: Points) -> Row:
     """Return curves and speeds (P, ..., S) of points (..., S, n-2) of each bearing."""
     each = [(np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)) for p in found]
     curve, speed = (np.concatenate(values) for values in zip(*each, strict=True))
@@ -492,7 +493,7 @@ def _sketched(
     return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
 
 
-def _once(curve: IntArray, speed: FloatArray) -> _Row:
+def _once(curve: IntArray, speed: FloatArray) -> Row:
     """Return points without those of a case that come again: their speed is nan."""
     same = (curve[:, None] == curve) & (speed[:, None] == speed)
     before = np.tri(len(curve), k=-1, dtype=bool)
@@ -546,8 +547,7 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
 
     On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
     """
-    found = curves(r.demand)
-    quick = None if r.held is None else r.held.slowest(r.line.swings)
+    found, quick = curves(r.demand), r.quick
     of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
     shape = (len(of), len(speed), *found.fastest.shape[1:])
     curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])

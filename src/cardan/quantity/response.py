@@ -12,11 +12,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, stacked
 from cardan.base.frozen import dataclass
 from cardan.base.part import Mode
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
+from cardan.demand.points import Curves
 from cardan.demand.states import Demand, each_axle_load
 from cardan.kinematics import constant_velocity, equivalent
 from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
@@ -45,7 +46,7 @@ from cardan.model.layout import Layout
 from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.model.seat import Seat
 from cardan.quantity import points
-from cardan.quantity.points import Points, Spread
+from cardan.quantity.points import Points, Row, Spread
 from cardan.shaft import beams, composite, life, strength, whirl
 
 SAMPLES = 16
@@ -274,6 +275,21 @@ class Response:
     def held(self) -> Suspended | None:
         """How the line can move on its rubber, in each state; None where it has none."""
         return points.held(self)
+
+    @cached_property
+    def quick(self) -> Suspended | None:
+        """The same in the modes that are slow enough to swing; None where it has no rubber."""
+        return self.held.slowest(self.line.swings) if self.held else None
+
+    @cached_property
+    def curved(self) -> Curves:
+        """Torque over speed in every case of what the bearings carry."""
+        return points.curved(self)
+
+    @cached_property
+    def ways(self) -> list[tuple[IntArray, list[Row]]]:
+        """Which of those curves turn the line each way, and where the strongest bend."""
+        return points.ways(self.curved)
 
     @cached_property
     def running(self) -> Running:
