@@ -39,8 +39,11 @@ from cardan.model.movable import meant, movable
 from cardan.model.variants import Ask, Goal, Spread, Variants
 from cardan.quantity.quantities import ANSWERED
 
-VARYING, LEVELS, WORST, BRED = 200, 200, 1000, 1_000_000
-"""Names that vary, places of a grid, worst variants kept, and variants bred, at most."""
+VARYING, LEVELS, WORST = 200, 200, 1000
+"""Names that vary, places of a grid, and worst variants that are kept, at most."""
+
+BRED, FORETOLD = 1_000_000, 100_000_000
+"""Variants that are bred, and that are foretold, at most."""
 
 _ANY = Number()
 _SHARE = Number(above=0, below=1)
@@ -148,6 +151,9 @@ class AskTable(Table):
         "quantities whose limits count; all by default, and fewer are faster", default=()
     )
     rare: bool = key("how often limits fail that hardly ever do", default=False)
+    foretold: Annotated[int, Whole(FORETOLD)] = key(
+        "variants foretold from those asked: the yield to a narrower interval", default=0
+    )
     rows: Literal["float32", "float64"] | None = key(
         "keep each variant, in this precision", default=None
     )
@@ -159,7 +165,7 @@ class AskTable(Table):
         return Ask(
             yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
             worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
-            limits=self.limits, rare=self.rare, search=self.search,
+            limits=self.limits, rare=self.rare, search=self.search, foretold=self.foretold,
         )  # fmt: skip
 
 
@@ -202,6 +208,11 @@ class StudyTable(Table):
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
         if self.ask.search and self.tolerances:
             self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
+        drawn = self.tolerances and not self.ask.sobol
+        if self.ask.foretold and (not drawn or any(s.kind == "grid" for s in self.vary.values())):
+            self.at("ask").note(
+                "foretold: needs tolerances, drawn by dice", "ask it without sobol and grids"
+            )
         for pair in self.ask.maps:
             for name in pair:
                 if name not in named:

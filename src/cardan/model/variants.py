@@ -52,6 +52,8 @@ class Ask:
         Quantities whose limits count; all where none is named.
     rare
         Whether limits that variants hardly ever fail are asked how often they do.
+    foretold
+        How many variants more are foretold from those asked, for the yield.
     rows
         Whether each variant is kept, and in which precision.
     """
@@ -66,6 +68,7 @@ class Ask:
     maps: tuple[tuple[str, str], ...] = ()
     limits: tuple[str, ...] = ()
     rare: bool = False
+    foretold: int = 0
     rows: Literal["float32", "float64"] | None = None
 
 

@@ -74,6 +74,10 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             low=share(low, say, 2),
             high=share(high, say, 2),
         )
+    if of.foretold:
+        yield _foretold(of, say)
+    elif of.variants.ask.foretold and of.count == of.asked:
+        yield say("Too few variants were asked to foretell others from them.")
     if of.drawing.points == "even":
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
@@ -106,6 +110,25 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "Read anew for each variant, which is slower, because arrays cannot hold it: {names}.",
             names=say.list(*of.bench.single),
         )
+
+
+def _foretold(of: Studied, say: Language) -> str:
+    """Return the yield of many, foretold, and how often that was wrong."""
+    f = of.foretold
+    assert f is not None  # who asks has looked
+    return say(
+        "Of {count} more, foretold from {taught} asked: {share}; with {confidence} confidence "
+        "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, {praised} to fit "
+        "that fail.",
+        count=f.count,
+        taught=f.taught,
+        share=share(f.share, say, 2),
+        confidence=share(of.variants.ask.confidence, say, 0),
+        low=share(f.low, say, 2),
+        high=share(f.high, say, 2),
+        missed=f.missed,
+        praised=f.praised,
+    )
 
 
 def terminal(of: Studied, say: Language = EN) -> Iterator[str]:
@@ -778,6 +801,16 @@ def document(of: Studied) -> dict[str, Any]:
             }
             for r in of.rare
         ]
+    if of.foretold:
+        f = of.foretold
+        found["foretold"] = {
+            "count": f.count,
+            "taught": f.taught,
+            "yield": f.share,
+            "interval": [f.low, f.high],
+            "wrongly_failing": f.missed,
+            "wrongly_fit": f.praised,
+        }
     if "pareto" in of.states:
         found["pareto"] = [
             {

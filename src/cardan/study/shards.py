@@ -32,6 +32,7 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import Approval
 from cardan.study.breed import bred
 from cardan.study.draw import Drawing, Points
+from cardan.study.foretell import Foretold, foretold
 from cardan.study.rare import FAR, Rare, rare
 from cardan.study.reduce import (
     Map,
@@ -101,6 +102,8 @@ class Studied:
         Each variant, where they were kept.
     rare
         How often limits fail that variants hardly ever did, where that was asked.
+    foretold
+        The yield of many more, foretold from those asked, where that was asked.
     seconds
         How long this run took.
     """
@@ -111,6 +114,7 @@ class Studied:
     states: Mapping[str, State]
     rows: Sweep | None = None
     rare: tuple[Rare, ...] = ()
+    foretold: Foretold | None = None
     seconds: float = 0.0
 
     @property
@@ -327,6 +331,10 @@ def study(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
         rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
+        foretold=None if stopped or not asked.foretold else foretold(
+            bench.drawing, told["taught"], count=asked.foretold, start=count,
+            confidence=asked.confidence, workers=workers,
+        ),
         seconds=perf_counter() - begun,
     )  # fmt: skip
     if stopped:
