@@ -118,8 +118,8 @@ def _foretold(of: Studied, say: Language) -> str:
     assert f is not None  # who asks has looked
     return say(
         "Of {count} more, foretold from {taught} asked: {share}; with {confidence} confidence "
-        "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, {praised} to fit "
-        "that fail.",
+        "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, "
+        "{praised} to fit that fail.",
         count=f.count,
         taught=f.taught,
         share=share(f.share, say, 2),
