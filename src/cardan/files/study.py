@@ -230,6 +230,22 @@ class StudyTable(Table):
         return here.inside(node, written.text).inside(at, name)
 
 
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a study in a file beside the application's."""
+    defs: dict[str, Any] = {}
+    study = StudyTable.schema(defs)
+    under: dict[str, Any] = {
+        "type": "object", "properties": {"study": study}, "required": ["study"],
+        "additionalProperties": False,
+    }  # fmt: skip
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "cardan study",
+        "anyOf": [study, under],
+        "$defs": dict(sorted(defs.items())),
+    }
+
+
 def known(application: Application) -> list[str]:
     """Return every name that may vary: addresses of numbers, and what can be moved."""
     written = application.written
