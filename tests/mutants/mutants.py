@@ -1438,7 +1438,7 @@ KINDS = (
 )  # fmt: skip
 
 SWINGING = (
-    mutant("loads/parametric.py", "S = torque / 2 *", "S = torque *",
+    mutant("loads/parametric.py", "S = K * 0 + torque / 2 *", "S = K * 0 + torque *",
            "the torque's swing feeds twice", "verify/test_parametric.py"),
     mutant("loads/parametric.py", "fed = size**2 / (16 *", "fed = size**2 / (4 *",
            "two modes feed each other twice as fast", "verify/test_parametric.py"),
@@ -1466,7 +1466,7 @@ SWINGING = (
            "moments do not follow a line that passes through", "verify/test_passing.py"),
     mutant("loads/sketch.py", "C = (modal * (2 * decay)) @ modal.T", "C = (modal * decay) @ modal.T",
            "a line that passes through loses half", "verify/test_passing.py"),
-    mutant("quantity/points.py", "rows += [*corners, _sums(found, quick, of)]", "rows += corners",
+    mutant("quantity/points.py", "rows += [*_corners(found, of), _sums(found, quick, of)]", "rows += _corners(found, of)",
            "growth is asked where no zone is", "unit/test_on_rubber.py"),
     mutant("quantity/bearings.py", "met=lambda r: ~(_growth(r)[..., None] > 0),", "met=lambda r: _growth(r)[..., None] < np.inf,",
            "a steady force is an answer where a line swings by itself", "unit/test_on_rubber.py"),

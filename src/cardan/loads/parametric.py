@@ -61,11 +61,11 @@ def growth(
     speed, torque = (np.asarray(v, dtype=float)[..., None, None] for v in (speed, torque))
     squares, shapes, decay = on.decaying(torque[..., 0, 0])
     one = np.eye(squares.shape[-1])
-    K = squares[..., None] * one + 0 * torque
-    C = 2 * decay[..., None] * one + speed * (shapes.mT @ on.gyroscopic @ shapes)
-    S = torque / 2 * (shapes.mT @ swing @ shapes)
+    K = squares[..., None] * one
+    C = K * 0 + 2 * decay[..., None] * one + speed * (shapes.mT @ on.gyroscopic @ shapes)
+    S = K * 0 + torque / 2 * (shapes.mT @ swing @ shapes)
     W, one, none = K * 0 + speed * one, K * 0 + one, K * 0
-    # B is the conjugate of A: of real and imaginary part of A and of its rate, all is real.
+    # Of a real motion B is A conjugate: the real and imaginary parts of A, then of its velocity.
     whole = np.block([
         [none, W, one, none],
         [-W, none, none, one],

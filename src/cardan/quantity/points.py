@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
@@ -34,7 +34,7 @@ FORCES = ("static", "dynamic", "peak")
 CLOSER = 0.25
 """How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
 
-Row: TypeAlias = tuple[IntArray, FloatArray]
+_Row: TypeAlias = tuple[IntArray, FloatArray]
 """Which curves points (P, ..., S) are on, and their speeds."""
 
 FIRM = 1e14
@@ -85,17 +85,14 @@ class Spots:
 
     def of_parts(self, which: IntArray) -> "Spots":
         """Return which point (..., S, parts) each part has; below 0 none."""
-        here = np.maximum(which, 0)[None]
-
-        def taken(values: Any) -> Any:
-            wide = np.broadcast_to(values[..., None], (len(values), *which.shape))
-            return np.take_along_axis(wide, here, axis=0)[0]
-
+        here = (np.maximum(which, 0), *steps(which.shape)[:-1])
+        cases = len(self.speed), *which.shape[:-1]
+        of = [np.broadcast_to(v, cases)[here] for v in (self.speed, self.torque)]
         return Spots(
             curves=self.curves,
-            curve=taken(self.curve),
-            speed=taken(self.speed),
-            torque=np.where(which < 0, np.nan, taken(self.torque)),
+            curve=np.broadcast_to(self.curve, cases)[here],
+            speed=of[0],
+            torque=np.where(which < 0, np.nan, of[1]),
         )
 
 
@@ -128,19 +125,25 @@ class Spread:
     response: "Response"
 
 
+def curves_of(r: "Response") -> Curves:
+    """Return the torque over speed of a line, in each case (..., S) of whatever varies."""
+    found = curves(r.demand)
+    return _beside_variants(found, _cases(r, found)) if found.gears else found
+
+
 def spread(r: "Response") -> Spread | None:
     """Return a line at the corners of its curves; None where it has none.
 
     Those of most torque each way it is turned, and the highest speed of each gear: between
     them torque and speed go straight.
     """
-    if not r.curved.gears:
+    found = r.curves
+    if not found.gears:
         return None
-    found, ways = r.curved, r.ways
-    if found.fastest.ndim < 3:  # an axis for variants of what no force shows, a tube's wall
+    # An axis for variants of what no force shows, a tube's wall: before the states.
+    if found.fastest.ndim == 2:
         found = _beside_variants(found, (1, *found.fastest.shape[1:]))
-        ways = [(of, [(c[:, None], v[:, None]) for c, v in rows]) for of, rows in ways]
-    rows = [row for _, corners in ways for row in corners]
+    rows = [row for of in _ways(found) for row in _corners(found, of)]
     every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
     rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
     curve, speed = _gathered(found, rows)
@@ -258,7 +261,7 @@ def worst(r: "Response") -> dict[str, Points]:
     the line alone, and without the shafts' inertia, whose share is small where resonance is;
     what is found has all of it.
     """
-    found, quick = r.curved, r.quick
+    found, quick = r.curves, r.quick
     if not found.gears or r.line.joint_count < 3:
         return {}
     curve, speed = _candidates(r, found, quick)
@@ -280,7 +283,7 @@ def worst_joints(r: "Response") -> Points | None:
     where it is not on rubber, or has no point. The first joint and the last are those of the
     flanges.
     """
-    found, cut = r.curved, held(r, cut=True)
+    found, cut = r.curves, held(r, cut=True)
     if not found.gears or r.held is None or cut is None or r.line.joint_count < 3:
         return None
     curve, speed = _candidates(r, found, r.quick)
@@ -311,12 +314,12 @@ def worst_growth(r: "Response") -> Points | None:
     At the corners of its curves, and with most torque where twice the speed meets the sum of
     two modes; None where the line is not on rubber, or has no point.
     """
-    found, quick = r.curved, r.quick
+    found, quick = r.curves, r.quick
     if not found.gears or quick is None or r.line.joint_count < 3:
         return None
-    rows: list[Row] = []
-    for of, corners in r.ways:
-        rows += [*corners, _sums(found, quick, of)]
+    rows: list[_Row] = []
+    for of in _ways(found):
+        rows += [*_corners(found, of), _sums(found, quick, of)]
     curve, speed = _gathered(found, rows)
     asked = placed(found, curve=curve, speed=speed)
     # Where the axle rides changes a shaft's length, and so this, by next to nothing.
@@ -350,7 +353,7 @@ def _swinging(
     )
 
 
-def _sums(found: Curves, quick: Suspended, of: IntArray) -> Row:
+def _sums(found: Curves, quick: Suspended, of: IntArray) -> _Row:
     """Return where order 2 meets the sum of two modes with most torque of curves `of` C."""
     cases, modes = found.fastest.shape[1:], quick.mass.shape[-1]
     one, other = np.triu_indices(modes)
@@ -363,7 +366,7 @@ def _sums(found: Curves, quick: Suspended, of: IntArray) -> Row:
     return _with_most(found, of, meets)[0], meets
 
 
-def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> Row:
+def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
     """Return points (P, ..., S) at which bearings may be worst.
 
     Of each way to be turned: the corners of the curve of most torque, the highest speed, and
@@ -372,9 +375,9 @@ def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> Row:
     mode, and the end of each gear, as it grows with the speed while torque falls from gear to
     gear.
     """
-    rows: list[Row] = []
-    for of, corners in r.ways:
-        rows += corners
+    rows: list[_Row] = []
+    for of in _ways(found):
+        rows += _corners(found, of)
         if quick is not None:
             rows.append(_crossings(found, quick, of, orders=(2, 4)))
     if r.application.include_unbalance:
@@ -386,53 +389,48 @@ def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> Row:
     return _gathered(found, rows)
 
 
-def curved(r: "Response") -> Curves:
-    """Return a line's torque over speed, in all cases of what its bearings carry."""
-    found = curves(r.demand)
-    return _beside_variants(found, _cases(r, found)) if found.gears else found
-
-
-def ways(found: Curves) -> list[tuple[IntArray, list[Row]]]:
-    """Return which curves turn the line each way, and the corners of the strongest.
+def _ways(found: Curves) -> list[IntArray]:
+    """Return which curves turn the line each way.
 
     Coast and reverse are one way: the same torque pushes the same.
     """
     ways = ("drive",), ("coast", "reverse"), ("brake",)
     each = [np.flatnonzero([d in way for d in found.directions]) for way in ways]
-    return [(of, _corners(found, of)) for of in each if len(of)]
+    return [of for of in each if len(of)]
 
 
-def _corners(found: Curves, of: IntArray) -> list[Row]:
+def _corners(found: Curves, of: IntArray) -> list[_Row]:
     """Return the corners of the strongest of curves `of` C, and the end of the quickest."""
     standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
     standing = np.minimum(standing, found.most)
     reach = np.nan_to_num(found.fastest, nan=-1.0)
-    strong, quick = (of[values[of].argmax(axis=0)][None] for values in (standing, reach))
-    bends = np.take_along_axis(found.corners(), strong[None], axis=1)[:, 0]
+    strong, quick = (of[values[of].argmax(axis=0)] for values in (standing, reach))
+    cases = steps(strong.shape)
+    bends = found.corners[:, strong, *cases]
     return [
         (np.broadcast_to(strong, bends.shape), bends),
-        (quick, np.take_along_axis(reach, quick, axis=0)),
+        (quick[None], reach[quick, *cases][None]),
     ]
 
 
-def _gathered(found: Curves, rows: list[Row]) -> Row:
+def _gathered(found: Curves, rows: list[_Row]) -> _Row:
     """Return points (P, ..., S) with those that a state has first, in no more rows than needed."""
     curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
-    fastest = np.take_along_axis(found.fastest, curve, axis=0)
-    there = (speed >= 0) & (speed <= fastest)
+    cases = steps(speed.shape)[1:]
+    there = (speed >= 0) & (speed <= found.fastest[curve, *cases])
     first = np.argsort(~there, axis=0, kind="stable")[: there.sum(axis=0).max(initial=1)]
-    speed = np.take_along_axis(np.where(there, speed, np.nan), first, axis=0)
-    return np.take_along_axis(curve, first, axis=0), speed
+    return curve[first, *cases], np.where(there, speed, np.nan)[first, *cases]
 
 
 def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return which curves `of` C have most torque at speeds (Q, ..., S), and how much."""
     size = found.of(of).torque_at(speed[:, None])
     strong = np.abs(np.nan_to_num(size)).argmax(axis=1)
-    return of[strong], np.take_along_axis(size, strong[:, None], axis=1)[:, 0]
+    here, *cases = steps(strong.shape)
+    return of[strong], size[here, strong, *cases]
 
 
-def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> Row:
+def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> _Row:
     """Return where orders meet modes with most torque of curves `of` C, (Q, ..., S).
 
     Which curve that is, and the speed: a mode has the frequency that the torque leaves it.
@@ -448,7 +446,7 @@ def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[i
     return _with_most(found, of, meets)[0], meets
 
 
-def _rows(*found: Points) -> Row:
+def _rows(*found: Points) -> _Row:
     """Return curves and speeds (P, ..., S) of points (..., S, n-2) of each bearing."""
     each = [(np.moveaxis(p.curve, -1, 0), np.moveaxis(p.speed, -1, 0)) for p in found]
     curve, speed = (np.concatenate(values) for values in zip(*each, strict=True))
@@ -493,7 +491,7 @@ def _sketched(
     return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
 
 
-def _once(curve: IntArray, speed: FloatArray) -> Row:
+def _once(curve: IntArray, speed: FloatArray) -> _Row:
     """Return points without those of a case that come again: their speed is nan."""
     same = (curve[:, None] == curve) & (speed[:, None] == speed)
     before = np.tri(len(curve), k=-1, dtype=bool)
@@ -512,7 +510,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
     sought = ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
     seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
     curve, speed = _rows(*(p for _, p in seeds))
-    fastest = np.take_along_axis(found.fastest, curve, axis=0)
+    fastest = found.fastest[curve, *steps(curve.shape)[1:]]
     wide = drawn.on.loss.min(axis=-1)  # as narrow as the narrowest mode
     low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
     flanks = _rows(*(p for name, p in seeds if name == "dynamic"))
@@ -547,7 +545,7 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
 
     On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
     """
-    found, quick = curves(r.demand), r.quick
+    found, quick = r.curves, r.quick
     of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
     shape = (len(of), len(speed), *found.fastest.shape[1:])
     curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])
@@ -668,12 +666,10 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
     """
     value = getattr(p.running, force)
     order = np.argsort(-np.nan_to_num(value, nan=-np.inf), axis=0, kind="stable")
-    at = order[min(rank, len(order) - 1)][None]
+    at = order[min(rank, len(order) - 1)]
+    here = (at, *steps(at.shape))
 
     def taken(values: Any) -> Any:
-        if values.ndim < at.ndim:  # of points, not of their bearings
-            values = np.broadcast_to(values[..., None], (len(values), *at.shape[1:]))
-        of = at.reshape(*at.shape, *(1,) * (values.ndim - at.ndim))
-        return np.take_along_axis(values, of, axis=0)[0]
+        return values[here[: values.ndim]]  # of points, or of their bearings
 
     return _each(taken, p)

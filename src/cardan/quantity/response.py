@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, stacked
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.frozen import dataclass
 from cardan.base.part import Mode
 from cardan.base.units import g
@@ -46,7 +46,7 @@ from cardan.model.layout import Layout
 from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.model.seat import Seat
 from cardan.quantity import points
-from cardan.quantity.points import Points, Row, Spread
+from cardan.quantity.points import Points, Spread
 from cardan.shaft import beams, composite, life, strength, whirl
 
 SAMPLES = 16
@@ -278,18 +278,13 @@ class Response:
 
     @cached_property
     def quick(self) -> Suspended | None:
-        """The same in the modes that are slow enough to swing; None where it has no rubber."""
-        return self.held.slowest(self.line.swings) if self.held else None
+        """The same on its slowest modes alone, on which what is worst is sought."""
+        return None if self.held is None else self.held.slowest(self.line.swings)
 
     @cached_property
-    def curved(self) -> Curves:
-        """Torque over speed in every case of what the bearings carry."""
-        return points.curved(self)
-
-    @cached_property
-    def ways(self) -> list[tuple[IntArray, list[Row]]]:
-        """Which of those curves turn the line each way, and where the strongest bend."""
-        return points.ways(self.curved)
+    def curves(self) -> Curves:
+        """What torque it can have over its speed, in each case of whatever varies."""
+        return points.curves_of(self)
 
     @cached_property
     def running(self) -> Running:
