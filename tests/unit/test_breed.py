@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.errors import BadFile, CardanError
+from cardan.base.verdict import VERDICTS
 from cardan.cli import cli
 from cardan.model.variants import Ask
 from cardan.report import study as report
@@ -108,6 +109,20 @@ def test_over_ranges_it_reaches_farther_than_ten_times_as_many_drawn():
     again = bench.ask(found["inputs"][at][None])
     assert -g[at, 0] == pytest.approx(np.nanmin(again.margins), rel=1e-12)
     assert g[at, 2] == pytest.approx(float(again.mass[0]), rel=1e-12)
+
+
+def test_what_may_not_be_built_has_no_offspring_while_others_may():
+    """The lightest tubes whirl: who breeds from them goes where nothing may be built."""
+    thin = {n: v for n, v in RANGES.items() if "tube" in n}
+    bench = Bench.of(
+        application(), variants_of(thin | {"driveline.shafts[2].tube.outer_mm": [30, 125]})
+    )
+    goals = ("cost", "mass")
+    drawn = Front(goals=goals, costs=costs(bench), drawing=bench.drawing).of(bench.rows(0, 8192), 0)
+    none = {k: v[:0] for k, v in drawn.items()}
+    found = bred(bench, goals, none, count=1024)
+    assert found["verdict"].max() <= VERDICTS.index("warn")
+    assert found["goals"][:, 1].min() < drawn["goals"][:, 1].min()
 
 
 def test_the_same_seed_breeds_the_same():
