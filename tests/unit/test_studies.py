@@ -375,6 +375,15 @@ def test_sobol_indices_of_a_study_are_those_of_its_rows():
 # --------------------------------------------------------------------------- what cannot be
 
 
+def test_what_nothing_moves_has_no_variance_to_share_out():
+    asked = variants_of({}, {"phase_deg[2]": {"uniform": 5}}, ask=Ask(sobol=True))
+    found = study(application(), asked, count=300)
+    assert np.isnan(sobol(found.states["sobol"]).total[0]).all()  # the joint's angle decides
+    told = "\n".join(report.terminal(found))
+    assert "Sobol" in told
+    assert "nan" not in told
+
+
 def test_a_number_that_arrays_cannot_hold_is_read_anew_for_each_variant():
     spread = {
         "limits[1].maximum": {"choice": [300.0, 500.0]},

@@ -287,8 +287,8 @@ def _tighter(of: Studied, say: Language) -> Table:
 def _sobol(of: Studied, say: Language) -> Table:
     found = sobol(of.states["sobol"])
     drawn = of.drawing
-    order = np.argsort(-np.nan_to_num(found.total[0]), kind="stable")
     columns = _outputs(of)
+    order = np.argsort(-np.nan_to_num(found.total[columns[0] if columns else 0]), kind="stable")
 
     def row(k: int) -> tuple[str, ...]:
         name = _factor(of, drawn.factors[k], say)
@@ -317,9 +317,7 @@ def _factor(of: Studied, factor: Factor, say: Language) -> str:
 def _outputs(of: Studied) -> list[int]:
     """Return the columns of variance that are shown: margin, yield and the limit worst off."""
     found = sobol(of.states["sobol"])
-    some = [0]
-    if np.isfinite(found.total[1]).all():
-        some.append(1)
+    some = [c for c in (0, 1) if np.isfinite(found.total[c]).all()]
     worst = [2 + k for k in ordered(of) if np.isfinite(found.total[2 + k]).all()]
     return some + worst[:1]
 
