@@ -122,7 +122,7 @@ def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     (gauge,), (true,) = found["gauges"], sound["gauges"]
     assert gauge["removed"] == pytest.approx(true["removed"], abs=0.05)
     assert true["finding"] == GUILTY
-    assert gauge["strength"] == pytest.approx(true["strength"], rel=0.5)
+    assert gauge["strength"] > 0.5 * true["strength"]
     # As a speed it loses the angle behind it: nearly nothing is locked any more.
     other = of["gauges_otherwise"]["S1"]
     assert other["strength"] < 0.1 * true["strength"]
