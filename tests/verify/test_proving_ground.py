@@ -156,3 +156,13 @@ def test_what_one_start_did_is_not_told_as_innocence():
     assert truths(of)[0] > 0.8
     _, found = heard(of)[0]
     assert found.finding == CANNOT_TELL
+
+
+def test_a_stop_that_order_2_reaches_knocks_of_more_than_order_2():
+    """A drive that had been told wrongly: a seventh is locked, and blows come where it is loud."""
+    of = drive(60_051)
+    _, (_, found) = heard(of)
+    low, high = found.interval
+    assert found.finding == CANNOT_TELL
+    assert low <= truths(of)[1] <= high
+    assert any("blows come where order 2" in str(d) for d in found.doubts)

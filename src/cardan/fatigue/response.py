@@ -66,6 +66,12 @@ STRONG = 0.5
 """Of the largest torque, from which it is strong."""
 SUDDEN = 0.15
 """Share of the time up to which a strong torque is a matter of seconds."""
+BLOW = 1.8
+"""Of what half seconds within ten usually reach, from which one holds a blow."""
+LOUD = 2.0
+"""Of its mean power, that order 2 must have where blows come for these to be its own."""
+FEWEST_BLOWS = 4
+"""From which they are more than chance."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
@@ -90,6 +96,10 @@ BRIEF = said(
     "what does the damage comes with a torque of a few seconds: too short to tell whose it is"
 )
 
+KNOCKING = said(
+    "blows come where order 2 is loud, as of a stop that it reaches: they may be theirs"
+)
+
 DOUBTS = (
     UNTRUSTED,
     UNLOADED,
@@ -102,6 +112,7 @@ DOUBTS = (
     BESIDE,
     PASSING,
     BRIEF,
+    KNOCKING,
 )
 """What may widen an interval."""
 
@@ -949,6 +960,10 @@ def identified(
         doubts.append(SLIPPING)
     if losing.any():
         high = max(high, removed(besides(mean)))
+    knocks = _knocking(x - mean, line.wave, fine)
+    if knocks.any():
+        high = max(high, removed(np.where(knocks, y, mean)))
+        doubts.append(KNOCKING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
         doubts.append(RATTLING)
@@ -976,6 +991,27 @@ def identified(
     one, middles, gain, _ = waves[0]
     slow = np.interp(since, middles, gain.real) + 1j * np.interp(since, middles, gain.imag)
     return Identified(found, _back(mean, every, filled.size), spread(slow * one.wave))
+
+
+def _knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
+    """Return the half seconds (n,) of blows, if they come where a wave is loud; else none.
+
+    A stop that the bracket reaches when order 2 swings it knocks of everything that swings
+    then, and no line explains a knock; a pothole does not wait for order 2.
+    """
+    from scipy.ndimage import median_filter
+
+    n = max(round(0.5 * rate), 1)
+    m = rest.size // n
+    found = np.zeros(rest.size, bool)
+    if m < 2 * FEWEST_BLOWS:
+        return found
+    crest = np.abs(_levelled(rest, rate)[: m * n]).reshape(m, n).max(-1)
+    loud = (np.abs(wave[: m * n]) ** 2).reshape(m, n).mean(-1)
+    blow = crest > BLOW * median_filter(crest, size=41)
+    if np.count_nonzero(blow) >= FEWEST_BLOWS and loud[blow].mean() > LOUD * loud.mean():
+        found[: m * n] = np.repeat(blow, n)
+    return found
 
 
 def _strong(load: FloatArray, rate: float) -> BoolArray:

@@ -450,7 +450,8 @@ def _same_design(driven: Application, checked: Application) -> None:
     if driven.written is None or checked.written is None:
         return
     was, now = driven.written.numbers, checked.written.numbers
-    other = [k for k in {**was, **now} if not np.array_equal(was.get(k), now.get(k))]
+    both = was.keys() & now.keys()
+    other = [k for k in {**was, **now} if k not in both or not np.array_equal(was[k], now[k])]
     if other:
         first = other[0]
         msg = (
