@@ -352,7 +352,8 @@ def drive(seed, *, seconds=None, **asked):
         gear = last - int(rng.integers(2))
     fixed = kind in ("run-ups", "highway", "cruise")
     target, _ = _targets(rng, kind, t, ratios[gear])
-    hills = np.interp(t, np.arange(0, seconds + 12, 12), rng.normal(0, 0.02, int(seconds / 12) + 2))
+    crests = np.arange(0, seconds + 12, 12)
+    hills = np.interp(t, crests, rng.normal(0, 0.02, crests.size))
     own = ratios[gear : gear + 1] if fixed or kind == "crawl" else ratios
     shaft, motor, torque, way, ratio = _driven(
         target, hills, own, 0, rng.uniform(7e3, 24e3), rng.uniform(1.5, 4.0),
