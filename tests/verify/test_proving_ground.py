@@ -56,7 +56,8 @@ def statistics(seeds):
                 found.finding == INNOCENT and truth >= 0.5
             ):
                 wrong.append((seed, k, truth, found))
-            off = life.life.damage / damage(of.stress[k])
+            # What happened in a hole nobody knows, and its time is not counted as lived.
+            off = life.life.damage / damage(of.stress[k][~np.isnan(of.data[k])])
             if not 0.8 < off < 1.25:
                 spoiled.append((seed, k, off))
     return np.mean(inside), wrong, told / clear, spoiled

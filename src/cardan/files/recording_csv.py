@@ -217,8 +217,8 @@ _UNITS = {
 def _header(before: list[str], delimiter: str, width: int) -> tuple[tuple[Channel, ...], bool]:
     """Names and units from the lines above the numbers, and whether they were found.
 
-    Names stand first, below a title perhaps; which of the lines below holds units is seen by what it says, others
-    (descriptions, channel numbers, dates) are nobody's.
+    Names stand first, below a title perhaps; which of the lines below holds units is seen by
+    what it says, others (descriptions, channel numbers, dates) are nobody's.
     """
     rows = [_fields(line.lstrip("#% "), delimiter) for line in before if line.strip()]
     own: list[list[str]] = []
