@@ -962,7 +962,7 @@ def identified(
         high = max(high, removed(besides(mean)))
     knocks = _knocking(x - mean, line.wave, fine)
     if knocks.any():
-        high = max(high, removed(np.where(knocks, y, mean)))
+        high = max(high, removed(np.where(knocks, y, mean)) + 0.05)
         doubts.append(KNOCKING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
