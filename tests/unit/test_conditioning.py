@@ -77,7 +77,22 @@ def test_clipping_is_found(size):
     health = look(x, size=size)
     runs = np.flatnonzero(np.diff(np.concatenate([[0], x == -18, [0]])))
     long = runs[1::2] - runs[::2]
-    assert health.clipped == long[long >= 4].sum() > 1000
+    assert health.clipped == long[long >= 2].sum() > 1000
+
+
+def test_fast_crests_are_clipped_too():
+    """Twelve samples a swing: a cut leaves two or three of them level, which went unseen."""
+    t = np.arange(20_000) / 500
+    # In steps of 0.01, as a logger writes.
+    x = np.round(np.sin(0.3 * t) ** 2 * 100 * np.sin(2 * np.pi * 40.3 * t), 2)
+    assert not look(x).clipped
+    cut = np.clip(x, -70, 70)
+    edge = np.flatnonzero(np.diff(np.concatenate([[0], np.abs(cut) == 70, [0]])))
+    level = edge[1::2] - edge[::2]
+    assert look(cut).clipped == level[level >= 2].sum() > 100
+    # Level by chance: a steady swing in coarse steps, whose crests are sampled alike.
+    steady = np.round(20 * np.sin(2 * np.pi * 41.6666 * t + 0.2618))
+    assert not look(steady).clipped
 
 
 def test_dead_channels_are_dead():
@@ -181,7 +196,7 @@ def test_each_fault_is_told_for_what_it_is(name, size):
     if samples is None:
         edge = np.flatnonzero(np.diff(np.concatenate([[0], x == 15, [0]])))
         long = edge[1::2] - edge[::2]
-        wanted = long[long >= 4].sum()
+        wanted = long[long >= 2].sum()
     assert found[kind].samples == wanted
 
 

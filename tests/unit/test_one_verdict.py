@@ -52,6 +52,7 @@ from one_verdict import (
 
 import cardan
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.cli import cli
 from cardan.quantity.quantities import LIMITABLE, QUANTITIES
 from cardan.report import story
@@ -329,6 +330,21 @@ def test_a_recording_beside_an_application_is_in_its_one_verdict(
     assert "drive.csv" in page
     found = cardan.check(cardan.read(tmp_path / f"{case.name}.yaml"), recording=campaign)
     assert found.verdict == verdict
+
+
+def test_a_recording_of_another_design_is_in_no_verdict(campaign, tmp_path):
+    """A cured line had passed by what its predecessor's gauges felt."""
+    path = put(tmp_path, "truck", passing("joint_angle").text)
+    driven = cardan.read(path)
+    address, value = next((k, v) for k, v in driven.written.numbers.items() if "wall_mm" in k)
+    other = cardan.change(driven, {address: value + 1.0})
+    own = f"application: {path.name}\n"
+    campaign.write_text(campaign.read_text(encoding="utf-8") + own, encoding="utf-8")
+    assert cardan.check(driven, recording=campaign).verdict == "pass"
+    with pytest.raises(DesignError, match=r"campaign\.yaml: the recordings are of") as no:
+        cardan.check(other, recording=campaign)
+    for named in (path.name, address, f"{value:g}", f"{value + 1:g}"):
+        assert named in str(no.value)
 
 
 def test_what_is_wrong_with_a_campaign_is_told_and_nothing_passes(campaign, tmp_path):

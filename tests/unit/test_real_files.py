@@ -79,6 +79,7 @@ def test_a_date_and_time_are_a_clock(tmp_path):
         "time,S1,S2\ns,MPa,um/m\nclock,left bracket,right bracket\n",
         "time,S1,S2\nclock,left bracket,right bracket\ns,MPa,um/m\n",
         "logger 7\n\ntime,S1,S2\n[s],[MPa],[um/m]\nCH0,CH1,CH2\n",
+        "run of the 5th,,\ntime,S1,S2\ns,MPa,um/m\n",
     ],
 )
 def test_names_units_and_descriptions(tmp_path, head):

@@ -19,6 +19,7 @@ from cardan.fatigue.response import GUILTY
 from cardan.report.contract_schema import schema
 from cardan.study import campaign as module
 from cardan.study.campaign import Campaign
+from cardan.study.recording import RecordingStudy
 
 RATE = 200.0
 
@@ -122,7 +123,7 @@ def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     (gauge,), (true,) = found["gauges"], sound["gauges"]
     assert gauge["removed"] == pytest.approx(true["removed"], abs=0.05)
     assert true["finding"] == GUILTY
-    assert gauge["strength"] == pytest.approx(true["strength"], rel=0.5)
+    assert gauge["strength"] > 0.5 * true["strength"]
     # As a speed it loses the angle behind it: nearly nothing is locked any more.
     other = of["gauges_otherwise"]["S1"]
     assert other["strength"] < 0.1 * true["strength"]
@@ -165,3 +166,23 @@ def test_a_day_is_met_less_often_and_comes_to_the_same(monkeypatch):
     # Straight lines over 40 ms of 5 turns/s at 0.1 Hz: (0.2π)² 5 (0.04)²/12 = 2.6e-4 turns/s.
     np.testing.assert_allclose(less.at(at), whole.at(at), atol=1e-3)
     np.testing.assert_allclose(less.speed(at), whole.speed(at), atol=5e-3)
+
+
+@pytest.mark.parametrize("where", ["first", "last"])
+@pytest.mark.parametrize("of", ["speed", "S1"])
+def test_what_says_nothing_at_its_ends_costs_no_cause(of, where):
+    """A bus that wakes up late, a logger that is switched off: the rest is as good as ever."""
+    case = made(5, guilt=1.5, road=3.0, fault="none", kind="mixed", modes=[], contact=False)
+    rows = {"S1": case.stress, "speed": 60 * case.speed, "torque": case.torque}
+    spoiled = rows[of] = rows[of].copy()
+    seconds = slice(None, int(1.5 * case.rate))
+    (spoiled if where == "first" else spoiled[::-1])[seconds] = -9999 if of == "S1" else 8191.875
+    recording = in_memory(
+        np.stack(list(rows.values())), rate=case.rate, names=rows, units=["MPa", "rpm", "Nm"]
+    )
+    campaign = Campaign(
+        sn="30,2e6,5", gauges=("S1",), speed="speed", torque="torque", mask=("sentinel",)
+    )
+    (found,) = RecordingStudy(campaign).run(recording).answer.causes.evidence
+    assert found.finding == GUILTY
+    assert found.interval[0] > 0.8

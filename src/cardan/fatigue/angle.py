@@ -4,11 +4,12 @@ A phase is only as good as the angle behind it, and a speed on a bus comes late,
 with holes, and off by the tyre that somebody typed in. What can be known of it is mended
 here: holes and sudden zeros are unknown and not standing still; of a staircase the values at
 its steps count; and where an engine's speed runs along, gear by gear a fixed ratio apart, it
-turns the shaft finer than the shaft's own channel. What is left, one ratio and one lag for
-the whole recording, the stress itself tells (`response`).
+turns the shaft through holes, and finer than a staircase does. Where neither tells, the angle
+is lost: it goes on afterwards from a zero that nobody knows. What is left, one ratio, one lag
+and these zeros, the stress itself tells (`response`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,8 +22,12 @@ STAIR = 0.06
 """Seconds between new values from which a channel is a staircase."""
 COARSE = 0.25
 """Seconds between new values that leave the angle between them open."""
-ENGAGED = 0.9
-"""Share of the time under way in gear from which an engine gives the angle."""
+KEPT = 0.7
+"""Share of the time under way in which the angle must be known."""
+LASTS = 6.0
+"""Seconds that it must be known for, from one loss to the next, in the mean of that time."""
+SLIPS = 0.15
+"""Seconds without a speed in which an angle is lost."""
 SHY = 0.8
 """Share of the first number that is no speed from which a real one may have come to it."""
 RAMP = 0.45
@@ -45,11 +50,29 @@ class Angle:
         How late it may be, to either side.
     trusted
         Whether a phase of twice this angle means anything.
+    lost : (k, 2) s
+        From when to when nobody knows how far it turned: afterwards its zero is another.
     """
 
     rotation: Rotation
     lag: float = 0.15
     trusted: bool = True
+    lost: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+
+    def stretches(self, time: FloatArray) -> IntArray:
+        """Return which stretch of one zero times (n,) s lie in, from 0 on."""
+        return np.searchsorted(self.lost.mean(-1), time)
+
+    def within(self, first: float, last: float) -> "Angle":
+        """Return the angle with what it loses between two times, s."""
+        near = (self.lost[:, 1] > first) & (self.lost[:, 0] < last)
+        return replace(self, lost=self.lost[near])
+
+    def losing(self, time: FloatArray) -> BoolArray:
+        """Return whether it is lost at times (n,) s."""
+        before = np.searchsorted(self.lost[:, 0], time, "right")
+        after = np.searchsorted(self.lost[:, 1], time, "right")
+        return before > after
 
 
 @dataclass(frozen=True)
@@ -186,22 +209,42 @@ def shaft_angle(
     time = np.arange(0.0, speed.size / rate + step, step)
     turning = own.at(time)
     stair = own.period >= STAIR
-    holes = float(np.mean(~own.known))
-    trusted = own.period < COARSE and holes < 0.005
+    dark = ~own.known[np.clip((time * rate).astype(np.intp), 0, own.known.size - 1)]
+    lost = dark | (own.period >= COARSE)
     motor = None
-    if engine is not None and (stair or holes > 0):
+    if engine is not None and (stair or dark.any()):
         try:
             motor = readings(engine, rate=rate)
         except DesignError:
             motor = None
-    if motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005:
+    geared_by = motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005
+    if motor is not None and geared_by:
         late = _lag(own, motor, time) if stair else 0.0
         geared, engaged = _geared(own.at(time + late), motor.at(time))
-        turning = np.where(engaged, geared, own.at(time + late))
-        moving = turning > 1
-        share = float(np.mean(engaged[moving])) if moving.any() else 0.0
-        return Angle(_turned(time, turning), lag=0.15, trusted=share > ENGAGED)
-    return Angle(_turned(time, turning), lag=1.0 if stair else 0.15, trusted=trusted)
+        turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
+        lost = (dark | stair) & ~engaged
+    moving = turning > 1
+    short = max(round(SLIPS / step), 1)
+    runs = np.asarray(_runs(lost & moving, least=short) * step, float)
+    gone = float((runs[:, 1] - runs[:, 0]).sum())
+    whole = max(float(np.count_nonzero(moving)) * step, step)
+    kept = (whole - gone) / (len(runs) + 1)
+    trusted = not len(runs) or (gone < (1 - KEPT) * whole and kept > min(LASTS, 0.3 * whole))
+    return Angle(
+        _turned(time, turning), lag=1.0 if stair and not geared_by else 0.15, trusted=trusted,
+        lost=runs if trusted else runs[:0],
+    )  # fmt: skip
+
+
+def _runs(of: BoolArray, *, least: int) -> IntArray:
+    """Return runs (k, 2) of what is so for some samples; what parts two by less is none."""
+    edge = np.flatnonzero(np.diff(np.concatenate([[False], of, [False]]).astype(int)))
+    runs = edge.reshape(-1, 2)
+    apart = runs[1:, 0] - runs[:-1, 1] >= least
+    first = runs[:, 0][np.append(True, apart)[: len(runs)]]
+    last = runs[:, 1][np.append(apart, True)[: len(runs)]]
+    long = last - first >= least
+    return np.stack([first[long], last[long]], -1)
 
 
 def _turned(time: FloatArray, speed: FloatArray) -> Rotation:

@@ -48,6 +48,11 @@ SENTINELS = (
 
 CLIPPED_RUN = 4
 """Samples in a row at one level that make a crest look cut off."""
+CUT_OF_THREE = 4.5
+"""Steps of the channel into a level of three samples that make it one cut off.
+
+A parabola's middle stands above them by a third of what they stand above the next.
+"""
 SPIKE_WIDTH = 3
 """Longest spike, samples; what is longer and level is a dropout."""
 DROPOUT_SECONDS = 0.25
@@ -201,14 +206,16 @@ class Finder:
         self._neighbours(edge, offset, size)
         first, last = edge[:-1], edge[1:]
         width = last - first
-        long = (width >= CLIPPED_RUN) & (width < self.reach - 4)
+        long = (width >= 2) & (width < self.reach - 4)
         long &= (first >= self.reach) & (first < self.reach + size)
         first, last = first[long], last[long]
         inside = (first > 1) & (last < x.size - 1)
         first, last = first[inside], last[inside]
         rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
-        for book, sign in ((self.top, 1), (self.bottom, -1)):
+        for book, sign, end in ((self.top, 1, self.high), (self.bottom, -1, -self.low)):
             k = (sign * rise > 0) & (sign * fall > 0)
+            # Of fast crests a cut leaves little that is level: it counts at the very end.
+            k &= (last - first >= CLIPPED_RUN) | (sign * x[first] >= end)
             entry = np.minimum(np.abs(rise), np.abs(fall))[k]
             crown = _crowns(sign * x, first[k], last[k])
             book.add(sign * x[first[k]], first[k] + offset, last[k] + offset, entry, crown)
@@ -469,8 +476,11 @@ class _Plateaus:
         rows = self.rows[~_touching(self.rows[:, 1:3].astype(np.intp), taken)]
         for level in np.unique(rows[:, 0])[::-1]:
             there = rows[rows[:, 0] == level]
-            cut = len(there) > 1 or level >= end
-            cut &= bool(np.mean(reached > level) < RARE)
-            if cut and np.median(there[:, 3]) > 1.5 * step:
+            width, entry = there[:, 2] - there[:, 1], there[:, 3]
+            long = width >= CLIPPED_RUN
+            cut = np.count_nonzero(long) > 1 or (level >= end and bool(long.any()))
+            cut &= bool(long.any() and np.median(entry[long]) > 1.5 * step)
+            cut |= level >= end and np.count_nonzero(entry[width == 3] > CUT_OF_THREE * step) > 1
+            if cut and bool(np.mean(reached > level) < RARE):
                 return float(level), there[:, [1, 2, 4]]
         return np.nan, np.empty((0, 3))

@@ -19,7 +19,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.conditioning import bridged
@@ -62,12 +62,23 @@ STANDS_OUT = 0.15
 """Share of the damage by which what is beside the order exceeds what is farther off."""
 COMES = 0.55
 """Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
+STRONG = 0.5
+"""Of the largest torque, from which it is strong."""
+SUDDEN = 0.15
+"""Share of the time up to which a strong torque is a matter of seconds."""
+BLOW = 1.8
+"""Of what half seconds within ten usually reach, from which one holds a blow."""
+LOUD = 2.0
+"""Of its mean power, that order 2 must have where blows come for these to be its own."""
+FEWEST_BLOWS = 4
+"""From which they are more than chance."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 
 UNTRUSTED = said("the speed gives no angle to trust: all that is near order 2 may be theirs")
+UNLOADED = said("no torque tells when the joints pull: all that is near order 2 may be theirs")
 FAINT = said("little is locked to the shaft: the interval is wider by a tenth")
 SLIPPING = said("what is locked does not explain the large cycles: the angle may slip")
 RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
@@ -81,7 +92,28 @@ PASSING = said(
     "may hide them"
 )
 
-DOUBTS = (UNTRUSTED, FAINT, SLIPPING, RATTLING, ALIKE, DOUBLED, HALVED, BESIDE, PASSING)
+BRIEF = said(
+    "what does the damage comes with a torque of a few seconds: too short to tell whose it is"
+)
+
+KNOCKING = said(
+    "blows come where order 2 is loud, as of a stop that it reaches: they may be theirs"
+)
+
+DOUBTS = (
+    UNTRUSTED,
+    UNLOADED,
+    FAINT,
+    SLIPPING,
+    RATTLING,
+    ALIKE,
+    DOUBLED,
+    HALVED,
+    BESIDE,
+    PASSING,
+    BRIEF,
+    KNOCKING,
+)
 """What may widen an interval."""
 
 Damage = Callable[[FloatArray], float]
@@ -175,6 +207,8 @@ class _Aligned:
     frequency: FloatArray
     response: ComplexArray
     weight: FloatArray
+    zeros: FloatArray
+    """Turns by which each stretch of the angle goes on from another zero."""
 
 
 def _aligned(
@@ -182,7 +216,8 @@ def _aligned(
 ) -> list[_Aligned]:
     """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
 
-    The response is one number in each band of twice the speed. For each lag all ratios are
+    The response is one number in each band of twice the speed, and in each stretch between
+    losses of the angle turned by one phase. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
     """
     from scipy.fft import fft, next_fast_len
@@ -205,6 +240,10 @@ def _aligned(
     turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
     band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
     bands, count = int(band.max()) + 1, int(bins.max()) + 1
+    # Each stretch of the angle has bands of its own, which have one phase in common.
+    stretch = angle.stretches(np.asarray(time, float))
+    many = len(angle.lost) + 1
+    band, bands = stretch * bands + band, bands * many
     cell, fast = band * count + bins, f2 > SLOWEST
     prompt = turns[most : most + m]
     size = next_fast_len(3 * count)
@@ -232,6 +271,7 @@ def _aligned(
         grid, weight = grid.reshape(bands, count)[busy], weight[busy]
         heard = np.bincount(slot, minlength=bands)[busy]
         middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
+        which = np.divmod(np.flatnonzero(busy), bands // many)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
         energy = np.zeros(near.size)
         for row, often in zip(grid, weight, strict=True):
@@ -250,10 +290,11 @@ def _aligned(
             lines /= np.sinc(2 * TURNS * fine)
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
             k = int(np.argmax(sharp))
+            zeros, line, power, held = _one_response(lines[:, k], weight, middle, which, many)
             found.append(
                 _Aligned(
-                    1 + float(fine[k]), lag, float(sharp[k]), middle,
-                    lines[:, k] / weight, weight,
+                    1 + float(fine[k]), lag, float((np.abs(line) ** 2 / power).sum()),
+                    held, line / power, power, zeros,
                 )
             )  # fmt: skip
     found.sort(key=lambda one: -one.energy)
@@ -264,6 +305,38 @@ def _aligned(
         if all(abs(one.ratio - k.ratio) > cell for k in kept):
             kept.append(one)
     return kept[:4]
+
+
+def _one_response(
+    lines: ComplexArray, weight: FloatArray, middle: FloatArray,
+    which: tuple[IntArray, IntArray], stretches: int,
+) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]:  # fmt: skip
+    """Turn the stretches of an angle so that their responses, band by band, are most alike.
+
+    Returns the turns of each stretch, and by bands the lines, their weights and frequencies.
+    """
+    stretch, band = which
+    kinds, band = np.unique(band, return_inverse=True)
+
+    def by_band(x: np.ndarray) -> np.ndarray:
+        out = np.zeros(kinds.size, x.dtype)
+        np.add.at(out, band, x)
+        return out
+
+    power = by_band(weight)
+    strong = np.zeros(stretches)
+    np.add.at(strong, stretch, np.abs(lines) ** 2 / weight)
+    turned = np.zeros(stretches)
+    # From the strongest on: each next one is turned to those that stand already.
+    standing = np.zeros(stretches, bool)
+    for k in (*np.argsort(-strong), *np.argsort(-strong), *np.argsort(-strong)):
+        held = standing[stretch] & (stretch != k)
+        mine = stretch == k
+        known = by_band(np.where(held, lines * np.exp(-1j * turned[stretch]), 0))
+        turned[k] = np.angle((np.conj(known / power)[band] * lines)[mine].sum())
+        standing[k] = True
+    line = by_band(lines * np.exp(-1j * turned[stretch]))
+    return turned / (4 * np.pi), line, power, by_band(middle * weight) / power
 
 
 def _punctual(option: _Aligned, *, most: float) -> _Aligned:
@@ -318,6 +391,8 @@ class _Scene:
     speed: FloatArray
     torque: FloatArray
     rate: float
+    stretch: IntArray
+    """Of the angle, (n,): each has a zero of its own."""
 
     def inputs(self, order: int) -> list[ComplexArray]:
         """Return forces locked to an order: by torque, and the second by speed squared too."""
@@ -479,6 +554,21 @@ def _explained(
     return c, float((np.conj(c) @ right).real)
 
 
+def _freely(
+    columns: ComplexArray, z: ComplexArray, stretch: IntArray
+) -> tuple[ComplexArray, float]:
+    """Fit as `_fitted`, each stretch (m,) turned by a phase of its own."""
+    c, energy = _fitted(columns, z)
+    if not stretch.any():
+        return c, energy
+    for _ in range(4):
+        met = np.conj(c @ columns) * z
+        along = np.bincount(stretch, met.real) + 1j * np.bincount(stretch, met.imag)
+        z = z * np.exp(-1j * np.angle(along))[stretch]
+        c, energy = _fitted(columns, z)
+    return c, energy
+
+
 def _searched(
     slow: _Slow, z: ComplexArray, *, most: int, within: tuple[float, float]
 ) -> tuple[tuple[float, float], ...]:
@@ -580,7 +670,9 @@ def _line(scene: _Scene, y: FloatArray, order: int, *, most: int) -> _Line:
     y = fit + _limited(y - fit, scene.rate)
     c, _ = _solve(columns, y)
     rest = slow.met(y - (c @ columns).real)
-    seconds = y.size / scene.rate
+    stretch = scene.stretch[: rest.size * slow.every : slow.every]
+    # What stretches of the angle do to a line's width, they do to a phantom's.
+    seconds = y.size / scene.rate / (int(scene.stretch.max()) + 1)
     own = slow.columns(poles)
     # What one of these columns is of those: they are scaled, and not followed, alike.
     scale = np.array(
@@ -589,7 +681,7 @@ def _line(scene: _Scene, y: FloatArray, order: int, *, most: int) -> _Line:
     taken: list[float] = []
     noise: list[ComplexArray] = []
     for k in (*PHANTOMS, *(-p for p in PHANTOMS)):
-        error, floor = _fitted(slow.columns(poles, shift=k / seconds), rest)
+        error, floor = _freely(slow.columns(poles, shift=k / seconds), rest, stretch)
         taken.append(floor * slow.every / 2)
         noise.append(error / scale)
     strength = max(_foretold(columns, y, scene.rate), 0.0) / max(float(np.mean(taken)), 1e-30)
@@ -695,7 +787,11 @@ def identified(
     if load is None or not np.abs(load).max() > 0:
         load = np.where(angle.rotation.speed(time) > 0.5, 1.0, 0.0)
     load = load / max(float(np.sqrt(np.mean(load**2))), 1e-300)
+    angle = angle.within(start, start + x.size / fine)
     y = _levelled(x, fine)
+    # What swings with the torque itself is load, whoever turns.
+    pull = _levelled(load, fine)
+    swinging = pull * float(pull @ y) / max(float(pull @ pull), 1e-300) if torque is not None else 0
     whole = damage(stress)
     options = _aligned(_limited(y, fine), load, angle, fine, start) if whole > 0 else []
     if not options:
@@ -704,13 +800,20 @@ def identified(
 
     def scene(option: _Aligned, of: Angle = angle) -> _Scene:
         shifted = time - option.lag
+        stretch = of.stretches(shifted)
         return _Scene(
-            option.ratio * of.rotation.at(shifted), option.ratio * of.rotation.speed(shifted),
-            load, fine,
+            option.ratio * of.rotation.at(shifted) + option.zeros[stretch],
+            option.ratio * of.rotation.speed(shifted), load, fine, stretch,
         )  # fmt: skip
 
     def removed(wave: FloatArray) -> float:
         return 1 - damage(stress - _back(wave, every, filled.size)) / whole
+
+    losing = angle.losing(time)
+
+    def besides(wave: FloatArray) -> FloatArray:
+        """Return a wave, and all that is near order 2 where the angle is lost."""
+        return np.where(losing, _near(x, best, fine, span=RIDES), wave)
 
     def spread(wave: ComplexArray) -> FloatArray:
         """Amplitude (n,) of a thinned wave at all samples."""
@@ -738,6 +841,31 @@ def identified(
                     doubts.append(doubt)
         return high
 
+    thin = damage(x)
+
+    def among(wave: FloatArray) -> float:
+        """Share removed among the thinned samples: how waves differ shows there as well."""
+        return 1 - damage(x - wave) / thin if thin > 0 else removed(wave)
+
+    def beside(known: FloatArray) -> tuple[float, float]:
+        """Return what goes with all that is close to order 2, and how much less farther off."""
+        rest = x - known
+        close, *off = (
+            among(known + _near(rest, best, fine, span=RIDES, beside=b))
+            for b in (0.0, *ALOOF, *(-k for k in ALOOF))
+        )
+        return close, close - max(off)
+
+    def sudden(rest: FloatArray, high: float) -> float:
+        """Return what may be theirs if it comes with a torque that lasts for seconds only."""
+        strong = _strong(load, fine)
+        if 0 < strong.mean() < SUDDEN:
+            share = removed(np.where(strong, _levelled(rest, fine) - swinging, 0.0) + (x - rest))
+            if share > ACQUITTED:
+                high = max(high, share + 0.05)
+                doubts.append(BRIEF)
+        return high
+
     def passing(rest: FloatArray, high: float) -> float:
         """Return what may be theirs if it comes and goes with order 2 and is not locked to it."""
         if _coming(rest, best, fine) > COMES:
@@ -752,19 +880,20 @@ def identified(
             c, _ = _solve(columns := _columns(other, 2, ()), y)
             reach.append(removed((c @ columns).real))
         high = 1.3 * max(*reach, 0.0) + 0.03
-        if not angle.trusted:
+        if not angle.trusted or torque is None:
+            # Who knows no torque does not know where the joints' force turns its sign.
             spans = [removed(_near(x, best, fine, span=span)) for span in (0.5, RIDES)]
             high = max(high, *spans) + 0.05
-            doubts.append(UNTRUSTED)
+            doubts.append(UNTRUSTED if not angle.trusted else UNLOADED)
         else:
-            close = removed(_near(x, best, fine, span=RIDES))
-            off = [
-                removed(_near(x, best, fine, span=RIDES, beside=b)) for k in ALOOF for b in (k, -k)
-            ]
-            if close > max(off) + STANDS_OUT:
+            close, more = beside(np.zeros_like(x))
+            if more > STANDS_OUT:
                 high = max(high, close + 0.05)
                 doubts.append(BESIDE)
+        if losing.any():
+            high = max(high, removed(besides(line.wave.real)) + 0.05)
         high = elsewhere(high)
+        high = sudden(x, high)
         if angle.trusted and high <= ACQUITTED:
             high = passing(x, high)
         high = float(min(high, 1.0))
@@ -806,16 +935,21 @@ def identified(
     mean = wave()
     middle = removed(mean)
     # How far draws lie from it shows among the thinned samples as well as among all.
-    thin = damage(x)
-    if thin > 0:
-        among = [1 - damage(x - w) / thin for w in (mean, *(wave(draw=True) for _ in range(DRAWS)))]
-        drawn = middle + np.array(among[1:]) - among[0]
-    else:
-        drawn = np.array([removed(wave(draw=True)) for _ in range(DRAWS)])
+    own = among(mean)
+    drawn = middle - own + np.array([among(wave(draw=True)) for _ in range(DRAWS)])
     low, high = np.quantile(drawn, [0.05, 0.95])
     # What the model leaves out of a bracket: most where half of the damage is at stake.
     margin = 0.03 + 0.1 * max(middle * (1 - middle), 0.0)
     low, high = min(low, middle) - margin, max(high, middle) + margin
+    # What it leaves close to the order, over what it leaves elsewhere, may be theirs as well.
+    close, more = beside(mean)
+    if more > 0:
+        high += min(more, max(close - own, 0.0))
+        if more > STANDS_OUT:
+            doubts.append(BESIDE)
+    if torque is None:
+        high = max(high, close)
+        doubts.append(UNLOADED)
     if line.strength < CLEAR:
         low, high = low - 0.1, high + 0.1
         if middle > 0.3:  # an angle that slips loses some of what is theirs
@@ -824,6 +958,12 @@ def identified(
     if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
         high = max(high, removed(_near(x, best, fine)), 0.05)
         doubts.append(SLIPPING)
+    if losing.any():
+        high = max(high, removed(besides(mean)))
+    knocks = _knocking(x - mean, line.wave, fine)
+    if knocks.any():
+        high = max(high, removed(np.where(knocks, y, mean)) + 0.05)
+        doubts.append(KNOCKING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
         doubts.append(RATTLING)
@@ -837,6 +977,7 @@ def identified(
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
             doubts.append(ALIKE)
+    high = sudden(x - mean, high)
     if high <= ACQUITTED:
         high = elsewhere(high)
         if angle.trusted and high <= ACQUITTED:
@@ -850,6 +991,35 @@ def identified(
     one, middles, gain, _ = waves[0]
     slow = np.interp(since, middles, gain.real) + 1j * np.interp(since, middles, gain.imag)
     return Identified(found, _back(mean, every, filled.size), spread(slow * one.wave))
+
+
+def _knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
+    """Return the half seconds (n,) of blows, if they come where a wave is loud; else none.
+
+    A stop that the bracket reaches when order 2 swings it knocks of everything that swings
+    then, and no line explains a knock; a pothole does not wait for order 2.
+    """
+    from scipy.ndimage import median_filter
+
+    n = max(round(0.5 * rate), 1)
+    m = rest.size // n
+    found = np.zeros(rest.size, bool)
+    if m < 2 * FEWEST_BLOWS:
+        return found
+    crest = np.abs(_levelled(rest, rate)[: m * n]).reshape(m, n).max(-1)
+    loud = (np.abs(wave[: m * n]) ** 2).reshape(m, n).mean(-1)
+    blow = crest > BLOW * median_filter(crest, size=41)
+    if np.count_nonzero(blow) >= FEWEST_BLOWS and loud[blow].mean() > LOUD * loud.mean():
+        found[: m * n] = np.repeat(blow, n)
+    return found
+
+
+def _strong(load: FloatArray, rate: float) -> BoolArray:
+    """Return when a torque (n,) is near its largest, with half a second to either side."""
+    from scipy.ndimage import maximum_filter1d
+
+    size = maximum_filter1d(np.abs(load), max(round(rate), 1), mode="nearest")
+    return size > STRONG * size.max()
 
 
 def _apart(

@@ -217,8 +217,8 @@ _UNITS = {
 def _header(before: list[str], delimiter: str, width: int) -> tuple[tuple[Channel, ...], bool]:
     """Names and units from the lines above the numbers, and whether they were found.
 
-    Names stand first; which of the lines below holds units is seen by what it says, others
-    (descriptions, channel numbers, dates) are nobody's.
+    Names stand first, below a title perhaps; which of the lines below holds units is seen by
+    what it says, others (descriptions, channel numbers, dates) are nobody's.
     """
     rows = [_fields(line.lstrip("#% "), delimiter) for line in before if line.strip()]
     own: list[list[str]] = []
@@ -230,6 +230,10 @@ def _header(before: list[str], delimiter: str, width: int) -> tuple[tuple[Channe
         own = [r for r in rows[-2:] if len(r) == width]
     if not own:
         return tuple(Channel(f"column {k + 1}") for k in range(width)), False
+
+    # A title over the first column names none of the others.
+    while len(own) > 1 and 2 * sum(map(bool, own[0])) <= min(width, sum(map(bool, own[1]))):
+        own.pop(0)
 
     def like_units(row: list[str]) -> float:
         said = [f.strip().strip("[]()").lower() for f in row]

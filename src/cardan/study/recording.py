@@ -33,6 +33,7 @@ from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
+from cardan.model.application import Application
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, numbers
 from cardan.study.finding import Finding, Tell, silent
@@ -370,9 +371,12 @@ class Mix:
 def listen_to_all(
     path: Path, *, limits: Sequence[Limit] = (), allow_outside: bool = False, tell: Tell = silent,
     draw: bool = False, identified: bool = False, changed: bool = False,
+    checked: Application | None = None,
 ) -> Finding[Mix]:  # fmt: skip
     """Ask every recording of a campaign's file, and hold the mix against its limits and others.
 
+    `checked` is the application whose verdict they will be part of: the campaign's own, if it names
+    one.
     `identified` where what is wanted follows from the identification of its only recording, and
     `changed` where it is of the changed line: refused before anything is read if there is none.
 
@@ -383,6 +387,8 @@ def listen_to_all(
     """
     written = campaigned(path, allow_outside=allow_outside)
     asked = Campaign(**written.options)
+    if asked.application is not None and checked is not None:
+        _same_design(asked.application, checked)
     count = sum(len(drive.segments or (None,)) for drive in written.drives)
     if (identified or changed) and not (count == 1 and asked.identify):
         msg = (
@@ -437,6 +443,24 @@ def listen_to_all(
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _same_design(driven: Application, checked: Application) -> None:
+    """Refuse recordings of one design in the verdict of another: its gauges never felt that."""
+    if driven.written is None or checked.written is None:
+        return
+    was, now = driven.written.numbers, checked.written.numbers
+    both = was.keys() & now.keys()
+    other = [k for k in {**was, **now} if k not in both or not np.array_equal(was[k], now[k])]
+    if other:
+        first = other[0]
+        msg = (
+            f"the recordings are of {driven.written.name}, where {first} is "
+            f"{was.get(first, 'not given')}; in {checked.written.name}, which is checked, it is "
+            f"{now.get(first, 'not given')}: check the one that was driven, or name in "
+            "`application` the one that was"
+        )
+        raise DesignError(msg)
 
 
 def _mixed_otherwise(

@@ -112,7 +112,7 @@ class CampaignStudy:
         try:
             found = listen_to_all(
                 self.campaign, limits=limits_of(RECORDING, application),
-                allow_outside=self.allow_outside, tell=tell, draw=self.draw,
+                allow_outside=self.allow_outside, tell=tell, draw=self.draw, checked=application,
             )  # fmt: skip
         except DesignError as error:  # the application is not at fault
             msg = f"{self.campaign.name}: {error}"
