@@ -12,6 +12,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
+from cardan.bracket.afar import too_high
 from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
@@ -90,6 +91,8 @@ class Held:
     frequencies, carried : Hz
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
+    too_high : (k,) 1
+        Share by which the natural frequencies by itself may be above those of finer elements.
     influence : (gauges, 9)
         Strain of each gauge.
     swing : Swing
@@ -103,6 +106,7 @@ class Held:
     reactions: FloatArray
     frequencies: FloatArray
     carried: FloatArray
+    too_high: FloatArray
     influence: FloatArray
     swing: Swing
 
@@ -294,6 +298,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
+        too_high=too_high(found.elastic, alone, shapes),
         influence=read[:, : len(UNITS)],
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :]),
     )  # fmt: skip
