@@ -23,7 +23,7 @@ from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
-from cardan.model.seat import Seat
+from cardan.model.seat import LOSS, Seat
 
 MODES = 6
 OWN = 3
@@ -53,6 +53,7 @@ class Task:
     gauges: tuple[Gauge, ...] = ()
     carried_mass: float = 0.0
     rubber: Vector | None = None
+    loss: float = LOSS
     levels: int = LEVELS
     """Meshes at most."""
 
@@ -300,7 +301,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
         reactions=units.reactions, frequencies=alone, carried=carried,
         too_high=too_high(found.elastic, alone, shapes),
         influence=read[:, : len(UNITS)],
-        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :]),
+        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip
 
 
@@ -310,6 +311,8 @@ def _swing(
     frequencies: FloatArray,
     shapes: FloatArray,
     read: FloatArray,
+    *,
+    loss: float,
 ) -> Swing:
     """Return how a bracket swings in modes (k,) Hz, (k, unknowns), which gauges read (g, k)."""
     body = found.elastic
@@ -317,7 +320,7 @@ def _swing(
         (2 * np.pi * f) ** 2 * body.inert(u) for f, u in zip(frequencies, shapes, strict=True)
     ])  # fmt: skip
     return Swing(
-        seat=units.seat(frequencies, shapes),
+        seat=units.seat(frequencies, shapes, loss=loss),
         unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
         reactions=units.borne(shapes, inert),
         influence=read,
