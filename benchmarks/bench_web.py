@@ -211,6 +211,8 @@ def main() -> None:
                 theirs.get(f"http://127.0.0.1:{quiet.getsockname()[1]}/")
                 until(theirs, "up()")
                 for _ in range(ROUNDS):
+                    ours.execute_script("document.querySelector('[data-view=line]').click()")
+                    until(ours, "document.querySelector('[data-handle]')")
                     for name, kind, every, _target in ROWS:
                         empty = theirs.execute_async_script(EMPTY, MOVES, every)
                         took.setdefault(f"{name}/echo", []).extend(empty)

@@ -37,7 +37,7 @@ def test_no_speed_has_more_torque_than_the_corners_beside_it(name, share):
     of = application(name)
     for installed in of.lines:
         found = curves(demand(resolve(of, installed)))
-        corners = found.corners()
+        corners = found.corners
         at_corners = found.torque_at(corners)
         np.testing.assert_array_equal(np.isnan(at_corners), np.isnan(corners))
         spread = np.array(share).reshape(-1, *(1,) * found.fastest.ndim)

@@ -93,7 +93,7 @@ def test_the_tyres_hold_no_more():
     assert torque(of, "drive", "2", 0, "empty") == pytest.approx(slip, rel=1e-12)
     meets = 2200 + 300 * (full[0] - slip) / (full[0] - full[1])
     found = curves(of)
-    corners = found.corners()[:, curve(found, "drive", "2"), of.states.index("empty")]
+    corners = found.corners[:, curve(found, "drive", "2"), of.states.index("empty")]
     expected = np.array([0, meets, 2500]) / 5.3 * rpm
     np.testing.assert_allclose(corners[~np.isnan(corners)], expected, rtol=1e-12)
 
@@ -201,7 +201,7 @@ def test_a_hanging_axle_turns_as_slowly_as_its_state_says():
     of = asked(files.read(ROOT / "examples" / "refuse-collector-6x2.yaml"))
     found, s = curves(of), of.states.index("full rebound")
     assert np.nanmax(found.fastest[:, s]) == pytest.approx(600 * rpm, rel=1e-14)
-    assert np.nanmax(found.corners()[:, :, s]) == pytest.approx(600 * rpm, rel=1e-14)
+    assert np.nanmax(found.corners[:, :, s]) == pytest.approx(600 * rpm, rel=1e-14)
 
 
 def test_the_torque_of_an_application_replaces_its_gears():
@@ -218,15 +218,15 @@ def test_without_an_engine_torque_and_speed_are_the_curve():
     of = asked(small)
     found = curves(of)
     assert (found.gears, found.directions) == (("",), ("drive",))
-    np.testing.assert_allclose(found.corners()[:, 0, 0] / rpm, [0, 2500], rtol=1e-14)
+    np.testing.assert_allclose(found.corners[:, 0, 0] / rpm, [0, 2500], rtol=1e-14)
     assert torque(of, "drive", "", 1000 * rpm, of.states[0]) == 8000
     back = asked(replace(small, coast_torque=900.0))
     assert torque(back, "coast", "", 2500 * rpm, back.states[0]) == -900
     still = curves(asked(replace(small, speed=None)))
-    np.testing.assert_array_equal(still.corners(), [[[0]]])  # nobody knows how fast
+    np.testing.assert_array_equal(still.corners, [[[0]]])  # nobody knows how fast
     nothing = curves(asked(replace(small, torque=None)))
     assert nothing.gears == ()
-    assert nothing.corners().shape[1:] == (0, 1)
+    assert nothing.corners.shape[1:] == (0, 1)
 
 
 # --------------------------------------------------------------------------- geometry
@@ -322,10 +322,10 @@ def test_a_joint_that_locks_is_refused_with_its_point():
 def test_points_in_a_row_are_those_that_are():
     of = asked()
     found = curves(of)
-    curve_, speed = found.points(found.corners())
+    curve_, speed = found.points(found.corners)
     assert speed.shape == (curve_.size, len(of.states))
     assert not np.isnan(speed).all(axis=1).any()
-    assert np.sum(~np.isnan(speed)) == np.sum(~np.isnan(found.corners()))
+    assert np.sum(~np.isnan(speed)) == np.sum(~np.isnan(found.corners))
     at_all = demand_at(of, found, curve=curve_, speed=speed)
     np.testing.assert_array_equal(np.isnan(at_all.torque), np.isnan(speed))
     each = [found.directions[c] for c in curve_]

@@ -13,7 +13,8 @@ from workbench import PATIENCE, page, running
 
 from cardan import files
 from cardan.base.verdict import VERDICTS, worst
-from cardan.report.language import Language
+from cardan.report.language import EN, Language
+from cardan.report.wording import scattered, survives
 from cardan.study.approval import approve, assess
 from cardan.web.answer import answer
 from cardan.web.changes import AT_ONCE
@@ -248,6 +249,9 @@ def test_corrections_are_those_of_the_command_and_their_edits_make_them():
     assert [p["margin"] for p in told["proposals"]] == pytest.approx(
         [p.margin for p in found], rel=1e-5
     )
+    assert told["scatter"] == scattered(found[0].trucks, EN)
+    assert [p["survives"] for p in told["proposals"]] == [survives(p.survival, EN) for p in found]
+    assert any(p["survives"] for p in told["proposals"])
     for p in told["proposals"]:
         assert approve(files.loads(live(CHAIN, p["edits"])["text"])).verdict == p["verdict"]
 

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -53,6 +53,15 @@ def stacked(values: Iterable[ArrayLike]) -> FloatArray:
     for k, column in enumerate(columns):
         found[..., k] = column
     return found
+
+
+@lru_cache(1024)
+def steps(shape: tuple[int, ...]) -> tuple[IntArray, ...]:
+    """Return for each axis of a shape the index that steps along it, beside the others.
+
+    `values[(which, *steps(which.shape))]` are, of `values` (P, ...), those at `which` (...).
+    """
+    return tuple(np.arange(n).reshape(n, *(1,) * (len(shape) - k)) for k, n in enumerate(shape, 1))
 
 
 def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Frozen dataclasses whose methods are made when they are first asked for.
+"""Dataclasses, frozen or not, whose methods are made when they are first asked for.
 
 The standard library compiles six methods for each class while a program starts, most of which
 no run ever calls: a quarter of the time of a whole check. Here a class costs the list of its
@@ -10,6 +10,8 @@ prints is written once for all. In everything else such a class is one of the st
 import dataclasses
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError
+from functools import cache
+from operator import attrgetter
 from reprlib import recursive_repr
 from typing import Any, TypeVar, dataclass_transform, overload
 
@@ -35,12 +37,10 @@ def dataclass(
 ) -> Any:
     """Make a class a dataclass as `dataclasses.dataclass` does, with the same arguments.
 
-    What is not frozen is left to the library. Either kind inherits from the other.
+    Either kind inherits from the other.
     """
 
     def made(cls: Any) -> Any:
-        if not frozen:
-            return dataclasses.dataclass(slots=slots, kw_only=kw_only, eq=eq, repr=repr)(cls)
         own = vars(cls).copy()
         of = [getattr(base, "__dataclass_params__", None) for base in cls.__mro__[1:]]
         # The library has frozen classes inherit from frozen ones alone.
@@ -52,14 +52,15 @@ def dataclass(
             kw_only=kw_only,
             frozen=any(p.frozen for p in of if p),
         )(cls)
-        bare.__dataclass_params__.frozen = True
+        bare.__dataclass_params__.frozen = frozen
         methods: dict[str, Any] = {"__init__": _first(bare)}
-        methods |= {"__setattr__": _unset, "__delattr__": _kept}
+        if frozen:
+            methods |= {"__setattr__": _unset, "__delattr__": _kept}
         if repr:
             methods["__repr__"] = _repr
         if eq:
-            methods |= {"__eq__": _equal, "__hash__": _hash}
-        if slots:
+            methods |= {"__eq__": _equal, "__hash__": _hash if frozen else None}
+        if slots and frozen:
             methods |= {"__getstate__": _state, "__setstate__": _restored}
         for name, method in methods.items():
             if own.get(name) is None:
@@ -82,6 +83,7 @@ def _first(cls: Any) -> Callable[..., None]:
 def _init(cls: Any) -> Callable[..., None]:
     """Compile the `__init__` of a class from its fields."""
     known: dict[str, Any] = {"_set": object.__setattr__, "_none": object()}
+    kept = "_set(self, {!r}, {})" if cls.__dataclass_params__.frozen else "self.{} = {}"
     plain, named, body = [], [], []
     for f in dataclasses.fields(cls):
         value = f.name
@@ -101,7 +103,7 @@ def _init(cls: Any) -> Callable[..., None]:
             value = f"_of_{f.name}"
         else:
             continue
-        body.append(f"_set(self, {f.name!r}, {value})")
+        body.append(kept.format(f.name, value))
     if hasattr(cls, "__post_init__"):
         body.append("self.__post_init__()")
     arguments = ", ".join(["self", *plain, *(["*", *named] if named else [])])
@@ -110,18 +112,22 @@ def _init(cls: Any) -> Callable[..., None]:
     return known["__init__"]
 
 
-def _compared(self: Any) -> tuple[Any, ...]:
-    return tuple([getattr(self, f.name) for f in dataclasses.fields(self) if f.compare])
+@cache
+def _compared(cls: Any) -> Callable[[Any], Any]:
+    """Return what gives the fields of an object by which it is compared."""
+    names = [f.name for f in dataclasses.fields(cls) if f.compare]
+    return attrgetter(*names) if names else lambda _: ()
 
 
 def _equal(self: Any, other: Any) -> Any:
     if other.__class__ is not self.__class__:
         return NotImplemented
-    return _compared(self) == _compared(other)
+    values = _compared(self.__class__)
+    return values(self) == values(other)
 
 
 def _hash(self: Any) -> int:
-    return hash(_compared(self))
+    return hash(_compared(self.__class__)(self))
 
 
 @recursive_repr()

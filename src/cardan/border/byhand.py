@@ -11,17 +11,17 @@ from cardan.base.errors import DesignError
 from cardan.base.units import deg
 
 _COUNT = r"(\d+(?:\.\d*)?|\.\d+)"
-_DEGREES = re.compile(
-    rf"([-+\u2212]?)\s*{_COUNT}\s*(?:°|º|deg|degrees?|graus?|gradi)\s*"
-    rf"(?:{_COUNT}\s*(?:'|′|’|min)\s*)?(?:{_COUNT}\s*(?:\"|″|”|''|s|sec))?",
-    re.IGNORECASE,
+# Texts, and compiled where one is asked: most files hold plain numbers alone.
+_DEGREES = (
+    rf"(?i)([-+\u2212]?)\s*{_COUNT}\s*(?:°|º|deg|degrees?|graus?|gradi)\s*"
+    rf"(?:{_COUNT}\s*(?:'|′|’|min)\s*)?(?:{_COUNT}\s*(?:\"|″|”|''|s|sec))?"
 )
-_FRACTION = re.compile(r"([-+\u2212]?)\s*(?:(\d+)[\s-]+)?(\d+)\s*[/\u2044]\s*(\d+)")
+_FRACTION = r"([-+\u2212]?)\s*(?:(\d+)[\s-]+)?(\d+)\s*[/\u2044]\s*(\d+)"
 _VULGAR = "¼½¾⅓⅔⅛⅜⅝⅞"
 _QUARTERS = dict(zip(_VULGAR, ("1/4", "1/2", "3/4", "1/3", "2/3", "1/8", "3/8", "5/8", "7/8"),
                      strict=True))  # fmt: skip
-_MEASURE = re.compile(r"\s*([-+\u2212]?[\d.,\s/⁄¼½¾⅓⅔⅛⅜⅝⅞]*?)\s*([^\d\s.,][^\d]*)?\s*")
-_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+_MEASURE = r"\s*([-+\u2212]?[\d.,\s/⁄¼½¾⅓⅔⅛⅜⅝⅞]*?)\s*([^\d\s.,][^\d]*)?\s*"
+_NUMBER = r"(?a)[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?"
 
 
 def degrees(text: str) -> float | None:
@@ -32,7 +32,7 @@ def degrees(text: str) -> float | None:
     >>> degrees("3°30'"), degrees("-4 deg 30 min"), degrees("4.5deg")
     (3.5, -4.5, None)
     """
-    found = _DEGREES.fullmatch(text.strip())
+    found = re.fullmatch(_DEGREES, text.strip())
     if found is None or (found[3] is None and found[4] is None):
         return None
     whole, minutes, seconds = (float(part or 0) for part in found.groups()[1:])
@@ -52,7 +52,7 @@ def fraction(text: str) -> float | None:
     """
     for sign, said in _QUARTERS.items():
         text = text.replace(sign, f" {said}")
-    found = _FRACTION.fullmatch(text.strip())
+    found = re.fullmatch(_FRACTION, text.strip())
     if found is None or int(found[4]) == 0:
         return None
     size = int(found[2] or 0) + int(found[3]) / int(found[4])
@@ -81,7 +81,7 @@ def measure(text: str, units: Mapping[str, float]) -> float:
     """
     if "deg" in units and (angle := degrees(text)) is not None:
         return angle * deg
-    found = _MEASURE.fullmatch(text)
+    found = re.fullmatch(_MEASURE, text)
     first = next(iter(units))
     example = f"like 4.5{first}" if "deg" in units else f"like 100{first}"
     if found is None or not found[1].strip():
@@ -94,9 +94,9 @@ def measure(text: str, units: Mapping[str, float]) -> float:
         raise DesignError(msg)
     if (number := fraction(said)) is not None:
         return number * units[unit]
-    if not _NUMBER.fullmatch(said):
+    if not re.fullmatch(_NUMBER, said):
         pointed = said.replace(",", ".")
-        advice = f"; write {pointed}{unit}" if _NUMBER.fullmatch(pointed) else ""
+        advice = f"; write {pointed}{unit}" if re.fullmatch(_NUMBER, pointed) else ""
         msg = f"must be a number with its unit, {example} (got {text}){advice}"
         raise DesignError(msg)
     return float(said) * units[unit]

@@ -7,12 +7,13 @@ other readers of YAML take in different ways (010, 2,7, 1 800) is never taken at
 
 import re
 import unicodedata
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from stat import S_ISREG
 from typing import Any, TypeAlias
 
 from cardan.base.errors import BadFile, Problem
+from cardan.base.frozen import dataclass
 from cardan.border import byhand
 
 LONGEST = 2_000_000
@@ -244,7 +245,7 @@ class _Tree:
 
     def _ScalarEvent(self, event: Any) -> None:  # noqa: N802
         mark, plain = event.start_mark, not event.style
-        if found := _HIDDEN_WRITTEN.search(event.value):
+        if found := _hidden(event.value, _HIDDEN_WRITTEN):
             raise _Refused(mark, f"{_called(found[0])} is in this text", _REMOVE)
         scalar = Scalar(event.value, mark.line + 1, mark.column + 1, not plain)
         self._untagged(event)
@@ -365,10 +366,16 @@ _HIDDEN = (
 )
 _JOINED = "(?<![\u2190-\u2bff\U0001f000-\U0001faff\ufe0f])[\u200d\ufe0f]"
 """A joiner or a selector that follows no symbol; behind one it makes a picture of several."""
-_CONTROL = re.compile(f"(?![\u200d\ufe0f])[{_HIDDEN}]|{_JOINED}")
-_HIDDEN_WRITTEN = re.compile(f"(?![\u200d\ufe0f])[{_HIDDEN}\r]|{_JOINED}")
+_CONTROL = f"(?![\u200d\ufe0f])[{_HIDDEN}]|{_JOINED}"
+_HIDDEN_WRITTEN = f"(?![\u200d\ufe0f])[{_HIDDEN}\r]|{_JOINED}"
 """In a text as it is meant: a carriage return, too, hides what stands before it."""
+_ANY_OF_THEM = re.compile(f"[{_HIDDEN}\r]")
+"""A class alone is found quickly: most texts have none."""
 _REMOVE = "it can make a text look like another: remove it"
+
+
+def _hidden(text: str, kinds: str) -> "re.Match[str] | None":
+    return re.search(kinds, text) if _ANY_OF_THEM.search(text) else None
 
 
 def refuse_hidden(text: str, file: str) -> None:
@@ -379,13 +386,13 @@ def refuse_hidden(text: str, file: str) -> None:
     BadFile
         With the line and column of the first one.
     """
-    if found := _CONTROL.search(text):
+    if found := _hidden(text, _CONTROL):
         raise BadFile(file, (_control_character(text, found.start()),))
 
 
 def visible(text: str) -> str:
     """Return a text of somebody else's with a space for every character nobody sees."""
-    return one_line(_HIDDEN_WRITTEN.sub(" ", text)).strip()
+    return one_line(re.sub(_HIDDEN_WRITTEN, " ", text)).strip()
 
 
 def _called(character: str) -> str:

@@ -24,7 +24,7 @@ import re
 import types
 from collections.abc import Callable, Iterable
 from collections.abc import Mapping as Mapped
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache, cached_property
 from importlib import import_module
 from math import pi
@@ -49,6 +49,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike
 from cardan.base.errors import DesignError, Place, Problem, failing
+from cardan.base.frozen import dataclass
 from cardan.base.units import UNITS
 from cardan.base.units import g as G  # noqa: N812  as books have it
 from cardan.border.document import Changed, Mapping, Node, Scalar, Sequence, number, one_line

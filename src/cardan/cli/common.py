@@ -1,8 +1,6 @@
 """What commands share: their options, how files are read, how far a run is, what is printed."""
 
-import json
 import os
-import shutil
 import sys
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
@@ -189,8 +187,14 @@ def screen() -> int:
     """Return how many columns what is printed may take: the terminal's, or what COLUMNS says."""
     from cardan.report.screen import WIDTH
 
-    wide = shutil.get_terminal_size((WIDTH, 24)).columns
-    return max(wide, 60)
+    # As `shutil` does it, whose import costs a check its hundredth part.
+    said = os.environ.get("COLUMNS", "")
+    try:
+        wide = int(said) if said.isdecimal() else 0
+        wide = wide or os.get_terminal_size(sys.__stdout__.fileno()).columns
+    except (AttributeError, ValueError, OSError):  # closed, no file, or no terminal
+        wide = 0
+    return max(wide or WIDTH, 60)
 
 
 def put(text: str, *, nl: bool = True) -> None:
@@ -211,7 +215,13 @@ def put_lines(lines: Iterable[str]) -> None:
 def put_json(document: Any, *, indent: int) -> None:
     """Print a document on standard output, for programs: no letter of it is lost there."""
     knows_all = "utf" in str(getattr(sys.stdout, "encoding", "utf-8")).lower()
-    put(json.dumps(document, indent=indent, ensure_ascii=not knows_all, allow_nan=False))
+    put(_json(document, indent=indent, ensure_ascii=not knows_all))
+
+
+def _json(document: Any, *, indent: int, ensure_ascii: bool) -> str:
+    from json import dumps
+
+    return dumps(document, indent=indent, ensure_ascii=ensure_ascii, allow_nan=False)
 
 
 def note(text: str) -> None:
@@ -248,7 +258,7 @@ def write_json(document: Any, out: str) -> None:
     if out == "-":
         put_json(document, indent=1)
     else:
-        write(Path(out), json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        write(Path(out), _json(document, indent=1, ensure_ascii=False) + "\n")
 
 
 def publish(told: Any, *, say: Any, html: Path | None, pdf: Path | None, quiet: bool) -> None:

@@ -10,11 +10,12 @@ the states last: so the numbers of a line, which come as (V, 1), stand beside al
 
 from collections.abc import Iterator
 from dataclasses import field
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
@@ -72,8 +73,9 @@ class Curves:
     def _all(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         return self.speed, self.torque, self.most, self.fastest
 
+    @cached_property
     def corners(self) -> FloatArray:
-        """Return speeds (Q, C, ..., S) rad/s where a curve starts, bends or ends; rising.
+        """Speeds (Q, C, ..., S) rad/s where a curve starts, bends or ends; rising.
 
         A curve bends where its line does and where it meets what the tyres hold. Between
         neighbours it is straight, so no torque is larger than at its corners. nan fills up.
@@ -146,11 +148,9 @@ def placed(found: Curves, *, curve: ArrayLike, speed: ArrayLike) -> Placed:
         curve.reshape(*curve.shape, *(1,) * (speed.ndim - curve.ndim)), speed.shape
     )
 
-    def picked(values: FloatArray) -> FloatArray:
-        beyond = values.ndim - found.fastest.ndim
-        return np.take_along_axis(values, curve.reshape(*curve.shape, *(1,) * beyond), axis=0)
-
-    torque = _torque(speed, *map(picked, (found.speed, found.torque, found.most, found.fastest)))
+    here = curve, *steps(curve.shape)[1:]
+    each = (found.speed, found.torque, found.most, found.fastest)
+    torque = _torque(speed, *(v[here] for v in each))
     speed = np.where(np.isnan(torque), np.nan, speed)
     return Placed(curves=found, curve=curve, speed=speed, torque=torque)
 
@@ -189,12 +189,8 @@ def _torque(
     x, fastest = np.broadcast_arrays(x, fastest)
     speed, torque = (np.broadcast_to(v, (*x.shape, v.shape[-1])) for v in (speed, torque))
     before = np.sum(speed <= x[..., None], axis=-1) - 1
-    k = np.clip(before, 0, speed.shape[-1] - 2)[..., None]
-
-    def corner(values: FloatArray, k: IntArray) -> FloatArray:
-        return np.take_along_axis(values, k, axis=-1)[..., 0]
-
-    start, end, low, high = (corner(v, k + i) for v in (speed, torque) for i in (0, 1))
+    k, cases = np.clip(before, 0, speed.shape[-1] - 2), steps(x.shape)
+    start, end, low, high = (v[*cases, k + i] for v in (speed, torque) for i in (0, 1))
     wide = end > start
     share = np.where(wide, (x - start) / np.where(wide, end - start, 1.0), 1.0)
     there = low + np.clip(share, 0.0, 1.0) * (high - low)

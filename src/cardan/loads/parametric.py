@@ -61,14 +61,15 @@ def growth(
     speed, torque = (np.asarray(v, dtype=float)[..., None, None] for v in (speed, torque))
     squares, shapes, decay = on.decaying(torque[..., 0, 0])
     one = np.eye(squares.shape[-1])
-    K = squares[..., None] * one + 0j
+    K = squares[..., None] * one
     C = K * 0 + 2 * decay[..., None] * one + speed * (shapes.mT @ on.gyroscopic @ shapes)
     S = K * 0 + torque / 2 * (shapes.mT @ swing @ shapes)
-    W, one, none = K * 0 + 1j * speed * one, K * 0 + one, K * 0
+    W, one, none = K * 0 + speed * one, K * 0 + one, K * 0
+    # Of a real motion B is A conjugate: the real and imaginary parts of A, then of its velocity.
     whole = np.block([
-        [-W, none, one, none],
-        [none, W, none, one],
-        [-K, S, -W - C, none],
-        [np.conj(S), -K, none, W - C],
+        [none, W, one, none],
+        [-W, none, none, one],
+        [S.real - K, S.imag, -C, W],
+        [S.imag, -S.real - K, -W, -C],
     ])  # fmt: skip
     return np.linalg.eigvals(whole).real.max(-1)

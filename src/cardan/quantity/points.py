@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
@@ -85,17 +85,14 @@ class Spots:
 
     def of_parts(self, which: IntArray) -> "Spots":
         """Return which point (..., S, parts) each part has; below 0 none."""
-        here = np.maximum(which, 0)[None]
-
-        def taken(values: Any) -> Any:
-            wide = np.broadcast_to(values[..., None], (len(values), *which.shape))
-            return np.take_along_axis(wide, here, axis=0)[0]
-
+        here = (np.maximum(which, 0), *steps(which.shape)[:-1])
+        cases = len(self.speed), *which.shape[:-1]
+        of = [np.broadcast_to(v, cases)[here] for v in (self.speed, self.torque)]
         return Spots(
             curves=self.curves,
-            curve=taken(self.curve),
-            speed=taken(self.speed),
-            torque=np.where(which < 0, np.nan, taken(self.torque)),
+            curve=np.broadcast_to(self.curve, cases)[here],
+            speed=of[0],
+            torque=np.where(which < 0, np.nan, of[1]),
         )
 
 
@@ -128,18 +125,24 @@ class Spread:
     response: "Response"
 
 
+def curves_of(r: "Response") -> Curves:
+    """Return the torque over speed of a line, in each case (..., S) of whatever varies."""
+    found = curves(r.demand)
+    return _beside_variants(found, _cases(r, found)) if found.gears else found
+
+
 def spread(r: "Response") -> Spread | None:
     """Return a line at the corners of its curves; None where it has none.
 
     Those of most torque each way it is turned, and the highest speed of each gear: between
     them torque and speed go straight.
     """
-    found = curves(r.demand)
+    found = r.curves
     if not found.gears:
         return None
-    cases = _cases(r, found)
     # An axis for variants of what no force shows, a tube's wall: before the states.
-    found = _beside_variants(found, cases if len(cases) > 1 else (1, *cases))
+    if found.fastest.ndim == 2:
+        found = _beside_variants(found, (1, *found.fastest.shape[1:]))
     rows = [row for of in _ways(found) for row in _corners(found, of)]
     every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
     rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
@@ -262,11 +265,9 @@ def worst(r: "Response") -> dict[str, Points]:
     the line alone, and without the shafts' inertia, whose share is small where resonance is;
     what is found has all of it.
     """
-    found = curves(r.demand)
+    found, quick = r.curves, r.quick
     if not found.gears or r.line.joint_count < 3:
         return {}
-    quick = None if r.held is None else r.held.slowest(r.line.swings)
-    found = _beside_variants(found, _cases(r, found))
     curve, speed = _candidates(r, found, quick)
     if quick is None:
         tried = _at(r, found, curve, speed)
@@ -286,11 +287,10 @@ def worst_joints(r: "Response") -> Points | None:
     where it is not on rubber, or has no point. The first joint and the last are those of the
     flanges.
     """
-    found, cut = curves(r.demand), held(r, cut=True)
+    found, cut = r.curves, held(r, cut=True)
     if not found.gears or r.held is None or cut is None or r.line.joint_count < 3:
         return None
-    found = _beside_variants(found, _cases(r, found))
-    curve, speed = _candidates(r, found, r.held.slowest(r.line.swings))
+    curve, speed = _candidates(r, found, r.quick)
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
     carried = at_joints(
         r.lay(asked), r.line, r.phases, held=r.held, cut=cut, **_asked(r, asked, inertia=True)
@@ -318,11 +318,9 @@ def worst_growth(r: "Response") -> Points | None:
     At the corners of its curves, and with most torque where twice the speed meets the sum of
     two modes; None where the line is not on rubber, or has no point.
     """
-    found = curves(r.demand)
-    if not found.gears or r.held is None or r.line.joint_count < 3:
+    found, quick = r.curves, r.quick
+    if not found.gears or quick is None or r.line.joint_count < 3:
         return None
-    quick = r.held.slowest(r.line.swings)
-    found = _beside_variants(found, _cases(r, found))
     rows: list[_Row] = []
     for of in _ways(found):
         rows += [*_corners(found, of), _sums(found, quick, of)]
@@ -410,29 +408,30 @@ def _corners(found: Curves, of: IntArray) -> list[_Row]:
     standing = np.where(np.isnan(found.fastest), -1.0, np.abs(found.torque[..., 0]))
     standing = np.minimum(standing, found.most)
     reach = np.nan_to_num(found.fastest, nan=-1.0)
-    strong, quick = (of[values[of].argmax(axis=0)][None] for values in (standing, reach))
-    bends = np.take_along_axis(found.corners(), strong[None], axis=1)[:, 0]
+    strong, quick = (of[values[of].argmax(axis=0)] for values in (standing, reach))
+    cases = steps(strong.shape)
+    bends = found.corners[:, strong, *cases]
     return [
         (np.broadcast_to(strong, bends.shape), bends),
-        (quick, np.take_along_axis(reach, quick, axis=0)),
+        (quick[None], reach[quick, *cases][None]),
     ]
 
 
 def _gathered(found: Curves, rows: list[_Row]) -> _Row:
     """Return points (P, ..., S) with those that a state has first, in no more rows than needed."""
     curve, speed = (np.concatenate(values) for values in zip(*rows, strict=True))
-    fastest = np.take_along_axis(found.fastest, curve, axis=0)
-    there = (speed >= 0) & (speed <= fastest)
+    cases = steps(speed.shape)[1:]
+    there = (speed >= 0) & (speed <= found.fastest[curve, *cases])
     first = np.argsort(~there, axis=0, kind="stable")[: there.sum(axis=0).max(initial=1)]
-    speed = np.take_along_axis(np.where(there, speed, np.nan), first, axis=0)
-    return np.take_along_axis(curve, first, axis=0), speed
+    return curve[first, *cases], np.where(there, speed, np.nan)[first, *cases]
 
 
 def _with_most(found: Curves, of: IntArray, speed: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return which curves `of` C have most torque at speeds (Q, ..., S), and how much."""
     size = found.of(of).torque_at(speed[:, None])
     strong = np.abs(np.nan_to_num(size)).argmax(axis=1)
-    return of[strong], np.take_along_axis(size, strong[:, None], axis=1)[:, 0]
+    here, *cases = steps(strong.shape)
+    return of[strong], size[here, strong, *cases]
 
 
 def _crossings(found: Curves, quick: Suspended, of: IntArray, *, orders: tuple[int, ...]) -> _Row:
@@ -515,7 +514,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
     sought = ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
     seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
     curve, speed = _rows(*(p for _, p in seeds))
-    fastest = np.take_along_axis(found.fastest, curve, axis=0)
+    fastest = found.fastest[curve, *steps(curve.shape)[1:]]
     wide = drawn.on.loss.min(axis=-1)  # as narrow as the narrowest mode
     low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
     flanks = _rows(*(p for name, p in seeds if name == "dynamic"))
@@ -550,8 +549,7 @@ def swept(r: "Response", speed: FloatArray, *, curves_: Sequence[int] | None = N
 
     On its slowest modes, as they are drawn: points (C, Q, S), of all curves or of some.
     """
-    found = curves(r.demand)
-    quick = None if r.held is None else r.held.slowest(r.line.swings)
+    found, quick = r.curves, r.quick
     of = np.arange(len(found.gears)) if curves_ is None else np.asarray(curves_)
     shape = (len(of), len(speed), *found.fastest.shape[1:])
     curve = np.broadcast_to(of[:, None, None], shape).reshape(-1, *shape[2:])
@@ -672,12 +670,10 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
     """
     value = getattr(p.running, force)
     order = np.argsort(-np.nan_to_num(value, nan=-np.inf), axis=0, kind="stable")
-    at = order[min(rank, len(order) - 1)][None]
+    at = order[min(rank, len(order) - 1)]
+    here = (at, *steps(at.shape))
 
     def taken(values: Any) -> Any:
-        if values.ndim < at.ndim:  # of points, not of their bearings
-            values = np.broadcast_to(values[..., None], (len(values), *at.shape[1:]))
-        of = at.reshape(*at.shape, *(1,) * (values.ndim - at.ndim))
-        return np.take_along_axis(values, of, axis=0)[0]
+        return values[here[: values.ndim]]  # of points, or of their bearings
 
     return _each(taken, p)

@@ -17,6 +17,7 @@ from cardan.base.frozen import dataclass
 from cardan.base.part import Mode
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
+from cardan.demand.points import Curves
 from cardan.demand.states import Demand, each_axle_load
 from cardan.kinematics import constant_velocity, equivalent
 from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
@@ -274,6 +275,16 @@ class Response:
     def held(self) -> Suspended | None:
         """How the line can move on its rubber, in each state; None where it has none."""
         return points.held(self)
+
+    @cached_property
+    def quick(self) -> Suspended | None:
+        """The same on its slowest modes alone, on which what is worst is sought."""
+        return None if self.held is None else self.held.slowest(self.line.swings)
+
+    @cached_property
+    def curves(self) -> Curves:
+        """What torque it can have over its speed, in each case of whatever varies."""
+        return points.curves_of(self)
 
     @cached_property
     def running(self) -> Running:

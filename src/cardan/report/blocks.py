@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from cardan import __version__
 from cardan.base.frozen import dataclass
-from cardan.report.svg import Figure
+
+if TYPE_CHECKING:
+    from cardan.report.svg import Figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +46,7 @@ class Points:
 class Figures:
     """Figures that stand together; wide ones one below the other."""
 
-    figures: tuple[Figure, ...]
+    figures: "tuple[Figure, ...]"
     wide: bool = False
 
 
@@ -107,7 +109,7 @@ class Story:
     version: str = field(default=__version__)
 
 
-def figures(of: Story) -> Iterator[Figure]:
+def figures(of: Story) -> "Iterator[Figure]":
     """Yield every figure of a story, in order."""
     for chapter in of.chapters:
         for block in chapter.blocks:

@@ -7,7 +7,6 @@ catalogue lacks is said in English; the tests, and `make texts`, list it.
 """
 
 import gettext
-import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -54,6 +53,8 @@ def catalogue(code: str) -> Mapping[Key, str]:
 
 def _entries(text: str) -> Iterator[tuple[Key, str]]:
     """Yield what a .po file translates. Its strings are escaped as JSON's are."""
+    from json import loads  # English has no file
+
     for block in text.split("\n\n"):
         parts: dict[str, str] = {}
         name = ""
@@ -62,7 +63,7 @@ def _entries(text: str) -> Iterator[tuple[Key, str]]:
                 continue
             word, quote, rest = line.partition('"')
             name = word.strip() or name
-            parts[name] = parts.get(name, "") + json.loads(quote + rest)
+            parts[name] = parts.get(name, "") + loads(quote + rest)
         if "msgid" in parts:
             key = parts.get("msgctxt", ""), parts["msgid"]
             forms = [text for name, text in parts.items() if name.startswith("msgstr[")]

@@ -5,13 +5,14 @@ a shard draws the same whoever draws it, whenever, and whatever was drawn before
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import prod
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.border.table import nearest
 from cardan.model.movable import meant
 from cardan.model.variants import Spread, Variants

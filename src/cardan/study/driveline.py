@@ -4,7 +4,7 @@ from collections.abc import Container, Iterator
 
 import numpy as np
 
-from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.arrays import BoolArray, FloatArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Mode, Occasion, Part
 from cardan.base.verdict import EQUAL, Check, Limit, Unanswered
@@ -143,8 +143,11 @@ def _worst(
     values, spots = spread
     margin = limit.margin(values, to="normal")
     best = np.where(np.isnan(margin), np.inf, margin).argmin(axis=0)
-    there, left = (np.take_along_axis(v, best[None], axis=0)[0] for v in (values, margin))
+    here = (best, *steps(best.shape))
+    there, left = values[here], margin[here]
     worse = left < limit.margin(own, to="normal") - EQUAL
+    if not worse.any():
+        return own, None
     return np.where(worse, there, own), spots.of_parts(np.where(worse, best, -1))
 
 

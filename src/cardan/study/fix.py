@@ -24,7 +24,7 @@ from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, approve, default_studies
 from cardan.study.driveline import DrivelineStudy, checks_of, unanswered_of
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
-from cardan.study.margins import Bound, margins
+from cardan.study.margins import BOUNDS, Bound, both, margins
 from cardan.study.moves import Move, adjustables, corrected, tried
 from cardan.study.robust import CLASSES, Survival, Trucks
 
@@ -183,6 +183,16 @@ class _Search:
     free: tuple[int, ...]
     changed: BoolArray
     trucks: Trucks | None = None
+    known: dict[Bound, FloatArray] | None = None
+    """The margins of the spread trials, where somebody has asked them."""
+
+    @cached_property
+    def spread(self) -> dict[Bound, FloatArray]:
+        """The margins (V, ...) of trials spread over all ways, to either bound."""
+        if self.known is not None:
+            return self.known
+        found = tried(self.response, self.movable, self.amounts(_spread(len(self.free))))
+        return {bound: values[:, self.changed] for bound, values in both(found).items()}
 
     def reserve(self, position: FloatArray, *, to: Bound) -> FloatArray | None:
         """Return what each margin needs in reserve as trucks scatter; None where none does."""
@@ -238,8 +248,7 @@ class _Search:
 
         And the trial nearest to 0 that keeps every margin in reserve, or that position again.
         """
-        spread = _spread(len(self.free))
-        found = self.margins(spread, to=to).min(-1)
+        spread, found = _spread(len(self.free)), self.spread[to].min(-1)
         start = spread[np.argmax(found)]
 
         def room(z: FloatArray) -> tuple[float, FloatArray]:
@@ -453,9 +462,10 @@ def _trials(
     ways = tuple(k for k, a in enumerate(movable) if not MOVABLES[a.what].choice)
     turnings = list(_turnings(response, movable))
     everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
-    trials = np.concatenate([everything.amounts(_spread(len(ways))), np.stack(turnings)])
-    found = tried(response, movable, trials)
-    every = np.stack([margins(found, to=bound) for bound in ("normal", "maximum")])
+    spread = everything.amounts(_spread(len(ways)))
+    trials = np.concatenate([spread, np.stack(turnings)])
+    asked = both(tried(response, movable, trials))
+    every = np.stack(list(asked.values()))
     low, high = every.min(axis=1), every.max(axis=1)
     hopeless = (high < 0) & (high - low < HOPELESS * -low)
     changed = ((high - low > STILL) & ~hopeless).any(axis=0)
@@ -467,14 +477,17 @@ def _trials(
         yield _trial(response, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
-            search = _Search(response, movable, turns, free, changed, trucks)
+            known: dict[Bound, FloatArray] | None = None
+            if k == 0 and free == ways:
+                known = {b: v[: len(spread), changed] for b, v in asked.items()}
+            search = _Search(response, movable, turns, free, changed, trucks, known)
             for amounts in _corrections(search):
                 yield _trial(response, movable, amounts, changed)
 
 
 def _corrections(search: _Search) -> Iterator[FloatArray]:
     """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
-    for bound in ("normal", "maximum"):
+    for bound in BOUNDS:
         top, margin, near = search.best(to=bound)
         yield search.settable(top, to=bound)
         if margin > RESERVE:

@@ -5,12 +5,13 @@ setting itself.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.frozen import dataclass
 from cardan.base.verdict import EQUAL
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application

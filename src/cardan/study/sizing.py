@@ -8,7 +8,7 @@ is proposed.
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
@@ -26,7 +26,9 @@ from cardan.quantity.response import Response, respond
 from cardan.shaft.life import life_rating
 from cardan.study.approval import Approval, approve
 from cardan.study.driveline import asked, check, checks_of
-from cardan.study.robust import CLASSES, Survival, Trucks
+
+if TYPE_CHECKING:
+    from cardan.study.robust import Survival, Trucks
 
 Kind: TypeAlias = Literal["tube", "joint", "split", "bearing place"]
 
@@ -96,8 +98,8 @@ class Remedy:
     offer: Offer
     answered: tuple[tuple[Check, Check], ...]
     worse: tuple[Check, ...] = ()
-    survival: Survival | None = None
-    trucks: Trucks | None = None
+    survival: "Survival | None" = None
+    trucks: "Trucks | None" = None
     others: "tuple[Remedy, ...]" = ()
 
     def kept(self, application: Application) -> "Remedy":
@@ -105,6 +107,8 @@ class Remedy:
 
         Not told where numbers of the file scatter: they are of the file, which has other parts.
         """
+        from cardan.study.robust import Trucks  # what `cardan check` starts without
+
         trucks = Trucks.of(application, self.offer.line)
         if trucks is None or not trucks.of_moves:
             return self
@@ -171,6 +175,8 @@ def sizing(
     moves least. Of several ways the one goes first that most trucks keep as they scatter, the
     usual one where as many keep it. Yokes are taken to stay as heavy as they are.
     """
+    from cardan.study.robust import CLASSES
+
     names = [i.line.name for i in application.lines]
     if line is not None and line not in names:
         msg = f"there is no line {line}; there are: {', '.join(names)}"

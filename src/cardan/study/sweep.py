@@ -6,7 +6,7 @@ the same margins as one application.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
 from cardan.base.errors import BadFile, DesignError
+from cardan.base.frozen import dataclass
 from cardan.base.verdict import GRADES, VERDICTS, Limit, Verdict
 from cardan.demand.states import demand, resolve
 from cardan.files.change import addresses, change

@@ -16,7 +16,7 @@ from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.report.wording import badness, movable, move
+from cardan.report.wording import badness, movable, move, scattered, survives
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, wilson
@@ -100,6 +100,7 @@ def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     )  # fmt: skip
     return {
         "line": r.line.name,
+        "scatter": scattered(found[0].trucks, say) if found else "",
         "proposals": [_proposal(read, p, say) for p in found],
     }
 
@@ -112,6 +113,7 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
         "margin": g(p.margin),
         "before": g(p.before),
         "moves": [move(m, say) for m in p.moves],
+        "survives": survives(p.survival, say),
         "counts": {grade: sum(c.grade == grade for c in p.checks) for grade in GRADES},
         "left": [other(c, p.approval, say) for c in bad],
         "edits": edits(read, p.line, p.moves),
