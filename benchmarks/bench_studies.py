@@ -1,18 +1,26 @@
-"""A study of the refuse collector's settings: variants a second of a core, and its memory.
+"""A study of the refuse collector's settings: variants a second of a core, and of several.
 
     python benchmarks/bench_studies.py
 
 Every limit in seven states at all operating points, bearings on rubber; and the limits of its
-geometry alone. Seconds are the processor's, so that other work does not count.
+geometry alone. Seconds of a core are the processor's, so that other work does not count; of
+several they are the clock's, one worker and two in turn.
 """
 
+import os
 import resource
 import sys
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
-from time import process_time
+from statistics import median
+from time import perf_counter, process_time, thread_time
 
 from cardan import files
+from cardan.base.arrays import memory_kept, single_threaded
 from cardan.model.variants import Ask
+from cardan.study.shards import Job, study, workers_of
 from cardan.study.sweep import Bench, variants_of
 
 TRUCK = Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml"
@@ -25,7 +33,17 @@ GEOMETRY = (
     "torsional_acceleration", "inertia_coast_acceleration", "inertia_drive_acceleration",
     "joint_angle", "joint_angle_min", "angle_for_speed", "clearance",
 )  # fmt: skip
-COUNT = 512
+SET = {"bearing_height_mm[2]": {"choice": [15]}, "shim_deg": {"choice": [0.5]}}
+COUNT, SHARD, SHARDS, TURNS, MILLION = 512, 256, 8, 3, 1_000_000
+
+
+@contextmanager
+def cluster():
+    """Give the address of a cluster of two on this machine."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as found:
+        yield found.scheduler_address
 
 
 def main() -> None:
@@ -33,15 +51,68 @@ def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
     truck = files.read(TRUCK)
     print("| what | target | measured |\n| --- | --- | --- |")
-    for what, limits in (("every limit", ()), ("limits of its geometry alone", GEOMETRY)):
-        bench = Bench.of(truck, variants_of({}, TOLERANCES, ask=Ask(limits=limits)))
-        bench.rows(0, 64)  # warm
-        begun = process_time()
-        bench.rows(0, count)
-        rate = count / (process_time() - begun)
-        print(f"| variants a second a core, {what} | 10000 | {rate:.0f} |")
+    with single_threaded():
+        for what, limits in (("every limit", ()), ("limits of its geometry alone", GEOMETRY)):
+            bench = Bench.of(truck, variants_of({}, TOLERANCES, ask=Ask(limits=limits)))
+            bench.rows(0, 64)  # warm
+            begun = process_time()
+            bench.rows(0, count)
+            rate = count / (process_time() - begun)
+            print(f"| variants a second a core, {what} | 10000 | {rate:.0f} |", flush=True)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"| memory at its peak, {count} variants | bounded | {peak:.0f} MiB |")
+
+    asked = variants_of(SET, TOLERANCES, ask=Ask(limits=GEOMETRY, foretold=MILLION))
+    begun = perf_counter()
+    found = study(truck, asked, count=2048, workers=2).foretold
+    print(
+        f"| a million draws, geometry, foretold from 2048 asked, 2 threads | 10 s "
+        f"| {perf_counter() - begun:.1f} s: {100 * found.share:.2f} % fit, "
+        f"{100 * found.low:.2f} to {100 * found.high:.2f} |", flush=True,
+    )  # fmt: skip
+
+    asked = variants_of(SET, TOLERANCES, ask=Ask(limits=GEOMETRY))
+    job = Job(application=truck, variants=asked, seed=0, points=None)
+
+    def told(what: str, target: str, pool: Executor) -> None:
+        def of_two() -> tuple[float, float]:
+            """Return the clock's seconds of two at a time, and the processor's of a shard."""
+            begun = perf_counter()
+            each = [pool.submit(cost, job, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
+            spent = [f.result() for f in each]
+            return perf_counter() - begun, sum(spent) / SHARDS
+
+        def of_one() -> tuple[float, float]:
+            begun = perf_counter()
+            spent = [cost(job, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
+            return perf_counter() - begun, sum(spent) / SHARDS
+
+        of_two(), of_one()  # warm: whoever computes has read everything
+        each = [(of_one(), of_two()) for _ in range(TURNS)]
+        clock = median(one[0] / two[0] / 2 for one, two in each)
+        work = median(one[1] / two[1] for one, two in each)
+        print(
+            f"| two {what}: efficiency by the clock; processor time of a shard, alone over there "
+            f"| {target} | {clock:.2f}; {work:.2f} |", flush=True,
+        )  # fmt: skip
+
+    if (os.cpu_count() or 1) < 2:
+        return
+    with ThreadPoolExecutor(2) as threads:
+        told("threads", "-", threads)
+    with workers_of("processes", 2) as pool:
+        told("processes", "0.9", pool)
+    if find_spec("distributed"):
+        with cluster() as address, workers_of(address, 2) as pool:
+            told("workers of a Dask cluster", "0.8", pool)
+
+
+def cost(job: Job, start: int, stop: int) -> float:
+    """Return the processor time of a shard, s, of the thread that asks it."""
+    with single_threaded(), memory_kept():
+        begun = thread_time()
+        job.shard(start, stop)
+        return thread_time() - begun
 
 
 if __name__ == "__main__":

@@ -1437,6 +1437,19 @@ KINDS = (
            "unit/test_joint_kinds_files.py::test_a_check_follows_the_kinds"),
 )  # fmt: skip
 
+FORETOLD = (
+    mutant("study/foretell.py", "share=min(max(share + (missed - praised) / number, 0.0), 1.0),", "share=share,",
+           "what is foretold wrongly is not mended", "unit/test_foretell.py"),
+    mutant("study/foretell.py", "seen.learned(part != k)", "seen.learned(part >= 0)",
+           "it foretells what it has learned by heart", "unit/test_foretell.py"),
+    mutant("study/foretell.py", "first = start + piece * PIECE", "first = piece * PIECE",
+           "those foretold are those that were asked", "unit/test_foretell.py"),
+    mutant("study/foretell.py", "yield x[:, k:] * x[:, k, None]", "yield 0 * x[:, k:] * x[:, k, None]",
+           "planes foretell where parabolas could", "unit/test_foretell.py"),
+    mutant("study/breed.py", "np.where(rows.grades <= MAY, 0.0, 1.0 + short)", "0 * short",
+           "what may not be built breeds as well", "unit/test_breed.py"),
+)  # fmt: skip
+
 SWINGING = (
     mutant("loads/parametric.py", "S = K * 0 + torque / 2 *", "S = K * 0 + torque *",
            "the torque's swing feeds twice", "verify/test_parametric.py"),
@@ -1480,6 +1493,7 @@ SWINGING = (
 
 MUTANTS = (
     *BASE, *BORDER, *MODEL, *KINEMATICS, *DEMAND, *LOADS, *RUBBER, *SWINGING, *SHAFT, *DYNAMICS, *KINDS,
+    *FORETOLD,
     *FATIGUE, *RECORDED, *BRACKET,
     *QUANTITY, *FILES, *STUDY, *REPORT, *CLI, *WEB,
 )  # fmt: skip

@@ -1,15 +1,21 @@
 """The kinematics on another array library: the strictest there is gives NumPy's numbers."""
 
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 
 import array_api_strict as strict
 import numpy as np
 import pytest
 
+from cardan import files
 from cardan.base.arrays import chunked, floats, namespace
+from cardan.demand.states import demand, resolve
 from cardan.kinematics import equivalent, joint
 from cardan.kinematics.chain import joint_angles, turn
-from cardan.model.layout import unit
+from cardan.loads.statics import loads
+from cardan.model.layout import Layout, unit
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 RNG = np.random.default_rng(4)
 BETA, THETA = RNG.uniform(0, 0.6, 6), RNG.uniform(-9, 9, 6)
@@ -105,6 +111,31 @@ def test_chunks():
 
 def turn_phasors(d, phases):
     return turn(d, phases=phases).phasors
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "composite-van", "three-joint-chain"])
+def test_from_where_a_line_runs_to_what_its_bearings_carry(name):
+    """End to end: a truck's layouts in its states and its torques, in NumPy's place."""
+    truck = files.read(EXAMPLES / f"{name}.yaml")
+    asked = demand(resolve(truck, truck.lines[0]))
+    line = truck.lines[0].line
+
+    def carried(points, directions, phases, torque):
+        lies = Layout(points=points, directions=directions)
+        turned = turn(directions, phases=phases, crosses=line.crosses, samples=16)
+        found = loads(lies, turned, line, torque=torque)
+        angles = equivalent.excitation(turned, speed=1.0, inertias=0 * phases + 0.1).torsional
+        bearings, ends = found.bearing_forces, found.joint_forces
+        return (
+            joint_angles(directions), angles.angle, angles.acceleration,
+            bearings.static, bearings.dynamic, ends.static, ends.dynamic,
+        )  # fmt: skip
+
+    given = (
+        asked.layout.points, asked.layout.directions, np.array(line.phases, dtype=float),
+        np.nan_to_num(asked.torque),
+    )  # fmt: skip
+    assert_same(*both(carried, *map(np.ascontiguousarray, given)))
 
 
 def test_numbers_join_the_library_of_the_arrays():

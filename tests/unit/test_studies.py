@@ -12,9 +12,11 @@ from functools import cache
 from importlib.util import find_spec
 from itertools import pairwise
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from click.testing import CliRunner
 from scipy import stats
 
@@ -373,6 +375,15 @@ def test_sobol_indices_of_a_study_are_those_of_its_rows():
 # --------------------------------------------------------------------------- what cannot be
 
 
+def test_what_nothing_moves_has_no_variance_to_share_out():
+    asked = variants_of({}, {"phase_deg[2]": {"uniform": 5}}, ask=Ask(sobol=True))
+    found = study(application(), asked, count=300)
+    assert np.isnan(sobol(found.states["sobol"]).total[0]).all()  # the joint's angle decides
+    told = "\n".join(report.terminal(found))
+    assert "Sobol" in told
+    assert "nan" not in told
+
+
 def test_a_number_that_arrays_cannot_hold_is_read_anew_for_each_variant():
     spread = {
         "limits[1].maximum": {"choice": [300.0, 500.0]},
@@ -607,6 +618,23 @@ def test_what_is_wrong_with_a_study_is_told_where_it_stands(was, now, told):
     with pytest.raises(BadFile) as error:
         files.loads(text, name="line.yaml")
     assert told in str(error.value)
+
+
+def test_editors_know_what_a_study_may_hold():
+    jsonschema = pytest.importorskip("jsonschema")
+    described = json.loads(CliRunner().invoke(cli, ["schema", "--study"]).stdout)
+    gallery = Path(__file__).parents[2] / "docs" / "gallery" / "tolerances.yaml"
+    asked = yaml.safe_load(gallery.read_text(encoding="utf-8"))
+    check = jsonschema.Draft202012Validator(described)
+    for whole in (asked, {"study": asked}, yaml.safe_load(STUDY)):
+        assert check.is_valid(whole)
+    for wrong in (
+        asked | {"askk": {}},
+        asked | {"tolerances": {"shim_deg": {"normal": -1}}},
+        asked | {"ask": {"foretold": 0}},
+        {"study": asked, "title": "no application"},
+    ):
+        assert not check.is_valid(wrong)
 
 
 def test_a_study_needs_something_that_varies():

@@ -78,6 +78,34 @@ def single_threaded() -> Generator[None, None, None]:
         yield
 
 
+TRIM = "MALLOC_TRIM_THRESHOLD_"
+"""The variable by which the GNU C library is told when to give memory back."""
+
+
+@contextmanager
+def memory_kept() -> Generator[None, None, None]:
+    """Keep what arrays give back, in a process that was told to hand it to the system at once.
+
+    Dask tells its workers so: then arrays, which come and go, cost twice their time.
+    """
+    told = os.environ.get(TRIM)
+    if told is None or not sys.platform.startswith("linux"):
+        yield
+        return
+    import ctypes
+
+    adjust: Any = getattr(ctypes.CDLL(None), "mallopt", None)  # other C libraries have none
+    first = -1  # M_TRIM_THRESHOLD
+    if adjust is None:
+        yield
+        return
+    adjust(first, 2**28)
+    try:
+        yield
+    finally:
+        adjust(first, int(told))
+
+
 @cache
 def _blas(scipys: bool) -> Any:  # noqa: FBT001  a key of the cache
     """Return what controls the threads of BLAS; to look for it takes milliseconds.

@@ -191,8 +191,8 @@ def screen() -> int:
     said = os.environ.get("COLUMNS", "")
     try:
         wide = int(said) if said.isdecimal() else 0
-        wide = wide or os.get_terminal_size(sys.__stdout__.fileno()).columns
-    except (AttributeError, ValueError, OSError):  # closed, no file, or no terminal
+        wide = wide or os.get_terminal_size().columns
+    except OSError:  # no terminal
         wide = 0
     return max(wide or WIDTH, 60)
 

@@ -13,9 +13,10 @@ from cardan.cli.ending import Once, kindly
 @click.option("--out", type=OUT, help="Into a file.")
 @click.option("--contract", is_flag=True, help="Of what --json writes, instead.")
 @click.option("--campaign", is_flag=True, help="Of a campaign of recordings, instead.")
+@click.option("--study", is_flag=True, help="Of a study of variants in a file of its own, instead.")
 @click.option("--force", is_flag=True, help="Replace the file.")
 @kindly
-def schema(*, out: Path | None, contract: bool, campaign: bool, force: bool) -> None:
+def schema(*, out: Path | None, contract: bool, campaign: bool, study: bool, force: bool) -> None:
     """Print the JSON Schema of the application file, for editors."""
     from cardan import files
 
@@ -25,6 +26,10 @@ def schema(*, out: Path | None, contract: bool, campaign: bool, force: bool) -> 
         document = described()
     elif campaign:
         from cardan.files.campaign import schema as described
+
+        document = described()
+    elif study:
+        from cardan.files.study import schema as described
 
         document = described()
     else:

@@ -42,6 +42,9 @@ from cardan.quantity.quantities import ANSWERED
 VARYING, LEVELS, WORST = 200, 200, 1000
 """Names that vary, places of a grid, and worst variants that are kept, at most."""
 
+BRED, FORETOLD = 1_000_000, 100_000_000
+"""Variants that are bred, and that are foretold, at most."""
+
 _ANY = Number()
 _SHARE = Number(above=0, below=1)
 
@@ -138,6 +141,9 @@ class AskTable(Table):
     pareto: Annotated[
         tuple[Goal, ...], ListOf(Choice("margin", "cost", "mass"), least=2, most=3)
     ] = key("what is weighed against each other", default=())
+    search: Annotated[int, Whole(BRED)] = key(
+        "variants bred for pareto from the best, beside those drawn", default=0
+    )
     maps: Annotated[
         tuple[tuple[str, str], ...], ListOf(ListOf(Text(), "across", "up"), most=10)
     ] = key("the yield over two of the names", default=())
@@ -145,16 +151,21 @@ class AskTable(Table):
         "quantities whose limits count; all by default, and fewer are faster", default=()
     )
     rare: bool = key("how often limits fail that hardly ever do", default=False)
+    foretold: Annotated[int, Whole(FORETOLD)] = key(
+        "variants foretold from those asked: the yield to a narrower interval", default=0
+    )
     rows: Literal["float32", "float64"] | None = key(
         "keep each variant, in this precision", default=None
     )
 
     def build(self) -> Ask:
         """Return what is asked."""
+        if self.search and not self.pareto:
+            self.at("search").refuse("needs pareto", "say there what is weighed")
         return Ask(
             yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
             worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
-            limits=self.limits, rare=self.rare,
+            limits=self.limits, rare=self.rare, search=self.search, foretold=self.foretold,
         )  # fmt: skip
 
 
@@ -195,6 +206,13 @@ class StudyTable(Table):
                 if not any(name in (t, *meant(t, every)) for t in self.tolerances):
                     hint = nearest(name, self.tolerances)
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
+        if self.ask.search and self.tolerances:
+            self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
+        drawn = self.tolerances and not self.ask.sobol
+        if self.ask.foretold and (not drawn or any(s.kind == "grid" for s in self.vary.values())):
+            self.at("ask").note(
+                "foretold: needs tolerances, drawn by dice", "ask it without sobol and grids"
+            )
         for pair in self.ask.maps:
             for name in pair:
                 if name not in named:
@@ -210,6 +228,22 @@ class StudyTable(Table):
         assert isinstance(node, Mapping)
         at = next(k for k, _ in node.entries.values() if k.text.strip() == name)
         return here.inside(node, written.text).inside(at, name)
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a study in a file beside the application's."""
+    defs: dict[str, Any] = {}
+    study = StudyTable.schema(defs)
+    under: dict[str, Any] = {
+        "type": "object", "properties": {"study": study}, "required": ["study"],
+        "additionalProperties": False,
+    }  # fmt: skip
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "cardan study",
+        "anyOf": [study, under],
+        "$defs": dict(sorted(defs.items())),
+    }
 
 
 def known(application: Application) -> list[str]:

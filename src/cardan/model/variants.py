@@ -44,12 +44,16 @@ class Ask:
         Whether variance is shared out to what varies.
     pareto
         What is weighed against each other.
+    search
+        How many variants more are bred for that.
     maps
         Pairs of names, over which the yield is drawn.
     limits
         Quantities whose limits count; all where none is named.
     rare
         Whether limits that variants hardly ever fail are asked how often they do.
+    foretold
+        How many variants more are foretold from those asked, for the yield.
     rows
         Whether each variant is kept, and in which precision.
     """
@@ -60,9 +64,11 @@ class Ask:
     worst: int = 3
     sobol: bool = False
     pareto: tuple[Goal, ...] = ()
+    search: int = 0
     maps: tuple[tuple[str, str], ...] = ()
     limits: tuple[str, ...] = ()
     rare: bool = False
+    foretold: int = 0
     rows: Literal["float32", "float64"] | None = None
 
 

@@ -74,6 +74,10 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             low=share(low, say, 2),
             high=share(high, say, 2),
         )
+    if of.foretold:
+        yield _foretold(of, say)
+    elif of.variants.ask.foretold and of.count == of.asked:
+        yield say("Too few variants were asked to foretell others from them.")
     if of.drawing.points == "even":
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
@@ -84,6 +88,12 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "Shares are of the {own} variants drawn by themselves; the others share the variance "
             "out.",
             own=of.own,
+        )
+    if of.variants.ask.search and "pareto" in of.states:
+        yield say(
+            "{bred} of the {count} variants of the front were bred from the best (NSGA-II).",
+            bred=int((of.states["pareto"]["place"] >= of.asked).sum()),
+            count=len(of.states["pareto"]["place"]),
         )
     if of.count < of.asked:
         yield say(
@@ -100,6 +110,25 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "Read anew for each variant, which is slower, because arrays cannot hold it: {names}.",
             names=say.list(*of.bench.single),
         )
+
+
+def _foretold(of: Studied, say: Language) -> str:
+    """Return the yield of many, foretold, and how often that was wrong."""
+    f = of.foretold
+    assert f is not None  # who asks has looked
+    return say(
+        "Of {count} more, foretold from {taught} asked: {share}; with {confidence} confidence "
+        "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, "
+        "{praised} to fit that fail.",
+        count=f.count,
+        taught=f.taught,
+        share=share(f.share, say, 2),
+        confidence=share(of.variants.ask.confidence, say, 0),
+        low=share(f.low, say, 2),
+        high=share(f.high, say, 2),
+        missed=f.missed,
+        praised=f.praised,
+    )
 
 
 def terminal(of: Studied, say: Language = EN) -> Iterator[str]:
@@ -258,8 +287,8 @@ def _tighter(of: Studied, say: Language) -> Table:
 def _sobol(of: Studied, say: Language) -> Table:
     found = sobol(of.states["sobol"])
     drawn = of.drawing
-    order = np.argsort(-np.nan_to_num(found.total[0]), kind="stable")
     columns = _outputs(of)
+    order = np.argsort(-np.nan_to_num(found.total[columns[0] if columns else 0]), kind="stable")
 
     def row(k: int) -> tuple[str, ...]:
         name = _factor(of, drawn.factors[k], say)
@@ -288,9 +317,7 @@ def _factor(of: Studied, factor: Factor, say: Language) -> str:
 def _outputs(of: Studied) -> list[int]:
     """Return the columns of variance that are shown: margin, yield and the limit worst off."""
     found = sobol(of.states["sobol"])
-    some = [0]
-    if np.isfinite(found.total[1]).all():
-        some.append(1)
+    some = [c for c in (0, 1) if np.isfinite(found.total[c]).all()]
     worst = [2 + k for k in ordered(of) if np.isfinite(found.total[2 + k]).all()]
     return some + worst[:1]
 
@@ -772,6 +799,16 @@ def document(of: Studied) -> dict[str, Any]:
             }
             for r in of.rare
         ]
+    if of.foretold:
+        f = of.foretold
+        found["foretold"] = {
+            "count": f.count,
+            "taught": f.taught,
+            "yield": f.share,
+            "interval": [f.low, f.high],
+            "wrongly_failing": f.missed,
+            "wrongly_fit": f.praised,
+        }
     if "pareto" in of.states:
         found["pareto"] = [
             {

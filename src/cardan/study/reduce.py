@@ -55,6 +55,8 @@ def reductions(bench: Bench, ask: Ask) -> dict[str, Reduction]:
         found["tighter"] = Tighter(drawing=drawn)
     if drawn.points == "saltelli":
         found["sobol"] = Pairs(factors=len(drawn.factors))
+    if ask.foretold:
+        found["taught"] = Taught()
     if ask.pareto:
         found["pareto"] = Front(goals=ask.pareto, costs=costs(bench), drawing=drawn)
     for k, pair in enumerate(ask.maps, 1):
@@ -432,6 +434,44 @@ def sobol(state: State) -> Indices:
     )
 
 
+# --------------------------------------------------------------------------- what others learn from
+
+TAUGHT = 16384
+"""Variants that others are foretold from, at most."""
+
+
+@dataclass(frozen=True)
+class Taught:
+    """The first variants, for others to be foretold from (`cardan.study.foretell`).
+
+    What varied in each, by how much it stays off each limit's failure, and whether it may be built.
+    """
+
+    def of(self, rows: Sweep, start: int) -> State:
+        """Return the variants of a shard."""
+        values = zip(rows.limits, rows.answers.values, strict=True)
+        left = [
+            limit.margin(v, to="maximum") if limit.maximum is not None else np.full_like(v, np.nan)
+            for (_, limit), v in values
+        ]
+        return self._first(
+            {
+                "place": start + np.arange(rows.count),
+                "inputs": rows.inputs,
+                "left": np.stack(left, axis=-1),
+                "fit": rows.grades <= MAY,
+            }
+        )
+
+    def both(self, one: State, other: State) -> State:
+        """Return the first of both."""
+        return self._first({k: np.concatenate([one[k], other[k]]) for k in one})
+
+    def _first(self, state: State) -> State:
+        early = state["place"] < TAUGHT
+        return {name: v[early] for name, v in state.items()}
+
+
 # --------------------------------------------------------------------------- fronts
 
 
@@ -449,12 +489,7 @@ class Front:
 
     def of(self, rows: Sweep, start: int) -> State:
         """Return the front of a shard."""
-        goals = {
-            "margin": -rows.margins,
-            "cost": self._cost(self.drawing.of(rows.unit, start, scattered=False)),
-            "mass": rows.answers.mass,
-        }
-        found = np.stack([goals[name] for name in self.goals], axis=-1)
+        found = self.weighed(rows, start)
         known = np.isfinite(found).all(-1)
         return self._unbeaten(
             {
@@ -464,6 +499,15 @@ class Front:
                 "verdict": rows.grades[known],
             }
         )
+
+    def weighed(self, rows: Sweep, start: int) -> FloatArray:
+        """Return what is weighed, (V, goals), the smaller the better."""
+        goals = {
+            "margin": -rows.margins,
+            "cost": self._cost(self.drawing.of(rows.unit, start, scattered=False)),
+            "mass": rows.answers.mass,
+        }
+        return np.stack([goals[name] for name in self.goals], axis=-1)
 
     def both(self, one: State, other: State) -> State:
         """Return the front of both."""

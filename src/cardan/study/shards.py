@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cardan import __version__
-from cardan.base.arrays import FloatArray, single_threaded
+from cardan.base.arrays import FloatArray, memory_kept, single_threaded
 from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.verdict import VERDICTS, Limit, Verdict
 from cardan.border import writer
@@ -30,7 +30,9 @@ from cardan.model.application import Application
 from cardan.model.variants import Variants
 from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import Approval
+from cardan.study.breed import bred
 from cardan.study.draw import Drawing, Points
+from cardan.study.foretell import Foretold, foretold
 from cardan.study.rare import FAR, Rare, rare
 from cardan.study.reduce import (
     Map,
@@ -95,11 +97,13 @@ class Studied:
     asked
         How many variants were to be asked; fewer are told of where the run was stopped.
     states
-        What is told of them, by name (`cardan.study.reduce`).
+        What is told of them, by name (`cardan.study.reduce`); `pareto` of those bred besides.
     rows
         Each variant, where they were kept.
     rare
         How often limits fail that variants hardly ever did, where that was asked.
+    foretold
+        The yield of many more, foretold from those asked, where that was asked.
     seconds
         How long this run took.
     """
@@ -110,6 +114,7 @@ class Studied:
     states: Mapping[str, State]
     rows: Sweep | None = None
     rare: tuple[Rare, ...] = ()
+    foretold: Foretold | None = None
     seconds: float = 0.0
 
     @property
@@ -228,7 +233,7 @@ def _bench(of: _Once) -> Bench:
 
 def _asked(job: Job, start: int, stop: int) -> Shard:
     """Return a shard, wherever this is called."""
-    with single_threaded():
+    with single_threaded(), memory_kept():
         return job.shard(start, stop)
 
 
@@ -277,7 +282,10 @@ def study(
     Stopped
         If it was stopped from the keyboard; it holds what is told of the shards done.
     """
-    job = Job(application=application, variants=variants, seed=seed, points=points)
+    job, asked = (
+        Job(application=application, variants=variants, seed=seed, points=points),
+        variants.ask,
+    )
     bench = job.bench
     count, size = bench.whole(count), -(-shard // bench.drawing.period) * bench.drawing.period
     spans = [(k, min(k + size, count)) for k in range(0, count, size)]
@@ -287,6 +295,10 @@ def study(
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
+    def now(done: int) -> None:
+        seconds = perf_counter() - begun
+        hear(Progress(before=before, done=done, count=count + asked.search, seconds=seconds))
+
     def keep(k: int, got: Shard) -> None:
         nonlocal finished
         if store:
@@ -295,9 +307,9 @@ def study(
             found[k] = got
         done.add(k)
         finished += spans[k][1] - spans[k][0]
-        hear(Progress(before=before, done=finished, count=count, seconds=perf_counter() - begun))
+        now(finished)
 
-    hear(Progress(before=before, done=before, count=count, seconds=0.0))
+    now(before)
     todo = [k for k in range(len(spans)) if k not in done]
     stopped = False
     try:
@@ -307,10 +319,22 @@ def study(
         if not done:
             raise
     told = _told(bench, variants, store, found, sorted(done))
+    if asked.search and not stopped:
+        try:
+            told["pareto"] = bred(
+                bench, asked.pareto, told["pareto"], count=asked.search, start=count, seed=seed,
+                hear=lambda more: now(count + min(more, asked.search)),
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            stopped = True
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
         rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
+        foretold=None if stopped or not asked.foretold else foretold(
+            bench.drawing, told["taught"], count=asked.foretold, start=count,
+            confidence=asked.confidence, workers=workers,
+        ),
         seconds=perf_counter() - begun,
     )  # fmt: skip
     if stopped:

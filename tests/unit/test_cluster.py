@@ -1,0 +1,152 @@
+"""A study on a Dask cluster of two, by its address: what is killed there changes no bit."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import ExitStack, contextmanager
+
+import pytest
+
+from cardan.base.arrays import TRIM, memory_kept
+
+pytest.importorskip("distributed", reason="a cluster needs pip install 'cardan[cluster]'")
+
+LINE = """
+title: Two-piece driveline
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes:
+    side_deg: [3.0, 1.0, 4.5, 2.0]
+  joints: "1810"
+  shafts:
+    - length_mm: 1200
+      tube: {outer_mm: 101.6, wall_mm: 3.2}
+      centre_bearing: {from_rear_joint_mm: 140}
+    - {length_mm: 1500, tube: {outer_mm: 101.6, wall_mm: 3.2}, phase_deg: 0}
+limits:
+  - {quantity: torsional_acceleration, normal: 350, maximum: 500, source: ours}
+  - {quantity: joint_angle, maximum: 3.7, source: ours}
+study:
+  tolerances: {"driveline.slopes.side_deg[*]": {normal: 0.2}}
+  ask: {rows: float64, quantiles: [0.5]}
+"""
+COUNT = "20480"
+SHARDS = 40
+WAIT = 120  # s: a machine may be busy
+
+
+def until(done, what):
+    """Wait for what must come."""
+    deadline = time.monotonic() + WAIT
+    while not done():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.002)
+
+
+@contextmanager
+def running(*command, env=None):
+    """Give a process, which does not outlive the test."""
+    run = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield run
+    finally:
+        run.kill()
+        run.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """Give the address of a scheduler with two workers, and those."""
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), TRIM: "65536"}
+    where = tmp_path / "scheduler.json"
+    dask = (sys.executable, "-m", "dask")
+    local = ("--scheduler-file", str(where), "--no-dashboard")
+    with ExitStack() as stack:
+        stack.enter_context(running(
+            *dask, "scheduler", *local, "--host", "127.0.0.1", "--port", "0", env=env,
+        ))  # fmt: skip
+        until(where.exists, "a scheduler")
+        workers = [
+            stack.enter_context(running(
+                *dask, "worker", *local, "--no-nanny", "--nthreads", "1",
+                "--local-directory", str(tmp_path), env=env,
+            ))
+            for _ in range(2)
+        ]  # fmt: skip
+        from distributed import Client
+
+        with Client(scheduler_file=str(where)) as client:
+            client.wait_for_workers(2, timeout=WAIT)
+            address = client.scheduler.address
+        yield address, workers
+
+
+def kept(folder):
+    """Return the files of the shards there."""
+    return {p.name: p for p in folder.glob("shard-*.npz")}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="has no such signal")
+@pytest.mark.filterwarnings("default")  # the cluster's own
+def test_killed_on_a_cluster_it_goes_on_to_the_same_bits(tmp_path, cluster):
+    address, workers = cluster
+    (tmp_path / "line.yaml").write_text(LINE)
+    command = [sys.executable, "-m", "cardan", "study", str(tmp_path / "line.yaml"), "--n", COUNT]
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    subprocess.run([*command, "--out", str(whole), "--workers", "1"], check=True)
+    there = [*command, "--out", str(out), "--executor", address, "--workers", "2"]
+    # The one who hands out the work.
+    with running(*there) as study:
+        until(lambda: len(kept(out)) >= 3, "the first shards")
+        os.kill(study.pid, signal.SIGKILL)
+        study.wait()
+    before = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
+    assert 3 <= len(before) < SHARDS
+    # Then one of those who do it.
+    with running(*there, "--resume") as study:
+        until(lambda: len(kept(out)) >= len(before) + 3, "more shards")
+        os.kill(workers[0].pid, signal.SIGKILL)
+        done = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
+        assert len(done) < SHARDS
+        assert study.wait(WAIT) == 0
+    # What was done is done: the loss of a worker costs the shards it had.
+    after = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
+    assert before.items() <= done.items() <= after.items()
+    assert len(after) == SHARDS
+    assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in whole.iterdir())
+    for path in whole.iterdir():
+        assert path.read_bytes() == (out / path.name).read_bytes(), path.name
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of the GNU C library")
+def test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes():
+    """Dask's workers are told so, and each array then faults anew: twice the time."""
+    code = (
+        "import resource, numpy as np\n"
+        "from contextlib import nullcontext\n"
+        "from cardan.base.arrays import memory_kept\n"
+        "def faults(context):\n"
+        "    with context:\n"
+        "        a = np.ones(10_000)\n"  # below what the system is asked for by itself
+        "        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
+        "        for _ in range(300): [a + k for k in range(8)]\n"
+        "        return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before\n"
+        "print(faults(nullcontext()), faults(memory_kept()))\n"
+    )
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), TRIM: "65536"}
+    told = subprocess.run(
+        [sys.executable, "-c", code], env=env, check=True, capture_output=True, text=True
+    ).stdout
+    at_once, held = map(int, told.split())
+    if at_once < 10_000:
+        pytest.skip("another C library, which was not told so")
+    assert held < at_once / 10
+
+
+def test_who_was_told_nothing_is_left_alone(monkeypatch):
+    monkeypatch.delenv(TRIM, raising=False)
+    with memory_kept():
+        pass

@@ -1,0 +1,202 @@
+"""Yields foretold from few variants hold what many that are asked come to."""
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.special import ndtri
+
+from cardan import files
+from cardan.base.errors import BadFile
+from cardan.cli import cli
+from cardan.model.variants import Ask, Spread
+from cardan.report import study as report
+from cardan.study.draw import Drawing, Factor
+from cardan.study.foretell import FOLDS, foretold
+from cardan.study.shards import study
+from cardan.study.sweep import variants_of
+
+LINE = """
+title: Two-piece driveline
+speed_rpm: 2500
+torque_Nm: 3000
+driveline:
+  slopes:
+    side_deg: [3.0, 1.0, 4.5, 2.0]
+  joints: "1810"
+  shafts:
+    - length_mm: 1200
+      tube: {outer_mm: 101.6, wall_mm: 3.2}
+      centre_bearing: {from_rear_joint_mm: 140}
+    - {length_mm: 1500, tube: {outer_mm: 101.6, wall_mm: 3.2}, phase_deg: 0}
+limits:
+  - {quantity: torsional_acceleration, normal: 350, maximum: 400, source: ours}
+  - {quantity: joint_angle, maximum: 3.7, source: ours}
+"""
+TOLERANCES = {"driveline.slopes.side_deg[*]": {"normal": 0.2}, "phase_deg[2]": {"uniform": 5}}
+
+
+@cache
+def application(more: str = ""):
+    return files.loads(LINE + more)
+
+
+def dice(inputs=3, seed=0):
+    """Return where standard normal numbers lie."""
+    one = Spread(kind="normal", values=(1.0,))
+    return Drawing(
+        names=tuple(f"x{k}" for k in range(inputs)),
+        at=(0.0,) * inputs,
+        factors=tuple(Factor(input=k, spread=one, tolerance=True) for k in range(inputs)),
+        seed=seed,
+    )
+
+
+def taught(drawing, left, count):
+    """Return what variants teach whose margins are these of their inputs."""
+    inputs = drawing.values(0, count)
+    margins = left(inputs)
+    return {
+        "place": np.arange(count), "inputs": inputs, "left": margins,
+        "fit": (margins >= 0).all(axis=-1),
+    }  # fmt: skip
+
+
+def ball(x):
+    """A parabola and a plane: 2 of 3 numbers within a circle, the third not too large."""
+    return np.stack([4.0 - x[:, 0] ** 2 - x[:, 1] ** 2, 1.5 - x[:, 2]], axis=-1)
+
+
+def waves(x):
+    """What no parabola foretells: two of three, strip by strip."""
+    return np.stack([np.sin(3 * x[:, 0] + 0.4) + 0.5, 9.0 + 0 * x[:, 0]], axis=-1)
+
+
+WITHIN = (1 - np.exp(-2.0)) * 0.9331927987311419  # of a circle, and of a side: Φ(1.5)
+
+
+def test_what_is_smooth_is_foretold_without_an_error_and_far_more_narrowly():
+    drawing = dice()
+    found = foretold(drawing, taught(drawing, ball, 800), count=200_000, start=800, confidence=0.95)
+    assert (found.missed, found.praised) == (0, 0)
+    assert found.low < WITHIN < found.high
+    # Of so many by dice alone the share is known to 1.1e-3, two standard deviations.
+    assert found.share == pytest.approx(WITHIN, abs=3 * np.sqrt(WITHIN * (1 - WITHIN) / 200_000))
+    plain = 2 * 1.96 * np.sqrt(WITHIN * (1 - WITHIN) / 800)
+    assert found.high - found.low < plain / 3
+
+
+def test_what_is_foretold_badly_is_mended_and_its_interval_says_so():
+    """The truth is counted of a million; learned from 400, so often, it lies within."""
+    truth = float((waves(dice(seed=99).values(0, 1_000_000)) >= 0).all(-1).mean())
+    found = [
+        foretold(d, taught(d, waves, 400), count=20_000, start=400, confidence=0.9)
+        for d in (dice(seed=s) for s in range(60))
+    ]
+    wrong = np.mean([(f.missed + f.praised) / f.taught for f in found])
+    assert wrong > 0.25  # no parabola follows waves
+    held = sum(f.low <= truth <= f.high for f in found)
+    assert held >= 54
+    # Mended, they scatter about the truth: 400 tell an error of half of them to 3.5 %.
+    errors = np.array([f.share - truth for f in found])
+    assert abs(errors.mean()) < 3 * errors.std() / np.sqrt(len(errors))
+
+
+def test_errors_are_counted_on_those_it_has_not_learned_from():
+    """Coins: 45 coefficients learn 250 of them by heart, and foretell no other."""
+
+    def coins(x):
+        return np.sign(np.sin(1e5 * x[:, :1]))
+
+    found = [
+        foretold(d, taught(d, coins, 250), count=1000, start=250, confidence=0.9)
+        for d in (dice(inputs=8, seed=s) for s in range(12))
+    ]
+    wrong = [f.missed + f.praised for f in found]
+    assert np.mean(wrong) / 250 == pytest.approx(0.5, abs=3 * 0.5 / np.sqrt(12 * 250))
+
+
+def test_margins_without_an_answer_teach_nothing_but_count():
+    drawing = dice()
+    state = taught(drawing, ball, 800)
+    state["left"][::7, 0] = np.nan
+    state["fit"] = state["fit"] & ~np.isnan(state["left"]).any(axis=-1)  # the rest is required
+    found = foretold(drawing, state, count=100_000, start=800, confidence=0.95)
+    share = float(state["fit"].mean())
+    assert found.praised > 60  # foretold to fit, for all their parabola knew
+    assert found.low < share < found.high
+
+
+def test_too_few_foretell_nothing():
+    drawing = dice(inputs=5)
+    few = taught(drawing, lambda x: x[:, :1] + 1, FOLDS + 2)
+    assert foretold(drawing, few, count=1000, start=10, confidence=0.95) is None
+
+
+def test_a_study_foretells_what_asking_them_comes_to():
+    asked = Ask(foretold=100_000, rows=None)
+    found = study(application(), variants_of({}, TOLERANCES, ask=asked), count=1000, workers=2)
+    many = study(application(), variants_of({}, TOLERANCES), count=40_000, seed=5, workers=2)
+    f, (low, high) = found.foretold, found.interval()
+    assert f.count == 100_000
+    assert f.taught == 1000
+    assert f.low < many.yield_ < f.high
+    assert f.high - f.low < (high - low) / 2
+    assert abs(f.share - many.yield_) < 4 * np.sqrt(0.25 / 40_000)
+    assert "Of 100000 more, foretold from 1000 asked" in "\n".join(report.terminal(found))
+    # However many compute, and in whatever shards, the same is foretold.
+    again = study(
+        application(), variants_of({}, TOLERANCES, ask=asked), count=1000, workers=1, shard=130
+    )
+    assert again.foretold == f
+
+
+def test_only_the_first_are_learned_from(monkeypatch):
+    monkeypatch.setattr("cardan.study.reduce.TAUGHT", 300)
+    asked = variants_of({}, TOLERANCES, ask=Ask(foretold=1000))
+    found = study(application(), asked, count=500, shard=200)
+    assert found.states["taught"]["place"].tolist() == list(range(300))
+    assert found.foretold.taught == 300
+
+
+def test_the_command_tells_it(tmp_path):
+    told = """
+study:
+  tolerances: {"driveline.slopes.side_deg[*]": {normal: 0.2}}
+  ask: {foretold: 5000}
+"""
+    (tmp_path / "line.yaml").write_text(LINE + told)
+    ask = ["study", str(tmp_path / "line.yaml"), "--json", "-", "--quiet", "--n"]
+    run = CliRunner().invoke(cli, [*ask, "200"])
+    assert run.exit_code == 0, run.stderr
+    found = json.loads(run.stdout)["foretold"]
+    assert found["count"] == 5000
+    assert found["interval"][0] <= found["yield"] <= found["interval"][1]
+    few = study(application(told), application(told).variants, count=5)
+    assert "Too few variants were asked" in "\n".join(report.terminal(few))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "vary: {shim_deg: [-1, 1]}\n  ask: {foretold: 100}",
+        "tolerances: {shim_deg: {normal: 1}}\n  ask: {foretold: 100, sobol: true}",
+        'vary: {"phase_deg[2]": {grid: [0, 90, 2]}}\n  tolerances: {shim_deg: {normal: 1}}\n'
+        "  ask: {foretold: 100}",
+    ],
+)
+def test_what_is_not_drawn_by_dice_foretells_no_interval(text):
+    with pytest.raises(BadFile, match=r":\d+:\d+: .*needs tolerances, drawn by dice"):
+        files.loads(f"{LINE}study:\n  {text}\n")
+    with pytest.raises(ValueError, match="drawn by dice"):
+        study(application(), variants_of({"shim_deg": [-1, 1]}, ask=Ask(foretold=9)), count=64)
+
+
+def test_dice_are_those_of_later_places():
+    """What is foretold are variants of their own, which none was asked."""
+    drawing = dice(inputs=1)
+    np.testing.assert_array_equal(
+        drawing.values(500, 600), ndtri(drawing.unit(0, 600)[500:]).reshape(-1, 1)
+    )
