@@ -40,10 +40,11 @@ def read(text: str):
     return respond(application, demand(resolve(application, application.lines[0])))
 
 
-def test_rubber_and_bracket_are_two_springs_in_series():
+@pytest.mark.parametrize(("told", "loss"), [("", LOSS), (", loss_factor: 0.2", 0.2)])
+def test_rubber_and_bracket_are_two_springs_in_series(told, loss):
     """k = k_r k_b / (k_r + k_b), each with its own loss: by hand, where all ways are alike."""
-    r = read(LEVEL)
-    both = 1 / (1 / (200e3 * (1 + 0.1j)) + 1 / (900e3 * (1 + 1j * LOSS)))
+    r = read(LEVEL.replace("[900, 900, 900]", f"[900, 900, 900]{told}"))
+    both = 1 / (1 / (200e3 * (1 + 0.1j)) + 1 / (900e3 * (1 + 1j * loss)))
     alone = suspended(r.layout, r.line, stiffness=both.real, loss=both.imag / both.real)
     for speed in (20.0, 42.0, 60.0):
         ours, theirs = (
@@ -91,3 +92,6 @@ def test_a_bracket_that_cannot_be():
     for wrong in ("[900, 900]", "[0, 900, 900]", "900"):
         with pytest.raises(BadFile, match="stiffness_N_mm"):
             files.loads(LEVEL.replace("[900, 900, 900]", wrong))
+    for wrong in ("0", "1", "-0.1"):
+        with pytest.raises(BadFile, match=r"bracket\.loss_factor"):
+            files.loads(LEVEL.replace("900]}", f"900], loss_factor: {wrong}}}"))

@@ -68,6 +68,85 @@ def deck(nodes, material, *, held, loads=(), modes=0):
     return "\n".join(lines) + "\n"
 
 
+_CORNERS = np.array([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)])  # of the faces S1 to S4
+
+
+def _faces(nodes, which, *, after=0):
+    """Lines of an element surface: the faces of elements that lie on some surface triangles."""
+    table = {
+        tuple(sorted(corners)): f"{e + 1 + after},S{s + 1}"
+        for s in range(4)
+        for e, corners in enumerate(nodes.elements[:, _CORNERS[s]].tolist())
+    }
+    return [table[tuple(sorted(c))] for c in nodes.faces[which][:, :3].tolist()]
+
+
+def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15):
+    """An input deck: a plate that real bolts press against real frames, then nodal loads.
+
+    Contact is one-sided, with friction, between plate and frames and between bolts' heads and
+    plate. The bolts' far ends ("top") and the frames are fixed; bolts are cooled, which
+    tightens them, and stay so. One static step to tighten, then one a load.
+
+    `plate` and `bolts` are meshes; `frames` bricks (8, 3) whose first four corners face the plate,
+    `under` the plate's triangles heads press on, `cooling` in K at 1e-5 a K.
+    """
+    solids = [plate, *bolts]
+    node = np.cumsum([0, *(len(s.points) for s in solids)])
+    element = np.cumsum([0, *(len(s.elements) for s in solids)])
+    points = np.concatenate([*(s.points for s in solids), *frames])
+    lines = ["*NODE,NSET=NALL"]
+    lines += [f"{k},{x:.10e},{y:.10e},{z:.10e}" for k, (x, y, z) in enumerate(points, 1)]
+    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
+    every = np.concatenate([s.elements + n + 1 for s, n in zip(solids, node[:-1], strict=True)])
+    lines += [f"{k}," + ",".join(map(str, e)) for k, e in enumerate(every.tolist(), 1)]
+    lines.append("*ELEMENT,TYPE=C3D8,ELSET=EALL")
+    for k in range(len(frames)):
+        corners = ",".join(str(node[-1] + 8 * k + c) for c in range(1, 9))
+        lines.append(f"{element[-1] + k + 1},{corners}")
+    tops = [
+        np.unique(b.faces[b.face_names == "top"]) + n + 1
+        for b, n in zip(bolts, node[1:], strict=False)
+    ]
+    lines += ["*NSET,NSET=TOPS", *(f"{k}," for k in tops[0])]
+    lines += ["*NSET,NSET=FIX", *(f"{k}," for top in tops for k in top)]
+    lines += [f"{k}," for k in range(node[-1] + 1, len(points) + 1)]
+    lines += ["*NSET,NSET=BOLTS,GENERATE", f"{node[1] + 1},{node[-1]}"]
+    E = material.youngs_modulus
+    stiff = 3.3e3 * E  # N/m3: what it lets in is far below what plate and bolts give
+    pressed = np.char.startswith(plate.face_names.astype(str), "bolt")
+    pressed &= ~np.char.endswith(plate.face_names.astype(str), "wall")
+    lines += [
+        "*MATERIAL,NAME=S", "*ELASTIC", f"{E:.12e},{material.poisson}", "*EXPANSION", "1e-5",
+        "*SOLID SECTION,ELSET=EALL,MATERIAL=S", "*INITIAL CONDITIONS,TYPE=TEMPERATURE", "NALL,0.",
+        "*SURFACE,NAME=PLATE,TYPE=ELEMENT",
+        *_faces(plate, pressed | (plate.face_names == "mount")),
+        "*SURFACE,NAME=FRAME,TYPE=ELEMENT",
+        *(f"{element[-1] + k + 1},S1" for k in range(len(frames))),
+        "*SURFACE,NAME=UNDER,TYPE=ELEMENT", *_faces(plate, under),
+        "*SURFACE,NAME=HEADS,TYPE=ELEMENT",
+    ]  # fmt: skip
+    for bolt, e in zip(bolts, element[1:], strict=False):
+        lines += _faces(bolt, bolt.face_names == "bearing", after=int(e))
+    lines += [
+        "*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+        f"{stiff:.4e},1e4,6e-7", "*FRICTION", f"{friction},{stiff / 20:.4e}",
+        "*CONTACT PAIR,INTERACTION=C,TYPE=SURFACE TO SURFACE", "PLATE,FRAME",
+        "*CONTACT PAIR,INTERACTION=C,TYPE=SURFACE TO SURFACE", "UNDER,HEADS",
+        "*BOUNDARY", "FIX,1,3",
+        "*STEP,INC=100", "*STATIC", "1.,1.", "*TEMPERATURE", f"BOLTS,{-cooling}",
+        "*NODE FILE", "U", "*EL FILE", "S", "*NODE PRINT,NSET=TOPS,TOTALS=ONLY", "RF", "*END STEP",
+    ]  # fmt: skip
+    for load in loads:
+        lines += ["*STEP,INC=100", "*STATIC", "1.,1.", "*CLOAD,OP=NEW"]
+        lines += [
+            f"{n + 1},{c + 1},{load[n, c]:.12e}"
+            for n, c in zip(*np.nonzero(np.abs(load) > 1e-14), strict=True)
+        ]
+        lines += ["*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
 def run(text, folder, *, threads=2):
     """Run a deck; return its static results [(u, stress), ...], frequencies Hz, seconds."""
     (folder / "job.inp").write_text(text)

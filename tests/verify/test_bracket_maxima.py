@@ -4,10 +4,13 @@ Each starts from a coarse mesh and is left alone: no edge, no degree, no grading
 answer must lie within the error the refinement itself estimates, or 1 %, of the equivalent stress.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_bracket_nafems import STEEL, D, quarter_ellipse
 
+from cardan.bracket import refine
 from cardan.bracket.engine import engine
 from cardan.bracket.refine import Problem, refined
 from cardan.bracket.stress import von_mises
@@ -130,7 +133,7 @@ def pulled_both_ways():
     held = named(shape, lambda c: {"x0": c.x, "y0": c.y, "z0": c.z})
     for face in shape.faces:
         c = face.center
-        if face.name == "free" and np.hypot(c.x, c.y) > 3.5:
+        if face.name == "free" and np.hypot(c.x, c.y) > 6:
             face.name = "rim"
     want = 2 * b**2 / (b**2 - a**2)
     return problem(shape, held, "rim", 1.0, size=2.0), (a, 0.0, 0.0), YY, want
@@ -158,19 +161,45 @@ def problem(shape, held, loaded, pressure, *, size, held_edges=None):
     )  # fmt: skip
 
 
-# A sheet fifty times as thin as its hole: elements grow at once beyond the tip, and what they
-# miss there no neighbour disagrees on. 4.63 is found, and believed to 0.9 %.
-MISSED = pytest.mark.xfail(strict=True, reason="8 % off where 0.9 % is estimated")
+CASES = [le1, le10, hole, cylinder, cavity, shaft, bent, sphere, pulled_both_ways, ellipse]
+TOP = {  # von Mises stress where it is highest: hoop, with radial and axial stress by the formulas
+    hole: 3.032,
+    cylinder: np.sqrt((5 / 3) ** 2 + 5 / 3 + 1),
+    shaft: 1.0,
+    sphere: 12 / 7,
+    pulled_both_ways: 2 * 64 / 63,
+    ellipse: 5.079,
+}
 
 
-@pytest.mark.parametrize("case", [
-    le1, le10, hole, cylinder, cavity, shaft, bent, sphere, pulled_both_ways,
-    pytest.param(ellipse, marks=MISSED),
-])  # fmt: skip
-def test_the_default_way_finds_what_is_known(case):
+@pytest.mark.parametrize("coarser", [0.7, 1.0])
+@pytest.mark.parametrize("case", CASES)
+def test_the_default_way_finds_what_is_known(case, coarser):
     made, point, component, want = case()
+    made = replace(made, size=coarser * made.size)
     found = refined(made, cases=[np.ones((1, 1))], watch=[point])
     stress, level = found.watched[0, 0, component], von_mises(found.watched[0, 0])
     error = found.watched_error[0]  # of the equivalent stress, a share of it
     assert abs(stress - want) < max(error, 0.01) * level, (stress, error, len(found.tops))
     assert error < 0.08
+    if case in TOP:  # what a study tells: the highest of a feature, wherever it is
+        tops = np.array([found.tops[-1][key].max() for key in found.last.zones.features])
+        worst = tops.argmax()
+        assert abs(tops[worst] - TOP[case]) < max(found.error[worst], 0.01) * tops[worst]
+
+
+def test_what_is_missed_beyond_a_notch_is_told_and_mended(monkeypatch):
+    """A sheet fifty times as thin as its hole, meshed with elements far wider than it is thick.
+
+    At the tip the elements are small and agree to half a per cent; 4.75 they say, and 4.63 when
+    they are made smaller, where 5.08 is right: the large ones beyond the tip give too little.
+    """
+    made, point, component, want = ellipse()
+    coarse = refined(made, cases=[np.ones((1, 1))], watch=[point], levels=1)
+    off = 1 - coarse.watched[0, 0, component] / want
+    assert off > 0.05
+    assert off < coarse.watched_error[0] < 2 * off
+    # Nobody asked what lies beyond, and this is what was believed:
+    monkeypatch.setattr(refine, "from_afar", lambda *asked: np.zeros((len(asked[-1]), 1)))
+    deaf = refined(made, cases=[np.ones((1, 1))], watch=[point])
+    assert abs(deaf.watched[0, 0, component] / want - 1) > 3 * deaf.watched_error[0]

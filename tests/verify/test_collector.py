@@ -15,6 +15,7 @@ import pytest
 
 import cardan
 from cardan import files
+from cardan.model.bracket import StepShape
 from cardan.study.recording import listen_to_all
 
 CASE = Path(__file__).parents[2] / "examples" / "refuse-collector"
@@ -192,6 +193,38 @@ def test_calculix_gives_the_table():
         assert again["strain_per_N"][name][1] == pytest.approx(
             table["strain_per_N"][name][1], rel=1e-3
         )
+
+
+def test_the_bracket_from_cad_differs_by_its_shape_alone():
+    drawn, sent = (files.read(CASE / name) for name in ("application.yaml", "from-step.yaml"))
+    assert isinstance(sent.bracket.shape, StepShape)
+    assert sent.bracket.material == drawn.bracket.material
+    assert sent.bracket.gauges == drawn.bracket.gauges
+    assert sent.bracket.fatigue == drawn.bracket.fatigue
+    line = [
+        (CASE / name).read_text().partition("title:")[2].partition("bracket:")[0]
+        for name in ("application.yaml", "from-step.yaml")
+    ]
+    assert line[0] == line[1] != ""
+
+
+@pytest.mark.bracket
+def test_the_step_file_is_the_shape_drawn():
+    """As `cardan bracket application.yaml --step bracket.step` writes it, face by face."""
+    from cardan.bracket.shape import solid
+
+    drawn, sent = (
+        solid(files.read(CASE / name).bracket.shape)
+        for name in ("application.yaml", "from-step.yaml")
+    )
+    assert sent.volume == pytest.approx(drawn.volume, rel=1e-9)
+    areas = [{}, {}]
+    for of, into in zip((drawn, sent), areas, strict=True):
+        for face in of.shape.faces:
+            into[face.name] = into.get(face.name, 0.0) + face.mass
+    for name in ("seat", *(f"bolt {k}" for k in range(1, 5))):
+        assert areas[1][name] == pytest.approx(areas[0][name], rel=1e-9)
+    assert (CASE / "bracket.step").stat().st_size < 300e3
 
 
 @pytest.mark.bracket

@@ -234,6 +234,8 @@ GearRatios: TypeAlias = Annotated[
 TransferRatio: TypeAlias = Annotated[float, Number(least=0.1, below=100, usual=(1, 6))]
 ConverterRatio: TypeAlias = Annotated[float, Number(least=1, below=10, usual=(1, 4))]
 LossFactor: TypeAlias = Annotated[float, Number(above=0, below=1, usual=(0.02, 0.5))]
+FrameLoss: TypeAlias = Annotated[float, Number(above=0, below=1, usual=(0.002, 0.1))]
+"""Of bolted or welded steel, which loses less than rubber."""
 Efficiency: TypeAlias = Annotated[float, Number(least=0.1, most=1, usual=(0.7, 1))]
 Share: TypeAlias = Annotated[float, Number(least=1e-3, most=1)]
 Part: TypeAlias = Annotated[float, Number(least=0, most=1)]

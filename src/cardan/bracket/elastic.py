@@ -187,6 +187,21 @@ class Elastic:
         v = self.space.TestFunction()
         return self._assembled(ngs.LinearForm(ngs.InnerProduct(ngs.CF(tuple(a)), v) * ngs.dx))
 
+    def strained(self, weights: FloatArray, direction: ArrayLike) -> FloatArray:
+        """Load vector (unknowns,) whose work on a displacement is a mean of its stress.
+
+        `weights` (elements,) m^-3 are those of the elements' volume, `direction` (6,) what
+        of the stress is asked: the sum of its products with stress, shear counted twice.
+        """
+        ngs = engine().ngs
+        v = self.space.TestFunction()
+        share = ngs.GridFunction(ngs.L2(self.mesh, order=0))
+        share.vec.FV().NumPy()[:] = weights
+        xx, yy, zz, xy, yz, zx = np.asarray(direction, dtype=float).tolist()
+        asked = ngs.CF((xx, xy, zx, xy, yy, yz, zx, yz, zz), dims=(3, 3))
+        stress = _stress_of(v, self.material)
+        return self._assembled(ngs.LinearForm(share * ngs.InnerProduct(asked, stress) * ngs.dx))
+
     @staticmethod
     def _assembled(form: Any) -> FloatArray:
         form.Assemble()
@@ -247,14 +262,16 @@ class Elastic:
         Their product with a load vector is its resultant force and moment.
         """
         ngs = engine().ngs
-        x, y, z = ngs.x, ngs.y, ngs.z
-        fields = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -z, y), (z, 0, -x), (-y, x, 0)]
-        rows: list[FloatArray] = []
-        for field in fields:
-            g = ngs.GridFunction(self.space)
-            g.Set(ngs.CF(field))
-            rows.append(np.array(g.vec.FV().NumPy()))
-        return np.stack(rows)
+        one = ngs.GridFunction(self.space.components[0])
+        place: list[FloatArray] = []
+        for field in (ngs.CF(1.0), ngs.x, ngs.y, ngs.z):
+            one.Set(field)
+            place.append(np.array(one.vec.FV().NumPy()))
+        unit, x, y, z = place
+        nil = np.zeros_like(unit)
+        turns = [(nil, -z, y), (z, nil, -x), (-y, x, nil)]
+        motions = [(unit, nil, nil), (nil, unit, nil), (nil, nil, unit)]
+        return np.stack([np.concatenate(parts) for parts in (*motions, *turns)])
 
     def dofs_on(self, face: str) -> npt.NDArray[np.bool_]:
         """Which displacements (unknowns,) belong to the faces of a name."""
@@ -341,6 +358,11 @@ class Elastic:
             np.stack([(G[:, i, j] + G[:, j, i]) / 2 for i, j in _VOIGT], -1), self.material
         )
 
+    def stress_on(self, rule: Any, displacement: FloatArray) -> FloatArray:
+        """Stress (elements, q, 6) Pa at the points of an integration rule of the engine."""
+        where = self.mesh.MapToAllElements(rule, engine().ngs.VOL)
+        return self._stress(displacement, where).reshape(-1, len(rule.weights), 6)
+
     @cached_property
     def _worth(self) -> FloatArray:
         """How much each element's word at each of its nodes is worth, (e, 10).
@@ -410,14 +432,9 @@ class Elastic:
 
     def between_nodes(self, places: Sequence[Place], values: FloatArray) -> FloatArray:
         """Values (k, ...) at places of a field known at the nodes (n, ...)."""
-        found: list[FloatArray] = []
-        for place in places:
-            xi = np.array([*place.reference, 1 - sum(place.reference)])
-            corner = np.argmax(np.column_stack([_CORNERS, _CORNERS.sum(axis=1) == 0]), axis=1)
-            L = xi[corner]
-            quadratic = np.array([*(L * (2 * L - 1)), *(4 * L[a] * L[b] for a, b in _EDGES)])
-            found.append(np.tensordot(quadratic, values[self.nodes.elements[place.element]], 1))
-        return np.stack(found)
+        quadratic = shape_functions(np.array([place.reference for place in places]).reshape(-1, 3))
+        nodes = self.nodes.elements[[place.element for place in places]]
+        return np.einsum("kq,kq...->k...", quadratic, values[nodes])
 
     def strains_at(self, places: Sequence[Place], displacements: ArrayLike) -> FloatArray:
         """Strains (k, c, 6) at places of displacement vectors (c, unknowns)."""
@@ -524,6 +541,22 @@ def _into_tetrahedron(xi: FloatArray, J: FloatArray) -> FloatArray:
     return best
 
 
+def shape_functions(reference: FloatArray) -> FloatArray:
+    """Return the weights (k, 10) of an element's nodes at reference coordinates (k, 3)."""
+    xi = np.column_stack([reference, 1 - reference.sum(axis=1)])
+    L = xi[:, np.argmax(np.column_stack([_CORNERS, _CORNERS.sum(axis=1) == 0]), axis=1)]
+    return np.column_stack([L * (2 * L - 1), *(4 * L[:, a] * L[:, b] for a, b in _EDGES)])
+
+
+def _stress_of(w: Any, material: Material) -> Any:
+    """Stress of a displacement as the engine's function of place."""
+    ngs = engine().ngs
+    E, nu = material.youngs_modulus, material.poisson
+    mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    strain = (ngs.Grad(w) + ngs.Grad(w).trans) / 2
+    return 2 * mu * strain + lam * ngs.Trace(strain) * ngs.Id(3)
+
+
 def _nodal_rule() -> Any:
     """Corners and edge middles of the reference tetrahedron, as the engine samples them."""
     middles = [tuple((_CORNERS[a] + _CORNERS[b]) / 2) for a, b in _EDGES]
@@ -612,17 +645,12 @@ def elastic(
                 k = "xyz".index(axis)
                 for dof in np.flatnonzero(list(space.components[k].GetDofs(region(name)))):
                     free.Clear(space.Range(k).start + int(dof))
-    E, nu = material.youngs_modulus, material.poisson
-    mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
     u, v = space.TnT()
-
-    def eps(w: Any) -> Any:
-        return (ngs.Grad(w) + ngs.Grad(w).trans) / 2
-
-    stress = 2 * mu * eps(u) + lam * ngs.Trace(eps(u)) * ngs.Id(3)
+    strain = (ngs.Grad(v) + ngs.Grad(v).trans) / 2
     with ngs.TaskManager():
         tell(f"assembling {space.ndof} unknowns, {made.ne} elements")
-        K = ngs.BilinearForm(ngs.InnerProduct(stress, eps(v)) * ngs.dx, symmetric=True).Assemble()
+        stiff = ngs.InnerProduct(_stress_of(u, material), strain)
+        K = ngs.BilinearForm(stiff * ngs.dx, symmetric=True).Assemble()
         M = ngs.BilinearForm(material.density * ngs.InnerProduct(u, v) * ngs.dx, symmetric=True)
         M.Assemble()
         tell("factorising")

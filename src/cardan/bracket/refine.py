@@ -8,15 +8,16 @@ the worst and its elements disagree, the next mesh is finer.
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.units import Metre
+from cardan.bracket.afar import from_afar
 from cardan.bracket.elastic import Elastic, IntArray, Nodes, Progress, elastic, mesh, silent
 from cardan.bracket.stress import some, superpose, von_mises
-from cardan.bracket.surface import nearest
+from cardan.bracket.surface import OnSurface, nearest
 from cardan.bracket.zones import Zones, zones_of
 from cardan.model.bracket import ZONES
 from cardan.model.parts import Material
@@ -35,6 +36,10 @@ _TWICE = 2
 """Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
 _HALF, _TOP = 0.55, 0.95
 """How much finer a top is looked at a second time; what counts as the top of a feature."""
+_GOALS = 8
+"""Features, the worst, of which it is asked what coarse elements elsewhere take from them."""
+_MOST_OF = 0.7
+"""Share of what they take that is made finer at once."""
 _LOADS = 8
 """Loads, the most telling, under which the mesh is made; every load is asked of the last."""
 
@@ -187,21 +192,30 @@ def refined(
                 seen(found)
         nodes = found.elastic.nodes
         level_of = von_mises(superpose(found.unit, combos))
-        scatter = found.elastic.scatter(
-            combos @ found.displacements, superpose(found.at_nodes[1], combos)
-        )
+        moved_by, smooth = combos @ found.displacements, superpose(found.at_nodes[1], combos)
+        scatter = found.elastic.scatter(moved_by, smooth)
         at_places = _at_places(found, scatter)
         highest, where = _tops(found.zones, level_of)
         tops.append(dict(zip(found.zones.features, highest, strict=True)))
-        off = np.take_along_axis(at_places, where, axis=0)
+        off = np.take_along_axis(at_places, where, axis=0) / 2
         drawn = nearest(nodes, points)
-        watched.append(drawn.of(nodes, von_mises(superpose(found.at_nodes[1], combos))))
-        off_seen = drawn.of(nodes, scatter)
+        watched.append(drawn.of(nodes, von_mises(smooth)))
+        # Of the face round it: at a corner that one element has to itself nobody disagrees.
+        rough = scatter[nodes.faces[drawn.faces]].max(axis=1)
+        tell("errors from afar")
+        goals = [*_goals(found, highest, where, weight), *_watched(nodes, drawn, watched[-1])]
+        afar = from_afar(found.elastic, moved_by, smooth, [(g.node, g.load) for g in goals])
+        off_seen = rough / 2
+        for g, taken in zip(goals, afar.sum(axis=1), strict=True):
+            into = off if g.feature >= 0 else off_seen
+            at = g.feature if g.feature >= 0 else g.watched
+            into[at, g.load] = max(into[at, g.load], taken)
         more = [
             *_worst_places(
                 found, level_of, at_places, weight, problem.thickness, first=level < _TWICE
             ),
-            *_round(found, drawn.points, watched[-1], off_seen, moved=_moved(watched, level)),
+            *_round(found, drawn.points, watched[-1], rough, moved=_moved(watched, level)),
+            *_taking(found, goals, afar),
         ]
         if not more or (
             level >= _TWICE
@@ -254,6 +268,68 @@ def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS
             kept.append(k)
     # Each counts for itself: scaled to the same highest stress, a small one is not forgotten.
     return np.stack([loads[k] / high[k] for k in kept]) * max(high)
+
+
+class _Goal(NamedTuple):
+    """A stress whose error from afar is asked: of a feature or a watched point, at a node."""
+
+    feature: int
+    watched: int
+    node: int
+    load: int
+    level: float
+
+
+def _goals(
+    found: Solution, highest: FloatArray, where: IntArray, weight: FloatArray
+) -> list[_Goal]:
+    """Return the tops of the worst features, each under the load that is worst for it."""
+    zones, nodes = found.zones, found.elastic.nodes
+    kinds = np.array([kind for kind, _ in zones.features])
+    used = highest * weight[kinds][:, None]
+    share = used / np.maximum(used.max(axis=0), 1e-300)
+    load = share.argmax(axis=1)
+    best = share.max(axis=1)
+    near = zones.lines.near
+    goals: list[_Goal] = []
+    for f in np.argsort(-best, kind="stable")[:_GOALS].tolist():
+        if best[f] < _AMONG:
+            break
+        k = int(load[f])
+        line = int(where[f, k]) - len(zones.own)
+        node = (
+            zones.own[line]
+            if line < 0
+            else nodes.faces[near.faces[line], near.weights[line].argmax()]
+        )
+        goals.append(_Goal(f, -1, int(node), k, float(highest[f, k])))
+    return goals
+
+
+def _watched(nodes: Nodes, drawn: OnSurface, level: FloatArray) -> list[_Goal]:
+    """Return watched points, each under the load that is worst for it."""
+    load = level.argmax(axis=1) if len(level) else np.zeros(0, dtype=np.int64)
+    node = nodes.faces[drawn.faces, drawn.weights.argmax(axis=1)]
+    return [
+        _Goal(-1, w, int(node[w]), int(k), float(level[w, k])) for w, k in enumerate(load.tolist())
+    ]
+
+
+def _taking(
+    found: Solution, goals: Sequence[_Goal], afar: FloatArray
+) -> Iterator[tuple[FloatArray, Metre]]:
+    """Yield which elements, wherever they lie, take too much from a stress, and the edge wanted."""
+    nodes = found.elastic.nodes
+    corners = nodes.points[nodes.elements[:, :4]]
+    for goal, taken in zip(goals, afar, strict=True):
+        if taken.sum() <= _TOLD * goal.level:
+            continue
+        order = np.argsort(-taken)
+        enough = int(np.searchsorted(np.cumsum(taken[order]), _MOST_OF * taken.sum())) + 1
+        for e in order[:enough].tolist():
+            a = corners[e]
+            edge = np.linalg.norm(a[:, None] - a[None], axis=-1).max()
+            yield a.mean(axis=0), float(_HALF * edge)
 
 
 def _at_places(found: Solution, values: FloatArray) -> FloatArray:
@@ -356,12 +432,12 @@ def _error(tops: list[FloatArray], off: FloatArray) -> FloatArray:
     """Return the share (f,) of a top that its error may be.
 
     The largest of what the last mesh still changed; half of what the one before had: each mesh
-    lies anew, so the last change may be small by luck; and half of what the elements
-    that meet there still disagree by, which is all there is where one mesh was enough.
+    lies anew, so the last change may be small by luck; and `off`, what that mesh itself tells:
+    half of what the elements that meet there disagree by, or what coarse ones elsewhere take.
     """
     last = tops[-1]
     steps = [np.abs(b - a) for a, b in itertools.pairwise(tops)]
     moved = [steps[-1]] if steps else []
     moved += [steps[-2] / 2] if len(steps) > 1 else []
-    most = np.max([off / 2, *moved], axis=0)
+    most = np.max([off, *moved], axis=0)
     return most.max(axis=-1) / np.maximum(last.max(axis=-1), 1e-300)

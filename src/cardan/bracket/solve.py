@@ -6,12 +6,15 @@ it takes, and with smaller welds and fillets where the CAD kernel breaks on thos
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
+from cardan.bracket.afar import too_high
 from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
@@ -22,7 +25,7 @@ from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
 from cardan.model.parts import Material
-from cardan.model.seat import Seat
+from cardan.model.seat import LOSS, Seat
 
 MODES = 6
 OWN = 3
@@ -52,6 +55,7 @@ class Task:
     gauges: tuple[Gauge, ...] = ()
     carried_mass: float = 0.0
     rubber: Vector | None = None
+    loss: float = LOSS
     levels: int = LEVELS
     """Meshes at most."""
 
@@ -90,6 +94,8 @@ class Held:
     frequencies, carried : Hz
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
+    too_high : (k,) 1
+        Share by which the natural frequencies by itself may be above those of finer elements.
     influence : (gauges, 9)
         Strain of each gauge.
     swing : Swing
@@ -103,6 +109,7 @@ class Held:
     reactions: FloatArray
     frequencies: FloatArray
     carried: FloatArray
+    too_high: FloatArray
     influence: FloatArray
     swing: Swing
 
@@ -194,6 +201,20 @@ def weighed_apart(shapes: Sequence[Shape], material: Material) -> FloatArray:
         parts = [weighed_apart(shapes[:half], material), weighed_apart(shapes[half:], material)]
         return np.concatenate(parts)
     return np.array(masses)
+
+
+def drawn_apart(shape: Shape) -> bytes:
+    """Return a shape as a STEP file in millimetres, its faces named, from a process of its own."""
+    written: bytes = apart(drawn, shape, tell=silent, memory=MEMORY, seconds=60 * MINUTES)
+    return written
+
+
+def drawn(shape: Shape, _: Progress) -> bytes:
+    """Return a shape as a STEP file."""
+    with TemporaryDirectory(prefix="cardan-") as folder:
+        path = Path(folder, "bracket.step")
+        solid(shape).write(path)
+        return path.read_bytes()
 
 
 def weigh(shapes: tuple[Shape, ...], density: float, _: Progress) -> list[float]:
@@ -294,8 +315,9 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
+        too_high=too_high(found.elastic, alone, shapes),
         influence=read[:, : len(UNITS)],
-        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :]),
+        swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip
 
 
@@ -305,6 +327,8 @@ def _swing(
     frequencies: FloatArray,
     shapes: FloatArray,
     read: FloatArray,
+    *,
+    loss: float,
 ) -> Swing:
     """Return how a bracket swings in modes (k,) Hz, (k, unknowns), which gauges read (g, k)."""
     body = found.elastic
@@ -312,7 +336,7 @@ def _swing(
         (2 * np.pi * f) ** 2 * body.inert(u) for f, u in zip(frequencies, shapes, strict=True)
     ])  # fmt: skip
     return Swing(
-        seat=units.seat(frequencies, shapes),
+        seat=units.seat(frequencies, shapes, loss=loss),
         unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
         reactions=units.borne(shapes, inert),
         influence=read,

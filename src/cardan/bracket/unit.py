@@ -17,7 +17,7 @@ from cardan.bracket.engine import engine
 from cardan.bracket.shape import SEAT, WALL, Solid
 from cardan.model.bracket import Hold
 from cardan.model.parts import Material
-from cardan.model.seat import Seat, seat
+from cardan.model.seat import LOSS, Seat, seat
 
 UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")
 """Forces in N and moments in N m on the bearing, accelerations of the frame in m/s²."""
@@ -82,7 +82,7 @@ class Units:
         """
         return self.elastic.between_nodes(self.elastic.locate(points), self.at_nodes[1])
 
-    def seat(self, frequencies: FloatArray, shapes: FloatArray) -> Seat:
+    def seat(self, frequencies: FloatArray, shapes: FloatArray, *, loss: float = LOSS) -> Seat:
         """Return how the seat gives, by modes (k,) Hz, (k, unknowns) and what they leave.
 
         Its parts are unit forces along x, y, z, then those modes.
@@ -93,6 +93,7 @@ class Units:
             frequencies=2 * np.pi * frequencies,
             motion=shapes @ self.loads[:3].T,
             inertia=np.stack([self.elastic.inert(u) for u in forced]) @ forced.T,
+            loss=loss,
         )
 
     def modes(

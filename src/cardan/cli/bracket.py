@@ -33,6 +33,7 @@ REINFORCED = "reinforced"
 @click.option("--vtu", type=OUT, help="Mesh and fields, for ParaView.")
 @click.option("--png", type=OUT, help="A picture of the worst case.")
 @click.option("--html", type=OUT, help="A page to turn it about in.")
+@click.option("--step", type=OUT, help="Its shape, for CAD; faces carry their names.")
 @click.option(
     "--optimise", is_flag=True, help="Search the lightest that lives as long as `optimise` asks."
 )
@@ -48,6 +49,7 @@ def bracket(
     vtu: Path | None,
     png: Path | None,
     html: Path | None,
+    step: Path | None,
     optimise: bool,
     limits: str | None,
     allow_outside: bool,
@@ -75,7 +77,7 @@ def bracket(
 
     say = Language(lang)
     if optimise:
-        if vtu or png or html:
+        if vtu or png or html or step:
             msg = "--optimise chooses sizes: it draws nothing; put them into the file and ask again"
             raise DesignError(msg)
         outputs = claim(file, limits, json_out=json_out)
@@ -88,7 +90,9 @@ def bracket(
             put_lines(chosen.terminal(application, searched, say))
         leave("pass" if searched.best else "fail")
     beside = _beside(vtu, REINFORCED) if vtu else None
-    outputs = claim(file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html)
+    outputs = claim(
+        file, limits, json_out=json_out, vtu=vtu, vtu_beside=beside, png=png, html=html, step=step
+    )  # fmt: skip
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
         approval = approve(application, (BracketStudy(),), tell=tell.study)
@@ -109,6 +113,10 @@ def bracket(
         from cardan.report import bracket_scene
 
         write(html, bracket_scene.page(approval, say=say))
+    if step:
+        from cardan.bracket.solve import drawn_apart
+
+        write(step, drawn_apart(found.bracket.shape))
     if json_out != "-":
         put_lines(shown.terminal(approval, say))
     leave(approval.verdict)

@@ -15,6 +15,7 @@ from cardan.border.measure import (
     Cycles,
     Diameter,
     Distance,
+    FrameLoss,
     Hours,
     Mass,
     Point,
@@ -49,6 +50,7 @@ from cardan.model.bracket import (
     Zone,
 )  # fmt: skip
 from cardan.model.parts import STEEL, Material
+from cardan.model.seat import LOSS
 
 AXES = ("x", "y", "z")
 
@@ -382,6 +384,7 @@ class BracketTable(Table):
     rubber: Rubber | None = key(
         "stiffness between bearing and seat along x, y, z; rigid if left out", default=None
     )
+    loss_factor: FrameLoss = key("of the bracket, assumed if left out", default=LOSS)
     gauges: Annotated[tuple[Gauge, ...], ListOf(TableRule(GaugeTable), most=100)] = key(
         "strain gauges on it", default=()
     )
@@ -425,6 +428,7 @@ class BracketTable(Table):
                 bearing=self.bearing,
                 carried_mass=self.carried_mass,
                 rubber=self.rubber,
+                loss=self.loss_factor,
                 gauges=self.gauges,
                 cases=self.cases,
                 recordings=tuple(r.recording(self.gauges) for r in self.recordings),

@@ -14,6 +14,7 @@ from cardan.border.document import Scalar
 from cardan.border.measure import (
     BearingPlace,
     Distance,
+    FrameLoss,
     Inertia,
     LineRatio,
     LossFactor,
@@ -50,6 +51,7 @@ from cardan.model.application import Adjustable, Installed
 from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Movable
 from cardan.model.parts import RIGID_FLANGE, CentreBearing, Flange, JointSize, Line, Shaft, Spline
+from cardan.model.seat import LOSS
 from cardan.model.vehicle import Axle, Drives
 
 SHAFTS = 12
@@ -105,6 +107,7 @@ class SeatTable(Table):
     stiffness: Annotated[tuple[float, float, float], _AXES] = key(
         "where the bearing sits, along the shaft, across and up"
     )
+    loss_factor: FrameLoss = key("of the bracket, assumed if left out", default=LOSS)
 
 
 class CentreBearingTable(Table):
@@ -142,6 +145,7 @@ class CentreBearingTable(Table):
             axial_stiffness=self.axial_stiffness,
             loss_factor=self.loss_factor,
             bracket_stiffness=self.bracket and self.bracket.stiffness,
+            bracket_loss=self.bracket.loss_factor if self.bracket else LOSS,
         )
 
 

@@ -14,6 +14,7 @@ from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
 from cardan.model.parts import ASSUMED, STEEL, Material
+from cardan.model.seat import LOSS
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -313,6 +314,8 @@ class Bracket:
     bearing: int = 1
     carried_mass: Kilogram = 0.0
     rubber: Vector | None = None
+    loss: float = LOSS
+    """Share of its energy that it loses in a radian."""
     gauges: tuple[Gauge, ...] = ()
     cases: tuple[BracketCase, ...] = ()
     recordings: tuple[BracketRecording, ...] = ()
@@ -334,6 +337,9 @@ class Bracket:
             raise DesignError(msg)
         if self.rubber is not None and not min(self.rubber) > 0:
             msg = f"the rubber of a bracket needs stiffness above 0 each way, got {self.rubber}"
+            raise DesignError(msg)
+        if not 0 < self.loss < 1:
+            msg = f"loss_factor of a bracket must be above 0 and below 1, got {self.loss:g}"
             raise DesignError(msg)
         if self.order not in (1, 2, 3, 4):
             msg = f"order of a bracket's elements must be 1 to 4, got {self.order}"

@@ -7,6 +7,7 @@ from cardan.base.errors import DesignError, failing, positive
 from cardan.base.frozen import dataclass
 from cardan.base.source import Source
 from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
+from cardan.model.seat import LOSS
 
 if TYPE_CHECKING:
     from cardan.model.laminate import CompositeTube
@@ -187,8 +188,9 @@ class CentreBearing:
     `stiffness` is that of rubber and bracket across the shaft, N/m, vertical and lateral;
     None is rigid. `axial_stiffness` is that of the rubber along the shaft, N/m; None slides
     freely. Where `bracket_stiffness` is given, N/m along x, y and z of the vehicle, those two
-    are the rubber's alone, in series with it. `loss_factor` is the rubber's, the tangent of
-    its loss angle; None is not known. `from_rear_joint` is how far ahead of the rear joint
+    are the rubber's alone, in series with it, and `bracket_loss` is the share of its energy that
+    the bracket loses in a radian. `loss_factor` is the rubber's, the tangent of its loss angle;
+    None is not known. `from_rear_joint` is how far ahead of the rear joint
     centre it sits.
     """
 
@@ -197,6 +199,7 @@ class CentreBearing:
     axial_stiffness: float | None = None
     loss_factor: float | None = None
     bracket_stiffness: tuple[float, float, float] | None = None
+    bracket_loss: float = LOSS
 
     @property
     def across(self) -> tuple[float, float] | None:
@@ -224,10 +227,10 @@ class CentreBearing:
         positive("a centre bearing", axial_stiffness=self.axial_stiffness)
         if self.bracket_stiffness is not None:
             positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
-        loss = self.loss_factor
-        if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
-            msg = f"loss_factor of a centre bearing must be above 0 and below 1, got {wrong[0]:g}"
-            raise DesignError(msg)
+        for part, loss in (("centre bearing", self.loss_factor), ("bracket", self.bracket_loss)):
+            if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
+                msg = f"loss_factor of a {part} must be above 0 and below 1, got {wrong[0]:g}"
+                raise DesignError(msg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -175,7 +175,11 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Susp
     that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    told = {k: soft(k_b) for k, b in enumerate(bearings) if (k_b := b.bracket_stiffness)}
+    told = {
+        k: soft(b.bracket_stiffness, loss=b.bracket_loss)
+        for k, b in enumerate(bearings)
+        if b.bracket_stiffness
+    }
     seats = {**told, **r.seats}
     unknown = not seats and all(b.stiffness is None for b in bearings)
     if any(s.tube is None for s in r.line.shafts) or unknown:

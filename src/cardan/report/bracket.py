@@ -440,6 +440,7 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
             float(1 / v.solved.clamped.compliance[k, k] / (N / mm)) for k in range(3)
         ],
         "frequencies_Hz": v.frequencies.tolist(),
+        "frequencies_too_high": v.solved.sliding.too_high.tolist(),
         "frequencies_loaded_Hz": v.carried.tolist(),
         "frequencies_loaded_clamped_Hz": v.solved.clamped.carried.tolist(),
         "crossings": [

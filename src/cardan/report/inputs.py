@@ -205,6 +205,7 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
                 say("bracket stiffness along the shaft, across and up"),
                 _each(b.bracket_stiffness, 1 / mm, "N/mm", say),
             )
+            yield say("loss factor of the bracket"), _q(b.bracket_loss, 1, "", say)
     if s.spline:
         yield say("spline plunge"), _q(s.spline.plunge, mm, "mm", say)
         yield say("spline draw"), _q(s.spline.draw, mm, "mm", say)

@@ -115,7 +115,7 @@ def hung(response: Response, bracket: Bracket, seat: Seat) -> Response:
         bearing = replace(bearing, stiffness=(up, across), axial_stiffness=along)
     elif bearing.stiffness is not None and bearing.bracket_stiffness is None:
         bearing = replace(bearing, stiffness=_less(bearing.stiffness, seat))
-    bearing = replace(bearing, bracket_stiffness=None)  # the seat says it better
+    bearing = replace(bearing, bracket_stiffness=None)  # the seat says it better, its loss too
     shafts[k] = replace(shafts[k], centre_bearing=bearing)
     line = replace(response.line, shafts=tuple(shafts))
     installed = replace(response.demand.installed, line=line)

@@ -413,7 +413,7 @@ def judge(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
         cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
-        levels=levels,
+        loss=bracket.loss, levels=levels,
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)

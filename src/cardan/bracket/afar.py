@@ -1,0 +1,108 @@
+"""What coarse elements elsewhere take from a stress: the error that no neighbour disagrees on.
+
+By the reciprocal theorem the error of a stress at a place is the work that the error of the
+field does on that of a second one: the field in which the place itself is strained, by a unit
+of what is asked there. Both errors are told by stresses that jump from element to element.
+Source: Cirak & Ramm, Comput. Methods Appl. Mech. Eng. 156 (1998) 351, after Zienkiewicz & Zhu.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.bracket.elastic import Elastic, shape_functions
+from cardan.bracket.engine import engine
+from cardan.bracket.stress import von_mises
+from cardan.model.parts import Material
+
+_UNSEEN = 1.5
+"""True over told: means over elements that meet are off themselves. 1.4 to 1.6 at a hole in a sheet
+of elements far wider than it is thick (`ellipse` of `tests/verify/test_bracket_maxima.py`)."""
+
+
+def from_afar(
+    body: Elastic,
+    displacements: FloatArray,
+    smooth: FloatArray,
+    goals: Sequence[tuple[int, int]],
+) -> FloatArray:
+    """Return what each element may have put von Mises stress off by, (goals, elements) Pa.
+
+    One more load case of the same factorisation for each goal. Signs are dropped, so the sum over
+    the elements is the more careful number: they cancel, but by luck.
+
+    Parameters
+    ----------
+    displacements : (c, unknowns)
+    smooth : (n, c, 6) Pa
+        Their stress at the nodes, the mean of the elements that meet.
+    goals
+        Node and case: whose stress is asked, the mean over the elements that meet there.
+    """
+    weights = _weights(body)
+    volumes = weights.sum(axis=1)
+    gaps = {c: _gap(body, displacements[c], smooth[:, c]) for c in {c for _, c in goals}}
+    found = np.zeros((len(goals), len(volumes)))
+    for row, (node, c) in zip(found, goals, strict=True):
+        stress = smooth[node, c]
+        level = float(von_mises(stress))
+        if not level > 0:
+            continue
+        mean = stress[:3].mean()
+        # The derivative of von Mises stress by stress is 3/2 of the deviator over itself.
+        slope = 1.5 * (stress - mean * np.array([1, 1, 1, 0, 0, 0])) / level
+        meet = np.flatnonzero((body.nodes.elements == node).any(axis=1))
+        share = np.zeros(len(volumes))
+        share[meet] = 1 / volumes[meet].sum()
+        second = body.solve(body.strained(share, slope)[None])
+        jump = _gap(body, second[0], body.at_nodes(second)[1][:, 0])
+        work = _complementary(gaps[c], jump, body.material)
+        row[:] = _UNSEEN * np.abs((work * weights).sum(axis=1))
+    return found
+
+
+def too_high(body: Elastic, frequencies: FloatArray, shapes: FloatArray) -> FloatArray:
+    """Return the share (k,) by which frequencies (k,) Hz of shapes (k, unknowns) may be too high.
+
+    Elements are too stiff: w² exceeds its own limit by the energy of what is wrong with the
+    shape, of unit modal mass, which jumps of stress tell. Source: Strang & Fix, An Analysis of
+    the Finite Element Method (1973), chapter 6.
+    """
+    smooth, weights = body.at_nodes(shapes)[1], _weights(body)
+    found = np.empty(len(frequencies))
+    for k, (frequency, shape) in enumerate(zip(frequencies, shapes, strict=True)):
+        gap = _gap(body, shape, smooth[:, k])
+        energy = float((_complementary(gap, gap, body.material) * weights).sum())
+        found[k] = _UNSEEN * energy / (2 * (2 * np.pi * frequency) ** 2)
+    return found
+
+
+@cache
+def _rule() -> Any:
+    ngs = engine().ngs
+    return ngs.IntegrationRule(ngs.TET, 3)
+
+
+def _weights(body: Elastic) -> FloatArray:
+    """Volume (elements, q) m³ that each point of the rule stands for."""
+    ngs = engine().ngs
+    where = body.mesh.MapToAllElements(_rule(), ngs.VOL)
+    volume = np.abs(np.asarray(ngs.Det(ngs.specialcf.JacobianMatrix(3))(where), dtype=float))
+    return volume.reshape(-1, len(_rule().weights)) * np.array(_rule().weights)
+
+
+def _gap(body: Elastic, displacement: FloatArray, smooth: FloatArray) -> FloatArray:
+    """Stress that runs through from node to node, less each element's own, (elements, q, 6) Pa."""
+    raw = body.stress_on(_rule(), displacement)
+    N = shape_functions(np.array([p.point for p in _rule()]))
+    return np.einsum("qn,enk->eqk", N, smooth[body.nodes.elements]) - raw
+
+
+def _complementary(a: FloatArray, b: FloatArray, material: Material) -> FloatArray:
+    """Work (...) N/m² of stresses a on the strains of stresses b, (..., 6) Pa."""
+    E, nu = material.youngs_modulus, material.poisson
+    product = (a[..., :3] * b[..., :3]).sum(-1) + 2 * (a[..., 3:] * b[..., 3:]).sum(-1)
+    return ((1 + nu) * product - nu * a[..., :3].sum(-1) * b[..., :3].sum(-1)) / E
