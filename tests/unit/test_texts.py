@@ -53,6 +53,13 @@ def sources():
 
 
 @pytest.mark.parametrize("code", OTHERS)
+def test_every_quantity_has_its_name(code):
+    assert [
+        q.name for q in QUANTITIES.values() if ("quantity", q.name) not in catalogue(code)
+    ] == []
+
+
+@pytest.mark.parametrize("code", OTHERS)
 def test_what_we_say_about_a_source_is_translated(code):
     """Titles of publications begin with a capital or a digit; what does not is ours to say."""
     said = set(sources())

@@ -968,7 +968,8 @@ def identified(
         high = 1.0 if high > 0.3 else high + 0.3
         doubts.append(RATTLING)
     if not angle.trusted:
-        high = max(high, removed(_near(x, best, fine)))
+        # Something is theirs, and what that knocks loose elsewhere no lost angle can follow.
+        high = max(high, removed(_near(x, best, fine)), ACQUITTED + 0.05)
         low = min(low, 0.5 * middle)
         doubts.append(UNTRUSTED)
     if engine is not None:

@@ -239,8 +239,9 @@ class _Search:
         margin = self._of_amounts(every, to=to).min(-1)
         if cheap and (margin >= 0).any():
             every = every[margin >= 0]
-            share = every / np.where(every > 0, high, np.where(every < 0, low, 1.0))
-            return every[share[:, free].sum(-1).argmin()]
+            amounts, high, low = every[:, free], high[free], low[free]
+            share = amounts / np.where(amounts > 0, high, np.where(amounts < 0, low, 1.0))
+            return every[share.sum(-1).argmin()]
         return every[margin.argmax()]
 
     def best(self, *, to: Bound) -> tuple[FloatArray, float, FloatArray]:
