@@ -286,7 +286,7 @@ def test_each_cell_of_a_map_is_what_a_check_of_it_finds():
     assert [len(p["map"]["verdicts"]) for p in parts if "map" in p] == [9, 17]
     done = [p["done"] for p in parts if "done" in p]
     assert done == sorted(done)
-    assert len(done) > 10  # a bar that moves
+    assert len(done) > 8  # a bar that moves
     assert len(told["verdicts"]) == len(told["x"]["values"]) == 33
     for r, c in ((0, 0), (16, 8), (5, 27), (32, 32)):
         found = assess(moved(TRUCK, at(told, r, c)))

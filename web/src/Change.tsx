@@ -49,8 +49,7 @@ function Fix({ known, shown }: Both) {
         </ul>
       )}
       {found?.length === 0 && <p class="note">{t("Nothing that may move changes anything for the better.")}</p>}
-      {found && found.length > 0 && <Front of={found} />}
-      {job?.answer?.scatter && <p class="note">{job.answer.scatter}</p>}
+      {found && found.length > 0 && <><Front of={found} /><p class="note">{job?.answer?.scatter}</p></>}
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
