@@ -42,6 +42,7 @@ def browser():
 
 
 def show(driver, view):
+    driver.execute_script("scrollTo(0, 0)")  # farther down the verdict stands over the views
     driver.find_element("css selector", f"[data-view={view}]").click()
 
 
