@@ -168,9 +168,9 @@ def test_the_latest_question_wins(house):
         for k in range(1, 41):
             drag = {"kind": "bearing", "number": 1, "line": "main", "by_mm": [0, 0, k / 10]}
             one.say("ask", id=k, text=TEXT, drag=drag, held=True)
-        answered = [one.hear("live")["id"]]
+        answered = [one.hear("graded")["id"]]
         while answered[-1] != 40:
-            answered.append(one.hear("live")["id"])
+            answered.append(one.hear("graded")["id"])
         assert answered == sorted(answered)
         assert len(answered) < 40
 
@@ -732,17 +732,23 @@ def test_lanes_take_only_the_latest():
 
     async def take():
         class Echo:
-            async def ask(self, question):
+            async def ask(self, question, tell):
+                await tell({"half": question["k"]})
                 return question
 
-        latest = lanes.Latest(Echo())
+        async def tell(question, part):
+            told.append((question["k"], part))
+
+        told = []
+        latest = lanes.Latest(Echo(), tell)
         for k in range(5):
             latest.put({"k": k})
         first = await latest.take()
         latest.put({"k": 9})
         latest.drop()
         latest.put({"k": 10})
-        return first, await latest.take()
+        return first, await latest.take(), told
 
-    first, second = asyncio.run(take())
+    first, second, told = asyncio.run(take())
     assert (first[0], second[0]) == ({"k": 4}, {"k": 10})
+    assert told == [(4, {"half": 4}), (10, {"half": 10})]

@@ -13,6 +13,7 @@ import { Helps } from "./Helps";
 import { unsaved } from "./history";
 import { Library, Reports } from "./Library";
 import { Limits } from "./Limits";
+import { marks } from "./marks";
 import { Parts } from "./Parts";
 import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
@@ -25,6 +26,16 @@ import { Pin, Variants } from "./Variants";
 import { still, useKnown } from "./use";
 
 type Both = { known: Known; shown: Shown };
+
+/** What is drawn of a line: where it runs, and what its limits make of that. */
+const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
+const StillViews = still<Both>(Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
+const StillAngles = still<Both>(Angles, (p) => [...drawn(p), p.known.jobs]);
+const StillPhasors = still<Both>(Phasors, drawn);
+const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
+const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
+const StillHeat = still<{ known: Known }>(Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
+const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, k.live?.title, k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
 /** What a hand that moves something does not change: drawn again once it lets go. */
 const rested = ({ known, shown }: Both): unknown[] => [known.held ? null : known.live, known.held ? null : known.full, known.pose, known.asked, known.theme, known.lang, shown.free, shown.state];
@@ -47,7 +58,7 @@ export function App() {
   }, [known.live?.title, known.history]);
   return (
     <>
-      <Head known={known} />
+      <StillHead known={known} />
       <main id="main">
         <Notices known={known} />
         {known.file === null && known.connection === "open" && <Library known={known} />}
@@ -55,7 +66,7 @@ export function App() {
         {known.file === null && known.connection === "open" && <Guide known={known} />}
         {shown && (
           <>
-            {known.view !== "new" && <Strip known={known} />}
+            {known.view !== "new" && <StillStrip known={known} />}
             {!known.fixed && <Tabs known={known} />}
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
@@ -67,17 +78,17 @@ export function App() {
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
-                <Views known={known} shown={shown} />
+                <StillViews known={known} shown={shown} />
                 <StillPoser known={known} shown={shown} />
-                <Angles known={known} shown={shown} />
+                <StillAngles known={known} shown={shown} />
                 {!known.fixed && <StillParts known={known} shown={shown} />}
                 {!known.fixed && <StillEditor known={known} />}
               </div>
               <div class="right">
-                <Heat known={known} />
+                <StillHeat known={known} />
                 <Detail known={known} />
                 {!known.fixed && <StillHelps known={known} />}
-                <Phasors known={known} shown={shown} />
+                <StillPhasors known={known} shown={shown} />
                 {!known.fixed && <StillDials known={known} shown={shown} />}
               </div>
             </div>}
@@ -114,7 +125,7 @@ function what(known: Known): Shown | null {
   const state = Math.min(asked.state ?? (pose?.line === index ? pose.state : null) ?? live.worst, live.states.length - 1);
   const free = asked.travel_mm !== undefined && pose?.at !== undefined && pose.line === index;
   const laid = free ? pose.at?.laid : line.states[state];
-  return laid ? { live, line, index, state, laid, free } : null;
+  return laid ? { live, line, index, state, laid, free, marks: marks(store.rows(), line.name, state) } : null;
 }
 
 function useKeys(): void {

@@ -57,7 +57,7 @@ function Dial(of: { phase: number; address: string; shaft: number; chosen: boole
   const base = of.held === name ? (from ?? phase) : phase;
   const to = (degrees: number): void => {
     if (of.held !== name) start(phase);
-    store.hold(name, { edits: { [address]: wrapped(degrees) } }, ["curves", "turn"]);
+    store.hold(name, { edits: { [address]: wrapped(degrees) } }, ["turn"]);
   };
   const hand = useHand({
     // Along the page: a degree each half pixel's way round, in steps a fitter can set.

@@ -2,20 +2,20 @@
 
 import { useMemo, useRef } from "preact/hooks";
 import { fixed, signed } from "./format";
-import { grade } from "./marks";
+import type { Marks } from "./marks";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Drag, Ghost, Handle, Laid, Line, Live, Maybe, Obstacle, Point } from "./types";
 import { useHand, useWidth } from "./use";
 import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
 
-export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean }
+export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean; marks: Marks }
 
 const TALLEST: Record<View, number> = { side: 330, top: 250 };
 
 export function Drawing({ known, shown, view }: { known: Known; shown: Shown; view: View }) {
   const [box, width] = useWidth(900);
-  const { live, line, state } = shown;
+  const { live, line, state, marks } = shown;
   const obstacles = live.obstacles.filter((o) => o.line === line.name);
   const tallest = width < 560 ? 260 : TALLEST[view];
   const fresh = useMemo(() => page(line, obstacles, view, width, tallest), [live, width, view]);
@@ -24,9 +24,8 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
   if (!known.held || still.current.width !== fresh.width) still.current = fresh;
   const p = still.current;
   const c = ACROSS[view];
-  const rows = store.rows();
   const selected = known.selected;
-  const chosen = rows.find((r) => r.id === selected?.row);
+  const chosen = selected && store.rows().find((r) => r.id === selected.row);
   const part = chosen?.values ? chosen.kinds[selected?.part ?? 0] : undefined;
   const marked = (kind: string, n: number): boolean =>
     chosen?.line === line.name && part?.[0] === kind && part[1] === n;
@@ -34,6 +33,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
   const path = (at: Point[]): string =>
     at.map((q, k) => `${k ? "L" : "M"}${p.x(q[0]).toFixed(1)} ${p.y(q[c]).toFixed(1)}`).join("");
   const bold = points(shown.laid);
+  const others = useMemo(() => line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />)), [line.states, state, p, view]);
   const angles = view === "side" ? line.side_angles[state] : line.top_angles[state];
   const slopes = (view === "side" ? line.side : line.top)[state];
   const posed = shown.free ? known.pose?.at : undefined;
@@ -55,7 +55,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
         <span>{p.times === 1 ? t("to scale") : t("across {times} times as large", { times: p.times })}</span>
       </figcaption>
       <svg class="drawing" width={p.width} height={p.height} viewBox={`0 0 ${p.width} ${p.height}`} role="group" aria-label={title}>
-        <g class="states" aria-hidden="true">{line.states.map((laid, s) => (s === state ? null : <path key={s} d={path(points(laid))} />))}</g>
+        <g class="states" aria-hidden="true">{others}</g>
         <path class="installed" d={path(points(line.installed))} aria-hidden="true" />
         {ghost && <path class="ghost" d={path(points(ghost))} aria-hidden="true" />}
         <g aria-hidden="true">{obstacles.map((o) => (<Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />))}</g>
@@ -64,7 +64,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
             const b = bold[k + 1] as Point;
             const tube = k > 0 && k < bold.length - 2;
             const thick = Math.max(3, (tube ? (line.tubes[k - 1] ?? 50) : 50) * p.scale * p.times);
-            const worst = tube ? grade(rows, line.name, state, "shaft", k) : null;
+            const worst = tube ? marks[`shaft ${k}`] : null;
             return (
               <line
                 key={k}
@@ -82,10 +82,10 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
         <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} />
         <g aria-hidden="true">
           {shown.laid.bearings.map((b, k) => (
-            <Bearing key={k} x={p.x(b[0])} y={p.y(b[c])} n={k + 1} grade={grade(rows, line.name, state, "centre bearing", k + 1)} chosen={marked("centre bearing", k + 1)} />
+            <Bearing key={k} x={p.x(b[0])} y={p.y(b[c])} n={k + 1} grade={marks[`centre bearing ${k + 1}`]} chosen={marked("centre bearing", k + 1)} />
           ))}
           {shown.laid.joints.map((q, k) => {
-            const worst = grade(rows, line.name, state, "joint", k + 1);
+            const worst = marks[`joint ${k + 1}`];
             const [x, y] = [p.x(q[0]), p.y(q[c])];
             return (
               <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
@@ -149,7 +149,7 @@ function Rooms(of: {
   );
 }
 
-function Bearing(of: { x: number; y: number; n: number; grade: string | null; chosen: boolean }) {
+function Bearing(of: { x: number; y: number; n: number; grade: string | undefined; chosen: boolean }) {
   const { x, y } = of;
   return (
     <g class={`bearing ${of.grade ?? ""} ${of.chosen ? "chosen" : ""}`}>

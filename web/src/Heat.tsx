@@ -52,12 +52,15 @@ export function Heat({ known }: { known: Known }) {
 
 interface Of { row: Any; known: Known; several: boolean }
 
-/** Most rows stay what they are while one thing is moved: those are not drawn again. */
+/** What is seen of a row, state by state. */
+const seen = (row: Row): string =>
+  row.grades.map((of, s) => { const p = worstPart(row, s); return [p, of[p], percent(row.margins[s]?.[p]), near(row.margins[s]?.[p])].join(); }).join(";");
+
+/** Most rows look as they did while one thing is moved: those are not drawn again. */
 const StillRow = still<Of>(HeatRow, ({ row, known, several }) => [
   row.id,
   row.name,
-  row.values && row.margins.join(),
-  row.values && row.grades.join(),
+  row.values && seen(row),
   "points" in row && !known.settled,
   known.selected?.row === row.id ? known.selected.state : null,
   known.live?.states.length,

@@ -1,15 +1,13 @@
 // Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
 
 import { number } from "./format";
-import { grade } from "./marks";
 import { store, type Known } from "./store";
 import { t } from "./text";
 import type { Shown } from "./Drawing";
 
 export function Parts({ known, shown }: { known: Known; shown: Shown }) {
-  const { line, state } = shown;
+  const { line, marks } = shown;
   const { joints, tubes } = known.catalogue;
-  const rows = store.rows();
   // One name may stand for every joint of the line.
   const alike = new Set(line.joint_at).size === 1;
   const listed = alike ? line.joints.slice(0, 1) : line.joints;
@@ -36,7 +34,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
               const part = alike && line.joints.length > 1 ? t("every joint") : t("joint {n}", { n: k + 1 });
               return (
                 <tr key={`j${k}`}>
-                  <th scope="row" class={grade(rows, line.name, state, "joint", k + 1) ?? ""}>{part}</th>
+                  <th scope="row" class={marks[`joint ${k + 1}`] ?? ""}>{part}</th>
                   <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
                   <td class="n">{rated ? `${number(rated.peak_Nm)} N·m` : ""}</td>
                   <td class="n">{rated ? `${number(rated.reversing_Nm)} N·m` : ""}</td>

@@ -41,8 +41,14 @@ export function Plot(of: {
   const [box, width] = useWidth(420);
   const root = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
+  const here = useRef<HTMLElement | null>(null);
   const at = useRef(of.at);
   at.current = of.at;
+  // The cursor stands above the curves: they are not drawn again where it alone moves.
+  const place = (u: uPlot): void => {
+    const x = at.current;
+    if (here.current) here.current.style.transform = x === null || x === undefined ? "scale(0)" : `translateX(${u.valToPos(x, "x")}px)`;
+  };
   const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour, s.right]), of.unit, of.left, of.right, of.height, of.theme, of.beside]);
 
   useEffect(() => {
@@ -68,21 +74,9 @@ export function Plot(of: {
         hooks: {
           draw: [
             (u) => besides(u, of.beside ?? {}),
-            (u) => {
-              if (at.current === null || at.current === undefined) return;
-              const x = u.valToPos(at.current, "x", true);
-              const { ctx } = u;
-              ctx.save();
-              ctx.strokeStyle = colour("--accent");
-              ctx.setLineDash([]);
-              ctx.lineWidth = 1.5 * devicePixelRatio;
-              ctx.beginPath();
-              ctx.moveTo(x, u.bbox.top);
-              ctx.lineTo(x, u.bbox.top + u.bbox.height);
-              ctx.stroke();
-              ctx.restore();
-            },
+            place,
           ],
+          init: [(u) => { here.current = u.over.appendChild(document.createElement("i")); here.current.className = "here"; }],
         },
       },
       data(of.x, of.series),
@@ -96,7 +90,7 @@ export function Plot(of: {
 
   useEffect(() => plot.current?.setSize({ width, height: of.height }), [width]);
   useEffect(() => plot.current?.setData(data(of.x, of.series)), [of.x, of.series]);
-  useEffect(() => plot.current?.redraw(false), [of.at]);
+  useEffect(() => { if (plot.current) place(plot.current); }, [of.at]);
 
   return (
     <div class="plot" ref={box} role="img" aria-label={of.label}>

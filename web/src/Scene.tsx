@@ -3,9 +3,8 @@
 import { useEffect } from "preact/hooks";
 import * as THREE from "three";
 import type { Shown } from "./Drawing";
-import { grade } from "./marks";
 import { put, skin, useStage, type Stage } from "./stage";
-import { store, type Known } from "./store";
+import type { Known } from "./store";
 import { t } from "./text";
 import type { Point } from "./types";
 
@@ -31,10 +30,9 @@ export default function Scene({ known, shown }: { known: Known; shown: Shown }) 
 
 function build(s: Stage, shown: Shown): void {
   s.clear();
-  const rows = store.rows();
   const { line, laid, state } = shown;
   const graded = (kind: string, n: number, plain: string): string => {
-    const found = grade(rows, line.name, state, kind, n);
+    const found = shown.marks[`${kind} ${n}`];
     return found === "fail" ? "--fail" : found === "warn" ? "--warn" : plain;
   };
   const rod = (a: Point, b: Point, radius: number, material: THREE.Material): void => {

@@ -1,16 +1,18 @@
 // What of a drawing does not pass: looked up in the limits, nothing decided here.
 
-import type { Grade, Row, Verdict } from "./types";
+import type { Grade, Maybe, Row, Verdict } from "./types";
 
 export const GRADES: Grade[] = ["pass", "warn", "fail"];
 export const VERDICTS: Verdict[] = ["pass", "warn", "incomplete", "fail"];
 
-/** The worst grade of a part of a line in a state; null where no limit asks about it. */
-export function grade(rows: { line: string; kinds?: Row["kinds"]; grades?: Row["grades"] }[], line: string, state: number, kind: string, number: number): Grade | null {
-  let found = -1;
+export type Marks = Record<string, Grade | undefined>;
+
+/** The worst grade of each part of a line in a state, as "joint 2"; of none where no limit asks. */
+export function marks(rows: { line: string; kinds?: Row["kinds"]; grades?: Row["grades"] }[], line: string, state: number): Marks {
+  const found: Record<string, Maybe> = {};
   for (const row of rows) {
-    if (row.line !== line || !row.kinds || !row.grades) continue;
-    row.kinds.forEach(([k, n], p) => { if (k === kind && n === number) found = Math.max(found, row.grades?.[state]?.[p] ?? -1); });
+    if (row.line !== line) continue;
+    row.kinds?.forEach(([kind, n], p) => { found[`${kind} ${n}`] = Math.max(found[`${kind} ${n}`] ?? -1, row.grades?.[state]?.[p] ?? -1); });
   }
-  return GRADES[found] ?? null;
+  return Object.fromEntries(Object.entries(found).map(([part, g]) => [part, GRADES[g ?? -1]]));
 }

@@ -81,10 +81,10 @@ interface Gesture {
   /** The text it began from; null while an earlier change is still being answered. */
   base: string | null;
   change: { drag?: Drag; edits?: Edits };
-  want: ("curves" | "turn")[];
+  want: "turn"[];
 }
 
-interface Sent { id: number; kind: "ask" | "pose"; commit: boolean; held: boolean; since: number; shown: boolean }
+interface Sent { id: number; commit: boolean; part: boolean; since: number; shown: boolean }
 
 interface Waiting {
   kind: "ask" | "pose";
@@ -94,6 +94,9 @@ interface Waiting {
   /** Whether what was asked for is on the page before the answer. */
   shown?: boolean;
 }
+
+/** How long a slider rests before the curves beside it are asked for, in ms. */
+const REST = 200;
 
 export const remembered = (key: string): string | null => {
   try {
@@ -172,7 +175,11 @@ export class Store {
       case "opened":
         this.opened(m);
         break;
+      case "moved":
+        this.moved(m);
+        break;
       case "live":
+      case "graded":
       case "posed":
         this.answered(m);
         break;
@@ -397,7 +404,7 @@ export class Store {
     const { kind, commit, since } = waiting;
     const now = this.known.history?.text;
     const question = commit && now !== undefined ? { ...waiting.question, text: now } : waiting.question;
-    this.sent = { id: this.ids, kind, commit, since, held: question.held ?? false, shown: waiting.shown ?? false };
+    this.sent = { id: this.ids, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
     if (kind === "ask") {
       this.latest = this.ids;
       if (this.known.settled || this.known.helping) this.set({ settled: false, helping: false });
@@ -405,15 +412,34 @@ export class Store {
     this.link?.say({ type: kind, id: this.ids, ...question });
   }
 
-  private answered(m: Extract<Told, { type: "live" | "posed" }>): void {
+  /** Where a hand has the line; what its limits make of that follows. */
+  private moved(m: Extract<Told, { type: "moved" }>): void {
+    const { live, pose } = this.known;
+    if (!live || this.sent?.id !== m.id) return;
+    const lines = live.lines.map((l) => ({ ...l, ...m.lines.find((o) => o.name === l.name) }));
+    this.set({ live: { ...live, lines, obstacles: m.obstacles }, problems: [], ...(m.pose ? { pose: posed(pose, m.pose) } : {}) });
+    painted(this.sent.since, "cardan:moved");
+  }
+
+  private graded(m: Extract<Told, { type: "graded" }>): void {
+    const { live } = this.known;
+    const found = new Map(m.limits?.map((r) => [r.id, r]));
+    // Where a value was worst is said again once the hand rests.
+    const limits = live?.limits.map(({ points: _, ...row }) => ({ ...row, ...found.get(row.id) }));
+    if (live && limits) this.set({ live: { ...live, limits, grade: m.grade ?? null } });
+  }
+
+  private answered(m: Extract<Told, { type: "live" | "graded" | "posed" }>): void {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
     this.sent = null;
     if (m.type === "posed") {
-      if (m.pose) this.set({ pose: m.pose });
+      if (m.pose) this.set({ pose: sent.part ? posed(this.known.pose, m.pose) : m.pose });
     } else if (m.problems) {
       this.set({ problems: m.problems });
       if (sent.commit) this.back();
+    } else if (m.type === "graded") {
+      this.graded(m);
     } else if (m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
@@ -425,11 +451,11 @@ export class Store {
     if (next) this.send(next);
   }
 
-  private took(m: { text: string; edits?: Edits } & Live, sent: Sent): void {
-    const change: Partial<Known> = { live: sent.held ? this.kept(m) : m, problems: [] };
+  private took(m: { text?: string; edits?: Edits } & Live, sent: Sent): void {
+    const change: Partial<Known> = { live: m, problems: [] };
     if (m.handles) change.handles = m.handles;
-    if (m.pose) change.pose = sent.held ? { ...this.known.pose, ...m.pose } : m.pose;
-    if (sent.commit && this.known.history) {
+    if (m.pose) change.pose = m.pose;
+    if (sent.commit && this.known.history && m.text !== undefined) {
       change.history = History.edited(this.known.history, m.text);
       change.helps = null;
     }
@@ -441,16 +467,6 @@ export class Store {
         this.held();
       }
     }
-  }
-
-  /** What an answer leaves out while something is held. */
-  private kept(live: Live): Live {
-    const lines = this.known.live?.lines;
-    const written = (k: number) => {
-      const { phase_at = [], tube_at = [], tube_now = [], joint_at = [], joint_now = [], movable = [] } = lines?.[k] ?? {};
-      return { phase_at, tube_at, tube_now, joint_at, joint_now, movable };
-    };
-    return { ...live, lines: live.lines.map((l, k) => ({ ...l, ...written(k) })) };
   }
 
   /** Show the document as it is: a change could not be made. */
@@ -466,7 +482,7 @@ export class Store {
   // ------------------------------------------------------------------ hands
 
   /** Something is held and has been moved so far; the document waits until it is let go. */
-  hold(name: string, change: { drag?: Drag; edits?: Edits }, want: ("curves" | "turn")[] = []): void {
+  hold(name: string, change: { drag?: Drag; edits?: Edits }, want: "turn"[] = []): void {
     if (!this.known.history) return;
     if (!this.gesture || this.gesture.name !== name) {
       if (this.gesture) this.release();
@@ -578,10 +594,18 @@ export class Store {
     if (!history) return;
     const since = performance.now();
     const shown = asked.travel_mm === undefined && asked.torque_Nm === undefined;
+    clearTimeout(this.resting);
     // A state is here already; only its curves are asked for.
     if (shown) painted(since);
-    const question = { text: history.text, pose: this.known.asked };
-    this.put({ kind: "pose", question, commit: false, since, shown });
+    else this.put({ kind: "pose", question: { text: history.text, pose: this.known.asked, want: [] }, commit: false, since });
+    this.resting = setTimeout(() => this.curves(), shown ? 0 : REST);
+  }
+
+  private resting: ReturnType<typeof setTimeout> | undefined;
+
+  private curves(): void {
+    const { history, asked, held } = this.known;
+    if (history && held === null) this.put({ kind: "pose", question: { text: history.text, pose: asked }, commit: false, since: 0, shown: true });
   }
 
   look(selected: Selected | null): void {
@@ -616,11 +640,16 @@ export class Store {
   rows(): (Row | (Limit & { values?: undefined }))[] {
     const { live, full, order } = this.known;
     if (!live) return [];
-    const later = full?.limits ?? live.pending;
-    const all = [...live.limits, ...later];
-    const place = new Map(order.map((id, k) => [id, k]));
-    return all.sort((a, b) => (place.get(a.id) ?? 1e6) - (place.get(b.id) ?? 1e6));
+    const of = [live.limits, full?.limits ?? live.pending, order] as const;
+    if (of.some((part, k) => part !== this.listed.of[k])) {
+      const place = new Map(order.map((id, k) => [id, k]));
+      const rows = [...of[0], ...of[1]].sort((a, b) => (place.get(a.id) ?? 1e6) - (place.get(b.id) ?? 1e6));
+      this.listed = { of, rows };
+    }
+    return this.listed.rows;
   }
+
+  private listed: { of: readonly unknown[]; rows: (Row | (Limit & { values?: undefined }))[] } = { of: [], rows: [] };
 
   /** The worst first; kept while a hand moves, so that nothing jumps under it. */
   private sorted(full: Full): string[] {
@@ -646,13 +675,19 @@ export function worst(row: Row): number {
   return found;
 }
 
+/** A pose with what of the one before was not told again: its curves. */
+function posed(was: Pose | null, now: Pose): Pose {
+  const { at: _, stuck: __, ...kept } = was ?? now;
+  return { ...kept, ...now };
+}
+
 /** Measure from a hand's move until what follows has been painted. */
-function painted(since: number): void {
+function painted(since: number, what = "cardan:painted"): void {
   requestAnimationFrame(() => {
     const { port1, port2 } = new MessageChannel();
     port1.onmessage = () => {
-      if (performance.getEntriesByName("cardan:painted").length > 500) performance.clearMeasures();
-      performance.measure("cardan:painted", { start: since, end: performance.now() });
+      if (performance.getEntriesByName(what).length > 500) performance.clearMeasures(what);
+      performance.measure(what, { start: since, end: performance.now() });
     };
     port2.postMessage(0);
   });

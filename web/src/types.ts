@@ -1,10 +1,10 @@
 // What the page is told and what it says; the shapes of answers are made from their schema.
 
-import type { Catalogue, Edits, Explained, Full, Help, Kind, Live, Named, Point, Pose, Problem } from "../made/types";
+import type { Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row } from "../made/types";
 
 export type * from "../made/types";
 
-interface Answered { id: number; text: string; problems?: Problem[]; fault?: string }
+interface Answered { id: number; text?: string; problems?: Problem[]; fault?: string }
 
 export type Told =
   | {
@@ -33,6 +33,8 @@ export type Told =
       revisions: (Named & { said: string })[];
     }
   | ({ type: "live"; edits?: Edits } & Answered & Partial<Live>)
+  | { type: "moved"; id: number; lines: (Pick<Line, "name"> & Partial<Line>)[]; obstacles: Obstacle[]; pose?: Pose }
+  | ({ type: "graded"; limits?: Pick<Row, "id" | "values" | "margins" | "grades">[]; grade?: Live["grade"] } & Answered)
   | ({ type: "posed"; pose?: Pose } & Answered)
   | ({ type: "full" } & Answered & Partial<Full>)
   | ({ type: "helped"; helps?: Help[] } & Answered)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias, get_args
 
@@ -124,7 +125,8 @@ def loads(
 def understood(written: Written, *, warn: bool = True) -> Application:
     """Return the application of a text with its changes made."""
     name = written.name
-    root, problems = parse(written.text, name)
+    root, wrong = _parsed(written.text, name)
+    problems = list(wrong)
     reading = Reading(
         problems=problems,
         folder=written.folder,
@@ -152,6 +154,13 @@ def understood(written: Written, *, warn: bool = True) -> Application:
     spread = any(np.ndim(to) for to in written.changes.values())
     told = _warnings(application, reading) if warn and not spread else ()
     return replace(application, written=read, warnings=told)
+
+
+@lru_cache(4)
+def _parsed(text: str, name: str) -> tuple[Node, tuple[Problem, ...]]:
+    """Return the tree of a text, which nobody changes: read again with other numbers, it is here."""
+    root, problems = parse(text, name)
+    return root, tuple(problems)
 
 
 def catalogue_of(application: Application) -> Catalogue:

@@ -33,7 +33,9 @@ def addresses(application: Application) -> dict[str, ArrayLike]:
     }
 
 
-def change(application: Application, changes: Mapping[str, ArrayLike]) -> Application:
+def change(
+    application: Application, changes: Mapping[str, ArrayLike], *, warn: bool = True
+) -> Application:
     """Return the application with other numbers in place of its file's.
 
     Parameters
@@ -43,6 +45,8 @@ def change(application: Application, changes: Mapping[str, ArrayLike]) -> Applic
     changes : number or (V,)
         By address, in the unit of its key. Arrays are variants: all must be as long, and
         what follows from them is (V, ...).
+    warn
+        Whether to ask what looks wrong besides.
 
     Raises
     ------
@@ -59,7 +63,7 @@ def change(application: Application, changes: Mapping[str, ArrayLike]) -> Applic
         msg = f"variants of several numbers must be arrays of one length, got {sorted(lengths)}"
         raise ValueError(msg)
     made = {at: c[:, None] if c.ndim else float(c) for at, c in columns.items()}
-    return understood(replace(written, changes=dict(written.changes) | made))
+    return understood(replace(written, changes=dict(written.changes) | made), warn=warn)
 
 
 def _written(application: Application) -> Written:

@@ -35,7 +35,7 @@ from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
 from cardan.study.moves import Move
-from cardan.study.ride import Reach, reach, ride
+from cardan.study.ride import Reach, ride
 from cardan.study.sensitivity import sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
@@ -62,12 +62,13 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
     text, name = question["text"], question["name"]
     say = Language(question["lang"])
     try:
-        edits = _edits(document(text, name, folder), question)
+        read = document(text, name, folder)
+        edits = _edits(read, question)
         if edits:
-            text = document(text, name, folder).manuscript.with_(edits)
-        read = document(text, name, folder, hasty=bool(question.get("held") and edits))
+            read = read.edited(edits, held=question["job"] == "held")
+            text = read.text
         if question["job"] in _JOBS:
-            found = _JOBS[question["job"]](read, question, say)
+            found = _JOBS[question["job"]](read, question, say, tell)
         else:
             found = _LONG[question["job"]](read, question["args"], say, tell)
     except CardanError as error:
@@ -104,24 +105,21 @@ def _edits(read: Document, question: Json) -> Changes:
 # --------------------------------------------------------------------------- what is asked
 
 
-def _live(read: Document, question: Json, say: Language) -> Json:
-    """Return all that follows a hand at once: lines, limits that need no operating points."""
+def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
+    """Return all that follows a change at once: lines, limits that need no operating points."""
     app = read.application
-    held = bool(question.get("held"))
-    lines = [_line(r, None if held else read.manuscript, say) for r in read.responses]
-    rows = [row for r in read.responses for row in _rows(r, AT_ONCE, say, pointed=not held)]
-    grades = {g for row in rows for s in row["grades"] for g in s if g is not None}
+    rows = [row for r in read.responses for row in _rows(r, say)]
     return {
         "title": app.title,
         "profile": app.profile,
         "states": [_state(read.responses[0], s, say) for s in range(len(app.states))],
         "worst": worst_state(read.responses[0]),
-        "lines": lines,
+        "lines": [_line(r, read.manuscript, say) for r in read.responses],
         "obstacles": [_obstacle(o) for o in app.obstacles],
-        **({} if held else {"handles": _handles(read)}),
+        "handles": _handles(read),
         "limits": rows,
         "pending": [row for r in read.responses for row in _pending(r, say)],
-        "grade": worst([GRADES[g] for g in grades]) if grades else None,
+        "grade": _grade(rows),
         "warnings": [
             {"message": p.message, "key": p.key, "hint": p.hint, "line": p.line,
              "column": p.column, "value": p.value}
@@ -131,6 +129,32 @@ def _live(read: Document, question: Json, say: Language) -> Json:
     }  # fmt: skip
 
 
+def _held(read: Document, question: Json, _: Language, tell: Tell) -> Json:
+    """Return the numbers that follow a hand: of the line that is shown, and then of the limits."""
+    shown = read.responses[_shown(read, question)]
+    tell({
+        "lines": [{"name": shown.line.name, **_moving(shown)}],
+        "obstacles": [_obstacle(o) for o in read.application.obstacles],
+        **_posed(read, question),
+    })  # fmt: skip
+    rows = [
+        {"id": _id(r, a.limit, k), **_graded(a)} for r in read.responses for k, a in _at_once(r)
+    ]
+    return {"limits": rows, "grade": _grade(rows)}
+
+
+def _shown(read: Document, question: Json) -> int:
+    """Return which line the page shows."""
+    line = int((question.get("pose") or {}).get("line", 0))
+    return min(max(line, 0), len(read.responses) - 1)
+
+
+def _grade(rows: list[Json]) -> str | None:
+    """Return the worst grade of some limits; None where none has a value."""
+    grades = {g for row in rows for s in row["grades"] for g in s if g is not None}
+    return worst([GRADES[g] for g in grades]) if grades else None
+
+
 def _handles(read: Document) -> list[Json]:
     return [
         {"kind": h.kind, "number": h.number, "line": h.line, "ways": h.ways}
@@ -138,12 +162,12 @@ def _handles(read: Document) -> list[Json]:
     ]
 
 
-def _pose(read: Document, question: Json, _: Language) -> Json:
+def _pose(read: Document, question: Json, _: Language, __: Tell) -> Json:
     """Return a line where a slider has it, and what its curves are."""
     return _posed(read, question)
 
 
-def _full(read: Document, _: Json, say: Language) -> Json:
+def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
     """Return the verdict, and the limits that are sought over all operating points."""
     found = approve(read.application)
     others = [c for f in found.findings if f.study != DRIVELINE for c in f.checks]
@@ -152,12 +176,12 @@ def _full(read: Document, _: Json, say: Language) -> Json:
         "counts": {g: sum(c.grade == g for c in found.checks) for g in GRADES},
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
-        "limits": [row for r in found.responses for row in _rows(r, SOUGHT, say)],
+        "limits": [row for r in found.responses for row in _rows(r, say, SOUGHT)],
         "others": [other(c, found, say) for c in sorted(others, key=badness)],
     }
 
 
-def _help(read: Document, _: Json, say: Language) -> Json:
+def _help(read: Document, _: Json, say: Language, __: Tell) -> Json:
     """Return what moving things does to each limit that does not pass, as edits to apply."""
     found = approve(read.application)
     helps: list[Json] = []
@@ -175,7 +199,7 @@ def _help(read: Document, _: Json, say: Language) -> Json:
     return {"helps": helps}
 
 
-_JOBS = {"live": _live, "pose": _pose, "full": _full, "help": _help}
+_JOBS = {"live": _live, "held": _held, "pose": _pose, "full": _full, "help": _help}
 
 
 def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
@@ -247,18 +271,28 @@ def _state(r: Response, s: int, say: Language) -> Json:
     return {"name": name, "said": say.state(name), "kind": r.kinds[s]}
 
 
-def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
-    """Return a line: as installed, and in each state; where its phases stand in a text."""
-    line, installed = r.line, r.demand.installed
+def _line(r: Response, text: Manuscript, say: Language) -> Json:
+    """Return a line: what it consists of, where that stands in a text, and where it runs."""
+    line = r.line
     return {
         "name": line.name,
-        "installed": _laid(installed.layout, installed),
-        "states": [_laid(r.layout[s], installed) for s in range(len(r.demand.states))],
         "tubes": [f(s.tube.outer / mm) if s.tube else None for s in line.shafts],
         "tube_names": [_tube(s, say) for s in line.shafts],
         "joints": [s.name if s else "" for s in r.sizes],
-        "phases": [round(s.phase / deg, 3) for s in line.shafts],
-        **({**_written(installed, text), "movable": changes.told(r, say)} if text else {}),
+        **_written(r.demand.installed, text),
+        "movable": changes.told(r, say),
+        "obstacles": [r.application.obstacles.index(o) for o in r.obstacles],
+        **_moving(r),
+    }
+
+
+def _moving(r: Response) -> Json:
+    """Return what of a line moves with a hand: where it runs, as installed and in each state."""
+    installed = r.demand.installed
+    return {
+        "installed": _laid(installed.layout, installed),
+        "states": [_laid(r.layout[s], installed) for s in range(len(r.demand.states))],
+        "phases": [round(s.phase / deg, 3) for s in r.line.shafts],
         "angles": fs(r.angles / deg, 3),
         "side_angles": fs(r.side_angles / deg, 3),
         "top_angles": fs(r.top_angles / deg, 3),
@@ -271,11 +305,10 @@ def _line(r: Response, text: Manuscript | None, say: Language) -> Json:
         "torque": fs(r.demand.torque, 0),
         "speed": fs(r.demand.speed / rpm, 0),
         "clearance": [fs(c / mm, 2) for c in r.clearances],
-        "obstacles": [r.application.obstacles.index(o) for o in r.obstacles],
-        "phasors": [_phasors(r, s) for s in range(len(r.demand.states))],
+        "phasors": _phasors(r),
         "equivalent": fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
-    }  # fmt: skip
+    }
 
 
 def _written(of: Installed, text: Manuscript) -> Json:
@@ -315,11 +348,15 @@ def _laid(layout: Layout, installed: Installed) -> Json:
     }
 
 
-def _phasors(r: Response, s: int) -> list[Any]:
-    """Return where the joints' sum gets to one by one, as AE-7 has it, deg² along 0 and 45 deg."""
+def _phasors(r: Response) -> Any:
+    """Return where the joints' sum gets to one by one in each state, (states, joints + 1, 2).
+
+    As AE-7 has it, deg² along 0 and 45 deg.
+    """
     side, top, phases = r.uneven
-    ends = np.cumsum(ae7_terms(side[s], top[s], phases=phases)) / deg**2
-    return [[0.0, 0.0], *([f(float(t.real), 3), f(float(t.imag), 3)] for t in ends)]
+    ends = np.cumsum(ae7_terms(side, top, phases=phases), axis=-1) / deg**2
+    ends = np.concatenate([np.zeros_like(ends[..., :1]), ends], axis=-1)
+    return fs(np.stack([ends.real, ends.imag], axis=-1), 3)
 
 
 def _rings(r: Response, s: int) -> list[Json]:
@@ -346,29 +383,40 @@ def _obstacle(o: Any) -> Json:
 # --------------------------------------------------------------------------- limits
 
 
-def _rows(
-    r: Response, quantities: frozenset[str], say: Language, *, pointed: bool = True
-) -> Iterator[Json]:
-    """Yield each limit of a line with its values, (states, parts), and where each was found."""
+def _at_once(r: Response, quantities: frozenset[str] = AT_ONCE) -> Iterator[tuple[int, Asked]]:
+    """Yield each limit that asks about a line somewhere, with its number."""
     for k, a in enumerate(asked(r, quantities=quantities)):
         if a.may.any():
-            yield _row(r, a, k, say, pointed=pointed and a.spots is not None)
+            yield k, a
 
 
-def _row(r: Response, a: Asked, k: int, say: Language, *, pointed: bool) -> Json:
-    q, limit = QUANTITIES[a.limit.quantity], a.limit
+def _rows(r: Response, say: Language, quantities: frozenset[str] = AT_ONCE) -> Iterator[Json]:
+    """Yield each limit of a line with its values, (states, parts), and where each was found."""
+    for k, a in _at_once(r, quantities):
+        yield {
+            **_limit(a.limit, r, k, say),
+            "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
+            "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
+            **_graded(a),
+            **({"points": _points(r, a, say)} if a.spots else {}),
+        }
+
+
+def _graded(a: Asked) -> Json:
+    """Return the values of a limit with what it makes of them, (states, parts)."""
     known = ~np.isnan(a.values)
-    grades = np.where(known, limit.grades(a.values), -1)
-    margins = np.where(known, limit.margins(a.values), np.nan)
+    grades = np.where(known, a.limit.grades(a.values), -1)
+    margins = np.where(known, a.limit.margins(a.values), np.nan)
+    values = a.values / QUANTITIES[a.limit.quantity].factor
     return {
-        **_limit(limit, r, k, say),
-        "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
-        "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
-        "values": [[g(v) for v in row] for row in (a.values / q.factor).tolist()],
+        "values": [[g(v) for v in row] for row in values.tolist()],
         "margins": [[g(v) for v in row] for row in margins.tolist()],
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
-        **({"points": _points(r, a, say)} if pointed else {}),
     }
+
+
+def _id(r: Response, limit: Limit, k: int) -> str:
+    return f"{r.line.name}/{limit.quantity}/{k}"
 
 
 def _limit(limit: Limit, r: Response, k: int, say: Language) -> Json:
@@ -378,7 +426,7 @@ def _limit(limit: Limit, r: Response, k: int, say: Language) -> Json:
         return None if value is None else g(value / q.factor)
 
     return {
-        "id": f"{r.line.name}/{limit.quantity}/{k}",
+        "id": _id(r, limit, k),
         "quantity": limit.quantity,
         "line": r.line.name,
         "name": say.name(limit.quantity),
@@ -431,12 +479,11 @@ def _bar(
 def _posed(read: Document, question: Json) -> Json:
     """Return where sliders have a line, their reach and curves, and its turn; or why not.
 
-    While something is held by a hand, what nobody looks at meanwhile is left for later.
+    While a hand moves, curves that stand still meanwhile are left for later: not wanted.
     """
     asked_for: Mapping[str, Any] = question.get("pose") or {}
-    wanted = () if question.get("held") else ("curves", "turn")
-    wanted = question.get("want") or wanted
-    place_ = min(max(int(asked_for.get("line", 0)), 0), len(read.responses) - 1)
+    wanted = question.get("want", ("curves", "turn"))
+    place_ = _shown(read, question)
     r = read.responses[place_]
     s = asked_for.get("state")
     s = worst_state(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
@@ -444,7 +491,7 @@ def _posed(read: Document, question: Json) -> Json:
     free = travel is not None or torque is not None
     if not (free or wanted):
         return {}
-    reaches = reach(r)
+    reaches = read.reaches[place_]
     low, high = reaches.travel
     height = float(r.demand.travel[s]) if travel is None else float(np.clip(travel * mm, low, high))
     turned = 0.0 if torque is None else float(np.clip(torque, *reaches.torque))
@@ -485,7 +532,7 @@ def _place(r: Response, s: int, base: Response) -> Json:
         "lengths": fs(r.layout.lengths[s] / mm, 1),
         "plunge": f(float(r.spline_travel[s]) / mm, 2),
         "clearance": fs(r.clearances[s] / mm, 2),
-        "phasors": _phasors(r, s),
+        "phasors": _phasors(r)[s],
         "equivalent": f(float(r.excitation.torsional.angle[s]) / deg, 3),
         "pitch": f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),
     }

@@ -1,8 +1,8 @@
 """A text that was read once, and numbers as they are told."""
 
 from collections import OrderedDict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -14,13 +14,15 @@ from cardan import files
 from cardan.base.arrays import FloatArray
 from cardan.base.verdict import Check
 from cardan.demand.states import demand, resolve
-from cardan.files.manuscript import Manuscript
+from cardan.files.manuscript import Manuscript, token
+from cardan.files.placing import Changes
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response, respond
 from cardan.report.language import Language
 from cardan.report.wording import cited, place
 from cardan.study.approval import Approval
+from cardan.study.ride import Reach, reach
 
 if TYPE_CHECKING:
     from cardan.study.stability import Stability
@@ -40,8 +42,10 @@ class Document:
     text: str
     name: str
     folder: Path | None
-    hasty: bool = False
-    """Whether a hand waits for it: then nobody asks what looks wrong."""
+    was: "Document | None" = None
+    """What it was before a hand took hold of it."""
+    numbers: Mapping[str, float] = field(default_factory=dict[str, float])
+    """What the hand put in place of that one's."""
 
     @cached_property
     def manuscript(self) -> Manuscript:
@@ -50,8 +54,10 @@ class Document:
 
     @cached_property
     def application(self) -> Application:
-        """What it says."""
-        return files.loads(self.text, name=self.name, folder=self.folder, warn=not self.hasty)
+        """What it says; nobody asks what looks wrong while a hand holds it."""
+        if self.was:
+            return files.change(self.was.application, self.numbers, warn=False)
+        return files.loads(self.text, name=self.name, folder=self.folder)
 
     @cached_property
     def stability(self) -> "Stability":
@@ -66,13 +72,27 @@ class Document:
         app = self.application
         return tuple(respond(app, demand(resolve(app, i))) for i in app.lines)
 
+    @cached_property
+    def reaches(self) -> tuple[Reach, ...]:
+        """How far the axle of each line goes."""
+        return tuple(reach(r) for r in self.responses)
 
-_READ: OrderedDict[tuple[str, str, Path | None, bool], Document] = OrderedDict()
+    def edited(self, edits: Changes, *, held: bool = False) -> "Document":
+        """Return it with edits made; what a hand holds is told by numbers, and not read again."""
+        text = self.manuscript.with_(edits)
+        written = self.application.written
+        if held and written and all(at in written.numbers for at in edits):
+            numbers = {at: float(token(to, "")) for at, to in edits.items()}
+            return Document(text, self.name, self.folder, was=self, numbers=numbers)
+        return document(text, self.name, self.folder)
 
 
-def document(text: str, name: str, folder: Path | None, *, hasty: bool = False) -> Document:
+_READ: OrderedDict[tuple[str, str, Path | None], Document] = OrderedDict()
+
+
+def document(text: str, name: str, folder: Path | None) -> Document:
     """Return a document, the same one where it was asked about a moment ago."""
-    key = text, name, folder, hasty
+    key = text, name, folder
     found = _READ.pop(key, None) or Document(*key)
     _READ[key] = found
     while len(_READ) > KEPT:

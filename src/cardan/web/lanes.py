@@ -11,6 +11,7 @@ import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any, TypeAlias
 
 from cardan.web.worker import LENGTH, MOST, PART
@@ -18,7 +19,8 @@ from cardan.web.worker import LENGTH, MOST, PART
 LONGEST = 30.0
 """Seconds an answer may take."""
 
-Tell: TypeAlias = Callable[[dict[str, Any]], Awaitable[None]]
+Json: TypeAlias = dict[str, Any]
+Tell: TypeAlias = Callable[[Json], Awaitable[None]]
 
 
 class Lane:
@@ -31,7 +33,7 @@ class Lane:
         self._turn = asyncio.Lock()
         self._closed = False
 
-    async def ask(self, question: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
+    async def ask(self, question: Json, tell: Tell | None = None) -> Json:
         """Return an answer; one with a `fault` where there is none.
 
         `tell` is told of parts that come before it.
@@ -79,7 +81,7 @@ class Lane:
         if self._process is not None:
             await self._process.wait()
 
-    async def _asked(self, process: Process, data: bytes, tell: Tell | None) -> dict[str, Any]:
+    async def _asked(self, process: Process, data: bytes, tell: Tell | None) -> Json:
         assert process.stdin
         assert process.stdout
         process.stdin.write(LENGTH.pack(len(data)) + data)
@@ -115,14 +117,17 @@ class Lane:
 
 
 class Latest:
-    """What one asker wants of a lane: a question that is not asked yet gives way to a newer."""
+    """What one asker wants of a lane: a question that is not asked yet gives way to a newer.
 
-    def __init__(self, lane: Lane) -> None:
-        self.lane = lane
-        self._next: dict[str, Any] | None = None
+    `tell` is told of a question and parts that come before its answer.
+    """
+
+    def __init__(self, lane: Lane, tell: Callable[[Json, Json], Awaitable[None]]) -> None:
+        self.lane, self.tell = lane, tell
+        self._next: Json | None = None
         self._waiting = asyncio.Event()
 
-    def put(self, question: dict[str, Any]) -> None:
+    def put(self, question: Json) -> None:
         """Ask this next, in place of what waited."""
         self._next = question
         self._waiting.set()
@@ -136,11 +141,12 @@ class Latest:
         """Whether a question waits."""
         return self._next is not None
 
-    async def take(self) -> tuple[dict[str, Any], dict[str, Any]]:
+    async def take(self) -> tuple[Json, Json]:
         """Return the next question with its answer."""
         while self._next is None:
             self._waiting.clear()
             await self._waiting.wait()
         question, self._next = self._next, None
         # Who goes leaves the process to the others: its answer is thrown away, not its work.
-        return question, await asyncio.shield(self.lane.ask(question))
+        asked = self.lane.ask(question, partial(self.tell, question))
+        return question, await asyncio.shield(asked)

@@ -72,7 +72,7 @@ def _told(text: str, name: str, folder: str | None, say: Language) -> Json:
     """Return everything that the page is told, in answer to whatever it asks."""
     question = {"text": text, "name": name, "folder": folder, "lang": say.code}
     files.loads(text, name=name, folder=Path(folder) if folder else None)  # refuses, and says why
-    live = answer({**question, "job": "live", "held": True})
+    live = answer({**question, "job": "live", "pose": {"line": 0}, "want": []})
     lines = [_line(question, k, len(live["states"])) for k in range(len(live["lines"]))]
     return {
         "welcome": {
@@ -90,9 +90,8 @@ def _line(question: Json, line: int, states: int) -> Json:
     """Return a line's poses: in every state, and over the travel of its axle."""
 
     def pose(want: tuple[str, ...], **where: float) -> Json:
-        # Nothing wanted is what a held hand wants: the place alone.
-        asked = {**question, "job": "pose", "pose": {"line": line, **where}, "want": want}
-        return answer({**asked, "held": not want})["pose"]
+        asked = {"job": "pose", "pose": {"line": line, **where}, "want": want}
+        return answer({**question, **asked})["pose"]
 
     found = [pose(("curves",), state=s) for s in range(states)]
     low, high = found[0]["travel_reach"]

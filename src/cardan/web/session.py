@@ -3,7 +3,8 @@
     the page says                          it is told
     hello  lang                            welcome: texts, quantities, files
     open   file                            opened: text, draft
-    ask    id, text, drag, edits, pose     live: what follows a hand; then full: the verdict
+    ask    id, text, drag, edits, pose     live: what follows; then full: the verdict
+           held                            moved: the line; graded: its limits; then full
     pose   id, text, pose                  posed: where a slider has the line
     help   id, text                        helped: what would help
     bring  id, name, size                  brought: how much of a recording has come
@@ -46,6 +47,9 @@ SLOWEST = 20.0
 REST = 0.2
 """Seconds that a hand rests before the verdict is asked for."""
 
+ANSWERS = {"live": "live", "held": "graded", "pose": "posed"}
+"""What a page is told in answer to each quick question."""
+
 FARTHEST = 1e5
 """mm: nothing on a vehicle is moved farther."""
 
@@ -71,7 +75,7 @@ class Session:
         self, socket: Socket, desk: Desk, quick: Lane, slow: Lane, work: Lane, *, token: str
     ) -> None:
         self.socket, self.desk, self.work, self.token = socket, desk, work, token
-        self.quick, self.slow = Latest(quick), Latest(slow)
+        self.quick, self.slow = Latest(quick, self._tell_moved), Latest(slow, self._tell_moved)
         self._jobs: dict[int, asyncio.Task[None]] = {}
         self.parcel = Parcel()
         self.lang = "en"
@@ -171,7 +175,7 @@ class Session:
         if self._rest:
             self._rest.cancel()
         self.slow.drop()
-        self.quick.put(self._question(said, "live"))
+        self.quick.put(self._question(said, "held" if said.get("held") is True else "live"))
 
     async def _ask_pose(self, said: Json) -> None:
         self.quick.put(self._question(said, "pose"))
@@ -286,14 +290,20 @@ class Session:
     async def _answer_quick(self) -> None:
         while True:
             question, answer = await self.quick.take()
-            job = question["job"]
-            await self._tell("live" if job == "live" else "posed", id=question["id"], **answer)
-            whole = job == "live" and "problems" not in answer and "fault" not in answer
+            job, text = question["job"], answer.get("text")
+            if job != "live":
+                answer.pop("text", None)  # the page has one: no other is kept before it lets go
+            await self._tell(ANSWERS[job], id=question["id"], **answer)
+            whole = job != "pose" and "problems" not in answer and "fault" not in answer
             if whole and not self.quick.waits:
                 later = {k: question[k] for k in ("id", "name", "folder", "lang")}
-                later |= {"job": "full", "text": answer["text"]}
+                later |= {"job": "full", "text": text}
                 # A hand that moves on has not asked for it: it would only be slowed down.
-                self._rest = asyncio.create_task(self._later(later, REST * question["held"]))
+                self._rest = asyncio.create_task(self._later(later, REST * (job == "held")))
+
+    async def _tell_moved(self, question: Json, told: Json) -> None:
+        """Tell where a hand has the line, before what the limits make of it."""
+        await self._tell("moved", id=question["id"], **told)
 
     async def _later(self, question: Json, after: float) -> None:
         await asyncio.sleep(after)
@@ -346,7 +356,6 @@ class Session:
             "name": self.desk.papers[self.file].name if self.file is not None else "application",
             "folder": str(self.desk.folder),
             "lang": self.lang,
-            "held": said.get("held") is True,
             "pose": _pose(said.get("pose")),
         }
         if (drag := said.get("drag")) is not None:
