@@ -40,13 +40,10 @@ const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, k.
 /** What a hand that moves something does not change: drawn again once it lets go. */
 const rested = ({ known, shown }: Both): unknown[] => [known.held ? null : known.live, known.held ? null : known.full, known.pose, known.asked, known.theme, known.lang, shown.free, shown.state];
 const StillPoser = still<Both>(Poser, rested);
-const StillDials = still<Both>(Dials, (p) => [...rested(p), known_phase(p)]);
-const StillParts = still<Both>(Parts, rested);
+const StillDials = still<Both>(Dials, ({ known: k, shown: s }) => [k.held?.startsWith("phase/") ? s.line : k.held ? null : k.live, k.held, k.pose?.turn, k.theme, k.lang, s.index]);
+const StillParts = still<Both>(Parts, ({ known: k, shown: s }) => [k.held ? null : k.live, JSON.stringify(s.marks), k.catalogue, k.lang]);
 const StillEditor = still<{ known: Known }>(Editor, ({ known: k }) => [k.history, k.problems, k.live?.warnings.length, k.lang, k.file]);
 const StillHelps = still<{ known: Known }>(Helps, ({ known: k }) => [k.helps, k.helping, k.full, k.settled, k.lang]);
-
-const known_phase = ({ known, shown }: Both): string =>
-  known.held?.startsWith("phase/") ? shown.line.phases.join() + known.held : "";
 
 export function App() {
   const known = useKnown();

@@ -1,6 +1,6 @@
 // A curve or some, by uPlot: its colours from the page, its cursor where the slider stands.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { fixed } from "./format";
@@ -90,7 +90,7 @@ export function Plot(of: {
 
   useEffect(() => plot.current?.setSize({ width, height: of.height }), [width]);
   useEffect(() => plot.current?.setData(data(of.x, of.series)), [of.x, of.series]);
-  useEffect(() => { if (plot.current) place(plot.current); }, [of.at]);
+  useLayoutEffect(() => { if (plot.current) place(plot.current); }, [of.at]);
 
   return (
     <div class="plot" ref={box} role="img" aria-label={of.label}>

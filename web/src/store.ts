@@ -588,16 +588,20 @@ export class Store {
   // ------------------------------------------------------------------ what is looked at
 
   pose(asked: PoseAsked): void {
-    const line = this.known.asked.line ?? 0;
-    this.set({ asked: { line, ...asked } });
-    const history = this.known.history;
-    if (!history) return;
+    const { asked: was, history } = this.known;
     const since = performance.now();
     const shown = asked.travel_mm === undefined && asked.torque_Nm === undefined;
+    const now = { asked: { line: was.line ?? 0, ...asked } };
     clearTimeout(this.resting);
-    // A state is here already; only its curves are asked for.
-    if (shown) painted(since);
-    else this.put({ kind: "pose", question: { text: history.text, pose: this.known.asked, want: [] }, commit: false, since });
+    if (shown || !history) {
+      // A state is here already; only its curves are asked for.
+      this.set(now);
+      painted(since);
+    } else {
+      // What a slider says is drawn with what follows it.
+      this.known = { ...this.known, ...now };
+      this.put({ kind: "pose", question: { text: history.text, pose: now.asked, want: [] }, commit: false, since });
+    }
     this.resting = setTimeout(() => this.curves(), shown ? 0 : REST);
   }
 
