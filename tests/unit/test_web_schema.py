@@ -40,6 +40,57 @@ def test_what_follows_a_hand_has_its_shape(path):
     assert wrong("Full", asked("full", text)) == []
 
 
+HELD = [
+    ("refuse", "bearing", 2, (0, 3.3, 7.77)), ("refuse", "joint", 3, (0, -2, 5.01)),
+    ("refuse", "pinion", 1, (0, 0, 12)), ("refuse", "obstacle", 1, (30, 0, -8)),
+    ("three", "bearing", 1, (0, 0, -4.2)), ("refuse", "gearbox", 1, (0, 0, 9)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("stem", "kind", "number", "by"), HELD)
+def test_a_hand_is_told_what_its_file_will_say(stem, kind, number, by):
+    """The numbers of both parts, put where they belong, are those of the text it is let go at."""
+    text = next(p for p in EXAMPLES if p.stem.startswith(stem)).read_text("utf-8")
+    line = asked("live", text)["lines"][0]["name"]
+    drag = {"kind": kind, "number": number, "line": line, "by_mm": by}
+    question = {"job": "held", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
+    moved = []
+    graded = answer(question | {"drag": drag, "want": [], "pose": {"line": 0}}, moved.append)
+    assert graded["text"] != text
+    (first,) = moved
+    now = asked("live", graded["text"])
+    was = asked("live", text)
+    lines = [{**was["lines"][0], **first["lines"][0]}, *was["lines"][1:]]
+    assert lines == now["lines"]
+    assert first["obstacles"] == now["obstacles"]
+    told = {row["id"]: row for row in graded["limits"]}
+    rows = [{**row, **told[row["id"]]} for row in was["limits"]]
+    plain = [{k: v for k, v in row.items() if k != "points"} for row in now["limits"]]
+    assert [{k: v for k, v in row.items() if k != "points"} for row in rows] == plain
+    assert graded["grade"] == now["grade"]
+    assert wrong("Live", {**was, "lines": lines, "limits": rows}) == []
+
+
+def test_a_hand_on_what_the_text_does_not_say_yet_is_answered_too():
+    text = TRUCK.replace("      phase_deg: 0\n", "", 1)
+    edits = {"driveline.shafts[1].phase_deg": 30.0}
+    assert text != TRUCK
+    told = []
+    question = {"job": "held", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
+    answer(question | {"edits": edits, "want": ["turn"]}, told.append)
+    assert told[0]["lines"][0]["phases"][0] == 30
+    assert told[0]["pose"].keys() >= {"turn"}
+    assert "over_travel" not in told[0]["pose"]
+
+
+def test_a_slider_is_told_the_same_place_with_its_curves_and_without():
+    pose = {"travel_mm": -31.5, "torque_Nm": 2500.0}
+    place = asked("pose", TRUCK, pose=pose, want=[])["pose"]
+    whole = asked("pose", TRUCK, pose=pose)["pose"]
+    assert place["at"] == whole["at"]
+    assert set(whole) - set(place) == {"over_travel", "over_torque", "turn"}
+
+
 def test_a_slider_and_what_helps_have_theirs():
     told = asked("pose", TRUCK, pose={"travel_mm": 10, "torque_Nm": 500})
     assert wrong("Pose", told["pose"]) == []

@@ -71,13 +71,8 @@ function Dial(of: { phase: number; address: string; shaft: number; chosen: boole
   return (
     <div class={`dial ${of.chosen ? "chosen" : ""}`}>
       <svg
-        viewBox="-64 -64 128 128"
-        tabindex={0}
-        role="slider"
-        aria-label={label}
-        aria-valuemin={-180}
-        aria-valuemax={180}
-        aria-valuenow={phase}
+        viewBox="-64 -64 128 128" tabindex={0} role="slider" aria-label={label}
+        aria-valuemin={-180} aria-valuemax={180} aria-valuenow={phase}
         aria-valuetext={`${fixed(phase, 1)}°`}
         data-handle={name}
         onFocus={of.choose}

@@ -69,10 +69,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
               <line
                 key={k}
                 class={`tube ${tube ? "" : "stub"} ${worst ?? ""} ${marked("shaft", k) || marked("clearance", k) ? "chosen" : ""}`}
-                x1={p.x(a[0])}
-                y1={p.y(a[c])}
-                x2={p.x(b[0])}
-                y2={p.y(b[c])}
+                x1={p.x(a[0])} y1={p.y(a[c])} x2={p.x(b[0])} y2={p.y(b[c])}
                 stroke-width={Math.min(thick, 60)}
               />
             );
@@ -119,15 +116,7 @@ function Bar({ of, p, c, lift: up }: { of: Obstacle; p: Page; c: 1 | 2; lift: nu
   return (<g class="obstacle">{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
 }
 
-function Rooms(of: {
-  live: Live;
-  line: Line;
-  clearance: Maybe[][] | undefined;
-  p: Page;
-  c: 1 | 2;
-  shown: Shown;
-  known: Known;
-}) {
+function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: Page; c: 1 | 2; shown: Shown; known: Known }) {
   const { live, line, p, c } = of;
   return (
     <>
@@ -159,13 +148,7 @@ function Bearing(of: { x: number; y: number; n: number; grade: string | undefine
   );
 }
 
-function Dimensions(of: {
-  p: Page;
-  bold: Point[];
-  c: 1 | 2;
-  slopes: number[] | undefined;
-  lengths: number[] | undefined;
-}) {
+function Dimensions(of: { p: Page; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined }) {
   const { p, bold, c } = of;
   return (
     <g class="dimensions" aria-hidden="true">
@@ -236,10 +219,7 @@ function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Kn
   return (
     <g
       class={`grip on-${h.kind} ${known.held === name ? "held" : ""}`}
-      tabindex={0}
-      role="slider"
-      aria-label={label}
-      aria-orientation="vertical"
+      tabindex={0} role="slider" aria-label={label} aria-orientation="vertical"
       aria-valuenow={Math.round(at[c] * 10) / 10}
       aria-valuetext={`${fixed(at[c], 1)} mm`}
       data-handle={name}

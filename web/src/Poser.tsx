@@ -40,22 +40,13 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
       {moves && (
         <div class="sliders">
           <Slider
-            name={t("Travel")}
-            low={reach[0]}
-            high={reach[1]}
-            step={0.5}
-            value={travel}
-            said={`${signed(travel, 1)} mm`}
+            name={t("Travel")} low={reach[0]} high={reach[1]} step={0.5} value={travel} said={`${signed(travel, 1)} mm`}
             ends={[t("rebound"), t("jounce")]}
             set={(v) => store.pose({ line: index, travel_mm: v, torque_Nm: torque })}
           />
           {winds && (
             <Slider
-              name={t("Torque, winding the axle up")}
-              low={turns[0]}
-              high={turns[1]}
-              step={10}
-              value={torque}
+              name={t("Torque, winding the axle up")} low={turns[0]} high={turns[1]} step={10} value={torque}
               said={`${number(torque)} N·m${pose?.at ? `, ${signed(pitch(known), 2)}°` : ""}`}
               ends={[t("coast"), t("drive")]}
               set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
@@ -84,17 +75,9 @@ function gradeOf(state: number, shown: Shown): string {
   return ["pass", "warn", "fail"][found] ?? "";
 }
 
-export function Slider(of: {
-  name: string;
-  low: number;
-  high: number;
-  step: number;
-  value: number;
-  said: string;
-  ends: [string, string];
-  set: (value: number) => void;
-  done?: () => void;
-}) {
+interface Slides { name: string; low: number; high: number; step: number; value: number; said: string; ends: [string, string]; set: (value: number) => void; done?: () => void }
+
+export function Slider(of: Slides) {
   return (
     <label class="slider">
       <span class="name">{of.name}</span>

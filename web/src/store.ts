@@ -86,14 +86,8 @@ interface Gesture {
 
 interface Sent { id: number; commit: boolean; part: boolean; since: number; shown: boolean }
 
-interface Waiting {
-  kind: "ask" | "pose";
-  question: Question;
-  commit: boolean;
-  since: number;
-  /** Whether what was asked for is on the page before the answer. */
-  shown?: boolean;
-}
+/** `shown` says whether what was asked for is on the page before the answer. */
+interface Waiting { kind: "ask" | "pose"; question: Question; commit: boolean; since: number; shown?: boolean }
 
 /** How long a slider rests before the curves beside it are asked for, in ms. */
 const REST = 200;
@@ -178,8 +172,11 @@ export class Store {
       case "moved":
         this.moved(m);
         break;
-      case "live":
       case "graded":
+        if (m.limits) this.graded(m);
+        else this.answered(m);
+        break;
+      case "live":
       case "posed":
         this.answered(m);
         break;
@@ -344,23 +341,9 @@ export class Store {
     if (m.draft !== null) notice = { kind: "restored" };
     if (m.draft !== null && m.stale) notice = { kind: "conflict", text: m.saved, mark: m.mark };
     this.set({
-      file: m.file,
-      history,
-      notice,
-      live: null,
-      full: null,
-      settled: false,
-      pose: null,
-      asked: {},
-      problems: [],
-      helps: null,
-      selected: null,
-      order: [],
-      held: null,
+      file: m.file, history, notice, live: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
       jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
-      variants: m.variants,
-      revisions: m.revisions,
-      behind: null,
+      variants: m.variants, revisions: m.revisions,
     });
     this.ask({ text: history.text });
   }
@@ -412,14 +395,18 @@ export class Store {
     this.link?.say({ type: kind, id: this.ids, ...question });
   }
 
-  /** Where a hand has the line; what its limits make of that follows. */
+  /** Where a hand has the line; what its limits make of that follows, and the next may be asked. */
   private moved(m: Extract<Told, { type: "moved" }>): void {
     const { live, pose } = this.known;
     if (!live || this.sent?.id !== m.id) return;
+    this.since = this.sent.since;
     const lines = live.lines.map((l) => ({ ...l, ...m.lines.find((o) => o.name === l.name) }));
     this.set({ live: { ...live, lines, obstacles: m.obstacles }, problems: [], ...(m.pose ? { pose: posed(pose, m.pose) } : {}) });
-    painted(this.sent.since, "cardan:moved");
+    painted(this.since, "cardan:moved");
+    this.onward();
   }
+
+  private since = 0;
 
   private graded(m: Extract<Told, { type: "graded" }>): void {
     const { live } = this.known;
@@ -427,24 +414,27 @@ export class Store {
     // Where a value was worst is said again once the hand rests.
     const limits = live?.limits.map(({ points: _, ...row }) => ({ ...row, ...found.get(row.id) }));
     if (live && limits) this.set({ live: { ...live, limits, grade: m.grade ?? null } });
+    painted(this.since);
   }
 
   private answered(m: Extract<Told, { type: "live" | "graded" | "posed" }>): void {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
-    this.sent = null;
     if (m.type === "posed") {
       if (m.pose) this.set({ pose: sent.part ? posed(this.known.pose, m.pose) : m.pose });
     } else if (m.problems) {
       this.set({ problems: m.problems });
       if (sent.commit) this.back();
-    } else if (m.type === "graded") {
-      this.graded(m);
-    } else if (m.fault === undefined && m.lines) {
+    } else if (m.type === "live" && m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
     if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
     if (!sent.shown) painted(sent.since);
+    this.onward();
+  }
+
+  private onward(): void {
+    this.sent = null;
     const commit = this.commits.shift();
     const next = commit ?? this.next;
     if (!commit) this.next = null;

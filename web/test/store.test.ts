@@ -33,8 +33,13 @@ class Socket {
   }
   answer(text?: string): void {
     const q = this.said.filter((s) => s.type === "ask" || s.type === "pose").at(-1) as Said;
+    if (q.held) {
+      this.tell({ type: "moved", id: q.id, lines: [{ name: "main", angles: [[q.drag?.by_mm[2]]] }], obstacles: [] });
+      this.tell({ type: "graded", id: q.id, limits: [{ id: "a", values: [[q.drag?.by_mm[2]]], margins: [[0]], grades: [[1]] }], grade: "warn" });
+      return;
+    }
     const moved = q.drag ? `${q.text}+${q.drag.by_mm[2]}` : q.edits ? `${q.text}*` : q.text;
-    this.tell({ type: "live", id: q.id, text: text ?? moved, lines: [], limits: [], pending: [], states: [], obstacles: [], handles: [] });
+    this.tell({ type: "live", id: q.id, text: text ?? moved, lines: [{ name: "main", joints: ["2040"], angles: [[0]] }], limits: [{ id: "a", name: "A", values: [[0]], margins: [[1]], grades: [[0]], points: [["here"]] }], pending: [], states: [], obstacles: [], handles: [] });
   }
 }
 
@@ -76,6 +81,21 @@ describe("a hand that moves", () => {
     expect(store.known.history?.text).toBe("a");
   });
 
+  it("is followed by the line, then by its limits; what stands still is not told again", () => {
+    store.hold("h", by(3));
+    store.hold("h", by(4));
+    const [first] = socket.asked();
+    socket.tell({ type: "moved", id: first?.id, lines: [{ name: "main", angles: [[3]] }], obstacles: [] });
+    expect(store.known.live?.lines).toEqual([{ name: "main", joints: ["2040"], angles: [[3]] }]);
+    expect(store.known.live?.limits[0]).toMatchObject({ values: [[0]], points: [["here"]] });
+    expect(socket.asked().map((s) => s.drag?.by_mm[2])).toEqual([3, 4]);
+    socket.tell({ type: "graded", id: first?.id, limits: [{ id: "a", values: [[9]], margins: [[-1]], grades: [[2]] }], grade: "fail" });
+    expect(store.known.live).toMatchObject({ grade: "fail", lines: [{ angles: [[3]] }] });
+    expect(store.rows()).toEqual([{ id: "a", name: "A", values: [[9]], margins: [[-1]], grades: [[2]] }]);
+    socket.answer();
+    expect(store.known.live).toMatchObject({ grade: "warn", lines: [{ angles: [[4]] }], limits: [{ values: [[4]] }] });
+  });
+
   it("changes the document once, where it lets go", () => {
     store.hold("h", by(1));
     store.hold("h", by(2));
@@ -113,6 +133,26 @@ describe("a hand that moves", () => {
     expect(store.known.history?.text).toBe("a");
     expect(store.known.notice).toMatchObject({ kind: "refused", why: "no" });
     expect(socket.asked().at(-1)?.drag).toBeUndefined();
+  });
+});
+
+describe("a slider", () => {
+  const asked = () => socket.said.filter((s) => s.type === "pose") as (Said & { want?: string[] })[];
+  const tell = (pose: object): void => socket.tell({ type: "posed", id: asked().at(-1)?.id, pose });
+
+  it("is followed by the place alone, by its curves once it rests", () => {
+    store.pose({ state: 0 });
+    vi.runOnlyPendingTimers();
+    tell({ line: 0, state: 0, travel: 0, over_travel: { x: [1] }, stuck: "no" });
+    for (const travel_mm of [1, 2, 3]) store.pose({ travel_mm, torque_Nm: 0 });
+    expect(asked().map((s) => s.want)).toEqual([undefined, []]);
+    tell({ line: 0, state: null, travel: 1, at: { pitch: 1 } });
+    expect(store.known.pose).toEqual({ line: 0, state: null, travel: 1, at: { pitch: 1 }, over_travel: { x: [1] } });
+    tell({ line: 0, state: null, travel: 3, at: { pitch: 3 } });
+    vi.advanceTimersByTime(1000);
+    expect(asked().map((s) => s.want)).toEqual([undefined, [], [], undefined]);
+    tell({ line: 0, state: null, travel: 3, at: { pitch: 3 }, over_travel: { x: [2] } });
+    expect(store.known.pose).toMatchObject({ travel: 3, over_travel: { x: [2] } });
   });
 });
 
