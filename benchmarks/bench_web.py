@@ -4,6 +4,8 @@
 
 The echo page sends a number over a socket of the same server, gets it back and writes it: what
 is left is Chromium, loopback and Python's event loop. Both are measured in turn in one run.
+The clock tells of whoever else uses the processors, too: beside it stand what a move takes of the
+process that answers, and of the page's own, by the processor's time.
 Needs Chromium with chromedriver, the extras `web` and `browser`, and the built page.
 """
 
@@ -66,7 +68,8 @@ const timer = setInterval(() => {
   acts[kind](k++);
   if (k < count) return;
   clearInterval(timer);
-  setTimeout(() => done(performance.getEntriesByName('cardan:painted').map(e => e.duration)), 600);
+  const took = (name) => performance.getEntriesByName(name).map(e => e.duration);
+  setTimeout(() => done([took('cardan:painted'), took('cardan:moved')]), 600);
 }, every);
 """
 
@@ -114,6 +117,9 @@ JOBS = (
     ),
 )  # fmt: skip
 """What takes a process of its own: name, view, target, how often, once it is there, hand, seen."""
+
+LINE = ", the line alone"
+"""What is drawn while the limits are still being asked."""
 
 ROWS = (
     ("drag a bearing, move by move", "drag", 120, 35),
@@ -183,6 +189,21 @@ def until(driver, script: str) -> None:
     WebDriverWait(driver, 60, 0.05).until(lambda d: d.execute_script(f"return !!({script})"))
 
 
+def busy(pid: int | None) -> float:
+    """Return how long a process has had a processor, s; nan where the system does not say."""
+    try:
+        numbers = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return float("nan")
+    return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def page_busy(driver) -> float:
+    """Return how long a page's process has had a processor, s."""
+    found = driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
+    return next(m["value"] for m in found if m["name"] == "ProcessTime")
+
+
 def main() -> None:
     """Print the rows."""
     if lacking := missing():
@@ -199,6 +220,7 @@ def main() -> None:
     quiet.listen()
     threading.Thread(target=echo, args=(quiet,), daemon=True).start()
     took: dict[str, list[float]] = {}
+    used: dict[str, list[tuple[float, float]]] = {}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / TRUCK.name
         path.write_bytes(TRUCK.read_bytes())
@@ -206,6 +228,7 @@ def main() -> None:
             ours, theirs = browser(), browser()
             ours.set_script_timeout(120)  # a crowded machine
             try:
+                ours.execute_cdp_cmd("Performance.enable", {})
                 ours.get(house.address)
                 until(ours, "document.querySelector('.strip .counts .pass')")
                 theirs.get(f"http://127.0.0.1:{quiet.getsockname()[1]}/")
@@ -216,8 +239,13 @@ def main() -> None:
                     for name, kind, every, _target in ROWS:
                         empty = theirs.execute_async_script(EMPTY, MOVES, every)
                         took.setdefault(f"{name}/echo", []).extend(empty)
-                        found = ours.execute_async_script(HAND, kind, MOVES, every)
+                        before = busy(house.quick.pid), page_busy(ours)
+                        found, moved = ours.execute_async_script(HAND, kind, MOVES, every)
+                        after = busy(house.quick.pid), page_busy(ours)
                         took.setdefault(name, []).extend(found)
+                        took.setdefault(f"{name}{LINE}", []).extend(moved)
+                        per = [1e3 * (b - a) / MOVES for a, b in zip(before, after, strict=True)]
+                        used.setdefault(name, []).append((per[0], per[1]))
                         until(ours, "!document.querySelector('.strip.open')")
                     ours.refresh()  # what would help is not known yet
                     until(ours, "document.querySelector('.strip .counts .pass')")
@@ -233,15 +261,21 @@ def main() -> None:
             finally:
                 ours.quit()
                 theirs.quit()
-    print("| what | target ms | median ms | 90th percentile ms | echo page ms | over echo |")
-    print("| --- | --- | --- | --- | --- | --- |")
+    print("| what | target ms | median ms | 90th percentile ms | echo page ms | over echo "
+          "| answering: processor ms | page: processor ms |")  # fmt: skip
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     rows = [(name, target) for name, _, _, target in ROWS] + [(r[0], r[2]) for r in JOBS]
     for name, target in rows:
         us, them = sorted(took[name]), median(took[f"{name}/echo"])
+        theirs_and_ours = " | ".join(
+            f"{median(v):.0f}" for v in zip(*used.get(name, []), strict=True)
+        ) or " | "  # fmt: skip
+        if line := took.get(f"{name}{LINE}"):
+            print(f"| {name}{LINE} | {target} | {median(line):.0f} | | | | | |")
         last = us[min(int(0.9 * len(us)), len(us) - 1)]
         print(
             f"| {name} | {target} | {median(us):.0f} | {last:.0f} | {them:.1f} "
-            f"| {median(us) / them:.0f} |"
+            f"| {median(us) / them:.0f} | {theirs_and_ours} |"
         )
 
 

@@ -158,7 +158,7 @@ def understood(written: Written, *, warn: bool = True) -> Application:
 
 @lru_cache(4)
 def _parsed(text: str, name: str) -> tuple[Node, tuple[Problem, ...]]:
-    """Return the tree of a text, which nobody changes: read again with other numbers, it is here."""
+    """Return the tree of a text, which nobody changes; it may be read again with other numbers."""
     root, problems = parse(text, name)
     return root, tuple(problems)
 
