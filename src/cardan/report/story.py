@@ -46,12 +46,13 @@ from cardan.report.wording import (
     out_of_reach,
     place,
     problem,
-    room,
     scattered,
     sense,
     sentence,
+    standing,
     survives,
     unanswered,
+    won,
     worst_of_each,
 )
 from cardan.study.approval import Approval
@@ -398,10 +399,11 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
     cost = say.short(round(p.cost, 2))
-    won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
+    to = say("{standing}, cost {cost}", standing=standing(p.approval, say), cost=cost)
     moves = tuple(move(m, say) for m in p.moves)
-    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
+    return f"{k}. {to} ({p.line})", (
         *moves,
+        won(p, say),
         *survives(p.survival, say),
         *left(p, say),
     )
