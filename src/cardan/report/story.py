@@ -244,8 +244,8 @@ def _first_page(
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
     for r in of.responses:
         if r.line.name == line and drawable(r):
-            s = state_to_show(r, rows if state is None else (), state)
-            yield Figures(figures=(in_state(r, say, s),), wide=True)
+            s, at = state_to_show(r, rows if state is None else (), state)
+            yield Figures(figures=(in_state(r, say, s, at),), wide=True)
     said: list[tuple[str, tuple[str, ...]]] = []
     if fixes:
         title, moves = _proposal(1, fixes[0], say)
