@@ -7,7 +7,7 @@ from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.frozen import dataclass
-from cardan.base.verdict import Check, Unanswered, Verdict, worst
+from cardan.base.verdict import GRADES, Check, Unanswered, Verdict, worst
 from cardan.files.limit import DEFAULT
 from cardan.files.limit import limits as profile
 from cardan.model.application import Application
@@ -25,7 +25,14 @@ from cardan.study.finding import (
     silence,
     silent,
 )
-from cardan.study.notes import AssumedLoss, SpringMismatch, assumed_losses, mismatches
+from cardan.study.notes import (
+    AssumedLoss,
+    LiftedAxle,
+    SpringMismatch,
+    assumed_losses,
+    lifted_axles,
+    mismatches,
+)
 from cardan.study.studies import STUDIES, VibrationStudy
 
 
@@ -77,11 +84,13 @@ class Approval:
 
     @property
     def smallest_margin(self) -> float | None:
-        """The least share of a deciding bound that is free, over all checks; None without any.
+        """The least share of its bound that a check leaves free which decides; None without any.
 
-        What fails is measured to the maximum it passed, all else to the normal bound.
+        Those of the worst grade decide: where something fails, what fails, to the maximum it
+        passed; else what warns, or passes, to the normal bound.
         """
-        return min((c.margin for c in self.checks), default=None)
+        worst = max((GRADES.index(c.grade) for c in self.checks), default=0)
+        return min((c.margin for c in self.checks if c.grade == GRADES[worst]), default=None)
 
     @property
     def studies(self) -> tuple[str, ...]:
@@ -109,6 +118,11 @@ class Approval:
         return tuple(assumed_losses(self.responses))
 
     @cached_property
+    def lifted(self) -> tuple[LiftedAxle, ...]:
+        """Where a front axle lifts before the driven wheels slip."""
+        return tuple(lifted_axles(self.responses))
+
+    @cached_property
     def data(self) -> tuple[Datum, ...]:
         """The rows of catalogues that it stands on, and how each was read."""
         return tuple(data_of(self.application))
@@ -116,7 +130,7 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        return tuple(str(m) for m in (*self.mismatches, *self.assumed))
+        return tuple(str(m) for m in (*self.mismatches, *self.assumed, *self.lifted))
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""
