@@ -107,6 +107,23 @@ def test_cantilever_rings_as_a_beam_does():
         assert frequency == pytest.approx(slender, rel=8e-3)
 
 
+def test_held_otherwise_is_the_same_as_made_anew():
+    """A block held below by all, then by its side alone: from one assembly, and from two."""
+    shape = engine().occ.Box((0, 0, 0), (0.3, 0.1, 0.1))
+    shape.faces.name = "free"
+    for name, k in (("side", 0), ("below", 2)):
+        min(shape.faces, key=lambda f: (f.center.x, f.center.y, f.center.z)[k]).name = name
+    made = mesh(shape, size=0.06)
+    ways = {"below": "xyz"}, {"side": "xyz"}
+    anew = [elastic(made, STEEL, held=held) for held in ways]
+    other = anew[0].held_otherwise(ways[1])
+    load = other.inertia((0, 0, 9.81))
+    below, side, found = (body.solve(load) for body in (*anew, other))
+    assert np.abs(below).max() < 0.1 * np.abs(side).max()
+    np.testing.assert_array_equal(found, side)
+    np.testing.assert_allclose(other.modes(2)[0], anew[1].modes(2)[0], rtol=1e-9)
+
+
 def test_reactions_balance_every_load():
     _, b, h, body = beam()
     loads = np.stack([

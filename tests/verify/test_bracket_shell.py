@@ -12,7 +12,7 @@ import pytest
 from calculix import _blocks
 from scipy.spatial import cKDTree
 
-from cardan.base.units import mm
+from cardan.base.units import MPa, mm
 from cardan.bracket.elastic import elastic, mesh
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import von_mises
@@ -62,8 +62,8 @@ def middle():
     return np.concatenate([half, np.stack(below, axis=1), [[-R, 0.0]], end]), (34, 94)
 
 
-def shells(folder):
-    """The same by shells of eight nodes, held where the flange begins."""
+def shells(folder, kind):
+    """The same by shells of eight nodes, S8 or S8R, held where the flange begins."""
     line, seat = middle()
     across = np.linspace(-U.width / 2, U.width / 2, 33)
     number, lines, k = {}, ["*NODE"], 0
@@ -75,7 +75,7 @@ def shells(folder):
             number[i, j] = k
             lines.append(f"{k},{x:.9e},{y:.9e},{z:.9e}")
     ring = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
-    lines.append("*ELEMENT,TYPE=S8,ELSET=EALL")
+    lines.append(f"*ELEMENT,TYPE={kind},ELSET=EALL")
     loaded, k = [], 0
     for i in range(0, len(line) - 1, 2):
         for j in range(0, 32, 2):
@@ -107,12 +107,21 @@ def shells(folder):
     return fields["DISP"][near][:, :3], von_mises(fields["STRESS"][near])
 
 
-def test_shells_miss_the_stress_inside_a_bend(tmp_path):
-    moved, stress = solids()
-    shell_moved, shell_stress = shells(tmp_path)
+@pytest.fixture(scope="module")
+def solid_sheet():
+    """Motion and stress of solids."""
+    return solids()
+
+
+# At the place of the crack a tenth is missing, more than any error that is told there; a fifth
+# by elements that are integrated reduced.
+@pytest.mark.parametrize(("kind", "inside_MPa"), [("S8", 136), ("S8R", 122)])
+def test_shells_miss_the_stress_inside_a_bend(tmp_path, solid_sheet, kind, inside_MPa):
+    moved, stress = solid_sheet
+    shell_moved, shell_stress = shells(tmp_path, kind)
     below, inside, leg = (list(PLACES).index(name) for name in ("below", "inside", "leg"))
     assert moved[below, 1] == pytest.approx(1.346 * mm, rel=2e-3)
     assert shell_moved[below, 1] == pytest.approx(moved[below, 1], rel=0.02)
     assert shell_stress[leg] == pytest.approx(stress[leg], rel=0.06)
-    # At the place of the crack a tenth is missing, more than any error that is told there.
-    assert 0.85 < shell_stress[inside] / stress[inside] < 0.93
+    assert stress[inside] == pytest.approx(151 * MPa, rel=0.02)
+    assert shell_stress[inside] == pytest.approx(inside_MPa * MPa, rel=0.02)

@@ -58,7 +58,7 @@ def from_afar(
         share = np.zeros(len(volumes))
         share[meet] = 1 / volumes[meet].sum()
         second = body.solve(body.strained(share, slope)[None])
-        jump = _gap(body, second[0], body.at_nodes(second)[1][:, 0])
+        jump = _gap(body, second[0], body.stress_at_nodes(second)[:, 0])
         work = _complementary(gaps[c], jump, body.material)
         row[:] = _UNSEEN * np.abs((work * weights).sum(axis=1))
     return found
@@ -71,7 +71,7 @@ def too_high(body: Elastic, frequencies: FloatArray, shapes: FloatArray) -> Floa
     shape, of unit modal mass, which jumps of stress tell. Source: Strang & Fix, An Analysis of
     the Finite Element Method (1973), chapter 6.
     """
-    smooth, weights = body.at_nodes(shapes)[1], _weights(body)
+    smooth, weights = body.stress_at_nodes(shapes), _weights(body)
     found = np.empty(len(frequencies))
     for k, (frequency, shape) in enumerate(zip(frequencies, shapes, strict=True)):
         gap = _gap(body, shape, smooth[:, k])

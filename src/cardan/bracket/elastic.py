@@ -6,7 +6,7 @@ the order xx, yy, zz, xy, yz, zx (strains as tensor components, not engineering 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -150,7 +150,6 @@ class Elastic:
     material: Material
     space: Any
     stiffness: Any
-    mass: Any
     free: Any
     inverse: Any
     degree: int
@@ -159,6 +158,24 @@ class Elastic:
     def unknowns(self) -> int:
         """Number of displacements in the system of equations."""
         return int(self.space.ndof)
+
+    @cached_property
+    def mass(self) -> Any:
+        """The engine's matrix of the solid's mass: only what swings asks for it."""
+        ngs = engine().ngs
+        u, v = self.space.TnT()
+        form = self.material.density * ngs.InnerProduct(u, v) * ngs.dx
+        with ngs.TaskManager():
+            return ngs.BilinearForm(form, symmetric=True).Assemble().mat
+
+    def held_otherwise(self, held: Mapping[str, str], *, tell: Progress = silent) -> "Elastic":
+        """Return the same solid held at other faces: a factorisation, and nothing else, anew."""
+        free = _free(self.space, self.mesh, held)
+        tell("factorising")
+        other = replace(self, free=free, inverse=_factors(self.stiffness, free))
+        for known in ("mass", "nodes", "rigid", "_worth"):  # the same however it is held
+            other.__dict__[known] = getattr(self, known)
+        return other
 
     @cached_property
     def free_dofs(self) -> npt.NDArray[np.bool_]:
@@ -200,7 +217,9 @@ class Elastic:
         xx, yy, zz, xy, yz, zx = np.asarray(direction, dtype=float).tolist()
         asked = ngs.CF((xx, xy, zx, xy, yy, yz, zx, yz, zz), dims=(3, 3))
         stress = _stress_of(v, self.material)
-        return self._assembled(ngs.LinearForm(share * ngs.InnerProduct(asked, stress) * ngs.dx))
+        where = ngs.BitArray((np.asarray(weights) != 0).tolist())
+        volume = ngs.dx(definedonelements=where)
+        return self._assembled(ngs.LinearForm(share * ngs.InnerProduct(asked, stress) * volume))
 
     @staticmethod
     def _assembled(form: Any) -> FloatArray:
@@ -311,21 +330,30 @@ class Elastic:
         ngs = engine().ngs
         displacements = np.asarray(displacements, dtype=float)
         where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
-        flat, count = self.nodes.elements.ravel(), len(self.nodes.points)
-        worth = self._worth.ravel()
-        share = np.bincount(flat, weights=worth, minlength=count)
-        u = np.empty((count, len(displacements), 3))
-        stress = np.empty((count, len(displacements), 6))
+        u = np.empty((len(self.nodes.points), len(displacements), 3))
         for c, vector in enumerate(displacements):
             field = self.field(vector)
             with ngs.TaskManager():  # no longer than it works: its idle threads spin
-                moved = field(where)
-            u[flat, c] = moved
+                u[self.nodes.elements.ravel(), c] = field(where)
+        return u, self.stress_at_nodes(displacements)
+
+    def stress_at_nodes(self, displacements: ArrayLike) -> FloatArray:
+        """Stress (n, c, 6) Pa at the nodes of displacement vectors (c, unknowns).
+
+        Mean over the elements that meet at the node.
+        """
+        displacements = np.asarray(displacements, dtype=float)
+        where = self.mesh.MapToAllElements(_nodal_rule(), engine().ngs.VOL)
+        flat, count = self.nodes.elements.ravel(), len(self.nodes.points)
+        worth = self._worth.ravel()
+        share = np.bincount(flat, weights=worth, minlength=count)
+        stress = np.empty((count, len(displacements), 6))
+        for c, vector in enumerate(displacements):
             raw = self._stress(vector, where)
             for k in range(6):
                 summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
                 stress[:, c, k] = summed / share
-        return u, stress
+        return stress
 
     def scatter(self, displacements: ArrayLike, smooth: FloatArray) -> FloatArray:
         """How far the elements that meet at a node disagree on its stress, (n, c) Pa.
@@ -632,7 +660,25 @@ def elastic(
     """
     ngs = engine().ngs
     space = ngs.VectorH1(made, order=degree)
-    free = ngs.BitArray(space.ndof)
+    free = _free(space, made, held, held_edges)
+    u, v = space.TnT()
+    strain = (ngs.Grad(v) + ngs.Grad(v).trans) / 2
+    with ngs.TaskManager():
+        tell(f"assembling {space.ndof} unknowns, {made.ne} elements")
+        stiff = ngs.InnerProduct(_stress_of(u, material), strain)
+        K = ngs.BilinearForm(stiff * ngs.dx, symmetric=True).Assemble().mat
+    tell("factorising")
+    return Elastic(
+        mesh=made, material=material, space=space, stiffness=K, free=free,
+        inverse=_factors(K, free), degree=degree,
+    )  # fmt: skip
+
+
+def _free(
+    space: Any, made: Any, held: Mapping[str, str], held_edges: Mapping[str, str] | None = None
+) -> Any:
+    """Return the engine's mark of displacements that are not held."""
+    free = engine().ngs.BitArray(space.ndof)
     free.Set()
     regions = ((held, made.GetBoundaries(), made.Boundaries),
                (held_edges or {}, made.GetBBoundaries(), made.BBoundaries))  # fmt: skip
@@ -645,24 +691,17 @@ def elastic(
                 k = "xyz".index(axis)
                 for dof in np.flatnonzero(list(space.components[k].GetDofs(region(name)))):
                     free.Clear(space.Range(k).start + int(dof))
-    u, v = space.TnT()
-    strain = (ngs.Grad(v) + ngs.Grad(v).trans) / 2
-    with ngs.TaskManager():
-        tell(f"assembling {space.ndof} unknowns, {made.ne} elements")
-        stiff = ngs.InnerProduct(_stress_of(u, material), strain)
-        K = ngs.BilinearForm(stiff * ngs.dx, symmetric=True).Assemble()
-        M = ngs.BilinearForm(material.density * ngs.InnerProduct(u, v) * ngs.dx, symmetric=True)
-        M.Assemble()
-        tell("factorising")
-        try:
-            inverse = K.mat.Inverse(free, inverse="sparsecholesky")
-        except Exception as error:  # the engine raises bare exceptions of its own
-            msg = f"the stiffness cannot be factorised ({error}): is every direction held?"
-            raise NotConverged(msg) from error
-    return Elastic(
-        mesh=made, material=material, space=space, stiffness=K.mat, mass=M.mat, free=free,
-        inverse=inverse, degree=degree,
-    )  # fmt: skip
+    return free
+
+
+def _factors(stiffness: Any, free: Any) -> Any:
+    """Factorise a stiffness."""
+    try:
+        with engine().ngs.TaskManager():
+            return stiffness.Inverse(free, inverse="sparsecholesky")
+    except Exception as error:  # the engine raises bare exceptions of its own
+        msg = f"the stiffness cannot be factorised ({error}): is every direction held?"
+        raise NotConverged(msg) from error
 
 
 def hooke(strain: ArrayLike, material: Material) -> FloatArray:

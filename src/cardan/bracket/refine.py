@@ -127,7 +127,17 @@ def solution(problem: Problem, made: Any, *, tell: Progress = silent) -> Solutio
         made, problem.material, held=problem.held, held_edges=problem.held_edges,
         degree=problem.degree, tell=tell,
     )  # fmt: skip
-    loads = problem.loads(body)
+    return _under(problem, body, problem.loads(body), tell=tell)
+
+
+def held_anew(problem: Problem, before: Solution, *, tell: Progress = silent) -> Solution:
+    """Solve a problem on the mesh of another that differs in how it is held, and no more."""
+    body = before.elastic.held_otherwise(problem.held, tell=tell)
+    return _under(problem, body, before.loads, tell=tell)
+
+
+def _under(problem: Problem, body: Elastic, loads: FloatArray, *, tell: Progress) -> Solution:
+    """Solve for load vectors (c, unknowns), and read stress where fatigue is asked."""
     tell(f"solving for {len(loads)} loads")
     displacements = body.solve(loads)
     at_nodes = body.at_nodes(displacements)

@@ -19,7 +19,7 @@ from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, refined, solution
+from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, held_anew, refined
 from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -271,9 +271,7 @@ def solve(task: Task, tell: Progress) -> Solved:
     sliding = _held("sliding", body, done.last, task, size)
     firm = body.held("clamped")
     tell("the flange clamped")
-    stiff = solution(
-        replace(problem, held=firm, clamps=tuple(firm)), done.last.elastic.mesh, tell=tell
-    )
+    stiff = held_anew(replace(problem, held=firm, clamps=tuple(firm)), done.last, tell=tell)
     clamped = _held("clamped", body, stiff, task, size)
     change = np.abs(sliding.influence - first[0]).max() if len(task.gauges) else 0.0
     return Solved(
@@ -337,7 +335,7 @@ def _swing(
     ])  # fmt: skip
     return Swing(
         seat=units.seat(frequencies, shapes, loss=loss),
-        unit=found.zones.stress(body.nodes, body.at_nodes(shapes)[1]),
+        unit=found.zones.stress(body.nodes, body.stress_at_nodes(shapes)),
         reactions=units.borne(shapes, inert),
         influence=read,
     )
