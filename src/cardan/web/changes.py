@@ -17,6 +17,7 @@ from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
 from cardan.report.wording import badness, movable, move, scattered, survives, won
+from cardan.study.approval import Approval
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, wilson
@@ -105,13 +106,17 @@ def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     }
 
 
+def _least(of: Approval) -> float | None:
+    return None if of.smallest_margin is None else g(of.smallest_margin)
+
+
 def _proposal(read: Document, p: Proposal, say: Language) -> Json:
     bad = sorted((c for c in p.checks if c.grade != "pass"), key=badness)[:3]
     return {
         "verdict": p.verdict,
         "cost": f(p.cost, 4),
-        "margin": g(p.approval.smallest_margin),
-        "before": g(p.installed.smallest_margin),
+        "margin": _least(p.approval),
+        "before": _least(p.installed),
         "moves": [move(m, say) for m in p.moves],
         "survives": [won(p, say), *survives(p.survival, say)],
         "counts": {grade: sum(c.grade == grade for c in p.checks) for grade in GRADES},
