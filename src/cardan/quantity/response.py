@@ -206,9 +206,7 @@ class Response:
         """Torques to accelerate the shafts, in drive and coast, (...) N m; nan without inertias."""
         if self.inertias is None:
             return np.asarray(np.nan), np.asarray(np.nan)
-        return equivalent.shaft_torques(
-            self.turn, speed=self.demand.speed, inertias=self.inertias
-        )
+        return equivalent.shaft_torques(self.turn, speed=self.demand.speed, inertias=self.inertias)
 
     @cached_property
     def approximations(self) -> dict[str, Excitation]:
