@@ -485,7 +485,7 @@ def _followed(E: Any, J: Any, *, starts: int) -> Any:
 
 
 def _swing(E: Any, J: Any, z: Any) -> tuple[Any, Any, Any]:
-    """Return Im Σ J g at z (starts, C) and its first two slopes, the second with its sign turned."""
+    """Return Im Σ J g at z (starts, C), its slope, and its bend with the sign turned."""
     xp = namespace(E)
     gain = 1 / (1 - E * z)
     p = gain - 1

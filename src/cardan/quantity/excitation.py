@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import FloatArray
 from cardan.base.formula import written
 from cardan.base.source import AE7, DERIVED, ELBE, J3311
 from cardan.kinematics.equivalent import Excitation
@@ -18,7 +18,7 @@ def _of(e: Excitation, value: Callable[[Excitation], FloatArray | None], r: Resp
     return _told(np.nan if found is None else found, r)
 
 
-def _told(found: ArrayLike, r: Response) -> FloatArray:
+def _told(found: FloatArray | float, r: Response) -> FloatArray:
     """Return numbers of the line as a whole, in each case of its layouts."""
     return (np.zeros(r.layout.directions.shape[:-2]) + found)[..., None]
 

@@ -610,18 +610,15 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
     """Return the cases (..., S) that what the bearings carry has: of whatever varies."""
-    shafts, bearings = r.line.shafts, [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    of_parts = [
-        *(np.shape(n) for s in shafts for n in (s.mass, s.balance_grade, *s.yoke_mass)),
-        *(np.shape(b.from_rear_joint) for b in bearings),
-    ]
+    of_parts: list[Any] = [n for s in r.line.shafts for n in (s.mass, s.balance_grade)]
+    of_parts += [s.centre_bearing.from_rear_joint for s in r.line.shafts if s.centre_bearing]
     shapes = [
         found.fastest.shape[1:],
         r.layout.directions.shape[:-2],
         r.phases.shape[:-1],
         r.demand.torque.shape,
         r.spline_force.shape,
-        *(shape or (1,) for shape in of_parts),
+        *(np.shape(n) or (1,) for n in of_parts if n is not None),
     ]
     if r.inertias is not None:
         shapes.append(r.inertias.shape[:-1])

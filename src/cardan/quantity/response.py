@@ -34,6 +34,7 @@ from cardan.loads import (
 from cardan.loads.cycle import Cycle
 from cardan.loads.rubber import Suspended
 from cardan.loads.running import Running
+from cardan.model import layout
 from cardan.model.application import (
     RIDING,
     Application,
@@ -42,7 +43,7 @@ from cardan.model.application import (
     cycle_points,
 )
 from cardan.model.laminate import CompositeTube
-from cardan.model.layout import Layout, size
+from cardan.model.layout import Layout
 from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.model.seat import Seat
 from cardan.quantity import points
@@ -327,7 +328,7 @@ class Response:
         if found is not None and not np.isnan(found).any():
             return found
         rigid = {
-            "static": lambda: size(self.loads.bearing_forces.static),
+            "static": lambda: layout.size(self.loads.bearing_forces.static),
             "dynamic": lambda: self.loads.bearing_forces.dynamic,
             "peak": lambda: self.bearing_peaks,
         }[name]()
