@@ -448,15 +448,15 @@ def _blocks(count: int, size: int) -> list[slice]:
 def _plain(E: Any, J: Any, *, first: Any, most: Any) -> Any:
     """Return the sums at peaks beside those of the `first` term (C,), of sizes `most` (C,)."""
     xp = namespace(E)
-    E = E * (1j * xp.conj(first) / xp.where(most > 0, most, 1.0))
-    square = E * E
-    second, third = 2 * _summed(J * square), 3 * _summed(J * square * E)
+    x = E * (1j * xp.conj(first) / xp.where(most > 0, most, 1.0))
+    square = x * x
+    second, third = 2 * _summed(J * square), 3 * _summed(J * square * x)
     z = xp.asarray([[1.0 + 0j], [-1.0 + 0j]])
     for _ in range(PLAIN_STEPS):
         z2 = z * z
         a, b, c = 1j * most * z, second * z2, third * (z2 * z)
         z = _uphill(z, xp.real(a + 2 * b + 3 * c), xp.imag(a + 4 * b + 9 * c))
-    swing, slope, bend = _swing(E[:, None, :], J[:, None, :], z)
+    swing, slope, bend = _swing(x[:, None, :], J[:, None, :], z)
     rise = slope**2 / (2 * xp.where(most > 0, xp.abs(bend), 1.0))
     return 4 * xp.max(xp.abs(swing) + rise, axis=0)
 
