@@ -116,7 +116,8 @@ class Approval(approvals.Approval):
     def report(self, path: str | Path, *, lang: str = "en", corrections: bool = True) -> Path:
         """Write a report: .html, .pdf, .xlsx or .json, as the name ends.
 
-        Pages and documents look for `corrections`: minutes for a line of four shafts.
+        Pages and documents look for `corrections`: half a minute for three shafts, minutes
+        for four.
 
         Raises
         ------

@@ -374,7 +374,10 @@ def test_fix_says_what_to_move_in_a_workshops_words(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     result = run("fix", written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n"))
     assert "pinion nose down" in result.stdout
-    assert "1. pass" in result.stdout
+    said = next(line for line in result.stdout.splitlines() if line.startswith("1. PASS, "))
+    down = float(result.stdout.split("pinion nose down ")[1].split(" deg")[0])
+    changed = written(tmp_path, text.replace("7.5]", f"{7.5 - down}]"))
+    assert said.removeprefix("1. PASS, ").partition(",")[0] in run("check", changed).stdout
 
 
 def test_fix_leaves_in_place_what_is_held(tmp_path):

@@ -142,7 +142,7 @@ study:
     assert "Trucks scatter by" in said
     assert "driveline.slopes.side_deg[3] ± 0.4" in said
     assert "bearing_height_mm[1] ± 6" in said
-    assert "% of trucks keep that" in said
+    assert "% of trucks fail in nothing more" in said
 
 
 def test_a_limit_that_asks_in_some_trucks_alone_is_no_slope():

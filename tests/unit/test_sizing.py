@@ -226,7 +226,7 @@ def test_the_way_that_most_trucks_keep_goes_first(monkeypatch):
 
     def survival(self, *_, **__):
         split = self.application.lines[0].line.lengths != now
-        return Survival(share=0.9 if split else 0.8, asked=False)
+        return Survival(share=0.9 if split else 0.8, quiet=0.5, asked=False)
 
     assert sizing(application).remedies[0].offer.kind == "tube"
     monkeypatch.setattr(Trucks, "survival", survival)

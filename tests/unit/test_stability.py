@@ -38,6 +38,12 @@ from cardan.study.studies import VibrationStudy
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch):
+    """A screen on which no sentence is broken."""
+    monkeypatch.setenv("COLUMNS", "240")
+
+
 @pytest.fixture(scope="module")
 def truck(tmp_path_factory):
     file = tmp_path_factory.mktemp("truck") / "truck.yaml"

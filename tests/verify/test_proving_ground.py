@@ -26,7 +26,7 @@ def heard(of):
     engine = "engine" if "engine" in of.names else None
     campaign = Campaign(
         sn="30,2e6,5", gauges=("S1", "S2"), speed="speed", engine=engine,
-        engine_orders=of.orders if engine else "",
+        engine_orders=of.orders,
         torque="torque" if "torque" in of.names else None,
         mask=("sentinel", "spike", "dropout"), between_samples="no",
     )  # fmt: skip

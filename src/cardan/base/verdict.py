@@ -101,11 +101,11 @@ class Limit:
             return "fail"
         if self.maximum is not None and self.margin(value, to="maximum") < -EQUAL:
             return "fail"
-        return "warn" if self._warns and self.margin(value, to="normal") < -EQUAL else "pass"
+        return "warn" if self.warns and self.margin(value, to="normal") < -EQUAL else "pass"
 
     def grades(self, values: FloatArray) -> IntArray:
         """Return the places in `GRADES` of many values at once, as `grade` has them one by one."""
-        warned = self._warns & (self.margin(values, to="normal") < -EQUAL)
+        warned = self.warns & (self.margin(values, to="normal") < -EQUAL)
         failed = np.isnan(values)
         if self.maximum is not None:
             failed |= self.margin(values, to="maximum") < -EQUAL
@@ -120,7 +120,7 @@ class Limit:
         return np.where(np.abs(found) <= EQUAL, 0.0, found)
 
     @property
-    def _warns(self) -> bool:
+    def warns(self) -> bool:
         """Whether there is a bound past which it warns."""
         return self.band is not None or self.normal is not None
 

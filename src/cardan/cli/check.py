@@ -56,7 +56,7 @@ from cardan.cli.ending import Once, kindly, leave
 @click.option(
     "--corrections/--no-corrections",
     default=True,
-    help="Look for corrections for a report: minutes for a line of four shafts.",
+    help="Look for corrections for a report: half a minute for three shafts, minutes for four.",
 )
 @click.option(
     "--short", is_flag=True, help="Reports without numbers of every state, inputs and equations."

@@ -65,7 +65,7 @@ def kindly(command: Command) -> Command:
             return command(*args, **kwargs)
         except BrokenPipeError:
             raise
-        except (CardanError, OSError) as error:
+        except (CardanError, OSError, Refused) as error:
             raise _told(error, kwargs.get("lang", "en")) from error
 
     return guarded  # type: ignore[return-value]

@@ -18,6 +18,7 @@ from cardan.cli.common import (
     progress,
     put_lines,
     read,
+    screen,
     write,
     write_json,
 )
@@ -91,5 +92,5 @@ def stability(
     if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":
-        put_lines(report.text(found, every=every, say=say))
+        put_lines(report.text(found, every=every, say=say, width=screen()))
     leave(found.verdict)

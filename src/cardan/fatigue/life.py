@@ -20,6 +20,7 @@ from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cause import (
     ENGINE,
+    FIRING,
     JOINTS,
     Attribution,
     Comparison,
@@ -56,7 +57,7 @@ from cardan.fatigue.rainflow import (
     join,
 )
 from cardan.fatigue.recording import SIZE, Recording, cut
-from cardan.fatigue.response import Evidence, Identified, identified, together
+from cardan.fatigue.response import FOUR_CYLINDERS, Evidence, Identified, identified, together
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,
@@ -640,7 +641,7 @@ IDENTIFIED = 300.0
 def causes(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
     angle: Angle | None = None, torque: tuple[str, float] | None = None,
-    predicted: dict[str, float] | None = None, orders_said: bool = True,
+    predicted: dict[str, float] | None = None, engine_orders: Sequence[float] = (),
     progress: Progress | None = None,
 ) -> Causes:  # fmt: skip
     """Share the damage at every gauge among its causes.
@@ -660,8 +661,8 @@ def causes(
         Channel of the shaft torque, and N m in its unit.
     predicted : Pa per N m
         Order-2 stress expected at a gauge per shaft torque, by gauge name.
-    orders_said
-        Whether the engine's orders are its own; if they are assumed, it may have four cylinders.
+    engine_orders
+        The engine's own; if nobody says them, it may have four cylinders.
     progress
         Told how far it is.
     """
@@ -669,7 +670,7 @@ def causes(
     parts = [
         _of_one(
             recording, plan=replace(plan, gauges=(gauge,)), healths=healths,
-            how=how, angle=angle, torque=torque, predicted=predicted, orders_said=orders_said,
+            how=how, angle=angle, torque=torque, predicted=predicted, engine_orders=engine_orders,
             progress=progress,
         )
         for gauge in plan.gauges
@@ -689,13 +690,11 @@ def causes(
 def _of_one(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
     angle: Angle | None, torque: tuple[str, float] | None, predicted: dict[str, float] | None,
-    orders_said: bool, progress: Progress | None,
+    engine_orders: Sequence[float], progress: Progress | None,
 ) -> Causes:  # fmt: skip
     """Share the damage among its causes at the gauge of a plan."""
     shaft = how.suspects[0].tone.rotation
-    joints = _Joints(plan, recording, angle or Angle(shaft), torque, how)
-    if not orders_said:
-        joints.engine_orders += (2.0,)
+    joints = _Joints(plan, recording, angle or Angle(shaft), torque, how, engine_orders)
     stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
     times: list[FloatArray] = []
     amplitudes: list[FloatArray] = []
@@ -739,7 +738,7 @@ def _of_one(
         doubts += [said(OF_GAUGE, gauge=gauge.name, doubt=doubt) for doubt in one.doubts]
     if joints.engine is None:
         doubts.append(said(NO_ENGINE))
-    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and not orders_said:
+    elif (share := _direct(shaft, joints.engine, time)) > 0.2 and not engine_orders:
         doubts.append(said(DIRECT, share=f"{share:.0%}"))
     if torque is None:
         doubts.append(said(NO_TORQUE))
@@ -766,12 +765,12 @@ class _Joints:
 
     def __init__(
         self, plan: Plan, recording: Recording, angle: Angle, torque: tuple[str, float] | None,
-        how: Separation,
+        how: Separation, engine_orders: Sequence[float],
     ) -> None:  # fmt: skip
         self.plan, self.recording, self.angle, self.torque = plan, recording, angle, torque
         engine = [s.tone for s in how.suspects if s.cause == ENGINE]
         self.engine = engine[0].rotation if engine else None
-        self.engine_orders = tuple(tone.order for tone in engine)
+        self.engine_orders = tuple(engine_orders) or (*FIRING, FOUR_CYLINDERS)
         self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
         self.held: list[tuple[int, _Coarse, _Coarse]] = []
         self.without = [_Count(plan, recording.rate) for _ in plan.gauges]

@@ -68,10 +68,18 @@ SUDDEN = 0.15
 """Share of the time up to which a strong torque is a matter of seconds."""
 BLOW = 1.8
 """Of what half seconds within ten usually reach, from which one holds a blow."""
+FOUR_CYLINDERS = 2.0
+"""Order of an engine that in direct gear turns as the joints do."""
 LOUD = 2.0
 """Of its mean power, that order 2 must have where blows come for these to be its own."""
 FEWEST_BLOWS = 4
 """From which they are more than chance."""
+IDLE = 8.0
+"""Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
+LEFT = 0.85
+"""Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
+FEWEST_SPELLS = 1.5
+"""Of equal weight above idle, that tell anything of what they have in common."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
@@ -83,6 +91,10 @@ FAINT = said("little is locked to the shaft: the interval is wider by a tenth")
 SLIPPING = said("what is locked does not explain the large cycles: the angle may slip")
 RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
 ALIKE = said("an engine order runs with order 2: phase and torque are the same, either did it")
+UNHEARD = said(
+    "no engine speed and no engine orders are given: an engine of four cylinders in direct gear "
+    "does the same as the joints"
+)
 
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
@@ -107,6 +119,7 @@ DOUBTS = (
     SLIPPING,
     RATTLING,
     ALIKE,
+    UNHEARD,
     DOUBLED,
     HALVED,
     BESIDE,
@@ -769,7 +782,7 @@ def identified(
     damage
         Of a stress (n,).
     engine, engine_orders
-        Who else may turn twice a shaft turn.
+        Who else may turn twice a shaft turn: of an engine nobody heard, if its order 2 may be.
     start : s
         Of the first sample, in the time of the rotations.
     seed
@@ -978,6 +991,12 @@ def identified(
             # Engine first: all that runs with it is the engine's; joints first: as found.
             low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
             doubts.append(ALIKE)
+    elif FOUR_CYLINDERS in engine_orders:
+        own = left + lines[0].wave.real
+        sure = removed(mean * _surely(best, lines[0].wave, own)) - margin
+        if sure < low:
+            low = sure
+            doubts.append(UNHEARD)
     high = sudden(x - mean, high)
     if high <= ACQUITTED:
         high = elsewhere(high)
@@ -1038,6 +1057,39 @@ def _apart(
     half = max(round(0.5 * scene.rate), 1)
     total = np.cumsum(np.concatenate([[0], np.pad(~close, (half, half), mode="edge")]))
     return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+
+
+def _surely(scene: _Scene, wave: ComplexArray, y: FloatArray) -> FloatArray:
+    """Share (n,) of an order's wave that is no engine's in direct gear, which nobody heard.
+
+    None turns with the shaft below its idle speed. Above it one may, and then it is locked to the
+    shaft as the joints are; but whenever it has let go it takes hold of it at another angle.
+    So what all spells above idle have in common is the shaft's own, as far as they tell.
+    """
+    from scipy.special import stdtrit
+
+    turns = np.where(scene.speed > IDLE, 1, np.where(scene.speed < LEFT * IDLE, -1, 0))
+    said_at = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.size), 0))
+    may = turns[said_at] > 0
+    spell = np.cumsum(np.diff(may, prepend=False) & may)[may]
+    if not spell.size:
+        return np.ones(may.size)
+    z = wave[may]
+    locked = 2 * y[may] * np.conj(z)
+    weight, real, imag = (
+        np.bincount(spell, v)[1:] for v in (np.abs(z) ** 2, locked.real, locked.imag)
+    )
+    heard = weight > 0
+    w = weight[heard] / max(float(weight.sum()), 1e-300)
+    gain = (real + 1j * imag)[heard] / weight[heard]
+    mean = complex(w @ gain)
+    many = 1 / max(float(w @ w), 1e-300)
+    if many < FEWEST_SPELLS or not abs(mean) > 0:
+        return np.where(may, 0.0, 1.0)
+    # Along the mean lies half of the scatter of a complex number.
+    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / (many - 1) / 2
+    doubt = float(stdtrit(2 * (many - 1), 0.95)) * np.sqrt(scatter) / abs(mean)
+    return np.where(may, max(1.0 - doubt, 0.0), 1.0)
 
 
 def _near(

@@ -160,7 +160,7 @@ def open_recording(
     if rate is None and table.rate is None and clock is None:
         raise bad(
             path, "nothing says how fast it was sampled",
-            hint="give the rate, or the name of the time column",
+            hint="give the rate (--rate HZ), or the name of the time column (--time COLUMN)",
         )  # fmt: skip
     by_clock = rate is None and clock is not None
     if by_clock:

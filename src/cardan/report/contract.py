@@ -162,6 +162,8 @@ def proposals(of: tuple[Proposal, ...]) -> list[dict[str, Any]]:
                 "cost": p.cost,
                 "margin": p.margin,
                 "margin_before": p.before,
+                "smallest_margin": p.approval.smallest_margin,
+                "smallest_margin_before": p.installed.smallest_margin,
                 "moves": [
                     {
                         "what": m.adjustable.what,
@@ -186,6 +188,7 @@ def survival(found: Survival | None, trucks: Trucks | None) -> dict[str, Any] | 
         return None
     return {
         "share": found.share,
+        "share_without_warnings": found.quiet,
         "each_asked": found.asked,
         "lost": found.lost or None,
         "tighten_first": found.tighter and {"name": found.tighter[0], "share": found.tighter[1]},

@@ -23,7 +23,8 @@ from cardan.report import svg
 from cardan.report.chart import Chart, Series
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
-from cardan.report.wording import badness
+from cardan.report.wording import badness, occasion
+from cardan.study.ride import under
 
 WIDTH = 1040.0
 LEFT, RIGHT, TOP, BOTTOM = 24.0, 170.0, 30.0, 46.0
@@ -45,34 +46,42 @@ def worst_state(response: Response) -> int:
     return int(np.nanargmax(shakes))
 
 
-def state_to_show(response: Response, checks: Iterable[Check], name: str | None = None) -> int:
+def state_to_show(
+    response: Response, checks: Iterable[Check], name: str | None = None
+) -> tuple[int, Check | None]:
     """Return the number of the state to draw: one of a name, else where the worst check is.
 
-    Without a check in a state it is that which shakes most.
+    And that check, if it was asked at an operating point. Without a check in a state it is the
+    state which shakes most.
     """
     states = response.demand.states
     if name is not None:
         if name not in states:
             msg = f"there is no state {name} to draw; there are: {', '.join(states)}"
             raise DesignError(msg)
-        return states.index(name)
+        return states.index(name), None
     mine = [c for c in checks if c.line == response.line.name and c.when.name in states]
     worst = min(mine, key=badness, default=None)
-    return worst_state(response) if worst is None else states.index(worst.when.name)
+    if worst is None:
+        return worst_state(response), None
+    return states.index(worst.when.name), worst if worst.point else None
 
 
-def in_state(response: Response, say: Language, s: int) -> Figure:
+def in_state(response: Response, say: Language, s: int, at: Check | None = None) -> Figure:
     """Return the side view of a line in one state, tubes and obstacles true to scale.
 
-    The room an obstacle leaves in that state stands beside it.
+    Wound up as at the operating point of a check there. The room an obstacle leaves in that
+    state stands beside it.
     """
+    if at and at.point:
+        response = under(response, at.point)
     layout, c = response.layout[s], ACROSS["side"]
     rise = float(np.broadcast_to(response.demand.travel, response.angles.shape[:-1])[s])
     there = tuple(_lifted(o, rise) for o in response.obstacles)
     thick = max(t.tube.outer if t.tube else 0.05 for t in response.line.shafts)
     page = _page(layout, layout, there, c, thick=thick, exaggerations=(1,))
     angles = np.diff(layout.side)
-    state = say.state(response.demand.states[s])
+    state = occasion(at, say) if at else say.state(response.demand.states[s])
     title = say("The line in {state}, from the left, true to scale", state=state)
     true = response.angles[s]
     alt = f"{title}. " + "; ".join(

@@ -6,6 +6,7 @@ from io import BytesIO
 import numpy as np
 
 from cardan.base.errors import NotInstalled
+from cardan.base.verdict import Check
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.book import Book, Sheet, column
@@ -71,7 +72,7 @@ def fill(sheet: Sheet, of: Approval, judged: Sequence[Judged]) -> None:
     shown = next((r for r in of.responses if r.line.name in named), None)
     shown = shown or next(iter(of.responses), None)
     if shown is not None and drawable(shown):
-        _drawn(sheet, shown, state_to_show(shown, rows))
+        _drawn(sheet, shown, *state_to_show(shown, rows))
     for r in of.responses:
         _charts(sheet, r, several=several)
 
@@ -84,11 +85,11 @@ def _words(sheet: Sheet, cells: Sequence[str], *, bold: bool = False) -> None:
     sheet.row += 1
 
 
-def _drawn(sheet: Sheet, r: Response, s: int) -> None:
-    """Put the drawing of a line in a state below what stands there, if it can be drawn."""
+def _drawn(sheet: Sheet, r: Response, s: int, at: Check | None) -> None:
+    """Put the drawing of a line in a state, or at a check there, if it can be drawn."""
     from cardan.report.pdf import pixels
 
-    figure = in_state(r, sheet.book.say, s)
+    figure = in_state(r, sheet.book.say, s, at)
     sheet.sheet.write_string(sheet.row, 0, figure.title, sheet.book.head)
     try:
         png = pixels(figure)

@@ -184,7 +184,8 @@ class Language:
         tries = ((pattern.fullmatch(said), other) for pattern, other in _refusals(self.code))
         found, other = next(((f, o) for f, o in tries if f), (None, said))
         if found is None:
-            return said
+            where, colon, what = said.partition(": ")
+            return f"{where}{colon}{self.error(what)}" if colon else said
         return _NAMED.sub(lambda at: self.error(found[int(at[1]) + 1]), other)
 
     def name(self, quantity: str) -> str:
@@ -259,7 +260,7 @@ class Language:
             return "< -999 %"
         if margin > 99.99:
             return ">9999 %"
-        if 0 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
+        if 1e-9 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
             return self.pointed(f"{100 * margin:+.2g} %")
         return f"{round(100 * margin) + 0:+d} %"
 

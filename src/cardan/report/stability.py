@@ -10,13 +10,14 @@ import numpy as np
 
 from cardan.base.part import Occasion, Part
 from cardan.base.units import UNITS, rpm
-from cardan.base.verdict import GRADES, Check, Grade
+from cardan.base.verdict import GRADES, Check
 from cardan.quantity.declared import WRITTEN
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import svg
 from cardan.report.chart import Chart, Level, Series, plot
 from cardan.report.contract import CONTRACT, check, coverage, plain
 from cardan.report.language import EN, Language
+from cardan.report.screen import WIDTH, folded, table
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
 from cardan.report.terminal import BOLD, COLOURS, PLAIN, summary
 from cardan.study.approval import Approval
@@ -45,43 +46,37 @@ KEYS = {
 """What the document calls what stands in place of parts."""
 
 
-def text(of: Approval, *, every: bool = False, say: Language = EN) -> Iterator[str]:
+def text(
+    of: Approval, *, every: bool = False, say: Language = EN, width: int = WIDTH
+) -> Iterator[str]:
     """Yield the verdict, the worst check of each part and the vehicle's numbers, gear by gear.
 
     With `every` each check has its row.
     """
     found: Stability = of.of(VIBRATION)
-    yield from summary(of, say)
-    yield say("limits: {profile}", profile=of.application.profile)
-    yield from basis(found, say)
-    for doubt in found.doubts:
-        yield say("Not asked: {what}.", what=doubt)
+    doubts = (say("Not asked: {what}.", what=doubt) for doubt in found.doubts)
+    limits = say("limits: {profile}", profile=of.application.profile)
+    yield from folded([*summary(of, say), limits, *basis(found, say), *doubts], width)
     rows = list(of.checks) if every else list(worst_of_parts(of.checks))
     yield ""
     rows.sort(key=lambda c: (-GRADES.index(c.grade), c.quantity, c.margin))
-    head = say("quantity"), say("part"), say("where it is worst")
-    said = [(say.name(c.quantity), say.part(c.part), say.occasion(c.when)) for c in rows]
-    wide = [2 + max(map(len, column)) for column in zip(head, *said, strict=True)]
-    grade = 2 + max((len(say(c.grade)) for c in rows), default=4)
-    columns = "".join(f"{word:<{w}}" for word, w in zip(head, wide, strict=True))
-    yield f"{BOLD}{'':{grade}}{columns}{say('value'):>9}  {say('limit'):<12}{PLAIN}"
-    for c, cells in zip(rows, said, strict=True):
-        q = QUANTITIES[c.quantity]
-        names = "".join(f"{word:<{w}}" for word, w in zip(cells, wide, strict=True))
-        sense = say("outside") if c.limit.band else c.limit.sense
-        yield (
-            f"{_coloured(c.grade, say, grade)}{names}{say.number(c.value / q.factor):>9}  "
-            f"{sense} {say.number(c.bound / q.factor)} {q.unit_name}"
-        )
+    head = "", *map(say, ("quantity", "part", "where it is worst", "value", "limit"))
+    yield from table(head, [_row(c, say) for c in rows], width)
     for caption, head, lines, _ in tables(found, say):
         yield ""
-        yield f"{BOLD}{caption}{PLAIN}"
-        widths = [max(len(r[k]) for r in (head, *lines)) for k in range(len(head))]
-        for row in (head, *lines):
-            yield (
-                "  "
-                + "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
-            )
+        yield from (f"{BOLD}{line}{PLAIN}" for line in folded([caption], width))
+        yield from (f"  {line}" for line in table(head, lines, width - 2))
+
+
+def _row(c: Check, say: Language) -> tuple[str, ...]:
+    """Return a check as a row of the screen."""
+    q = QUANTITIES[c.quantity]
+    sense = say("outside") if c.limit.band else c.limit.sense
+    return (
+        f"{COLOURS[c.grade]}{say(c.grade)}{PLAIN}", say.name(c.quantity), say.part(c.part),
+        say.occasion(c.when), say.number(c.value / q.factor),
+        f"{sense} {say.number(c.bound / q.factor)} {q.unit_name}".rstrip(),
+    )  # fmt: skip
 
 
 TableOf: TypeAlias = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...], int]
@@ -756,7 +751,3 @@ def worst_of_parts(checks: Iterable[Check]) -> Iterator[Check]:
 
 def _part(c: Check) -> tuple[str, str, str]:
     return c.quantity, c.line, str(c.part)
-
-
-def _coloured(grade: Grade, say: Language, width: int) -> str:
-    return f"{COLOURS[grade]}{say(grade):<{width}}{PLAIN}"

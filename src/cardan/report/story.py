@@ -46,12 +46,13 @@ from cardan.report.wording import (
     out_of_reach,
     place,
     problem,
-    room,
     scattered,
     sense,
     sentence,
+    standing,
     survives,
     unanswered,
+    won,
     worst_of_each,
 )
 from cardan.study.approval import Approval
@@ -76,8 +77,9 @@ def whole(
     """Return the story of one application, with what would help and the best corrections.
 
     The line is drawn in a `state`; by default in the one that decides. Corrections of a line
-    of four shafts take minutes to find: without them the story says that nobody looked.
-    `short` leaves out what nobody decides by: numbers of every state, inputs, equations.
+    of three shafts take half a minute to find, of four minutes: without them the story says that
+    nobody looked. `short` leaves out what nobody decides by: numbers of every state, inputs,
+    equations.
     """
     helps = sensitivities(of)
     fixes = None if helps and not corrections else ()
@@ -243,8 +245,8 @@ def _first_page(
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
     for r in of.responses:
         if r.line.name == line and drawable(r):
-            s = state_to_show(r, rows if state is None else (), state)
-            yield Figures(figures=(in_state(r, say, s),), wide=True)
+            s, at = state_to_show(r, rows if state is None else (), state)
+            yield Figures(figures=(in_state(r, say, s, at),), wide=True)
     said: list[tuple[str, tuple[str, ...]]] = []
     if fixes:
         title, moves = _proposal(1, fixes[0], say)
@@ -398,10 +400,11 @@ def _beyond(c: Check, say: Language, *, several: bool) -> str:
 def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]:
     """Return one correction: its verdict, what it moves, what still does not pass."""
     cost = say.short(round(p.cost, 2))
-    won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
+    to = say("{standing}, cost {cost}", standing=standing(p.approval, say), cost=cost)
     moves = tuple(move(m, say) for m in p.moves)
-    return f"{k}. {say(p.verdict).upper()}, {won} ({p.line})", (
+    return f"{k}. {to} ({p.line})", (
         *moves,
+        won(p, say),
         *survives(p.survival, say),
         *left(p, say),
     )

@@ -27,11 +27,12 @@ from cardan.report.wording import (
     notes,
     place,
     problem,
-    room,
     scattered,
+    standing,
     survives,
     tally,
     unanswered,
+    won,
     worst_of_each,
 )
 from cardan.study.approval import Approval, Coverage
@@ -244,8 +245,8 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
         )
         return
     yield say(
-        "Line {line}, as installed, by the limits that moving changes: {room}.",
-        line=of[0].line, room=room(of[0].before, say),
+        "Line {line}; as installed: {standing}.",
+        line=of[0].line, standing=standing(of[0].installed, say),
     )  # fmt: skip
     yield say("Cost is the share of the given ranges in use; a turned yoke counts 0.5.")
     if scatter := scattered(of[0].trucks, say):
@@ -253,9 +254,10 @@ def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
     for k, p in enumerate(of, 1):
         yield ""
         cost = say.short(round(p.cost, 2))
-        won = say("{room}, cost {cost}", room=room(p.margin, say), cost=cost)
-        yield f"{k}. {_graded(p.verdict, say(p.verdict))}  {won}"
+        to = say("{standing}, cost {cost}", standing=standing(p.approval, say), cost=cost)
+        yield _graded(p.verdict, f"{k}. {to}")
         yield from (f"     {move(m, say)}" for m in p.moves)
+        yield f"     {won(p, say)}"
         yield from (f"     {one}" for one in survives(p.survival, say))
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
 

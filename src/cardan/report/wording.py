@@ -167,29 +167,38 @@ def scattered(trucks: "Trucks | None", say: Language) -> str:
     return say("Trucks scatter by {what} (normal ones 3 σ), as the file says.", what=what)
 
 
-def room(margin: float, say: Language) -> str:
-    """Say how far something is from the nearest warning, or how far beyond it."""
-    far = say.percent(abs(margin)).lstrip("+")
-    if margin < 0:
-        return say("{margin} past a warning", margin=far)
-    return say("{margin} short of a warning", margin=far)
+def standing(of: "Approval", say: Language) -> str:
+    """Say what an application comes to, as a check of it begins: the verdict and its margin."""
+    if of.smallest_margin is None:
+        return say(of.verdict).upper()
+    return say(
+        "{verdict}, smallest margin {margin}", verdict=say(of.verdict).upper(),
+        margin=say.percent(of.smallest_margin),
+    )  # fmt: skip
+
+
+def won(p: "Proposal", say: Language) -> str:
+    """Say what a correction wins among the limits that moving changes."""
+    before, after = say.percent(p.before), say.percent(p.margin)
+    return say("nearest to its warning of what moving changes: {before}, then {after}",
+               before=before, after=after)  # fmt: skip
 
 
 def survives(found: "Survival | None", say: Language) -> list[str]:
     """Return how many trucks keep what a proposal promises, and what would win most."""
     if found is None:
         return []
-    share = say.pointed(f"{100 * found.share:.0f} %")
-    said = [say("{share} of trucks keep that", share=share)]
+    share, quiet = (say.pointed(f"{100 * k:.0f} %") for k in (found.share, found.quiet))
+    said = [
+        say("{share} of trucks fail in nothing more; {quiet} do not warn more either",
+            share=share, quiet=quiet)
+    ]  # fmt: skip
     if found.lost:
-        said = [
-            say("{share} of trucks keep that; most others lose: {limit}", share=share,
-                limit=say.name(found.lost))
-        ]  # fmt: skip
+        said.append(say("most others fail in: {limit}", limit=say.name(found.lost)))
     if found.tighter:
         name, more = found.tighter
         said.append(
-            say("tighten first: {name}; half as wide, {share} keep it", name=name,
+            say("tighten first: {name}; half as wide, {share} fail in nothing more", name=name,
                 share=say.pointed(f"{100 * more:.0f} %"))
         )  # fmt: skip
     return said

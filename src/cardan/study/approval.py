@@ -7,7 +7,7 @@ from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.frozen import dataclass
-from cardan.base.verdict import Check, Unanswered, Verdict, worst
+from cardan.base.verdict import GRADES, Check, Unanswered, Verdict, worst
 from cardan.files.limit import DEFAULT
 from cardan.files.limit import limits as profile
 from cardan.model.application import Application
@@ -77,11 +77,13 @@ class Approval:
 
     @property
     def smallest_margin(self) -> float | None:
-        """The least share of a deciding bound that is free, over all checks; None without any.
+        """The least share of its bound that a check leaves free which decides; None without any.
 
-        What fails is measured to the maximum it passed, all else to the normal bound.
+        Those of the worst grade decide: where something fails, what fails, to the maximum it
+        passed; else what warns, or passes, to the normal bound.
         """
-        return min((c.margin for c in self.checks), default=None)
+        worst = max((GRADES.index(c.grade) for c in self.checks), default=0)
+        return min((c.margin for c in self.checks if c.grade == GRADES[worst]), default=None)
 
     @property
     def studies(self) -> tuple[str, ...]:

@@ -58,6 +58,9 @@ SURE = 2.5
 SEEN = 8
 """Corrections that are asked how many trucks survive them, at least."""
 
+NOTABLE = 0.01
+"""Of a bound: a correction that leaves no more than that beyond a cheaper one is its copy."""
+
 CLOSER, FEWER = (0.1, 0.03, 0.01), 8
 """Shares of the ranges about the best trial that are looked through by so many trials each way,
 where slopes lead nowhere better."""
@@ -72,9 +75,10 @@ Smooth: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
 class Proposal:
     """A correction of one line, and what the application comes to with it.
 
-    `margin` is the smallest margin to a warning among the limits that moving can change,
-    `before` the same as installed. `approval` is that of the whole application so corrected;
-    `survival` how many trucks keep what it promises as they scatter, None where nothing does.
+    `margin` is the least to a warning among the limits that moving can change, which the search
+    goes by, and `before` the same as installed. `approval` is that of the whole application so
+    corrected, `installed` as it stands; `survival` how many trucks keep what it promises as
+    they scatter, None where nothing does.
     """
 
     line: str
@@ -82,14 +86,15 @@ class Proposal:
     before: float
     margin: float
     approval: Approval
+    installed: Approval
     survival: Survival | None = None
     trucks: Trucks | None = None
 
     @property
-    def rank(self) -> tuple[int, int, float]:
-        """What proposals are sorted by: the verdict, how many trucks keep it, the cost."""
+    def rank(self) -> tuple[int, int, float, float]:
+        """What proposals are sorted by: the verdict, how many trucks keep it, cost, margin."""
         sure = self.survival.sure if self.survival else CLASSES - 1
-        return VERDICTS.index(self.verdict), -sure, self.cost
+        return VERDICTS.index(self.verdict), -sure, round(self.cost, 2), -self.margin
 
     @property
     def cost(self) -> float:
@@ -403,6 +408,7 @@ def fix(
         return ()
     ranked = sorted(found.values(), key=lambda t: t.rank)
     unbeaten = [t for t in _unbeaten(ranked) if t.moves][: max(count, SEEN)]
+    standing = _approval(before, installed)
     proposals = [
         Proposal(
             line=response.line.name,
@@ -410,6 +416,7 @@ def fix(
             before=installed.margin,
             margin=t.margin,
             approval=_approval(before, t),
+            installed=standing,
             survival=trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws),
             trucks=trucks,
         )
@@ -544,9 +551,9 @@ def _trial(
 
 
 def _unbeaten(ranked: list[_Trial]) -> Iterator[_Trial]:
-    """Yield the trials that leave more margin than all that come before them."""
+    """Yield the trials that leave more margin than all that come before, and not a hair more."""
     best = -np.inf
     for trial in ranked:
-        if trial.margin > best + 1e-6:
+        if trial.margin > best + NOTABLE:
             best = trial.margin
             yield trial

@@ -589,15 +589,16 @@ def _causes(
 ) -> Causes:  # fmt: skip
     """Return who did the damage at a plan's gauges."""
     ratio, shaft = campaign.axle_ratio, angle.rotation
+    orders = numbers(campaign.engine_orders) if campaign.engine_orders else ()
     named = suspects(
         shaft, joint_orders=numbers(campaign.joint_orders), engine=campaign.engine_of(recording),
-        engine_orders=numbers(campaign.engine_orders) if campaign.engine_orders else FIRING,
+        engine_orders=orders or FIRING,
         wheel=None if ratio is None else shaft.geared(1 / ratio),
     )  # fmt: skip
     return room.causes(
         recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted,
-        orders_said=bool(campaign.engine_orders), progress=progress,
+        engine_orders=orders, progress=progress,
     )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ class Counts:
         own, a = rows.own, rows.answers
         grades = a.grades[:, own]
         fails = grades == GRADES.index("fail")
-        left = np.nan_to_num(a.margins[:, own], nan=np.inf)
+        left = a.deciding[:, own]
         first = np.bincount(left.argmin(axis=0), minlength=len(left))
         return {
             "count": np.array(own.sum()),
@@ -227,7 +227,7 @@ class Worst:
     def of(self, rows: Sweep, start: int) -> State:
         """Return the worst of a shard."""
         a = rows.answers
-        left = np.nan_to_num(a.margins, nan=np.inf)
+        left = a.deciding
         refused = np.flatnonzero(a.refused)[:1]
         return self._least(
             {

@@ -11,6 +11,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError
+from cardan.base.part import Point
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.model.application import Application, Installed, State
 from cardan.model.vehicle import SuspensionState
@@ -52,6 +53,17 @@ def reach(response: Response) -> Reach:
     least = -np.nan_to_num(np.nanmax(np.append(asked.coast_torque, 0.0))) if winds else 0.0
     lowest = min(float(least), float(np.nanmin(np.append(asked.torque, 0.0)))) if winds else 0.0
     return Reach(travel=(min(travels), max(travels)), torque=(lowest, float(most)))
+
+
+def under(response: Response, point: Point) -> Response:
+    """Return a line in its states as an operating point winds its axle up, (S,)."""
+    asked = response.demand
+    wound = demand_under(
+        asked, torque=np.full((1, len(asked.states)), point.torque), speed=point.speed,
+        coasts=point.direction == "coast", brakes=point.direction == "brake",
+    )  # fmt: skip
+    layout = wound.layout[0]
+    return respond(response.application, asked, lay=lambda _: layout)
 
 
 def ride(

@@ -19,7 +19,7 @@ from cardan.model.movable import MOVABLES, movable
 from cardan.model.variants import Spread, Variants
 from cardan.quantity.response import Response, respond
 from cardan.study.draw import Drawing, drawing
-from cardan.study.margins import PLENTY, limits, margins
+from cardan.study.margins import PLENTY, Bound, both, limits, margins
 from cardan.study.moves import UNMEASURED, tried
 from cardan.study.sweep import CHUNK, names, with_numbers
 
@@ -46,7 +46,9 @@ class Survival:
     Attributes
     ----------
     share : 1
-        Of all trucks.
+        Of all trucks: what nothing fails in that does not fail at the setting.
+    quiet : 1
+        Of all trucks: what nothing warns in either that does not at the setting.
     asked
         Whether every truck was asked; otherwise their margins follow from slopes and bends
         at the setting.
@@ -57,6 +59,7 @@ class Survival:
     """
 
     share: float
+    quiet: float
     asked: bool
     tighter: tuple[str, float] | None = None
     lost: str = ""
@@ -146,29 +149,41 @@ class Trucks:
         """
         still = np.zeros((1, len(self.drawing.names)))
         at = self.response(ways, amounts, still)
-        promised = margins(at, to="maximum")[0]
-        held = (promised >= -EQUAL) & np.array([m.maximum is not None for m in limits(at)])
+        promised, each = both(at), limits(at)
+        held = (promised["maximum"][0] >= -EQUAL) & [m.maximum is not None for m in each]
+        calm = (promised["normal"][0] >= -EQUAL) & [m.warns for m in each]
         if asked:
             off = self.drawing.values(0, asked) - np.array(self.drawing.at)
-            left = np.concatenate([
-                self._margins(ways, amounts, off[k : k + CHUNK]) for k in range(0, asked, CHUNK)
-            ])  # fmt: skip
-            return Survival(share=_share(left, held), asked=True, lost=_lost(at, left, held))
-        left_at = self._parabolas(ways, amounts)
+            some = [
+                both(self.response(ways, amounts, off[k : k + CHUNK]))
+                for k in range(0, asked, CHUNK)
+            ]
+            left, near = (np.concatenate([m[to] for m in some]) for to in ("maximum", "normal"))
+            kept = _kept(left, held)
+            return Survival(
+                share=float(kept.mean()),
+                quiet=float((kept & _kept(near, calm)).mean()),
+                asked=True,
+                lost=_lost(at, left, held),
+            )
+        parabolas = self._parabolas(ways, amounts)
         off = self._normal(self.drawing.unit(0, DRAWS))
-        left = left_at(off)
-        share = _share(left, held)
+        left = parabolas["maximum"](off)
+        kept = _kept(left, held)
         halved = {}
         for k, factor in enumerate(self.drawing.factors):
             half = off.copy()
             half[:, k] /= 2
-            halved[self.drawing.called(factor)] = _share(left_at(half), held)
+            halved[self.drawing.called(factor)] = float(
+                _kept(parabolas["maximum"](half), held).mean()
+            )
         best = max(halved, key=halved.__getitem__)
-        gains = halved[best] > share + 0.005
+        share = float(kept.mean())
         return Survival(
             share=share,
+            quiet=float((kept & _kept(parabolas["normal"](off), calm)).mean()),
             asked=False,
-            tighter=(best, halved[best]) if gains else None,
+            tighter=(best, halved[best]) if halved[best] > share + 0.005 else None,
             lost=_lost(at, left, held),
         )
 
@@ -180,30 +195,14 @@ class Trucks:
         forth, back = np.split(found, 2)
         return np.sqrt((((forth - back) / (2 * REACH)) ** 2).sum(0))
 
-    def _margins(
-        self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
-    ) -> FloatArray:
-        return margins(self.response(ways, amounts, off), to="maximum")
-
     def _parabolas(
         self, ways: tuple[Adjustable, ...], amounts: FloatArray
-    ) -> Callable[[FloatArray], FloatArray]:
-        """Return margins (V, M) as a function of how far trucks are off, in deviations (V, T)."""
+    ) -> dict[Bound, Callable[[FloatArray], FloatArray]]:
+        """Return margins (V, M) to either bound of trucks so many deviations (V, T) off."""
         step = np.diag(self._wide) * REACH
-        found = self._margins(
-            ways, amounts, np.concatenate([np.zeros((1, len(step))), step, -step])
-        )
-        # A limit that asks in some of these trucks alone has no slope: it counts where worst.
-        jumps = (found == PLENTY).any(0) & (found < PLENTY).any(0)
-        found = np.where(jumps, found.min(0), found)
-        middle, forth, back = found[:1], *np.split(found[1:], 2)
-        slope = (forth - back) / (2 * REACH)
-        bend = (forth + back - 2 * middle) / (2 * REACH**2)
-
-        def left(off: FloatArray) -> FloatArray:
-            return middle + off @ slope + off**2 @ bend
-
-        return left
+        off = np.concatenate([np.zeros((1, len(step))), step, -step])
+        found = both(self.response(ways, amounts, off))
+        return {to: _parabola(m) for to, m in found.items()}
 
     def _normal(self, unit: FloatArray) -> FloatArray:
         """Return how far trucks are off in each tolerance, in its standard deviations."""
@@ -251,8 +250,24 @@ def _merged(
     return tuple(replace(parts[k]) for k in first.values()), sums
 
 
-def _share(left: FloatArray, held: BoolArray) -> float:
-    return float((left[:, held] >= -EQUAL).all(-1).mean())
+def _parabola(found: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return margins (V, M) as a function of (V, T), from those in the middle and beside it."""
+    # A limit that asks in some of these trucks alone has no slope: it counts where worst.
+    jumps = (found == PLENTY).any(0) & (found < PLENTY).any(0)
+    found = np.where(jumps, found.min(0), found)
+    middle, forth, back = found[:1], *np.split(found[1:], 2)
+    slope = (forth - back) / (2 * REACH)
+    bend = (forth + back - 2 * middle) / (2 * REACH**2)
+
+    def left(off: FloatArray) -> FloatArray:
+        return middle + off @ slope + off**2 @ bend
+
+    return left
+
+
+def _kept(left: FloatArray, held: BoolArray) -> BoolArray:
+    """Return in which trucks (V,) every margin that is held stays."""
+    return (left[:, held] >= -EQUAL).all(-1)
 
 
 def _lost(at: Response, left: FloatArray, held: BoolArray) -> str:

@@ -101,6 +101,13 @@ class Answers:
     refused: BoolArray
     why: str = ""
 
+    @property
+    def deciding(self) -> FloatArray:
+        """The margins (L, V) of the worst grade a variant comes to; infinite beside them."""
+        known = ~np.isnan(self.margins)
+        grades = np.where(known, self.grades, -1)
+        return np.where(known & (grades == grades.max(axis=0)), self.margins, np.inf)
+
     @classmethod
     def together(cls, parts: Sequence["Answers"]) -> "Answers":
         """Return several one after the other."""
@@ -182,8 +189,8 @@ class Sweep:
 
     @cached_property
     def margins(self) -> FloatArray:
-        """The smallest margin of the limits where each is worst, (V,); nan without an answer."""
-        smallest = np.nan_to_num(self.answers.margins, nan=np.inf).min(axis=0, initial=np.inf)
+        """The smallest margin of each variant (V,), as an approval has it; nan without any."""
+        smallest = self.answers.deciding.min(axis=0, initial=np.inf)
         return np.where(np.isinf(smallest), np.nan, smallest)
 
     @property

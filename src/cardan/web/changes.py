@@ -16,7 +16,7 @@ from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.report.wording import badness, movable, move, scattered, survives
+from cardan.report.wording import badness, movable, move, scattered, survives, won
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, wilson
@@ -110,10 +110,10 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
     return {
         "verdict": p.verdict,
         "cost": f(p.cost, 4),
-        "margin": g(p.margin),
-        "before": g(p.before),
+        "margin": g(p.approval.smallest_margin),
+        "before": g(p.installed.smallest_margin),
         "moves": [move(m, say) for m in p.moves],
-        "survives": survives(p.survival, say),
+        "survives": [won(p, say), *survives(p.survival, say)],
         "counts": {grade: sum(c.grade == grade for c in p.checks) for grade in GRADES},
         "left": [other(c, p.approval, say) for c in bad],
         "edits": edits(read, p.line, p.moves),
@@ -220,7 +220,7 @@ class _Cells:
         self.verdict[at] = verdicts(a, elsewhere=bool(self.elsewhere))
         worst = np.array([*map(VERDICTS.index, GRADES), NOTHING])[a.grades]  # the last: nothing
         worst = np.where(a.missed, np.maximum(worst, INCOMPLETE), worst)
-        left = np.nan_to_num(a.margins, nan=np.inf)
+        left = a.deciding
         among = np.where(worst == worst.max(axis=0), left, np.inf)
         decides = np.where(np.isinf(among).all(axis=0), worst.argmax(axis=0), among.argmin(axis=0))
         self.margin[at] = np.take_along_axis(a.margins, decides[None], axis=0)[0]

@@ -1,0 +1,40 @@
+"""Tables of the terminal on screens of any width."""
+
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cardan.report.screen import long, table
+
+WORDS = st.lists(st.text("abcxyz.", min_size=1, max_size=11), max_size=5).map(" ".join)
+
+
+@st.composite
+def tables(draw):
+    columns = draw(st.integers(2, 7))
+    row = st.lists(WORDS, min_size=columns, max_size=columns)
+    return draw(row), draw(st.lists(row, min_size=1, max_size=5))
+
+
+@given(tables(), st.integers(40, 120))
+def test_a_table_fits_its_screen_and_leaves_nothing_out(of, width):
+    head, rows = of
+    lines = list(table(head, rows, width))
+    assert max(map(long, lines), default=0) <= width
+    told = sorted(re.findall(r"[^ ]+", " ".join(lines)))
+    meant = sorted(re.findall(r"[^ ]+", " ".join(cell for row in (head, *rows) for cell in row)))
+    if len(rows) < 2:  # on its side a long one says its heads again
+        assert told == meant
+    else:
+        assert set(told) == set(meant)
+
+
+def test_what_fits_stands_in_columns():
+    lines = list(table(("gear", "peak [N·m]"), [("1", "5399"), ("R", "-3007")], 30))
+    assert lines == ["gear  peak [N·m]", "1     5399", "R     -3007"]
+
+
+def test_a_number_stays_with_what_it_counts():
+    (_, *lines) = table(("what", "where"), [("x", "gear 1, mode 12: far away from here")], 24)
+    assert not any(line.rstrip().endswith(("gear", "mode")) for line in lines)
