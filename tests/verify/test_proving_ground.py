@@ -8,7 +8,7 @@ from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.damage import miner
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import CANNOT_TELL, GUILTY, INNOCENT
+from cardan.fatigue.response import CANNOT_TELL, GUILTY, INNOCENT, UNHEARD
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
 from cardan.study.recording import RecordingStudy
@@ -126,6 +126,30 @@ def test_where_an_angle_is_lost_it_goes_on_from_another_zero():
         low, high = found.interval
         assert found.finding == GUILTY
         assert 0.7 < low <= t <= high
+
+
+def test_an_engine_nobody_heard_leaves_a_doubt():
+    """A drive that had been told wrongly: four cylinders in direct gear, and no word of them."""
+    of = drive(90_000)
+    assert "engine" not in of.names
+    assert of.orders == ""
+    (_, one), _ = heard(of)
+    low, high = one.interval
+    assert low <= truths(of)[0] <= high
+    assert one.finding == CANNOT_TELL
+    assert UNHEARD in one.doubts
+    of.orders = "3,6"  # who says that it has six is believed, and answers for it
+    (_, other), _ = heard(of)
+    assert UNHEARD not in other.doubts
+
+
+def test_what_comes_with_the_order_alone_acquits_nobody():
+    """A drive that had been told wrongly: order 2 knocks a stop, and nothing stays locked."""
+    of = drive(110_096)
+    for truth, (_, found) in zip(truths(of), heard(of), strict=True):
+        assert truth > 0.99
+        assert found.strength < 15
+        assert found.finding == CANNOT_TELL
 
 
 def test_an_angle_nobody_trusts_acquits_nobody_of_what_is_found():

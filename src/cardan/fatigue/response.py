@@ -62,6 +62,8 @@ STANDS_OUT = 0.15
 """Share of the damage by which what is beside the order exceeds what is farther off."""
 COMES = 0.55
 """Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
+WHOLLY = 0.85
+"""Of that share, from which all of it comes with the order: innocent lines had 0.78."""
 STRONG = 0.5
 """Of the largest torque, from which it is strong."""
 SUDDEN = 0.15
@@ -881,8 +883,10 @@ def identified(
 
     def passing(rest: FloatArray, high: float) -> float:
         """Return what may be theirs if it comes and goes with order 2 and is not locked to it."""
-        if _coming(rest, best, fine) > COMES:
+        if (coming := _coming(rest, best, fine)) > COMES:
             high = max(high, removed(_near(x, best, fine, span=RIDES / 2)) + 0.05)
+            if coming > WHOLLY:  # nobody knows what that knocks loose elsewhere
+                high = max(high, ACQUITTED + 0.05)
             doubts.append(PASSING)
         return high
 

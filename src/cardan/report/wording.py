@@ -322,6 +322,13 @@ def notes(of: Approval, say: Language) -> list[str]:
             less=say.number(a.forces[1]),
         )
         found.append(say("Note: {note}.", note=note))
+    for one in of.lifted:
+        note = say(
+            "the front axle would lift before the driven wheels slip in {states}: the slip torque "
+            "is what the whole weight on them holds",
+            states=say.list(*map(say.state, one.states)),
+        )
+        found.append(say("Note: {note}.", note=note))
     return found
 
 

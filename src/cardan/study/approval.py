@@ -25,7 +25,14 @@ from cardan.study.finding import (
     silence,
     silent,
 )
-from cardan.study.notes import AssumedLoss, SpringMismatch, assumed_losses, mismatches
+from cardan.study.notes import (
+    AssumedLoss,
+    LiftedAxle,
+    SpringMismatch,
+    assumed_losses,
+    lifted_axles,
+    mismatches,
+)
 from cardan.study.studies import STUDIES, VibrationStudy
 
 
@@ -111,6 +118,11 @@ class Approval:
         return tuple(assumed_losses(self.responses))
 
     @cached_property
+    def lifted(self) -> tuple[LiftedAxle, ...]:
+        """Where a front axle lifts before the driven wheels slip."""
+        return tuple(lifted_axles(self.responses))
+
+    @cached_property
     def data(self) -> tuple[Datum, ...]:
         """The rows of catalogues that it stands on, and how each was read."""
         return tuple(data_of(self.application))
@@ -118,7 +130,7 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        return tuple(str(m) for m in (*self.mismatches, *self.assumed))
+        return tuple(str(m) for m in (*self.mismatches, *self.assumed, *self.lifted))
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""

@@ -119,6 +119,37 @@ def assumed_losses(responses: Iterable[Response]) -> Iterator[AssumedLoss]:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class LiftedAxle:
+    """States in which the front axle would lift before the driven wheels of a line slip.
+
+    Slip torque is then what the whole weight on the driven wheels holds.
+    """
+
+    states: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        return (
+            f"the front axle would lift before the driven wheels slip in {', '.join(self.states)}: "
+            "the slip torque is what the whole weight on them holds"
+        )
+
+
+def lifted_axles(responses: Iterable[Response]) -> Iterator[LiftedAxle]:
+    """Yield in which states a front axle lifts, once for all lines that ask the same."""
+    seen = set[tuple[str, ...]]()
+    for r in responses:
+        if r.demand.standing.line.vehicle is None:
+            continue
+        rest, slip = (np.asarray(load)[..., 0] for load in r.axle_loads)
+        lifts = (rest > 0) & (slip <= 0)
+        states = tuple(s for s, up in zip(r.demand.states, lifts.tolist(), strict=True) if up)
+        if states and states not in seen:
+            seen.add(states)
+            yield LiftedAxle(states=states)
+
+
 def mismatches(application: Application) -> Iterator[SpringMismatch]:
     """Yield the springs of an application that contradict themselves, each once."""
     seen: list[Suspension] = []
