@@ -204,3 +204,13 @@ def test_peaks_are_those_of_samples_with_a_parabola_over_the_highest(spread):
         before, peak, after = (swing[(top + s) % len(swing)] for s in (-1, 0, 1))
         crest = peak + (after - before) ** 2 / (8 * (2 * peak - before - after))
         assert found[k] == pytest.approx(SPEED**2 * crest, rel=2e-12)
+
+
+def test_a_joint_just_short_of_locking_has_a_peak():
+    """A shaft behind one joint of 89.9 deg: the shafts' sum is what that joint makes alone."""
+    beta = np.radians(89.9)
+    way = unit(
+        np.array([[1.0, 0, 0], [np.cos(beta), np.sin(beta), 0], [np.cos(beta), np.sin(beta), 0]])
+    )
+    found = excitation(turn(way, phases=[0.0]), speed=1.0)
+    assert found.drive.acceleration == pytest.approx(found.torsional.acceleration, rel=1e-6)

@@ -424,17 +424,18 @@ def _crest(E: Any, J: Any) -> Any:
     if bool(xp.all(plain)):
         return _plain(E, J, first=first, most=most)
 
-    def of(values: Any, some: Any) -> Any:
-        return values if values.shape[-1] == 1 else xp.take(values, some, axis=-1)
+    def of(some: Any) -> tuple[Any, Any]:
+        """Return phasors and weights of some cases; weights that all share as they are."""
+        return xp.take(E, some, axis=1), J if J.shape[1] == 1 else xp.take(J, some, axis=1)
 
     (easy,), (left,) = xp.nonzero(plain), xp.nonzero(~plain)
     # The larger a phasor, the narrower its peak.
-    starts = ceil(STARTS / (1 - float(xp.sqrt(xp.max(of(e2, left))))))
+    starts = ceil(STARTS / (1 - float(xp.sqrt(xp.max(xp.take(e2, left, axis=1))))))
     found = [
-        _plain(of(E, easy), of(J, easy), first=xp.take(first, easy), most=xp.take(most, easy)),
+        _plain(*of(easy), first=xp.take(first, easy), most=xp.take(most, easy)),
         *(
-            _followed(of(E, left[some]), of(J, left[some]), starts=starts)
-            for some in _blocks(left.shape[0], BLOCK // starts)
+            _followed(*of(left[k]), starts=starts)
+            for k in _blocks(left.shape[0], max(1, BLOCK // starts))
         ),
     ]
     return xp.take(xp.concat(found), xp.argsort(xp.concat([easy, left])), axis=0)
