@@ -13,6 +13,7 @@ from cardan.demand.line import resolve
 from cardan.demand.states import demand, demand_under
 from cardan.quantity.response import respond
 from cardan.study.driveline import checks_of
+from cardan.study.moves import movables, tried
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -119,3 +120,23 @@ def test_speed_and_angle_are_those_of_one_point(truck):
         bent = replace(response, demand=at, layout=response.lay(at)).angles[s, 2]
         assert check.value == pytest.approx((check.point.speed * bent) ** 2, rel=1e-9)
         assert check.point.speed <= 2250 * rpm * (1 + 1e-12)
+
+
+def test_points_that_no_variant_changes_are_asked_once(truck):
+    """Moved bearings bend the line otherwise at the same torques and speeds, each of them once."""
+    (line,) = truck.lines
+    r = respond(truck, demand(resolve(truck, line)))
+    (height,) = (a for a in movables(r) if (a.what, a.part) == ("bearing_height", 1))
+    moved = tried(r, (height,), np.array([[0.0], [0.004], [-0.004]]))
+    found, alone = moved.spread, r.spread
+    assert found.spots.speed.shape == alone.spots.speed.shape
+    assert found.spots.speed.shape[1] == 1
+    points = len(found.spots.speed)
+    assert found.response.angles.shape == (points, 3, *r.angles.shape)
+    before = np.broadcast_to(alone.response.angles, (points, 1, *r.angles.shape))
+    np.testing.assert_allclose(found.response.angles[:, :1], before, atol=1e-12)
+    assert np.abs(found.response.angles[:, 1] - found.response.angles[:, 2]).max() > 1e-3
+    for state in range(len(r.demand.states)):
+        of = zip(found.spots.curve[:, 0, state], found.spots.speed[:, 0, state], strict=True)
+        there = [p for p in of if not np.isnan(p[1])]
+        assert len(set(there)) == len(there)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
 
 from cardan.demand.clearance import clearances, segment_distance
 from cardan.model.application import Obstacle
@@ -37,3 +38,16 @@ def test_a_beam_below_a_shaft():
     free = clearances(layout, line, (beam,), travel=[0.0, 0.05])
     assert free.shape == (2, 1, 1)
     assert free.ravel() == pytest.approx([0.2 - 0.05 - 0.03, 0.15 - 0.05 - 0.03], abs=1e-15)
+
+
+def test_segments_are_as_far_apart_as_bounded_least_squares_says():
+    """The two places, from 0 to 1 on each, that lie nearest: whichever ends or middles they are."""
+    rng = np.random.default_rng(3)
+    a, b, c, d = rng.normal(size=(4, 60, 3))
+    d[:10] = c[:10] + (b - a)[:10]  # parallel
+    b[10:15] = a[10:15]  # a point
+    found = segment_distance(a, b, c, d)
+    for k in range(60):
+        u, v, w = b[k] - a[k], d[k] - c[k], c[k] - a[k]
+        best = lsq_linear(np.stack([u, -v], axis=-1), w, bounds=(0, 1), tol=1e-14)
+        assert found[k] == pytest.approx(np.sqrt(2 * best.cost), rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 from cardan import files
 from cardan.base.errors import DesignError
 from cardan.base.units import deg, g, kNm, rpm
-from cardan.demand.points import curves, demand_at
+from cardan.demand.points import Curves, curves, demand_at
 from cardan.demand.states import demand, resolve
 from cardan.demand.torque import brake_torques, from_standstill, reverse_gears
 from cardan.model.application import State
@@ -333,3 +333,18 @@ def test_points_in_a_row_are_those_that_are():
     with np.errstate(invalid="ignore"):
         assert all(not (np.sign(t) == -sizes[d]).any()
                    for d, t in zip(each, at_all.torque, strict=True))  # fmt: skip
+
+
+def test_a_torque_may_jump_at_a_speed():
+    one = np.ones((1, 1))
+    found = Curves(
+        gears=("1",),
+        directions=("drive",),
+        speed=np.array([[[0.0, 10.0, 10.0, 20.0]]]),
+        torque=np.array([[[100.0, 90.0, 60.0, 50.0]]]),
+        most=95 * one,
+        fastest=20 * one,
+    )
+    asked = np.array([0.0, 5.0, 7.0, 10.0, 15.0, 20.0, 21.0, -1.0])
+    told = found.torque_at(asked[:, None, None])[:, 0, 0]
+    np.testing.assert_allclose(told, [95, 95, 93, 60, 55, 50, np.nan, np.nan], rtol=1e-14)

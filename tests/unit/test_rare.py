@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.special import ndtr
+from scipy.stats import ncx2
 
 from cardan import files
 from cardan.model.variants import Ask
@@ -50,6 +51,32 @@ def test_a_plane_failure_is_known_in_closed_form():
     assert found.inputs[2] - found.inputs[1] == pytest.approx(3.5 + beta * 0.1 * 2**0.5, abs=1e-3)
 
 
+def test_a_round_failure_is_known_in_closed_form():
+    """An angle of two views fails outside a circle: about it the nominal stands off the middle.
+
+    Their changes scatter by 0.5 √2 deg each: non-central chi-squared, of which the first order
+    tells three quarters.
+    """
+    both = {f"driveline.slopes.{view}_deg[*]": {"normal": 0.5} for view in ("side", "top")}
+    sigma, reach = 0.5 * 2**0.5, 3.0
+    found = rare(bench(3.5 + reach * sigma, both), 0, draws=4096)
+    exact = ncx2(2, (3.5 / sigma) ** 2).sf((3.5 / sigma + reach) ** 2)
+    first, second = found.first_order, found.second_order
+    assert first.beta == pytest.approx(reach, rel=5e-3)
+    assert second.curvatures.min() == pytest.approx(-1 / (3.5 / sigma + reach), rel=0.03)
+    assert second.failure == pytest.approx(exact, rel=0.04)
+    assert first.failure < 0.8 * exact
+    assert abs(found.sampled.failure - second.failure) < 4 * found.sampled.error + 0.03 * exact
+
+
+def test_without_dice_the_second_order_tells():
+    found = rare(bench(4.1), 0, draws=0)
+    assert found.sampled is None
+    assert found.failure == found.second_order.failure
+    # A plane has no bend.
+    assert found.failure == pytest.approx(found.first_order.failure, rel=1e-4)
+
+
 def test_where_plain_dice_reach_they_agree():
     of = bench(3.85, {"shim_deg": {"uniform": 0.3}, "bearing_height_mm[1]": {"normal": 2.0}})
     found = rare(of, 0, draws=4096)
@@ -72,3 +99,6 @@ def test_a_study_tells_what_it_hardly_ever_saw():
     assert "1 in " in said
     (listed,) = report.document(found)["rare"]
     assert listed["failure"] == pytest.approx(one.failure)
+    assert listed["second_order"] == pytest.approx(exact, rel=0.02)
+    (told,) = (t for t in report.tables(found) if "second order" in t.head)
+    assert told.rows[0][told.head.index("second order")].startswith("1 in ")

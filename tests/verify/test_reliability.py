@@ -1,4 +1,4 @@
-"""FORM and Monte Carlo against Wirsching's closed form (1984) and OpenTURNS."""
+"""FORM, SORM and Monte Carlo against Wirsching's closed form (1984), spheres and OpenTURNS."""
 
 import math
 
@@ -145,3 +145,56 @@ def test_second_order_of_a_crack_is_nearer():
 def test_second_order_of_a_plane_is_first_order():
     first = form(LIMIT, VARIABLES)
     assert sorm(LIMIT, VARIABLES, around=first).failure == pytest.approx(first.failure, rel=1e-5)
+
+
+@pytest.mark.parametrize(("off", "radius", "inside"), [(6.0, 10.0, False), (9.0, 5.5, True)])
+def test_second_order_of_a_sphere(off, radius, inside):
+    """Failing outside a sphere about (-off, 0, 0, 0), or inside: non-central chi-squared.
+
+    It bends by 1/radius everywhere, towards the median from inside it and away from outside.
+    """
+    from scipy.stats import ncx2
+
+    def limit(x):
+        away = np.sqrt((x[..., 0] + off) ** 2 + (x[..., 1:] ** 2).sum(-1))
+        return away - radius if inside else radius - away
+
+    four = (Normal(mean=0.0, deviation=1.0),) * 4
+    first = form(limit, four)
+    assert first.beta == pytest.approx(abs(radius - off), rel=1e-6)
+    second = sorm(limit, four, around=first)
+    bend = 1 / radius if inside else -1 / radius
+    assert second.curvatures == pytest.approx([bend] * 3, rel=1e-5)
+    law = ncx2(4, off**2)
+    exact = law.cdf(radius**2) if inside else law.sf(radius**2)
+    assert second.failure == pytest.approx(exact, rel=0.07)
+    assert abs(math.log(first.failure / exact)) > 8 * abs(math.log(second.failure / exact))
+
+
+@pytest.mark.oracle
+@pytest.mark.filterwarnings("ignore")
+def test_second_order_is_openturns():
+    """Their main curvatures and the same correction, of a surface bent by two and twisted."""
+    import openturns as ot
+
+    def limit(x):
+        u, v, w = x[..., 0], x[..., 1], x[..., 2]
+        return 3 - u + 0.2 * v**2 - 0.05 * w**2 + 0.1 * v * w + 0.01 * u * v
+
+    names = ["u", "v", "w"]
+    g = ot.SymbolicFunction(names, ["3 - u + 0.2*v^2 - 0.05*w^2 + 0.1*v*w + 0.01*u*v"])
+    law = ot.Normal(3)
+    event = ot.ThresholdEvent(ot.CompositeRandomVector(g, ot.RandomVector(law)), ot.Less(), 0.0)
+    solver = ot.AbdoRackwitz()
+    solver.setStartingPoint(law.getMean())
+    solver.setMaximumAbsoluteError(1e-10)
+    study = ot.SORM(solver, event)
+    study.run()
+    theirs = study.getResult()
+    three = (Normal(mean=0.0, deviation=1.0),) * 3
+    ours = sorm(limit, three, around=form(limit, three))
+    np.testing.assert_allclose(
+        np.sort(np.abs(ours.curvatures)),
+        np.sort(np.abs(np.array(theirs.getSortedCurvatures())))[-2:], rtol=1e-4,
+    )  # fmt: skip
+    assert ours.failure == pytest.approx(theirs.getEventProbabilityHohenbichler(), rel=1e-4)

@@ -47,12 +47,32 @@ def floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]
 
 
 def stacked(values: Iterable[ArrayLike]) -> FloatArray:
-    """Return numbers, or arrays (...) of them, side by side on a new last axis, (..., n)."""
+    """Return numbers, or arrays (...) of them, side by side on a new last axis, (..., n).
+
+    In memory that axis comes first (`apart`).
+    """
     columns = [np.asarray(v, dtype=float) for v in values]
-    found = np.empty((*np.broadcast_shapes(*(c.shape for c in columns)), len(columns)))
+    found = np.empty((len(columns), *np.broadcast_shapes(*(c.shape for c in columns))))
     for k, column in enumerate(columns):
-        found[..., k] = column
-    return found
+        found[k] = column
+    return last(found)
+
+
+def last(values: Any) -> Any:
+    """Return arrays (n, ...) as (..., n): the first axis last, where it lies in memory."""
+    return namespace(values).permute_dims(values, (*range(1, values.ndim), 0))
+
+
+def apart(values: FloatArray, *, of: int = 1) -> FloatArray:
+    """Return arrays (..., components) with each component of all cases by itself in memory.
+
+    `of` is how many axes of components there are, the last ones. NumPy keeps the order that its
+    arguments have, so what follows runs over long rows of cases, several times as fast as over
+    three components of each.
+    """
+    first = (*range(values.ndim - of, values.ndim), *range(values.ndim - of))
+    back = (*range(of, values.ndim), *range(of))
+    return np.ascontiguousarray(values.transpose(first)).transpose(back)
 
 
 @lru_cache(1024)
@@ -64,11 +84,17 @@ def steps(shape: tuple[int, ...]) -> tuple[IntArray, ...]:
     return tuple(np.arange(n).reshape(n, *(1,) * (len(shape) - k)) for k, n in enumerate(shape, 1))
 
 
+def own(values: FloatArray) -> FloatArray:
+    """Return arrays without what they only repeat: 1 on each axis along which they broadcast."""
+    if 0 not in values.strides:
+        return values
+    return values[tuple(slice(None) if step else slice(1) for step in values.strides)]
+
+
 def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArray:
     """Return points of numbers or arrays (...) as vectors (..., n, size)."""
-    columns = zip(*points, strict=True)
-    found = stacked([stacked(c) for c in columns])
-    return found if found.size else np.zeros((0, size))
+    columns = [stacked(c) for c in zip(*points, strict=True)]
+    return apart(stacked(columns), of=2) if columns else np.zeros((0, size))
 
 
 @contextmanager

@@ -90,21 +90,21 @@ def solve(a: Any, b: Any) -> Any:
         If a matrix is singular.
     """
     cases = np.broadcast_shapes(a.shape[2:], b.shape[2:])
-    kind = np.result_type(a, b)
-    left = np.empty((*a.shape[:2], *cases), dtype=kind)
-    found = np.empty((*b.shape[:2], *cases), dtype=kind)
+    size, columns = len(a), b.shape[1]
+    both = np.empty((size, size + columns, *cases), dtype=np.result_type(a, b))
+    left, found = both[:, :size], both[:, size:]
     left[...], found[...] = a, b
+    less = np.empty(both.shape[1:], both.dtype)  # what a row loses: one place for all of it
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for k in range(len(left)):
+        for k in range(size):
             left[k, k] = 1 / left[k, k]
-            for i in range(k + 1, len(left)):
+            for i in range(k + 1, size):
                 share = left[i, k] * left[k, k]
-                left[i, k + 1 :] -= share * left[k, k + 1 :]
-                found[i] -= share * found[k]
-        for k in reversed(range(len(left))):
+                both[i, k + 1 :] -= np.multiply(share, both[k, k + 1 :], out=less[k + 1 :])
+        for k in reversed(range(size)):
             found[k] *= left[k, k]
             for i in range(k):
-                found[i] -= left[i, k] * found[k]
+                found[i] -= np.multiply(left[i, k], found[k], out=less[:columns])
         whole, right = found.sum(axis=1), b.sum(axis=1)
         rest = np.abs(product(a, whole) - right).max(axis=0)
         lost = ~(rest <= TRUSTED * np.abs(right).max(axis=0))

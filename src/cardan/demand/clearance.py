@@ -1,10 +1,13 @@
 """What is in the way: the distance between shafts and obstacles, state by state."""
 
+from functools import reduce
+
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
+from cardan.kinematics.chain import dot
 from cardan.model.application import Obstacle
-from cardan.model.layout import Layout
+from cardan.model.layout import Layout, size
 from cardan.model.parts import Line
 
 
@@ -21,7 +24,7 @@ def clearances(
     ends = vectors(o.end for o in obstacles)[..., None, :, :]
     radii = stacked(o.radius for o in obstacles)[..., None, :]
     rise = np.asarray(travel, dtype=float)[..., None] * stacked(o.travel_share for o in obstacles)
-    lift = np.stack([np.zeros_like(rise), np.zeros_like(rise), rise], axis=-1)[..., None, :, :]
+    lift = stacked((0.0, 0.0, rise))[..., None, :, :]
     points = layout.points[..., :, None, :]
     distance = segment_distance(
         points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift
@@ -38,23 +41,30 @@ def segment_distance(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> 
     """
     a, b, c, d = (np.asarray(p, dtype=float) for p in (a, b, c, d))
     u, v, w = b - a, d - c, a - c
-    uu, uv, vv = (u * u).sum(-1), (u * v).sum(-1), (v * v).sum(-1)
-    uw, vw = (u * w).sum(-1), (v * w).sum(-1)
+    uu, uv, vv = dot(u, u), dot(u, v), dot(v, v)
+    uw, vw = dot(u, w), dot(v, w)
     det = uu * vv - uv**2
     crossing = det > 1e-12 * uu * vv  # parallel lines have their nearest points at ends too
     safe = np.where(crossing, det, 1.0)
     s, t = (uv * vw - vv * uw) / safe, (uu * vw - uv * uw) / safe
     inside = crossing & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
-    between = np.linalg.norm(w + s[..., None] * u - t[..., None] * v, axis=-1)
-    ends = [_to_segment(p, *segment) for p, segment in
-            ((a, (c, d)), (b, (c, d)), (c, (a, b)), (d, (a, b)))]  # fmt: skip
-    nearest = np.min(np.stack(np.broadcast_arrays(*ends)), axis=0)
-    return np.where(inside, between, nearest)
+    between = size(w + s[..., None] * u - t[..., None] * v)
+    ends = (
+        _beside(w, v, length2=vv, reach=vw),
+        _beside(w + u, v, length2=vv, reach=uv + vw),
+        _beside(-w, u, length2=uu, reach=-uw),
+        _beside(v - w, u, length2=uu, reach=uv - uw),
+    )
+    return np.where(inside, between, reduce(np.minimum, ends))
 
 
-def _to_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """Return the distance of a point to a segment, which may have no length."""
-    along, to = end - start, point - start
-    length2 = (along**2).sum(-1)
-    share = np.clip((to * along).sum(-1) / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
-    return np.linalg.norm(to - share[..., None] * along, axis=-1)
+def _beside(
+    point: FloatArray, along: FloatArray, *, length2: FloatArray, reach: FloatArray
+) -> FloatArray:
+    """Return the distance of a point (..., 3) to a segment, both from where that begins.
+
+    `length2` is the square of the segment, which may have no length, and `reach` its scalar
+    product with the point.
+    """
+    share = np.clip(reach / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
+    return size(point - share[..., None] * along)

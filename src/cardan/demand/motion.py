@@ -7,7 +7,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
-from cardan.model.layout import Layout, hung, joined, unit
+from cardan.model.layout import Layout, hung, joined, size, unit
 from cardan.model.parts import Line
 
 
@@ -38,7 +38,7 @@ class Ride:
         It rides like this one, but for the lead of a tandem's articulation.
         """
         lead = np.asarray(self.lead, dtype=float)
-        up = np.stack([0 * lead, 0 * lead, lead], axis=-1)
+        up = stacked((0.0, 0.0, lead))
         return replace(self, shift=np.asarray(self.shift, dtype=float) + up, arm=arm, lead=0.0)
 
     def carried(self, point: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -52,7 +52,7 @@ def _pitched(vector: FloatArray, pitch: ArrayLike) -> FloatArray:
     """Vectors (..., 3) turned about y by (...) rad: what points against x rises."""
     sin, cos = np.sin(pitch), np.cos(pitch)
     x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
-    return np.stack(np.broadcast_arrays(x * cos + z * sin, y, z * cos - x * sin), axis=-1)
+    return stacked((x * cos + z * sin, y, z * cos - x * sin))
 
 
 def _turned(
@@ -118,7 +118,7 @@ def moved(
     if not line.measured:
         return _turned(layout, bearing_shift, last_shift, pinion_pitch)
     steps = np.diff(points, axis=-2)[..., :-1, :]
-    lengths = np.linalg.norm(steps, axis=-1)
+    lengths = size(steps)
     behind = stacked(s.centre_bearing.from_rear_joint for s in line.shafts if s.centre_bearing)
     back = behind / lengths
     bearings = points[..., 1:-1, :] - back[..., None] * steps

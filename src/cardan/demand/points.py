@@ -15,7 +15,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, steps
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, own, stacked, steps
 from cardan.base.frozen import dataclass
 from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
@@ -150,7 +150,7 @@ def placed(found: Curves, *, curve: ArrayLike, speed: ArrayLike) -> Placed:
 
     here = curve, *steps(curve.shape)[1:]
     each = (found.speed, found.torque, found.most, found.fastest)
-    torque = _torque(speed, *(v[here] for v in each))
+    torque = _torque(speed, *(_taken(v, here) for v in each))
     speed = np.where(np.isnan(torque), np.nan, speed)
     return Placed(curves=found, curve=curve, speed=speed, torque=torque)
 
@@ -186,16 +186,26 @@ def _torque(
     x: FloatArray, speed: FloatArray, torque: FloatArray, most: FloatArray, fastest: FloatArray
 ) -> FloatArray:
     """Torque at speeds (..., S) of curves (..., S, E); nan where they have none."""
-    x, fastest = np.broadcast_arrays(x, fastest)
-    speed, torque = (np.broadcast_to(v, (*x.shape, v.shape[-1])) for v in (speed, torque))
-    before = np.sum(speed <= x[..., None], axis=-1) - 1
-    k, cases = np.clip(before, 0, speed.shape[-1] - 2), steps(x.shape)
-    start, end, low, high = (v[*cases, k + i] for v in (speed, torque) for i in (0, 1))
-    wide = end > start
-    share = np.where(wide, (x - start) / np.where(wide, end - start, 1.0), 1.0)
-    there = low + np.clip(share, 0.0, 1.0) * (high - low)
+    speed, torque, most, fastest = (own(v) for v in (speed, torque, most, fastest))
+    there = torque[..., 0]
+    for k in range(speed.shape[-1] - 1):
+        start, end = speed[..., k], speed[..., k + 1]
+        wide, rise = end > start, torque[..., k + 1] - torque[..., k]
+        slope = np.where(wide, rise / np.where(wide, end - start, 1.0), 0.0)
+        if slope.any():
+            there = there + slope * (np.minimum(np.maximum(x, start), end) - start)
+        jump = np.where(wide, 0.0, rise)
+        if jump.any():
+            there = there + np.where(x >= start, jump, 0.0)
     held = np.copysign(np.minimum(np.abs(there), most), there)
     return np.where((x >= 0) & (x <= fastest), held, np.nan)
+
+
+def _taken(values: FloatArray, here: tuple[IntArray, ...]) -> FloatArray:
+    """Return values (C, ..., S) or corners (C, ..., S, E) at points; each corner by itself."""
+    if values.ndim == len(here):
+        return values[here]
+    return stacked(values[..., k][here] for k in range(values.shape[-1]))
 
 
 # --------------------------------------------------------------------------- curves

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, apart, stacked
 from cardan.base.errors import DesignError, about
 from cardan.base.frozen import dataclass
 from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
@@ -650,8 +650,8 @@ def _given(line: ResolvedLine) -> Layout:
         return np.concatenate(np.broadcast_arrays(*each), axis=-3)
 
     return Layout(
-        points=side_by_side([o.points for o in layouts]),
-        directions=side_by_side([o.directions for o in layouts]),
+        points=apart(side_by_side([o.points for o in layouts]), of=2),
+        directions=apart(side_by_side([o.directions for o in layouts]), of=2),
     )
 
 

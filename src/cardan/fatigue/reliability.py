@@ -203,8 +203,8 @@ def sorm(limit: Limit, variables: Sequence[Variable], *, around: Form, h: float 
     """Second-order reliability method about FORM's design point.
 
     Pf = Φ(-β) Π (1 + ψ κ)^(-1/2), ψ = φ(β)/Φ(-β): Breitung, J. Eng. Mech. 110 (1984), with the
-    factor of Hohenbichler & Rackwitz, J. Eng. Mech. 114 (1988). By central differences, all
-    evaluated together.
+    factor of Hohenbichler & Rackwitz, J. Eng. Mech. 114 (1988). By central differences over `h`
+    standard deviations, n² + 2 n + 1 points in two goes.
 
     Raises
     ------
@@ -213,23 +213,18 @@ def sorm(limit: Limit, variables: Sequence[Variable], *, around: Form, h: float 
     """
     u, n = around.u, around.u.size
     step = h * np.eye(n)
-    pairs = [(a, b) for a in range(n) for b in range(n)]
-    points = np.stack(
-        [
-            u + s * step[a] + t * step[b]
-            for a, b in pairs
-            for s, t in ((1, 1), (1, -1), (-1, 1), (-1, -1))
-        ]
-    )
-    g = limit(_values(points, variables)).reshape(n, n, 4)
-    hessian = (g[..., 0] - g[..., 1] - g[..., 2] + g[..., 3]) / (4 * h * h)
     ends = limit(_values(np.concatenate([u + step, u - step]), variables))
     slope = (ends[:n] - ends[n:]) / (2 * h)
-    size = float(np.linalg.norm(slope))
-    # Across the way to the failure.
+    # Across the way to the failure: one direction by itself, and each two of them together.
     q, _ = np.linalg.qr(np.concatenate([slope[:, None], np.eye(n)], axis=1))
-    across = q[:, 1:n]
-    curvatures = np.asarray(np.linalg.eigvalsh(across.T @ hessian @ across / size), float)
+    across = h * q[:, 1:n].T
+    one, other = np.triu_indices(n - 1, k=1)
+    steps = np.concatenate([across, across[one] + across[other]])
+    g = limit(_values(np.concatenate([u[None], u + steps, u - steps]), variables))
+    bends = (g[1 : len(steps) + 1] + g[len(steps) + 1 :] - 2 * g[0]) / h**2
+    hessian = np.diag(bends[: n - 1])
+    hessian[one, other] = (bends[n - 1 :] - bends[one] - bends[other]) / 2
+    curvatures = np.linalg.eigvalsh(hessian, UPLO="U") / float(np.linalg.norm(slope))
     side = 1.0 if around.beta >= 0 else -1.0
     normal = NormalDist()
     tail = normal.cdf(-abs(around.beta))

@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, last, namespace
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
 
@@ -49,7 +49,7 @@ def cross(a: Any, b: Any) -> Any:
     xp = namespace(a, b)
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return xp.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    return last(xp.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]))
 
 
 def dot(a: Any, b: Any) -> Any:
@@ -219,8 +219,8 @@ def turn(
             setting = setting * ahead[..., k] * turned / xp.abs(turned)
     return Turn(
         directions=d,
-        phasors=xp.stack(phasors, axis=-1),
-        settings=xp.stack(settings, axis=-1),
+        phasors=last(xp.stack(phasors)),
+        settings=last(xp.stack(settings)),
         samples=samples,
         crosses=kinds,
     )

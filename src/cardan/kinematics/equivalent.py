@@ -11,8 +11,10 @@ of small complex joint angles instead, and everyone else in the field approximat
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import reduce
 from itertools import accumulate
-from math import ceil, pi, prod
+from math import ceil, pi
+from operator import add
 from typing import Any
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, floats, namespace
@@ -27,9 +29,9 @@ SPICER = 3.3403e-6
 STARTS, STEPS = 8, 5
 """Angles of half a turn to seek peaks from, at small phasors; steps that reach them."""
 
-PLAIN, PLAIN_STEPS = 0.1, 3
+PLAIN, PLAIN_STEPS = 0.1, 2
 """Share of the first sine that the others may bend by for two peaks beside its own; steps that
-reach them, each squaring what is left."""
+reach those of three terms, each squaring what is left."""
 
 BLOCK = 2048
 """Cases whose peaks are sought at a time: more of them leave the processor's cache."""
@@ -148,29 +150,44 @@ def excitation(turn: Turn, *, speed: ArrayLike, inertias: ArrayLike | None = Non
     Members rigid. Source: derived from first principles.
     """
     xp, speed = floats(speed, like=turn.phasors)
-    shafts, pinion = turn.phasors[..., :-1], turn.phasors[..., -1]
-    released = (shafts - pinion[..., None]) / (1 - shafts * xp.conj(pinion[..., None]))
-
-    def inertia(phasors: ComplexArray) -> tuple[EquivalentJoint, FloatArray | None]:
-        angle = _angle(xp.abs(xp.sum(phasors, axis=-1)))
-        acceleration = speed**2 * _largest_sum(phasors, xp.ones(phasors.shape[-1]))
-        joint = EquivalentJoint(angle=angle, acceleration=acceleration)
-        if inertias is None:
-            return joint, None
-        _, J = floats(inertias, like=phasors)
-        return joint, speed**2 * _largest_sum(phasors, J)
-
-    drive, drive_torque = inertia(shafts)
-    coast, coast_torque = inertia(released)
-    joint = _angle(xp.abs(pinion))
+    drive, coast = (
+        EquivalentJoint(
+            angle=_angle(xp.abs(xp.sum(phasors, axis=-1))),
+            acceleration=speed**2 * _largest_sum(phasors, xp.ones(phasors.shape[-1])),
+        )
+        for phasors in _seen(turn)
+    )
+    torques = None, None
+    if inertias is not None:
+        torques = shaft_torques(turn, speed=speed, inertias=inertias)
+    joint = _angle(xp.abs(turn.phasors[..., -1]))
     return Excitation(
         torsional=EquivalentJoint(angle=joint, acceleration=speed**2 * max_acceleration(joint)),
         drive=drive,
         coast=coast,
-        drive_torque=drive_torque,
-        coast_torque=coast_torque,
+        drive_torque=torques[0],
+        coast_torque=torques[1],
         irregularity=irregularity(joint),
     )
+
+
+def shaft_torques(
+    turn: Turn, *, speed: ArrayLike, inertias: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return the torques to accelerate the shafts, in drive and in coast, (...) N m.
+
+    Arguments are those of `excitation`.
+    """
+    _, speed, J = floats(speed, inertias, like=turn.phasors)
+    drive, coast = (speed**2 * _largest_sum(phasors, J) for phasors in _seen(turn))
+    return drive, coast
+
+
+def _seen(turn: Turn) -> tuple[ComplexArray, ComplexArray]:
+    """Return the shafts' phasors (..., n-1) from a uniform gearbox, then from a uniform pinion."""
+    xp = namespace(turn.phasors)
+    shafts, pinion = turn.phasors[..., :-1], turn.phasors[..., -1:]
+    return shafts, (shafts - pinion) / (1 - shafts * xp.conj(pinion))
 
 
 def _angle(size: FloatArray) -> FloatArray:
@@ -366,57 +383,123 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
     """Largest |sum over members| of weight times acceleration over ω², (...).
 
     `phasors` and `weights` are (..., members). With x = E z, z = e^{2iθ}, p = x/(1 - x)
-    and g = p (1 + p), a member has -4 Im g, whose slopes by 2θ are as plain. They are followed
-    uphill from several z at once, because which of two peaks of nearly equal height is the
-    higher cannot be told beforehand. The step is Newton's near a peak, and at once the
-    whole way to it where the sum is a pure sine.
+    and g = p (1 + p), a member has -4 Im g, whose slopes by 2θ are as plain.
     """
     xp = namespace(phasors)
-    # The larger a phasor, the narrower its peak; a single joint has no shafts at all.
-    most = float(xp.max(xp.abs(phasors))) if phasors.shape[-1] else 0.0
-    starts = ceil(STARTS / (1 - most))
-    weights = weights + 0 * xp.real(phasors)
-    phasors = phasors + 0 * weights
-    shape, cases = phasors.shape, prod(phasors.shape[:-1])
-    if cases <= BLOCK:
-        return _followed(phasors, weights, starts=starts)
-    each = [xp.reshape(v, (cases, shape[-1])) for v in (phasors, weights)]
+    members = range(phasors.shape[-1])
+    if not members:  # a single joint has no shafts at all
+        return 0 * xp.real(xp.sum(phasors, axis=-1))
+    cases = (phasors[..., 0] + weights[..., 0]).shape
+
+    def rows(values: Any) -> Any:
+        """Return values (..., members) with the cases last, in one row: all at once."""
+        each = [xp.broadcast_to(values[..., k], cases) for k in members]
+        return xp.reshape(xp.stack(each), (len(members), -1))
+
+    E = rows(phasors)
+    J = weights[:, None] if weights.ndim == 1 else rows(weights)
     found = [
-        _followed(*(v[first : first + BLOCK, :] for v in each), starts=starts)
-        for first in range(0, cases, BLOCK)
+        _crest(E[:, some], J if J.shape[-1] == 1 else J[:, some])
+        for some in _blocks(E.shape[-1], BLOCK)
     ]
-    return xp.reshape(xp.concat(found), shape[:-1])
+    return xp.reshape(found[0] if len(found) == 1 else xp.concat(found), cases)
 
 
-def _followed(phasors: Any, weights: Any, *, starts: int) -> FloatArray:
-    """Return the largest sums, followed uphill from so many z; from two where those will do.
+def _crest(E: Any, J: Any) -> Any:
+    """Return the largest sums (C,) of phasors (members, C) by weights (members, C or 1).
 
     The sum is -4 Im Σ k c_k z^k, c_k = Σ J E^k. Where the bends of all beyond c₁ are smaller
-    than its own, there is one peak on either side, beside those of c₁ z: Σ k³ e^k from k = 2
-    on is below 8 e²/(1 - e)⁴.
+    than its own there is one peak on either side, beside those of c₁ z; Σ k³ e^k from k = 2
+    on is below 8 e²/(1 - e)⁴. Three terms lead there but for a hundred thousandth, and the
+    parabola that touches the sum itself has its height to rounding. Else peaks are followed
+    uphill from several z at once, because which of two of nearly equal height is the higher
+    cannot be told beforehand.
     """
-    xp = namespace(phasors)
-    E, J = phasors[..., None], weights[..., None, :]
-    size = xp.abs(phasors)
-    beyond = xp.sum(xp.abs(weights) * 8 * size**2 / (1 - size) ** 4, axis=-1)
-    first = xp.sum(weights * phasors, axis=-1)
-    most = xp.abs(first)
-    steps = STEPS
-    if bool(xp.all(beyond <= PLAIN * most)):
-        z = 1j * xp.conj(first) / xp.where(most > 0, most, 1.0)
-        z = xp.stack([z, -z], axis=-1)[..., None, :]
-        steps = PLAIN_STEPS
-    else:
-        z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=weights.dtype))[None, :]
+    xp = namespace(E)
+    e2 = _square(E)
+    first = _summed(J * E)
+    most = xp.sqrt(_square(first))
+    near = (1 - xp.sqrt(e2)) ** 2
+    plain = _summed(xp.abs(J) * 8 * e2 / near**2) <= PLAIN * most
+    if bool(xp.all(plain)):
+        return _plain(E, J, first=first, most=most)
+
+    def of(some: Any) -> tuple[Any, Any]:
+        """Return phasors and weights of some cases; weights that all share as they are."""
+        return xp.take(E, some, axis=1), J if J.shape[1] == 1 else xp.take(J, some, axis=1)
+
+    (easy,), (left,) = xp.nonzero(plain), xp.nonzero(~plain)
+    # The larger a phasor, the narrower its peak.
+    starts = ceil(STARTS / (1 - float(xp.sqrt(xp.max(xp.take(e2, left, axis=1))))))
+    found = [
+        _plain(*of(easy), first=xp.take(first, easy), most=xp.take(most, easy)),
+        *(
+            _followed(*of(left[k]), starts=starts)
+            for k in _blocks(left.shape[0], max(1, BLOCK // starts))
+        ),
+    ]
+    return xp.take(xp.concat(found), xp.argsort(xp.concat([easy, left])), axis=0)
+
+
+def _blocks(count: int, size: int) -> list[slice]:
+    """Return blocks of so many cases, of a size each; one of none."""
+    return [slice(k, min(k + size, count)) for k in range(0, max(count, 1), size)]
+
+
+def _plain(E: Any, J: Any, *, first: Any, most: Any) -> Any:
+    """Return the sums at peaks beside those of the `first` term (C,), of sizes `most` (C,)."""
+    xp = namespace(E)
+    x = E * (1j * xp.conj(first) / xp.where(most > 0, most, 1.0))
+    square = x * x
+    second, third = 2 * _summed(J * square), 3 * _summed(J * square * x)
+    z = xp.asarray([[1.0 + 0j], [-1.0 + 0j]])
+    for _ in range(PLAIN_STEPS):
+        z2 = z * z
+        a, b, c = 1j * most * z, second * z2, third * (z2 * z)
+        z = _uphill(z, xp.real(a + 2 * b + 3 * c), xp.imag(a + 4 * b + 9 * c))
+    swing, slope, bend = _swing(x[:, None, :], J[:, None, :], z)
+    rise = slope**2 / (2 * xp.where(most > 0, xp.abs(bend), 1.0))
+    return 4 * xp.max(xp.abs(swing) + rise, axis=0)
+
+
+def _summed(of: Any) -> Any:
+    """Return the sum of members (members, ...): a few long rows, one added to the other."""
+    return reduce(add, (of[k, ...] for k in range(of.shape[0])))
+
+
+def _square(values: Any) -> Any:
+    """Return the squares of sizes of complex numbers."""
+    xp = namespace(values)
+    return xp.real(values) ** 2 + xp.imag(values) ** 2
+
+
+def _followed(E: Any, J: Any, *, starts: int) -> Any:
+    """Return the largest sums (C,), followed uphill from so many z."""
+    xp = namespace(E)
+    z = xp.exp(2j * pi / starts * xp.arange(starts, dtype=J.dtype))[:, None]
     largest = 0 * xp.real(z)
-    for _ in range(steps):
-        x = E * z
-        p = x / (1 - x)
-        g = p * (1 + p)
-        swing = J @ xp.imag(g)
-        slope = J @ xp.real(g * (1 + 2 * p))
-        bend = J @ xp.imag(g * (1 + 6 * g))
+    for _ in range(STEPS):
+        swing, slope, bend = _swing(E[:, None, :], J[:, None, :], z)
         largest = xp.maximum(largest, xp.abs(swing))
-        size = xp.sqrt(slope**2 + bend**2) + 1e-300  # a straight line has neither
-        z = z * (xp.abs(bend) / size + 1j * (slope / size * xp.sign(bend)))
-    return 4 * xp.max(largest, axis=(-2, -1))
+        z = _uphill(z, slope, bend)
+    return 4 * xp.max(largest, axis=0)
+
+
+def _swing(E: Any, J: Any, z: Any) -> tuple[Any, Any, Any]:
+    """Return Im Σ J g at z (starts, C), its slope, and its bend with the sign turned."""
+    xp = namespace(E)
+    gain = 1 / (1 - E * z)
+    p = gain - 1
+    g = p * gain
+    return (
+        xp.imag(_summed(J * g)),
+        xp.real(_summed(J * (g * (gain + p)))),
+        xp.imag(_summed(J * (g + 6 * (g * g)))),
+    )
+
+
+def _uphill(z: Any, slope: Any, bend: Any) -> Any:
+    """Return z a step on: Newton's near a peak, the whole way to it where all is a pure sine."""
+    xp = namespace(slope)
+    size = xp.sqrt(slope**2 + bend**2) + 1e-300  # a straight line has neither
+    return z * (xp.abs(bend) / size + 1j * (slope / size * xp.sign(bend)))

@@ -52,7 +52,10 @@ class Shaken:
     def at(self, frequency: FloatArray, speed: FloatArray, torque: FloatArray) -> ComplexArray:
         """Return the stiffness at a frequency W rad/s, (N, N, ...) N/m; none is lost at 0."""
         turning = np.sign(frequency) * self.lost + frequency * speed * self.gyroscopic
-        return self.wound(torque) - frequency**2 * self.mass + 1j * turning
+        still = self.wound(torque) - frequency**2 * self.mass
+        found = np.empty(np.broadcast_shapes(still.shape, turning.shape), dtype=complex)
+        found.real, found.imag = still, turning
+        return found
 
     def wound(self, torque: FloatArray) -> FloatArray:
         """Return the stiffness that a torque leaves, (N, N, ...) N/m."""

@@ -6,7 +6,7 @@ x points rearward, y to the vehicle's right, z up. Member 0 is the gearbox outpu
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.frozen import dataclass
 
 
@@ -28,7 +28,7 @@ class Layout:
     @property
     def lengths(self) -> FloatArray:
         """Distances between neighbouring joint centres, (..., n-1) m."""
-        return np.linalg.norm(np.diff(self.points, axis=-2), axis=-1)
+        return size(np.diff(self.points, axis=-2))
 
     @property
     def side(self) -> FloatArray:
@@ -47,10 +47,16 @@ class Layout:
         return Layout(points=self.points[case], directions=self.directions[case])  # type: ignore[index]
 
 
+def size(vector: FloatArray) -> FloatArray:
+    """Return how long vectors (..., 3) are, (...)."""
+    x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
 def unit(vector: ArrayLike) -> FloatArray:
     """Return vectors (..., 3) scaled to length 1."""
     vector = np.asarray(vector, dtype=float)
-    return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
+    return vector / size(vector)[..., None]
 
 
 def direction(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
@@ -59,7 +65,7 @@ def direction(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
     A slope is the angle seen in its view, so d is along (1, tan top, -tan side).
     """
     side, top = np.broadcast_arrays(np.asarray(side, float), np.asarray(top, float))
-    return unit(np.stack([np.ones_like(side), np.tan(top), -np.tan(side)], axis=-1))
+    return unit(stacked((1.0, np.tan(top), -np.tan(side))))
 
 
 def from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
@@ -100,8 +106,8 @@ def from_points(points: ArrayLike, *, gearbox: ArrayLike, pinion: ArrayLike) -> 
 
 def joined(gearbox: FloatArray, shafts: FloatArray, pinion: FloatArray) -> FloatArray:
     """Return the directions of all members (..., n+1, 3) of shafts (..., n-1, 3) and ends."""
-    members = [gearbox, *np.moveaxis(shafts, -2, 0), pinion]
-    return np.stack(np.broadcast_arrays(*members), axis=-2)
+    members = [gearbox, *(shafts[..., k, :] for k in range(shafts.shape[-2])), pinion]
+    return _side_by_side(members)
 
 
 def hung(
@@ -120,4 +126,10 @@ def hung(
         along = unit(bearings[..., k, :] - points[-1])
         points.append(points[-1] + lengths[..., k, None] * along)
     points.append(np.asarray(last, dtype=float))
-    return np.stack(np.broadcast_arrays(*points), axis=-2)
+    return _side_by_side(points)
+
+
+def _side_by_side(vectors: list[FloatArray]) -> FloatArray:
+    """Return vectors (..., 3) of each joint or member together, (..., n, 3)."""
+    found = np.stack(np.broadcast_arrays(*vectors))
+    return np.moveaxis(found, 0, -2)

@@ -89,7 +89,9 @@ TORQUE = Need(
 LOAD = Need(
     gives=TORQUE.gives,
     met=TORQUE.met,
-    idle=lambda r: ((r.demand.torque == 0) & (r.gravity == 0) & (r.unbalance is None))[..., None],
+    idle=lambda r: (
+        (r.demand.torque == 0) & (r.gravity == 0) & (not r.application.include_unbalance)
+    )[..., None],
 )
 """Torque, or weight and unbalance where they count."""
 TUBES = Need(

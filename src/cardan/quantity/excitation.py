@@ -15,8 +15,12 @@ from cardan.quantity.response import Response
 
 def _of(e: Excitation, value: Callable[[Excitation], FloatArray | None], r: Response) -> FloatArray:
     found = value(e)
-    cases = np.zeros(r.layout.directions.shape[:-2])
-    return (cases + (np.nan if found is None else found))[..., None]
+    return _told(np.nan if found is None else found, r)
+
+
+def _told(found: FloatArray | float, r: Response) -> FloatArray:
+    """Return numbers of the line as a whole, in each case of its layouts."""
+    return (np.zeros(r.layout.directions.shape[:-2]) + found)[..., None]
 
 
 def _exact(value: Callable[[Excitation], FloatArray | None]) -> Of:
@@ -117,7 +121,7 @@ DECLARED = (
         equation="TD = max over a turn of |Σ Jj αj|, gearbox turning uniformly",
         where={"Jj": "polar mass moment of inertia of shaft j", "αj": "its acceleration"},
         source=DERIVED,
-        of=_exact(lambda e: e.drive_torque),
+        of=lambda r: _told(r.shaft_torques[0], r),
         parts=line,
         needs=(
             SPEED,
@@ -135,7 +139,7 @@ DECLARED = (
         equation="TC = max over a turn of |Σ Jj αj|, pinion turning uniformly",
         where={"Jj": "polar mass moment of inertia of shaft j", "αj": "its acceleration"},
         source=DERIVED,
-        of=_exact(lambda e: e.coast_torque),
+        of=lambda r: _told(r.shaft_torques[1], r),
         parts=line,
         needs=(
             SPEED,

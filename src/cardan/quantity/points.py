@@ -137,16 +137,18 @@ def spread(r: "Response") -> Spread | None:
     Those of most torque each way it is turned, and the highest speed of each gear: between
     them torque and speed go straight.
     """
-    found = r.curves
+    found = curves(r.demand)
     if not found.gears:
         return None
-    # An axis for variants of what no force shows, a tube's wall: before the states.
+    # Curves that no variant changes have one axis of one: what follows from them alone is
+    # asked once, and what a tube's wall makes of it, which no force shows, for each.
     if found.fastest.ndim == 2:
         found = _beside_variants(found, (1, *found.fastest.shape[1:]))
     rows = [row for of in _ways(found) for row in _corners(found, of)]
     every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
     rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
-    curve, speed = _gathered(found, rows)
+    # Many a gear ends where its way does.
+    curve, speed = _gathered(found, [_once(*_gathered(found, rows))])
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
     return Spread(
         spots=Spots(curves=found, curve=curve, speed=asked.speed, torque=asked.torque),
@@ -608,13 +610,16 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
     """Return the cases (..., S) that what the bearings carry has: of whatever varies."""
+    of_parts: list[Any] = [n for s in r.line.shafts for n in (s.mass, s.balance_grade)]
+    of_parts += [s.centre_bearing.from_rear_joint for s in r.line.shafts if s.centre_bearing]
     shapes = [
         found.fastest.shape[1:],
-        r.loads.bearing_forces.static.shape[:-2],
+        r.layout.directions.shape[:-2],
+        r.phases.shape[:-1],
+        r.demand.torque.shape,
         r.spline_force.shape,
+        *(np.shape(n) or (1,) for n in of_parts if n is not None),
     ]
-    if r.unbalance is not None:
-        shapes.append(r.unbalance.bearing_forces.shape[:-1])
     if r.inertias is not None:
         shapes.append(r.inertias.shape[:-1])
     if r.held is not None:

@@ -34,6 +34,7 @@ from cardan.loads import (
 from cardan.loads.cycle import Cycle
 from cardan.loads.rubber import Suspended
 from cardan.loads.running import Running
+from cardan.model import layout
 from cardan.model.application import (
     RIDING,
     Application,
@@ -198,8 +199,15 @@ class Response:
 
     @cached_property
     def excitation(self) -> Excitation:
-        """Torsional and inertia excitation at top speed, exactly."""
-        return equivalent.excitation(self.turn, speed=self.demand.speed, inertias=self.inertias)
+        """Torsional and inertia excitation at top speed, exactly; without torques."""
+        return equivalent.excitation(self.turn, speed=self.demand.speed)
+
+    @cached_property
+    def shaft_torques(self) -> tuple[FloatArray, FloatArray]:
+        """Torques to accelerate the shafts, in drive and coast, (...) N m; nan without inertias."""
+        if self.inertias is None:
+            return np.asarray(np.nan), np.asarray(np.nan)
+        return equivalent.shaft_torques(self.turn, speed=self.demand.speed, inertias=self.inertias)
 
     @cached_property
     def approximations(self) -> dict[str, Excitation]:
@@ -316,15 +324,15 @@ class Response:
 
         Where a line has no operating point it is that of rigid bearings at its own torque.
         """
+        found = getattr(self.worst[name].running, name) if name in self.worst else None
+        if found is not None and not np.isnan(found).any():
+            return found
         rigid = {
-            "static": np.linalg.norm(self.loads.bearing_forces.static, axis=-1),
-            "dynamic": self.loads.bearing_forces.dynamic,
-            "peak": self.bearing_peaks,
-        }[name]
-        if name not in self.worst:
-            return rigid
-        found = getattr(self.worst[name].running, name)
-        return np.where(np.isnan(found), rigid, found)
+            "static": lambda: layout.size(self.loads.bearing_forces.static),
+            "dynamic": lambda: self.loads.bearing_forces.dynamic,
+            "peak": lambda: self.bearing_peaks,
+        }[name]()
+        return rigid if found is None else np.where(np.isnan(found), rigid, found)
 
     @cached_property
     def bearing_peaks(self) -> FloatArray:

@@ -347,7 +347,7 @@ def _rare(of: Studied, say: Language) -> Table:
 
     rows: list[tuple[str, ...]] = []
     for one in sorted(of.rare, key=lambda r: -r.failure):
-        first, sampled = one.first_order, one.sampled
+        first, second, sampled = one.first_order, one.second_order, one.sampled
         assert first is not None  # others are not told
         most = own[int(first.importance.argmax())]
         rows.append(
@@ -355,6 +355,7 @@ def _rare(of: Studied, say: Language) -> Table:
                 limit_name(one.limit, say),
                 say.pointed(f"{first.beta:.2f}"),
                 once(first.failure),
+                once(second.failure) if second else "-",
                 once(sampled.failure) if sampled else "-",
                 say.pointed(f"± {200 * sampled.error / sampled.failure:.0f} %")
                 if sampled and sampled.failure
@@ -365,7 +366,8 @@ def _rare(of: Studied, say: Language) -> Table:
     return Table(
         caption=say("Limits that fail hardly ever: how often, and where most likely"),
         head=(
-            say("limit"), say("distance [σ]"), say("first order"), say("sampled about it"),
+            say("limit"), say("distance [σ]"), say("first order"), say("second order"),
+            say("sampled about it"),
             say("two standard errors"), say("what has most to do with it, there"),
         ),
         rows=tuple(rows),
@@ -794,6 +796,7 @@ def document(of: Studied) -> dict[str, Any]:
                 "failure": r.failure,
                 "beta": r.first_order.beta if r.first_order else None,
                 "first_order": r.first_order.failure if r.first_order else None,
+                "second_order": r.second_order.failure if r.second_order else None,
                 "standard_error": r.sampled.error if r.sampled else None,
                 "most_likely": dict(zip(drawn.names, r.inputs.tolist(), strict=True)),
             }

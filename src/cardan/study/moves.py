@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray, stacked
+from cardan.base.arrays import FloatArray, apart, stacked
 from cardan.base.frozen import dataclass
 from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand, demand, resolve
@@ -89,7 +89,7 @@ def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArr
     Of one variant, (movable,), it has no axis of variants.
     """
     by = _by(response, movable, np.atleast_2d(amounts))
-    shift, shim, phases = by.bearing_shift, by.shim, by.phases
+    shift, shim, phases = apart(by.bearing_shift, of=2), by.shim, apart(by.phases)
     if amounts.ndim == 1:
         shift, shim, phases = shift[0], shim[0], phases[0]
     response = _refitted(response, by)

@@ -2,10 +2,11 @@
 
 A limit that one truck in a million fails is met by no study of ten thousand. The nearest
 point at which it fails, in standard deviations of what scatters, tells how often by the
-first-order method; variants drawn about that point and weighted back tell without its
-assumption of a plane.
+first-order method; how the surface of failure bends there, by the second; variants drawn about
+that point and weighted back tell without either's shape of it.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,12 +14,16 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
 from cardan.base.verdict import Limit
-from cardan.fatigue.reliability import Estimate, Form, Normal, form, monte_carlo
+from cardan.fatigue.reliability import Estimate, Form, Normal, Sorm, form, monte_carlo, sorm
 from cardan.study.draw import Drawing
 from cardan.study.sweep import CHUNK, Bench
 
 DRAWS = 1024
 """Variants about the most likely failure."""
+
+BEND = 0.05
+"""Standard deviations over which the surface's bend is taken: limits are exact to far less of it,
+but for where their worst point changes."""
 
 FAR = 6.0
 """Failure that lies farther away, in standard deviations, is told by its distance alone."""
@@ -35,6 +40,9 @@ class Rare:
     first_order
         The nearest failure: its distance, and what each input has to do with it; None where
         none was found.
+    second_order
+        How the surface bends there, and how often by that; None where it closes about the
+        nominal, as at an edge between two ways to fail, or was not asked.
     sampled
         How often, by variants drawn about that point; None where it was not asked.
     inputs : (names,)
@@ -44,15 +52,15 @@ class Rare:
     line: str
     limit: Limit
     first_order: Form | None
-    sampled: Estimate | None
+    second_order: Sorm | None = None
+    sampled: Estimate | None = None
     inputs: FloatArray
 
     @property
     def failure(self) -> float:
         """Share of variants that fail; nan where nobody knows."""
-        if self.sampled is not None:
-            return self.sampled.failure
-        return self.first_order.failure if self.first_order else float("nan")
+        best = self.sampled or self.second_order or self.first_order
+        return best.failure if best else float("nan")
 
 
 def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
@@ -62,9 +70,9 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
 
     Notes
     -----
-    FORM after Hasofer & Lind (1974); importance sampling about its design point. A limit that
-    fails in several separate ways is failed more often than by the nearest alone: sampling
-    tells what of that lies about it.
+    FORM after Hasofer & Lind (1974); SORM after Breitung (1984), as `fatigue.reliability` has
+    it; importance sampling about the design point. A limit that fails in several separate ways
+    is failed more often than by the nearest alone: sampling tells what of that lies about it.
     """
     line, limit = bench.limits[k]
     narrow = replace(bench, quantities=(limit.quantity,))
@@ -85,16 +93,32 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
     try:
         nearest = form(left, variables, tolerance=1e-3)
     except NotConverged:
-        return Rare(line=line, limit=limit, first_order=None, sampled=None, inputs=scatter.centre)
-    sampled = (
-        monte_carlo(left, variables, samples=draws, seed=seed, around=nearest)
-        if draws and abs(nearest.beta) < FAR
-        else None
-    )
-    return Rare(
-        line=line, limit=limit, first_order=nearest, sampled=sampled,
+        return Rare(line=line, limit=limit, first_order=None, inputs=scatter.centre)
+    found = Rare(
+        line=line,
+        limit=limit,
+        first_order=nearest,
         inputs=scatter.at_normal(nearest.u[None])[0],
-    )  # fmt: skip
+    )
+    if abs(nearest.beta) >= FAR:
+        return found
+    return replace(
+        found,
+        second_order=_bent(left, variables, nearest),
+        sampled=monte_carlo(left, variables, samples=draws, seed=seed, around=nearest)
+        if draws
+        else None,
+    )
+
+
+def _bent(
+    left: Callable[[FloatArray], FloatArray], variables: Sequence[Normal], nearest: Form
+) -> Sorm | None:
+    """Return the second-order answer; None where the surface has no bend that tells."""
+    try:
+        return sorm(left, variables, around=nearest, h=BEND)
+    except NotConverged:
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -467,12 +467,10 @@ class Bench:
             for name, column in zip(self.drawing.names, inputs.T, strict=True)
             if name not in moves
         }
-        changed = with_numbers(self.application, numbers)
         found: list[Answers] = []
-        for line in changed.lines:
-            response = respond(changed, demand(resolve(changed, line)))
+        for response in self._responses(numbers):
             mine = [k for k, n in enumerate(self.drawing.names) if n in moves
-                    and moves[n].line == line.line.name]  # fmt: skip
+                    and moves[n].line == response.line.name]  # fmt: skip
             if mine:
                 parts = tuple(moves[self.drawing.names[k]] for k in mine)
                 worth = np.array([MOVABLES[p.what].worth for p in parts])
@@ -487,6 +485,13 @@ class Bench:
             },
             mass=sum((a.mass for a in found), np.zeros(count)),
         )
+
+    def _responses(self, numbers: Mapping[str, Any]) -> tuple[Response, ...]:
+        """Return what each line does with other numbers; without any, what it does already."""
+        if not numbers:
+            return self.installed.responses
+        changed = with_numbers(self.application, numbers)
+        return tuple(respond(changed, demand(resolve(changed, line))) for line in changed.lines)
 
     def _refused(self, why: str) -> Answers:
         """Return what a variant comes to that cannot exist."""
