@@ -13,6 +13,7 @@ from cardan.report import contract, story, terminal
 from cardan.report.blocks import figures
 from cardan.report.language import Language
 from cardan.report.screen import bare as bare_text
+from cardan.report.wording import occasion
 from cardan.study.approval import assess
 from cardan.study.phasings import phasings
 from cardan.study.sensitivity import sensitivities
@@ -210,7 +211,7 @@ def test_a_report_draws_the_state_it_is_asked_for_and_else_the_one_that_decides(
         return next(figures(told)).title
 
     worst = min((c for c in TRUCK.checks if c.grade == "fail"), key=lambda c: c.margin)
-    assert drawn(None) == f"The line in {worst.state}, from the left, true to scale"
+    assert drawn(None) == f"The line in {occasion(worst, say)}, from the left, true to scale"
     assert drawn("gvw") == "The line in gvw, from the left, true to scale"
     with pytest.raises(CardanError, match="there is no state gw to draw; there are: full rebound"):
         drawn("gw")
@@ -220,3 +221,13 @@ def test_a_report_draws_the_state_it_is_asked_for_and_else_the_one_that_decides(
     assert len(table.rows) == 3
     assert table.rows[0][6] == say.percent(worst.margin)
     assert inputs.title == "Inputs"
+
+
+def test_the_first_page_has_the_room_of_the_row_that_decides():
+    """The obstacle is nearest at an operating point, and the drawing is of that."""
+    say = Language("en")
+    told = story.approval(TRUCK, helps=(), fixes=(), say=say, issue=story.Issue())
+    worst = min((c for c in TRUCK.checks if c.grade == "fail"), key=lambda c: c.margin)
+    assert (worst.quantity, worst.point is not None) == ("clearance", True)
+    room = say("{room} mm free", room=say.short(worst.value / mm, 4))
+    assert room in next(figures(told)).svg

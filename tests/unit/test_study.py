@@ -252,7 +252,7 @@ def test_a_better_verdict_comes_before_a_cheaper_one():
     proposals = [
         Proposal(
             line="main", moves=(Move(adjustable=shim, amount=amount * deg),), before=-1.0,
-            margin=0.1, approval=SimpleNamespace(verdict=verdict),
+            margin=0.1, approval=SimpleNamespace(verdict=verdict), installed=SimpleNamespace(),
         )
         for amount, verdict in ((1.0, "fail"), (3.0, "pass"), (2.0, "pass"), (0.5, "warn"))
     ]  # fmt: skip
