@@ -79,13 +79,20 @@ def test_as_many_trucks_survive_as_a_study_of_them_says():
 
 
 def test_as_many_trucks_stay_quiet_as_a_study_of_them_says():
-    """Where a setting passes, nothing more warns in whatever passes."""
+    """Where a setting passes, nothing more warns in whatever passes.
+
+    A limit of a tenth of what is usual: an acceleration near 0 is no parabola, so those are 5 %
+    off; who asks each truck is not.
+    """
     text = LINE.replace("normal: 250", "normal: 30") + ADJUST
     tolerances, louder = assumed(text), []
-    for p in fix(files.loads(text), count=3):
+    application = files.loads(text)
+    asked = {p.moves: p.survival for p in fix(application, count=9, draws=1000)}
+    for p in fix(application, count=3):
         assert p.verdict == "pass"
         quiet = in_sweeps(text, p.moves, tolerances, among=("pass",))
-        assert abs(p.survival.quiet - quiet) < 3 * (0.25 / 4000 + 0.25 / 4096) ** 0.5 + 0.005
+        assert abs(p.survival.quiet - quiet) < 0.06
+        assert abs(asked[p.moves].quiet - quiet) < 3 * (0.25 / 4000 + 0.25 / 1000) ** 0.5
         louder.append(p.survival.share - quiet)
     assert max(louder) > 0.08
 
