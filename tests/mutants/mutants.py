@@ -1337,7 +1337,7 @@ WEB = (
            "respond(response.application, asked)", "page one draws the state at rest",
            "unit/test_delivered.py::test_the_first_page_has_the_room_of_the_row_that_decides"),
     mutant("study/approval.py", "if c.grade == GRADES[worst]), default", "), default",
-           "a warning's margin beside a failure's", "unit/test_verdict.py", "golden"),
+           "a warning's margin beside a failure's", "unit/test_verdict.py", GOLDEN),
     mutant("study/sweep.py", "known & (grades == grades.max(axis=0))", "known",
            "the same of variants", "unit/test_sweep.py"),
     mutant("study/robust.py", "(kept & _kept(parabolas[\"normal\"](off), calm))", "kept",

@@ -203,7 +203,9 @@ def test_a_study_has_a_row_for_each_variant(app):
     assert set(frame["axle.ratio"]) == {5.0, 6.0}
     assert list(frame["verdict"]) == list(found.verdicts)
     assert frame["clearance"].max() < 100  # mm, as people read it
-    assert (frame.filter(regex=" margin$").min(axis=1) == frame["margin"]).all()
+    margins = frame.filter(regex=" margin$")
+    assert (margins.min(axis=1) <= frame["margin"]).all()  # a warning may lie below a failure
+    assert margins.eq(frame["margin"], axis=0).any(axis=1).all()
     assert isinstance(frame["verdict"].dtype, pd.CategoricalDtype)
     assert "32 variants" in repr(found)
     assert "\x1b" not in repr(found)

@@ -101,7 +101,7 @@ def spoiled(tmp_path_factory):
 
 def asked(path, speed, *more):
     asks = [str(path), "--gauge", "S1", "--sn", "30,2e6,5", "--speed", speed, "--torque", "torque",
-            "-q", *more]  # fmt: skip
+            "--engine-orders", "3,6", "-q", *more]  # fmt: skip
     done = CliRunner().invoke(command, [*asks, "--json"])
     assert done.exit_code == 0, done.output
     return json.loads(done.output), CliRunner().invoke(command, asks).output

@@ -64,12 +64,15 @@ def statistics(seeds):
 
 
 def test_ten_drives():
-    """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong."""
+    """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.
+
+    Of the fourteen clear ones four or fewer are told once in sixty times, if 60 % are of many.
+    """
     inside, wrong, told, spoiled = statistics(range(50_000, 50_010))
     assert not wrong
     assert not spoiled
     assert inside >= 0.75
-    assert told >= 0.5
+    assert told > 0.3
 
 
 @pytest.mark.slow

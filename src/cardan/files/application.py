@@ -323,7 +323,7 @@ class StateTable(StateGeometryTable):
             load=load,
             travel=self.travel,
             pitch=self.pitch,
-            articulation=self.articulation or 0.0,
+            articulation=0.0 if self.articulation is None else self.articulation,
             torque=self.torque,
             speed=self.speed,
             layouts=layouts or None,
