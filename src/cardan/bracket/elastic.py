@@ -3,6 +3,9 @@
 Displacements are polynomials of degree 2 or more in each element; isotropic, small strains.
 Arrays that leave this module are SI, components last, six-vectors of stress and strain in
 the order xx, yy, zz, xy, yz, zx (strains as tensor components, not engineering ones).
+Vectors of displacements and loads (unknowns,) have x, y, z of one shape function after the
+other: the stiffness is a matrix of 3 x 3 blocks, which is factorised block by block, in half
+the time that its numbers one by one take.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
@@ -36,6 +39,8 @@ _CLOSEST = 6
 """Elements of those round a point that are searched closely, where it lies nearly in one."""
 _NEARLY = 0.1
 """How far out of an element a point nearly in it lies, in reference coordinates."""
+_FEW = 3
+"""Load vectors whose stress is held at once, in every element."""
 _FLAT = 0.3
 """Smallest over largest Jacobian of an element that is trusted at a node."""
 
@@ -81,8 +86,9 @@ def mesh(
         raise ValueError(msg)
     # Netgen's own floor for edges, 1e-3, is meant for millimetres.
     wanted = mesher.MeshingParameters(
-        maxh=size, grading=grading, curvaturesafety=per_radius, minedgelen=1e-7
-    )
+        maxh=size, grading=grading, curvaturesafety=per_radius, minedgelen=1e-7,
+        parallel_meshing=False,  # its threads spin while they wait: up to three times the work
+    )  # fmt: skip
     for point, edge in finer:
         x, y, z = np.asarray(point, dtype=float)
         wanted.RestrictH(x=x, y=y, z=z, h=edge)
@@ -144,43 +150,65 @@ class Place:
 
 @dataclass(frozen=True)
 class Elastic:
-    """An elastic solid held at some of its faces, ready to be loaded; see `elastic`."""
+    """An elastic solid held at some of its faces, ready to be loaded; see `elastic`.
+
+    Attributes
+    ----------
+    space
+        The engine's shape functions, of three displacements each.
+    stiffness
+        The engine's matrix, nothing held.
+    free_dofs : (unknowns,)
+        Which displacements are not held.
+    inverse
+        The engine's factors of what is free; where a displacement is held beside free ones of
+        its function it is let go, and a load on it must be nil.
+    """
 
     mesh: Any
     material: Material
     space: Any
     stiffness: Any
-    free: Any
+    free_dofs: BoolArray
     inverse: Any
     degree: int
 
     @property
     def unknowns(self) -> int:
         """Number of displacements in the system of equations."""
-        return int(self.space.ndof)
+        return 3 * int(self.space.ndof)
 
     @cached_property
     def mass(self) -> Any:
-        """The engine's matrix of the solid's mass: only what swings asks for it."""
+        """Sparse matrix (functions, functions) kg of the solid's mass, for each direction alike."""
+        from scipy.sparse import csr_array
+
         ngs = engine().ngs
-        u, v = self.space.TnT()
-        form = self.material.density * ngs.InnerProduct(u, v) * ngs.dx
+        space = ngs.H1(self.mesh, order=self.degree)
+        u, v = space.TnT()
         with ngs.TaskManager():
-            return ngs.BilinearForm(form, symmetric=True).Assemble().mat
+            made = ngs.BilinearForm(self.material.density * u * v * ngs.dx).Assemble().mat
+        values, columns, starts = (np.array(part) for part in made.CSR())
+        return csr_array((values, columns.astype(np.int64), starts.astype(np.int64)))
 
     def held_otherwise(self, held: Mapping[str, str], *, tell: Progress = silent) -> "Elastic":
         """Return the same solid held at other faces: a factorisation, and nothing else, anew."""
         free = _free(self.space, self.mesh, held)
         tell("factorising")
-        other = replace(self, free=free, inverse=_factors(self.stiffness, free))
-        for known in ("mass", "nodes", "rigid", "_worth"):  # the same however it is held
+        other = replace(self, free_dofs=free, inverse=_factors(self.stiffness, free))
+        # The same however it is held.
+        for known in (
+            "mass",
+            "nodes",
+            "rigid",
+            "_worth",
+            "_mean",
+            "_meeting",
+            "_functions",
+            "_nodal",
+        ):
             other.__dict__[known] = getattr(self, known)
         return other
-
-    @cached_property
-    def free_dofs(self) -> npt.NDArray[np.bool_]:
-        """Which displacements are not held, (unknowns,)."""
-        return np.fromiter(self.free, dtype=bool, count=self.space.ndof)
 
     def traction(self, face: str, vector: Any) -> FloatArray:
         """Load vector (unknowns,) of a traction, N/m², on the faces of a name.
@@ -235,44 +263,44 @@ class Elastic:
             If equilibrium is missed by more than 1e-8 of the load: the solid is not held.
         """
         loads = np.asarray(loads, dtype=float)
-        f, u = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
-        r = self.stiffness.CreateColVector()
         found = np.empty_like(loads)
         free = self.free_dofs
-        with engine().ngs.TaskManager():
-            for case in np.ndindex(loads.shape[:-1]):
-                f.FV().NumPy()[:] = loads[case]
-                u.data = self.inverse * f
-                size = max(float(np.linalg.norm(loads[case])), 1e-300)
-                miss = np.inf
-                for _ in range(2):
-                    r.data = f - self.stiffness * u
-                    miss = float(np.linalg.norm(r.FV().NumPy()[free]))
-                    if miss <= _BALANCED * size:
-                        break
-                    u.data += self.inverse * r  # a step of refinement: another back-substitution
-                if not miss <= _BALANCED * size:
-                    msg = (
-                        "the bracket is not in equilibrium: is every direction held? "
-                        "Pick bolt faces that keep it from moving and turning"
-                    )
-                    raise NotConverged(msg)
-                found[case] = u.FV().NumPy()
+        for case in np.ndindex(loads.shape[:-1]):
+            left = loads[case] * free
+            size = max(float(np.linalg.norm(loads[case])), 1e-300)
+            u = self._times(self.inverse, left)
+            miss = np.inf
+            for _ in range(2):
+                left = (loads[case] - self.residual(u)) * free
+                miss = float(np.linalg.norm(left))
+                if miss <= _BALANCED * size:
+                    break
+                u += self._times(self.inverse, left)  # a step of refinement: another substitution
+            if not miss <= _BALANCED * size:
+                msg = (
+                    "the bracket is not in equilibrium: is every direction held? "
+                    "Pick bolt faces that keep it from moving and turning"
+                )
+                raise NotConverged(msg)
+            found[case] = u
         return found
+
+    def _times(self, matrix: Any, vector: FloatArray) -> FloatArray:
+        """Return a matrix of the engine times a vector (unknowns,)."""
+        a, b = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        a.FV().NumPy()[:] = vector
+        with engine().ngs.TaskManager():  # no longer than it works: its idle threads spin
+            b.data = matrix * a
+        return np.array(b.FV().NumPy())
 
     def residual(self, displacement: ArrayLike) -> FloatArray:
         """Return the forces K u (unknowns,) that a displacement vector needs."""
-        u, r = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
-        u.FV().NumPy()[:] = displacement
-        r.data = self.stiffness * u
-        return np.array(r.FV().NumPy())
+        return self._times(self.stiffness, np.asarray(displacement, dtype=float))
 
     def inert(self, displacement: ArrayLike) -> FloatArray:
         """Return the mass times a displacement vector, M u (unknowns,)."""
-        u, r = self.mass.CreateColVector(), self.mass.CreateColVector()
-        u.FV().NumPy()[:] = displacement
-        r.data = self.mass * u
-        return np.array(r.FV().NumPy())
+        moved = np.reshape(displacement, (-1, 3))
+        return np.asarray(self.mass @ moved, dtype=float).ravel()
 
     @cached_property
     def rigid(self) -> FloatArray:
@@ -281,21 +309,18 @@ class Elastic:
         Their product with a load vector is its resultant force and moment.
         """
         ngs = engine().ngs
-        one = ngs.GridFunction(self.space.components[0])
-        place: list[FloatArray] = []
-        for field in (ngs.CF(1.0), ngs.x, ngs.y, ngs.z):
-            one.Set(field)
-            place.append(np.array(one.vec.FV().NumPy()))
-        unit, x, y, z = place
-        nil = np.zeros_like(unit)
+        place = ngs.GridFunction(self.space)
+        place.Set(ngs.CF((ngs.x, ngs.y, ngs.z)))
+        x, y, z = np.array(place.vec.FV().NumPy()).reshape(-1, 3).T
+        nil, unit = np.zeros_like(x), np.zeros_like(x)
+        unit[: self.mesh.nv] = 1.0  # functions of corners add up to 1, the others bend that
         turns = [(nil, -z, y), (z, nil, -x), (-y, x, nil)]
         motions = [(unit, nil, nil), (nil, unit, nil), (nil, nil, unit)]
-        return np.stack([np.concatenate(parts) for parts in (*motions, *turns)])
+        return np.stack([np.stack(parts, axis=-1).ravel() for parts in (*motions, *turns)])
 
-    def dofs_on(self, face: str) -> npt.NDArray[np.bool_]:
+    def dofs_on(self, face: str) -> BoolArray:
         """Which displacements (unknowns,) belong to the faces of a name."""
-        held = self.space.GetDofs(self.mesh.Boundaries(face))
-        return np.fromiter(held, dtype=bool, count=self.space.ndof)
+        return np.repeat(_marked(self.space.GetDofs(self.mesh.Boundaries(face))), 3)
 
     def field(self, displacement: ArrayLike) -> Any:
         """Return a displacement vector (unknowns,) as the engine's function of place."""
@@ -327,15 +352,15 @@ class Elastic:
         stress : (n, c, 6) Pa
             Mean over the elements that meet at the node.
         """
-        ngs = engine().ngs
         displacements = np.asarray(displacements, dtype=float)
-        where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
-        u = np.empty((len(self.nodes.points), len(displacements), 3))
-        for c, vector in enumerate(displacements):
-            field = self.field(vector)
-            with ngs.TaskManager():  # no longer than it works: its idle threads spin
-                u[self.nodes.elements.ravel(), c] = field(where)
-        return u, self.stress_at_nodes(displacements)
+        functions, kinds, ways = self._functions
+        moved = _rows(displacements)
+        u = np.empty((len(self.nodes.points), 3 * len(displacements)))
+        for kind, way in enumerate(ways):
+            mine = kinds == kind
+            N = np.array([way.CalcShape(*p.point) for p in _nodal_rule()])
+            u[self.nodes.elements[mine]] = N @ moved[functions[mine]]
+        return u.reshape(len(u), -1, 3), self.stress_at_nodes(displacements)
 
     def stress_at_nodes(self, displacements: ArrayLike) -> FloatArray:
         """Stress (n, c, 6) Pa at the nodes of displacement vectors (c, unknowns).
@@ -343,17 +368,32 @@ class Elastic:
         Mean over the elements that meet at the node.
         """
         displacements = np.asarray(displacements, dtype=float)
-        where = self.mesh.MapToAllElements(_nodal_rule(), engine().ngs.VOL)
-        flat, count = self.nodes.elements.ravel(), len(self.nodes.points)
-        worth = self._worth.ravel()
+        read, found = self._nodal, np.empty((len(self.nodes.points), len(displacements), 6))
+        for c in range(0, len(displacements), _FEW):
+            few = slice(c, c + _FEW)
+            G = read(displacements[few])
+            # Stress follows gradients in proportion, and so does its mean theirs.
+            mean = self._mean @ G.reshape(-1, G[0, 0].size)
+            found[:, few] = stress_of_gradients(mean.reshape(-1, *G.shape[2:]), self.material)
+        return found
+
+    @cached_property
+    def _mean(self) -> Any:
+        """Sparse matrix (n, 10 e) that takes the mean at the nodes of what elements say."""
+        from scipy.sparse import csr_array
+
+        flat, worth = self.nodes.elements.ravel(), self._worth.ravel()
+        count = len(self.nodes.points)
         share = np.bincount(flat, weights=worth, minlength=count)
-        stress = np.empty((count, len(displacements), 6))
-        for c, vector in enumerate(displacements):
-            raw = self._stress(vector, where)
-            for k in range(6):
-                summed = np.bincount(flat, weights=worth * raw[:, k], minlength=count)
-                stress[:, c, k] = summed / share
-        return stress
+        order, starts = self._meeting
+        return csr_array(((worth / share[flat])[order], order, starts), shape=(count, len(flat)))
+
+    @cached_property
+    def _meeting(self) -> tuple[IntArray, IntArray]:
+        """Which elements' nodes (10 e,) meet at each node, one node after the other, and where."""
+        flat = self.nodes.elements.ravel()
+        order = np.argsort(flat, kind="stable")
+        return order, np.searchsorted(flat[order], np.arange(len(self.nodes.points) + 1))
 
     def scatter(self, displacements: ArrayLike, smooth: FloatArray) -> FloatArray:
         """How far the elements that meet at a node disagree on its stress, (n, c) Pa.
@@ -363,33 +403,71 @@ class Elastic:
         Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say,
         but where all are.
         """
-        ngs = engine().ngs
-        where = self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)
         flat, trusted = self.nodes.elements.ravel(), self._worth.ravel() > 0.5
         heard = np.bincount(flat, weights=trusted, minlength=len(self.nodes.points)) > 0
         trusted = trusted | ~heard[flat]  # where all are pressed flat, all are heard
-        order = np.argsort(flat, kind="stable")
-        starts = np.searchsorted(flat[order], np.arange(len(self.nodes.points)))
-        found = np.zeros(smooth.shape[:2])
-        for c, vector in enumerate(np.asarray(displacements, dtype=float)):
-            off = von_mises(self._stress(vector, where) - smooth[flat, c]) * trusted
-            found[:, c] = np.maximum.reduceat(off[order], starts)
+        order, starts = self._meeting
+        displacements = np.asarray(displacements, dtype=float)
+        read, found = self._nodal, np.zeros(smooth.shape[:2])
+        for c in range(0, len(displacements), _FEW):
+            few = slice(c, c + _FEW)
+            raw = stress_of_gradients(read(displacements[few]), self.material)
+            off = von_mises(raw.reshape(len(flat), -1, 6) - smooth[flat, few])
+            found[:, few] = np.maximum.reduceat((off * trusted[:, None])[order], starts[:-1])
         return found
 
-    def _stress(self, displacement: FloatArray, where: Any) -> FloatArray:
-        """Stress (k, 6) Pa of a displacement vector at points of the engine."""
-        ngs = engine().ngs
-        gradient = ngs.Grad(self.field(displacement))
-        with ngs.TaskManager():
-            G = np.reshape(gradient(where), (-1, 3, 3))
-        return hooke(
-            np.stack([(G[:, i, j] + G[:, j, i]) / 2 for i, j in _VOIGT], -1), self.material
-        )
+    def stress_on(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
+        """Return what reads stress (elements, q, c, 6) Pa at the points of a rule of the engine.
 
-    def stress_on(self, rule: Any, displacement: FloatArray) -> FloatArray:
-        """Stress (elements, q, 6) Pa at the points of an integration rule of the engine."""
-        where = self.mesh.MapToAllElements(rule, engine().ngs.VOL)
-        return self._stress(displacement, where).reshape(-1, len(rule.weights), 6)
+        Of displacement vectors (c, unknowns).
+        """
+        read, material = self._gradients(rule), self.material
+        return lambda displacements: stress_of_gradients(read(displacements), material)
+
+    def _gradients(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
+        """Return what reads gradients (elements, q, 3, c, 3) 1 of displacements (c, unknowns).
+
+        The first three are the directions in which, the last the displacements that change.
+        Those of the shape functions are known once, and multiply all vectors together. What is
+        returned does not hold on to the factors.
+        """
+        ngs = engine().ngs
+        functions, kinds, ways = self._functions
+        where = self.mesh.MapToAllElements(rule, ngs.VOL)
+        inverse = ngs.Inv(ngs.specialcf.JacobianMatrix(3))(where)
+        inverse = np.reshape(inverse, (len(functions), -1, 3, 3))
+        each = np.empty((*inverse.shape[:3], functions.shape[1]))
+        for kind, way in enumerate(ways):
+            mine = kinds == kind
+            for q, p in enumerate(rule):
+                D = np.array(way.CalcDShape(*p.point))
+                each[mine, q] = np.tensordot(inverse[mine, q], D, axes=(1, 1))
+        shape = each.shape[:3]
+        each = each.reshape(len(functions), -1, functions.shape[1])
+
+        def read(displacements: FloatArray) -> FloatArray:
+            return (each @ _rows(displacements)[functions]).reshape(*shape, -1, 3)
+
+        return read
+
+    @cached_property
+    def _nodal(self) -> Callable[[FloatArray], FloatArray]:
+        """What reads gradients at the nodes of each element."""
+        return self._gradients(_nodal_rule())
+
+    @cached_property
+    def _functions(self) -> tuple[IntArray, IntArray, list[Any]]:
+        """Numbers of each element's shape functions (e, f), its kind (e,), and one of each kind.
+
+        In the reference element they depend on the order its corners are numbered in, no more.
+        """
+        ngs = engine().ngs
+        every = [ngs.ElementId(ngs.VOL, e) for e in range(self.mesh.ne)]
+        functions = np.array([self.space.GetDofNrs(e) for e in every], dtype=np.int64)
+        corners = self.mesh.ngmesh.Elements3D().NumPy()["nodes"][:, :4]
+        order = np.argsort(corners, axis=1) @ [64, 16, 4, 1]
+        _, first, kinds = np.unique(order, return_index=True, return_inverse=True)
+        return functions, kinds, [self.space.GetFE(every[e]) for e in first]
 
     @cached_property
     def _worth(self) -> FloatArray:
@@ -452,10 +530,8 @@ class Elastic:
     @cached_property
     def _touching(self) -> Callable[[int], IntArray]:
         """Return a function from a node to the elements that meet at it."""
-        elements = self.nodes.elements
-        order = np.argsort(elements.ravel(), kind="stable")
-        ends = np.searchsorted(elements.ravel()[order], np.arange(len(self.nodes.points) + 1))
-        owners = order // elements.shape[1]
+        order, ends = self._meeting
+        owners = order // self.nodes.elements.shape[1]
         return lambda n: owners[ends[n] : ends[n + 1]]
 
     def between_nodes(self, places: Sequence[Place], values: FloatArray) -> FloatArray:
@@ -484,42 +560,44 @@ class Elastic:
     def modes(self, count: int, *, rider: "Rider | None" = None) -> tuple[FloatArray, FloatArray]:
         """Natural frequencies (count,) Hz and mode shapes (count, unknowns), from the same factor.
 
-        Lanczos on the inverse of the stiffness. Shapes have unit modal mass.
+        Lanczos on the inverse of the stiffness. Shapes have unit modal mass. Frequencies are
+        right to the square of the 1e-6 that shapes are.
         """
         from scipy.sparse.linalg import LinearOperator, eigsh
 
         free = np.flatnonzero(self.free_dofs)
         n, more = len(free), 0 if rider is None else 3
-        a, b = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
         shape = (n + more, n + more)
+        whole = np.zeros(self.unknowns)
 
-        def product(matrix: Any, x: FloatArray) -> FloatArray:
-            a.FV().NumPy()[:] = 0.0
-            a.FV().NumPy()[free] = x
-            with engine().ngs.TaskManager():
-                b.data = matrix * a
-            return np.array(b.FV().NumPy()[free])
+        def solved(x: FloatArray) -> FloatArray:
+            whole[free] = x
+            return self._times(self.inverse, whole)[free]
+
+        def weighed(x: FloatArray) -> FloatArray:
+            whole[free] = x
+            return self.inert(whole)[free]
 
         seat = None if rider is None else rider.seat[:, free]
 
         def inverse(x: FloatArray) -> FloatArray:
             x = x.ravel()
             if rider is None or seat is None:
-                return product(self.inverse, x)
+                return solved(x)
             # The spring carries all that acts on the rider, so the seat feels it too.
-            u = product(self.inverse, x[:n] + x[n:] @ seat)
+            u = solved(x[:n] + x[n:] @ seat)
             return np.concatenate([u, seat @ u + rider.compliance * x[n:]])
 
         def mass(x: FloatArray) -> FloatArray:
             x = x.ravel()
-            own = product(self.mass, x[:n])
+            own = weighed(x[:n])
             return own if rider is None else np.concatenate([own, rider.mass * x[n:]])
 
         M = LinearOperator(shape, matvec=mass, dtype=float)
         inv = LinearOperator(shape, matvec=inverse, dtype=float)
         start = np.random.default_rng(1).standard_normal(n + more)
         squares, vectors = eigsh(
-            M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count + 4, tol=1e-8
+            M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count // 2 + 5, tol=1e-6
         )
         order = np.argsort(squares)
         shapes = np.zeros((count, self.unknowns))
@@ -659,27 +737,37 @@ def elastic(
         If a name is not that of a face or edge of the mesh.
     """
     ngs = engine().ngs
-    space = ngs.VectorH1(made, order=degree)
+    space = ngs.H1(made, order=degree, dim=3)
     free = _free(space, made, held, held_edges)
     u, v = space.TnT()
     strain = (ngs.Grad(v) + ngs.Grad(v).trans) / 2
     with ngs.TaskManager():
-        tell(f"assembling {space.ndof} unknowns, {made.ne} elements")
+        tell(f"assembling {3 * space.ndof} unknowns, {made.ne} elements")
         stiff = ngs.InnerProduct(_stress_of(u, material), strain)
-        K = ngs.BilinearForm(stiff * ngs.dx, symmetric=True).Assemble().mat
+        K = ngs.BilinearForm(stiff * ngs.dx).Assemble().mat
     tell("factorising")
     return Elastic(
-        mesh=made, material=material, space=space, stiffness=K, free=free,
+        mesh=made, material=material, space=space, stiffness=K, free_dofs=free,
         inverse=_factors(K, free), degree=degree,
     )  # fmt: skip
 
 
+def _marked(bits: Any) -> BoolArray:
+    """Return the engine's marks (functions,) as an array."""
+    return np.fromiter(bits, dtype=bool, count=len(bits))
+
+
+def _rows(vectors: FloatArray) -> FloatArray:
+    """Return vectors (c, unknowns) function by function, (functions, 3 c)."""
+    by_function = vectors.reshape(len(vectors), -1, 3).swapaxes(0, 1)
+    return np.ascontiguousarray(by_function).reshape(by_function.shape[0], -1)
+
+
 def _free(
     space: Any, made: Any, held: Mapping[str, str], held_edges: Mapping[str, str] | None = None
-) -> Any:
-    """Return the engine's mark of displacements that are not held."""
-    free = engine().ngs.BitArray(space.ndof)
-    free.Set()
+) -> BoolArray:
+    """Return which displacements (unknowns,) are not held."""
+    free = np.ones((space.ndof, 3), dtype=bool)
     regions = ((held, made.GetBoundaries(), made.Boundaries),
                (held_edges or {}, made.GetBBoundaries(), made.BBoundaries))  # fmt: skip
     for wanted, known, region in regions:
@@ -687,21 +775,51 @@ def _free(
             if name not in set(known):
                 msg = f"nothing is called {name!r}; there are {', '.join(sorted(set(known)))}"
                 raise ValueError(msg)
-            for axis in axes:
-                k = "xyz".index(axis)
-                for dof in np.flatnonzero(list(space.components[k].GetDofs(region(name)))):
-                    free.Clear(space.Range(k).start + int(dof))
-    return free
+            on = _marked(space.GetDofs(region(name)))
+            free[on] &= [axis not in axes for axis in "xyz"]
+    return free.ravel()
 
 
-def _factors(stiffness: Any, free: Any) -> Any:
-    """Factorise a stiffness."""
+def _factors(stiffness: Any, free: BoolArray) -> Any:
+    """Factorise what is free (unknowns,) of a stiffness."""
+    ngs = engine().ngs
+    each = free.reshape(-1, 3)
+    held, some = _uncoupled(stiffness, each), ngs.BitArray(each.any(axis=1).tolist())
     try:
-        with engine().ngs.TaskManager():
-            return stiffness.Inverse(free, inverse="sparsecholesky")
+        with ngs.TaskManager():
+            return held.Inverse(some, inverse="sparsecholesky")
     except Exception as error:  # the engine raises bare exceptions of its own
         msg = f"the stiffness cannot be factorised ({error}): is every direction held?"
         raise NotConverged(msg) from error
+
+
+def _uncoupled(stiffness: Any, free: BoolArray) -> Any:
+    """Return a stiffness in which what is held beside what is free has no part in it.
+
+    Of a function whose displacements (functions, 3) are held in part the held ones keep their
+    own diagonal alone: the factors leave out whole functions only.
+    """
+    count = free.sum(axis=1)
+    part: BoolArray = (count > 0) & (count < 3)
+    if not part.any():
+        return stiffness
+    _, *pattern = stiffness.CSR()
+    columns, starts = (np.array(known, dtype=np.int64) for known in pattern)
+    rows = np.repeat(np.arange(len(free)), np.diff(starts))
+    at = np.flatnonzero(part[rows] | part[columns])
+    i, j = rows[at], columns[at]
+    kept = free[i][:, :, None] & free[j][:, None, :]
+    kept |= (i == j)[:, None, None] & np.eye(3, dtype=bool)
+    other = stiffness.CreateMatrix()
+    other.AsVector().FV().NumPy().reshape(-1, 3, 3)[at] *= kept
+    return other
+
+
+def stress_of_gradients(gradients: FloatArray, material: Material) -> FloatArray:
+    """Stress (..., c, 6) Pa of gradients of displacement (..., 3, c, 3)."""
+    G = gradients
+    strain = [(G[..., j, :, i] + G[..., i, :, j]) / 2 for i, j in _VOIGT]
+    return hooke(np.stack(strain, axis=-1), material)
 
 
 def hooke(strain: ArrayLike, material: Material) -> FloatArray:
@@ -710,5 +828,6 @@ def hooke(strain: ArrayLike, material: Material) -> FloatArray:
     E, nu = material.youngs_modulus, material.poisson
     mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
     stress = 2 * mu * strain
-    stress[..., :3] += lam * strain[..., :3].sum(axis=-1, keepdims=True)
+    trace = strain[..., 0] + strain[..., 1] + strain[..., 2]
+    stress[..., :3] += lam * trace[..., None]
     return stress

@@ -67,8 +67,12 @@ def signed_von_mises(stress: ArrayLike) -> FloatArray:
 
 
 def superpose(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
-    """Results (..., t, k) of load histories (t, u) from unit results (..., u, k)."""
-    return np.asarray(loads, dtype=float) @ np.asarray(unit, dtype=float)
+    """Results (..., t, k) of load histories (t, u) from unit results (..., u, k).
+
+    One product of matrices, whatever the leading axes; times lie together in memory.
+    """
+    unit, loads = np.asarray(unit, dtype=float), np.asarray(loads, dtype=float)
+    return np.moveaxis(np.tensordot(unit, loads, axes=(-2, -1)), -1, -2)
 
 
 _DIRECTIONS = 2000

@@ -64,7 +64,7 @@ def counted(signals: ArrayLike) -> tuple[FloatArray, FloatArray]:
     turns = np.ones((rows, t + 1), dtype=bool)
     turns[:, 1:-1] = step[:, 1:] * step[:, :-1] < 0
     place = np.cumsum(turns, axis=1) - 1
-    most = int(place[:, -1].max()) + 1
+    most = int(place[:, -1].max(initial=0)) + 1
     reversals = np.repeat(x[:, -1:], most, axis=1)
     row, column = np.nonzero(turns)
     reversals[row, place[row, column]] = x[row, column]

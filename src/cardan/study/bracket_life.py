@@ -18,6 +18,7 @@ from cardan.base.units import hour
 from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.correction import Correction, goodman, uncorrected
+from cardan.fatigue.critical import counted
 from cardan.fatigue.damage import miner
 from cardan.fatigue.detail import ratio_bonus
 from cardan.fatigue.rainflow import rainflow, repeating
@@ -152,8 +153,8 @@ def gauge_damage(
 
     Of the stress their readings make of it, one way: Young's modulus times strain.
     """
-    strain = loads @ np.asarray(influence, dtype=float).T
-    return np.array([strength.damage(modulus * one) for one in strain.T])
+    stress = modulus * np.asarray(influence, dtype=float) @ loads.T
+    return strength.harm(*counted(stress)).sum(axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
