@@ -119,6 +119,16 @@ def test_a_gauge_counts_the_stress_it_shows():
     assert found == pytest.approx([2 * 2**5 / 1e6])
 
 
+def test_a_gauge_s_mean_stress_counts():
+    """By Goodman as at a spot; of two gauges each counts its own, of none nothing is counted."""
+    influence = np.zeros((2, 9))
+    influence[:, 2] = MPa / 200e9, -MPa / 200e9
+    pull, push = gauge_damage(influence, up(150, 150), modulus=200e9, strength=strength(STRONG))
+    assert pull == pytest.approx(2 * 2**5 / 1e6)
+    assert push < pull / 2
+    assert not gauge_damage(influence[:0], up(0, 1), modulus=200e9, strength=strength()).size
+
+
 def test_gauges_read_in_the_field_make_life_at_the_hot_spots():
     """What gauges read gives the force, the force the stress, the stress the damage."""
     random = np.random.default_rng(1)

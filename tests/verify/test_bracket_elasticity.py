@@ -124,6 +124,33 @@ def test_held_otherwise_is_the_same_as_made_anew():
     np.testing.assert_allclose(other.modes(2)[0], anew[1].modes(2)[0], rtol=1e-9)
 
 
+@pytest.mark.parametrize("degree", [2, 3])
+def test_what_is_read_of_all_loads_at_once_is_what_the_engine_reads_of_one(degree):
+    """A block held in part on two faces: displacement and stress, at its nodes and inside."""
+    ngs, occ, _ = engine()
+    shape = occ.Box((0, 0, 0), (0.3, 0.1, 0.1)) + occ.Cylinder((0, 0, 0), occ.Z, 0.05, 0.1)
+    shape.faces.name = "free"
+    for name, k in (("side", 0), ("below", 2)):
+        min(shape.faces, key=lambda f: (f.center.x, f.center.y, f.center.z)[k]).name = name
+    made = mesh(shape, size=0.08, degree=degree)
+    body = elastic(made, STEEL, held={"side": "xy", "below": "z"}, degree=degree)
+    u = body.solve(np.stack([body.inertia(a) for a in np.eye(3)]))
+    assert not u[:, ~body.free_dofs].any()
+    assert 0 < np.count_nonzero(~body.free_dofs) < np.count_nonzero(body.dofs_on("below")) * 2
+    rule = ngs.IntegrationRule(ngs.TET, 3)
+    where = made.MapToAllElements(rule, ngs.VOL)
+    engines = np.stack([hooke(body.strain_of(one)(where), STEEL) for one in u], axis=1)
+    read = body.stress_on(rule)(u)
+    assert np.ptp(read) > 0
+    np.testing.assert_allclose(
+        read.reshape(engines.shape), engines, rtol=0, atol=1e-11 * abs(engines).max()
+    )
+    moved, nodes = body.at_nodes(u)[0], body.nodes
+    places = body.locate(nodes.points[:5])
+    there = body.displacements_at(places, u)
+    np.testing.assert_allclose(moved[:5], there, rtol=0, atol=1e-9 * abs(moved).max())
+
+
 def test_reactions_balance_every_load():
     _, b, h, body = beam()
     loads = np.stack([
