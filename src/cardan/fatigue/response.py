@@ -89,9 +89,7 @@ IDLE = 8.0
 LEFT = 0.85
 """Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
 FEWEST_SPELLS = 1.5
-"""Of equal weight, that tell anything of what they have in common."""
-LETS_GO = 2.0
-"""Seconds that an engine is gone, at least, when it has let go of the shaft."""
+"""Of equal weight above idle, that tell anything of what they have in common."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
@@ -1016,7 +1014,9 @@ def identified(
         doubts.append(UNTRUSTED)
     if alike is not None:
         own = left + lines[0].wave.real
-        share = _softly(_surely(alike, lines[0].wave, own), fine)
+        # Of an engine that was heard all that runs with it is taken for its own.
+        heard = np.where(alike, 0.0, 1.0)
+        share = _softly(_surely(alike, lines[0].wave, own) if engine is None else heard, fine)
         sure = removed(mean * share) - margin
         if engine is not None and share.mean() < 0.5:
             sure = min(sure, 0.0)
@@ -1088,8 +1088,6 @@ def _alike(
     turning = scene.speed > SLOWEST / 2
     if engine is None:
         return _above_idle(scene) if FOUR_CYLINDERS in orders else None
-    from scipy.ndimage import binary_closing
-
     fe = engine.speed(time)
     f2 = 2 * scene.speed
     # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
@@ -1097,10 +1095,7 @@ def _alike(
     close = turning & np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
     if not turning.any() or np.mean(close[turning]) < 0.2:
         return None
-    every = max(int(0.1 * scene.rate), 1)
-    brief = np.ones(2 * (int(LETS_GO / 0.1) // 2) + 1, bool)
-    filled = binary_closing(np.pad(close[::every], brief.size, mode="edge"), brief)
-    return close | np.repeat(filled[brief.size : -brief.size], every)[: close.size]
+    return close
 
 
 def _above_idle(scene: _Scene) -> BoolArray:
