@@ -15,6 +15,8 @@ import pytest
 
 import cardan
 from cardan import files
+from cardan.fatigue.angle import shaft_angle
+from cardan.fatigue.background import background, modes
 from cardan.model.bracket import StepShape
 from cardan.study.recording import listen_to_all
 
@@ -147,6 +149,40 @@ def test_what_is_otherwise_is_found():
     assert after < 0.06 < 0.15 < before  # what is left is the road
 
 
+@pytest.mark.slow
+def test_the_brackets_mode_is_found_in_what_the_road_shakes():
+    known, found = truth("joints")["parameters"], heard("promise.yaml").identification
+    (mode,) = found.shaken
+    assert mode.frequency[0] <= known["bracket_mode_Hz"] <= mode.frequency[2]
+    assert mode.damping[0] <= known["bracket_mode_damping"] <= mode.damping[2]
+    assert mode.frequency[2] < 1.04 * mode.frequency[0]
+    # Three gauges feel it as they feel a force sideways; the fourth has it next to not at all.
+    assert mode.felt == (True, True, True, False)
+    assert found.way(mode) == 1
+    assert found.line(mode) is None
+
+
+@pytest.mark.parametrize(("day", "orders"), [("road", (3, 6)), ("engine", (2, 4))])
+def test_the_bracket_has_the_same_mode_another_day(day, orders):
+    """Bad tracks shake it, and an engine runs through it: the same truck, the same mode."""
+    import pyarrow.parquet as pq
+
+    table, known = pq.read_table(CASE / f"{day}.parquet"), truth("joints")["parameters"]
+    stress = np.stack([table[n].to_numpy().astype(float) for n in ("S1", "S3")])
+    shaft, engine = (
+        shaft_angle(table[n].to_numpy() / 60.0, rate=1000.0) for n in ("shaft_rpm", "engine_rpm")
+    )
+    (mode,) = modes(
+        background(
+            [stress], rate=1000.0, seconds=stress.shape[1] / 1000, angle=shaft,
+            engine=engine.rotation, engine_orders=orders,
+        )
+    )  # fmt: skip
+    assert mode.frequency[0] <= known["bracket_mode_Hz"] <= mode.frequency[2]
+    assert mode.damping[0] <= known["bracket_mode_damping"] <= mode.damping[2]
+    assert mode.felt == (True, True)
+
+
 # ----------------------------------------------------------- 6: the cure keeps its promise
 
 
@@ -165,6 +201,17 @@ def test_the_cure_passes_no_limit():
 
 
 # ----------------------------------------------------------- the world itself
+
+
+@pytest.mark.oracle
+def test_the_engine_rings_as_is_known():
+    pytest.importorskip("exudyn")
+    from collector_day import bracket_mode
+
+    known = truth("joints")["parameters"]
+    hertz, damping = bracket_mode()
+    assert hertz == pytest.approx(known["bracket_mode_Hz"], rel=1e-4)
+    assert damping == pytest.approx(known["bracket_mode_damping"], rel=1e-3)
 
 
 @pytest.mark.oracle
