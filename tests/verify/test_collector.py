@@ -6,18 +6,24 @@ joints shake nothing, and the first one with the rubber that the cure asks for.
 """
 
 import json
+import re
 import tempfile
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import cardan
 from cardan import files
+from cardan.cli import cli
 from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.background import background, modes
 from cardan.model.bracket import StepShape
+from cardan.report import story
+from cardan.report.language import CODES, Language
 from cardan.study.recording import listen_to_all
 
 CASE = Path(__file__).parents[2] / "examples" / "refuse-collector"
@@ -150,6 +156,31 @@ def test_what_is_otherwise_is_found():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("name", "code", "to"), [("case", "en", "to"), ("case.pt", "pt", "a")])
+def test_the_page_says_what_is_found(name, code, to):
+    """Every number that the page's fourth section has of the recording."""
+    page, say = (CASE.parents[1] / "docs" / f"{name}.md").read_text(), Language(code)
+    found = heard("promise.yaml").identification
+
+    def said(low, high, digits=4):
+        return f"{say.short(low, digits)} {to} {say.short(high, digits)}"
+
+    for p in found.parameters:
+        shown = p.name in ("vertical", "lateral", "unbalance")
+        if shown or (p.name, p.part.number) in (("loss", 2), ("phase", 2)):
+            assert said(p.told_in_unit(p.low), p.told_in_unit(p.high)) in page, p
+        if p.name == "phase":
+            assert say.short(p.told_in_unit(p.value), 4).replace("\N{MINUS SIGN}", "-") in page
+            # The width is what is assumed of welds more than what the recording says.
+            assert p.told == (p.part.number == 1)
+    (mode,) = found.shaken
+    assert said(mode.frequency[0], mode.frequency[2], 3) in page
+    assert said(mode.damping[0], mode.damping[2], 3) in page
+    for share in found.misfit:
+        assert f"{100 * share:.0f} %" in page
+
+
+@pytest.mark.slow
 def test_the_brackets_mode_is_found_in_what_the_road_shakes():
     known, found = truth("joints")["parameters"], heard("promise.yaml").identification
     (mode,) = found.shaken
@@ -198,6 +229,39 @@ def test_the_cure_keeps_its_promise():
 def test_the_cure_passes_no_limit():
     found = cardan.check(files.read(CASE / "cured.yaml"))
     assert found.verdict == "warn"
+
+
+# ----------------------------------------------------------- 7: the report to sign
+
+
+def remembered(function):
+    """Return a function that is asked once."""
+    kept = []
+
+    def answer(*args, **how):
+        if not kept:
+            kept.append(function(*args, **how))
+        return kept[0]
+
+    return answer
+
+
+@pytest.mark.bracket
+@pytest.mark.slow
+def test_the_report_has_ten_pages_in_every_language(tmp_path, monkeypatch):
+    """The command as documented; what is not words is asked for once."""
+    command = import_module("cardan.cli.check")
+    for module, name in ((command, "approved"), (story, "sensitivities"), (story, "fix")):
+        monkeypatch.setattr(module, name, remembered(getattr(module, name)))
+    monkeypatch.chdir(CASE)
+    asked = "check application.yaml --with bracket --recording promise.yaml --short"
+    for code in CODES:
+        out = tmp_path / f"{code}.pdf"
+        result = CliRunner().invoke(cli, [*asked.split(), "--lang", code, "--pdf", str(out)])
+        assert result.exit_code == 1, result.output
+        assert Language(code)("mode that road and engine shake") in result.output
+        (count,) = re.findall(rb"/Type/Pages/Count (\d+)", out.read_bytes())
+        assert 6 <= int(count) <= 10, (code, count)
 
 
 # ----------------------------------------------------------- the world itself

@@ -107,7 +107,7 @@ APART = 3.5, 0.01
 CLEAR = 0.05, 0.6
 """Half of the widest interval that is told, relative, of frequency and damping."""
 
-SURE = 0.006, 0.25
+SURE = 0.01, 0.3
 """Half of the narrowest, relative: what the model leaves out, measured on recordings whose truth
 is known (`tests/verify/test_background.py`)."""
 
