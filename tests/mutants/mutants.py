@@ -1511,7 +1511,7 @@ SHAKEN = (
            "holes are spectra", "verify/test_background.py::test_a_gauge_that_says_nothing_tells_nothing", "verify/test_background.py::test_holes_and_quiet_hours_bend_nothing"),
     mutant("fatigue/background.py", "(f > HOPS)", "(f > 0)", "a wheel's hop is told",
            "verify/test_background.py::test_wheels_that_hop_are_no_bracket"),
-    mutant("fatigue/background.py", "good[k] &= abs(on.sum()) < TONE * np.abs(on).sum()", "good[k] &= True",
+    mutant("fatigue/background.py", "even = (np.abs(on.sum(0)) > TONE * np.maximum(count, 1)) & (count >= LEAST)", "even = count < 0",
            "a pump is a mode", "verify/test_background.py::test_a_pump_and_the_mains_are_no_mode"),
     mutant("fatigue/background.py", "return (worth > WORTH) & (np.abs(at - at[np.argmax(worth)]) < 0.04)", "return worth > -np.inf",
            "whoever listens feels a mode", "verify/test_background.py::test_who_feels_a_mode_is_said_with_its_shape"),

@@ -75,20 +75,23 @@ def driven(seed):
 
 
 def statistics(made, seeds):
-    """Share of frequencies and dampings inside, share of modes told, and what is told wrongly."""
+    """Share of frequencies and dampings inside, share of modes told, and what is told wrongly.
+
+    What lies within a tenth of a mode was meant to be it.
+    """
     frequency, damping, wrong, true = [], [], [], 0
     for seed in seeds:
         told, known, others = made(seed)
         true += len(known)
         for mode in told:
             low, found, high = mode.frequency
-            near = [m for m in known if abs(np.log(m[0] / found)) < 0.06]
-            if near:
-                f, d = min(near, key=lambda m: abs(m[0] - found))
+            every = [*known, *((f, None) for f in others)]
+            f, d = min(every, key=lambda m: abs(m[0] - found), default=(np.inf, None))
+            if abs(np.log(f / found)) > 0.1:
+                wrong.append((seed, mode))
+            elif d is not None:
                 frequency.append(low <= f <= high)
                 damping.append(mode.damping[0] <= d <= mode.damping[2])
-            elif not any(abs(np.log(f / found)) < 0.1 for f in others):
-                wrong.append((seed, mode))
     return np.mean(frequency), np.mean(damping), len(frequency) / true, wrong
 
 
@@ -103,7 +106,7 @@ def test_what_is_told_of_a_dozen_recordings_holds_the_truth():
 
 @pytest.mark.slow
 def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
-    frequency, damping, told, wrong = statistics(misled, range(500, 600))
+    frequency, damping, told, wrong = statistics(misled, range(600, 700))
     assert frequency >= 0.85
     assert damping >= 0.85
     assert told > 0.6
@@ -112,7 +115,7 @@ def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
 
 @pytest.mark.slow
 def test_what_is_told_of_fifty_drives_holds_the_truth():
-    frequency, damping, told, wrong = statistics(driven, range(71_000, 71_050))
+    frequency, damping, told, wrong = statistics(driven, range(72_000, 72_050))
     assert frequency >= 0.85
     assert damping >= 0.85
     assert told > 0.25
@@ -165,6 +168,10 @@ def test_a_gauge_that_says_nothing_tells_nothing():
     assert not w.told(np.zeros(w.n))
     assert not w.told(np.full(w.n, np.nan))
     assert not World(seconds=12.0).told(World(seconds=12.0).road())
+    w = World(turns=21.0)
+    felt = w.shaken(w.road(), (51.0, 0.03, 1.0))
+    assert w.told(felt)
+    assert not w.told(np.where(w.t % 1 < 0.25, np.nan, felt))
 
 
 def test_wheels_that_hop_are_no_bracket():
@@ -172,10 +179,12 @@ def test_wheels_that_hop_are_no_bracket():
     assert not w.told(w.shaken(w.road(), (12.0, 0.1, 1.0)))
 
 
-@pytest.mark.parametrize("hertz", [31.7, 50.0])
-def test_a_pump_and_the_mains_are_no_mode(hertz):
-    w = World()
-    assert not w.told(w.road() + 0.5 * np.cos(2 * np.pi * hertz * w.t + 1))
+@pytest.mark.parametrize(
+    ("hertz", "size", "seed"), [(24.8, 0.3, 0), (29.22, 0.6, 1), (44.9, 0.6, 1), (50.0, 0.5, 0)]
+)
+def test_a_pump_and_the_mains_are_no_mode(hertz, size, seed):
+    w = World(seed=seed)
+    assert not w.told(w.road() + size * np.cos(2 * np.pi * hertz * w.t))
 
 
 def test_an_order_that_nobody_named_is_no_mode():

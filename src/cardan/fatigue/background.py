@@ -95,7 +95,7 @@ WIDE = 0.4
 
 TONE = 0.5
 """How far a line's phase goes on evenly from window to window that do not overlap, from which
-it is a tone: a pump, a compressor, the mains."""
+a tone stands there: a pump, a compressor, the mains. It is masked like an order."""
 
 STEADY = 1.2
 """Scatter of the logarithms, over that of noise, from which the spectrum changes its shape with
@@ -104,12 +104,16 @@ time: then something moves through it that nobody named."""
 APART = 3.5, 0.01
 """Standard deviations, and share, by which slow and fast windows may differ in frequency."""
 
-CLEAR = 0.05, 0.6
+CLEAR = 0.03, 0.6
 """Half of the widest interval that is told, relative, of frequency and damping."""
 
 SURE = 0.01, 0.3
 """Half of the narrowest, relative: what the model leaves out, measured on recordings whose truth
 is known (`tests/verify/test_background.py`)."""
+
+BROADER = 0.65
+"""As much of a damping ratio's low end: a mode that several shake, one more now and the other then,
+looks broader than it is."""
 
 
 @dataclass(frozen=True)
@@ -214,10 +218,24 @@ def background(
         known.append(heard[:, None] & free)
         speed.append(float(angle.rotation.speed(time).mean()))
     shape = (len(lines), *(lines[0].shape if lines else (0, frequency.size)))
-    return Background(
-        frequency, np.array(lines, complex).reshape(shape), np.array(known, bool).reshape(shape),
-        np.array(speed),
-    )  # fmt: skip
+    spectra = np.array(lines, complex).reshape(shape)
+    free = np.array(known, bool).reshape(shape)
+    return Background(frequency, spectra, free & ~_tones(spectra, free), np.array(speed))
+
+
+def _tones(lines: ComplexArray, known: BoolArray) -> BoolArray:
+    """Return in which lines (G, F) a tone of fixed frequency stands, and those beside them.
+
+    Its phase goes on evenly from a window to the next but one, which do not overlap.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    both = known[2:] & known[:-2]
+    on = np.where(both, lines[2:] * lines[:-2].conj(), 0.0)
+    on = on / np.where(np.abs(on) > 0, np.abs(on), 1.0)
+    count = both.sum(0)
+    even = (np.abs(on.sum(0)) > TONE * np.maximum(count, 1)) & (count >= LEAST)
+    return maximum_filter1d(even.astype(np.uint8), 2 * int(ASIDE) + 1, axis=-1) > 0
 
 
 def _between_orders(
@@ -510,30 +528,29 @@ def _near(of: Background, peak: float) -> Iterator[Mode]:
     found = wide.beside(said, wide.fitted(said, pole), half)
     if found.misfit.sum() > STEADY * SCATTER * np.count_nonzero(wide.known):
         return
-    good = _clear(of, found, felt) & (np.abs(found.poles[:, 0] - pole[0]) < 0.6 * half)
+    good = _clear(of, found) & (np.abs(found.poles[:, 0] - pole[0]) < 0.6 * half)
     if not good.any():
         return
     moved = narrow.least(narrow.said(one), found.poles, found.own).poles - found.poles
     spread, count = _spread(wide, found, of.speed.size)
     fast = (of.speed > np.median(of.speed)).astype(float)
-    low, high = (
+    slow, quick = (
         wide.least(wide.said(w), found.poles, found.own, steps=8).poles[:, 0]
         for w in (1.0 - fast, fast)
     )
     # Of half the windows each: twice the variance, and twice again of their difference.
-    apart = np.abs(high - low)
+    apart = np.abs(quick - slow)
     good &= (apart < 2 * APART[0] * spread[:, 0]) | (apart < APART[1])
     doubt = np.sqrt((_student(count) * spread) ** 2 + moved**2 + np.square(SURE))
     good &= (doubt < CLEAR).all(-1)
     for k in np.flatnonzero(good):
-        f, d = (_triple(*each) for each in zip(found.poles[k], doubt[k], strict=True))
-        yield Mode(frequency=f, damping=d, felt=tuple(felt.tolist()), shape=_shape(of, f[1]))
-
-
-def _triple(middle: float, half: float) -> tuple[float, float, float]:
-    """Return low, found and high of a logarithm."""
-    low, found, high = np.exp(middle + half * np.array([-1, 0, 1])).tolist()
-    return low, found, high
+        (f, d), (df, dd) = found.poles[k], doubt[k]
+        low, middle, high = np.exp([f - df, f, f + df]).tolist()
+        damping = np.exp([d - float(np.hypot(dd, BROADER)), d, d + dd]).tolist()
+        yield Mode(
+            frequency=(low, middle, high), damping=(damping[0], damping[1], damping[2]),
+            felt=tuple(felt.tolist()), shape=_shape(of, middle),
+        )  # fmt: skip
 
 
 def _student(count: int) -> float:
@@ -557,18 +574,10 @@ def _feeling(band: _Band, pole: FloatArray) -> BoolArray:
     return (worth > WORTH) & (np.abs(at - at[np.argmax(worth)]) < 0.04)
 
 
-def _clear(of: Background, found: _Found, felt: BoolArray) -> BoolArray:
+def _clear(of: Background, found: _Found) -> BoolArray:
     """Return which poles (P,) are modes by what they are: no tone, no slope, no wheel's."""
     f, d = np.exp(found.poles.T)
-    good = (d > DAMPED[0]) & (d < DAMPED[1]) & (f > HOPS) & (2 * d * f > WIDE * of.every)
-    first = int(np.flatnonzero(felt)[0])
-    for k in np.flatnonzero(good):
-        at = int(np.argmin(np.abs(of.frequency - f[k])))
-        z = np.where(of.known[:, first, at], of.lines[:, first, at], 0.0)
-        # Two windows on, so that they do not overlap: of noise the phase is another.
-        on = z[2:] * z[:-2].conj()
-        good[k] &= abs(on.sum()) < TONE * np.abs(on).sum()
-    return good
+    return (d > DAMPED[0]) & (d < DAMPED[1]) & (f > HOPS) & (2 * d * f > WIDE * of.every)
 
 
 def _spread(band: _Band, found: _Found, windows: int) -> tuple[FloatArray, int]:
