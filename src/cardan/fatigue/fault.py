@@ -53,6 +53,8 @@ CUT_OF_THREE = 4.5
 
 A parabola's middle stands above them by a third of what they stand above the next.
 """
+CUT_ALONE = 50.0
+"""Of such steps, from which a single one is no chance: what came so fast does not rest at once."""
 SPIKE_WIDTH = 3
 """Longest spike, samples; what is longer and level is a dropout."""
 DROPOUT_SECONDS = 0.25
@@ -480,7 +482,9 @@ class _Plateaus:
             long = width >= CLIPPED_RUN
             cut = np.count_nonzero(long) > 1 or (level >= end and bool(long.any()))
             cut &= bool(long.any() and np.median(entry[long]) > 1.5 * step)
-            cut |= level >= end and np.count_nonzero(entry[width == 3] > CUT_OF_THREE * step) > 1
+            steps = entry[width == 3] / step
+            alone = bool((steps > CUT_ALONE).any())
+            cut |= level >= end and (np.count_nonzero(steps > CUT_OF_THREE) > 1 or alone)
             if cut and bool(np.mean(reached > level) < RARE):
                 return float(level), there[:, [1, 2, 4]]
         return np.nan, np.empty((0, 3))

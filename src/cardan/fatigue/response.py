@@ -30,6 +30,8 @@ GUILTY, INNOCENT, CANNOT_TELL = "guilty", "innocent", "cannot tell"
 
 ACQUITTED = 0.25
 """Share of the damage up to which they are innocent, at most."""
+CONVICTED = 0.35
+"""From which they are guilty, at least, if half of it is theirs most likely."""
 FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
 CLEAR = 60.0
@@ -64,6 +66,10 @@ COMES = 0.55
 """Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
 WHOLLY = 0.85
 """Of that share, from which all of it comes with the order: innocent lines had 0.78."""
+FOLLOWS = 0.95
+"""Of that share, from which what is there follows the shaft, locked or not: no road reached it."""
+NO_SQUARE = 1.25
+"""Of what goes with the speed's square, that goes with a torque and is no unbalance."""
 STRONG = 0.5
 """Of the largest torque, from which it is strong."""
 SUDDEN = 0.15
@@ -76,6 +82,8 @@ LOUD = 2.0
 """Of its mean power, that order 2 must have where blows come for these to be its own."""
 FEWEST_BLOWS = 4
 """From which they are more than chance."""
+TOGETHER = 0.5
+"""Correlation from which crests go with order 2: of innocent lines they had 0.31."""
 IDLE = 8.0
 """Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
 LEFT = 0.85
@@ -166,7 +174,7 @@ class Evidence:
     def finding(self) -> str:
         """Return "guilty", "innocent" or "cannot tell"."""
         low, high = self.interval
-        if low >= 0.35 and self.removed >= 0.5:
+        if low >= CONVICTED and self.removed >= 0.5:
             return GUILTY
         return INNOCENT if high <= ACQUITTED else CANNOT_TELL
 
@@ -837,6 +845,7 @@ def identified(
     first = _punctual(options[0], most=angle.lag)
     best = scene(first)
     line = _line(best, y, 2, most=2)
+    alike = _alike(best, engine, engine_orders, time)
     doubts: list[Said] = []
 
     def elsewhere(high: float) -> float:
@@ -851,7 +860,8 @@ def identified(
                 # What turns once a turn with the speed's square is unbalance.
                 by_torque, by_speed = (_solve(other.columns[k::2], y)[1] for k in (0, 1))
                 share = removed(other.wave.real) + 0.05
-                if other.strength >= FOUND and by_torque > by_speed and share > high:
+                clearly = by_speed if torque is None else NO_SQUARE * by_speed
+                if other.strength >= FOUND and by_torque > clearly and share > high:
                     high = share
                     doubts.append(doubt)
         return high
@@ -862,14 +872,27 @@ def identified(
         """Share removed among the thinned samples: how waves differ shows there as well."""
         return 1 - damage(x - wave) / thin if thin > 0 else removed(wave)
 
-    def beside(known: FloatArray) -> tuple[float, float]:
+    def beside(known: FloatArray, where: FloatArray | float = 1.0) -> tuple[float, float]:
         """Return what goes with all that is close to order 2, and how much less farther off."""
         rest = x - known
         close, *off = (
-            among(known + _near(rest, best, fine, span=RIDES, beside=b))
+            among(known + where * _near(rest, best, fine, span=RIDES, beside=b))
             for b in (0.0, *ALOOF, *(-k for k in ALOOF))
         )
         return close, close - max(off)
+
+    def following() -> tuple[float, float] | None:
+        """Share, at least and likely, of what follows order 2 where no engine may; None of others.
+
+        It needs no angle: only what turns with the shaft goes through all frequencies with it.
+        So does any order of an engine that nobody heard, in some gear.
+        """
+        may = _above_idle(best) if engine is None else alike
+        where = np.ones(x.size, bool) if may is None else ~may
+        if not _coming(x, best, fine, where=where) > FOLLOWS:
+            return None
+        close, more = beside(np.zeros_like(x), np.where(where, 1.0, 0.0))
+        return (more, close) if more > 0 else None
 
     def sudden(rest: FloatArray, high: float) -> float:
         """Return what may be theirs if it comes with a torque that lasts for seconds only."""
@@ -914,10 +937,14 @@ def identified(
         if angle.trusted and high <= ACQUITTED:
             high = passing(x, high)
         high = float(min(high, 1.0))
-        middle = float(np.clip(max(reach[0], 0.0), 0.0, high))
+        low, likely = 0.0, max(reach[0], 0.0)
+        if there := following():
+            low, likely = there[0], max(likely, there[1])
+            doubts = [*doubts, PASSING]
+        middle = float(np.clip(likely, 0.0, high))
         found = Evidence(
-            removed=middle, interval=(-0.01, high), strength=line.strength,
-            ratio=first.ratio, lag=first.lag, doubts=tuple(doubts),
+            removed=middle, interval=(min(low, high) - 0.01, high), strength=line.strength,
+            ratio=first.ratio, lag=first.lag, doubts=tuple(dict.fromkeys(doubts)),
         )  # fmt: skip
         return Identified(found, np.zeros_like(filled), spread(line.wave))
     lines = [line]
@@ -977,10 +1004,6 @@ def identified(
         doubts.append(SLIPPING)
     if losing.any():
         high = max(high, removed(besides(mean)))
-    knocks = _knocking(x - mean, line.wave, fine)
-    if knocks.any():
-        high = max(high, removed(np.where(knocks, y, mean)) + 0.05)
-        doubts.append(KNOCKING)
     if any(one.order == 6 for one in lines):
         high = 1.0 if high > 0.3 else high + 0.3
         doubts.append(RATTLING)
@@ -989,23 +1012,28 @@ def identified(
         high = max(high, removed(_near(x, best, fine)), ACQUITTED + 0.05)
         low = min(low, 0.5 * middle)
         doubts.append(UNTRUSTED)
-    if engine is not None:
-        apart = _apart(best, engine, engine_orders, time)
-        if apart is not None:
-            # Engine first: all that runs with it is the engine's; joints first: as found.
-            low = min(low, removed(mean * apart) - margin, 0.0 if apart.mean() < 0.5 else low)
-            doubts.append(ALIKE)
-    elif FOUR_CYLINDERS in engine_orders:
+    if alike is not None:
         own = left + lines[0].wave.real
-        sure = removed(mean * _surely(best, lines[0].wave, own)) - margin
+        # Of an engine that was heard all that runs with it is taken for its own.
+        heard = np.where(alike, 0.0, 1.0)
+        share = _softly(_surely(alike, lines[0].wave, own) if engine is None else heard, fine)
+        sure = removed(mean * share) - margin
+        if engine is not None and share.mean() < 0.5:
+            sure = min(sure, 0.0)
         if sure < low:
             low = sure
-            doubts.append(UNHEARD)
+            doubts.append(UNHEARD if engine is None else ALIKE)
+    if low < CONVICTED and (there := following()):
+        low = max(low, min(there[0], middle))
     high = sudden(x - mean, high)
     if high <= ACQUITTED:
         high = elsewhere(high)
         if angle.trusted and high <= ACQUITTED:
             high = passing(x - mean, high)
+    knocks = _knocking(x - mean, line.wave, fine)
+    if knocks.any():
+        high = max(high, removed(np.where(knocks, y, mean)) + 0.05)
+        doubts.append(KNOCKING)
     low, high = (float(v) for v in np.clip([low, high], -1.0, 1.0))
     found = Evidence(
         removed=float(np.clip(middle, low, high)), interval=(low, high),
@@ -1021,7 +1049,8 @@ def _knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
     """Return the half seconds (n,) of blows, if they come where a wave is loud; else none.
 
     A stop that the bracket reaches when order 2 swings it knocks of everything that swings
-    then, and no line explains a knock; a pothole does not wait for order 2.
+    then, and no line explains a knock; a pothole does not wait for order 2. Where it knocks all
+    the time no half second stands out, but all crests rise and fall with the wave.
     """
     from scipy.ndimage import median_filter
 
@@ -1035,6 +1064,9 @@ def _knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
     blow = crest > BLOW * median_filter(crest, size=41)
     if np.count_nonzero(blow) >= FEWEST_BLOWS and loud[blow].mean() > LOUD * loud.mean():
         found[: m * n] = np.repeat(blow, n)
+    high, wide = crest - crest.mean(), loud - loud.mean()
+    if high @ wide > TOGETHER * np.sqrt((high @ high) * (wide @ wide)):
+        found[: m * n] |= np.repeat(loud > LOUD * loud.mean(), n)
     return found
 
 
@@ -1046,11 +1078,16 @@ def _strong(load: FloatArray, rate: float) -> BoolArray:
     return size > STRONG * size.max()
 
 
-def _apart(
-    scene: _Scene, engine: Rotation, orders: Sequence[float], time: FloatArray
-) -> FloatArray | None:
-    """Return where no engine order runs with order 2 (n,), 0 to 1; None where none hardly does."""
+def _alike(
+    scene: _Scene, engine: Rotation | None, orders: Sequence[float], time: FloatArray
+) -> BoolArray | None:
+    """Return where an engine order may run with order 2 (n,); None where hardly any does.
+
+    An engine that nobody heard may do so above its idle speed, if it has four cylinders.
+    """
     turning = scene.speed > SLOWEST / 2
+    if engine is None:
+        return _above_idle(scene) if FOUR_CYLINDERS in orders else None
     fe = engine.speed(time)
     f2 = 2 * scene.speed
     # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
@@ -1058,23 +1095,32 @@ def _apart(
     close = turning & np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
     if not turning.any() or np.mean(close[turning]) < 0.2:
         return None
-    half = max(round(0.5 * scene.rate), 1)
-    total = np.cumsum(np.concatenate([[0], np.pad(~close, (half, half), mode="edge")]))
+    return close
+
+
+def _above_idle(scene: _Scene) -> BoolArray:
+    """Return where an engine may turn with the shaft (n,): from idle up, until it lets go."""
+    says = np.where(scene.speed > IDLE, 1, np.where(scene.speed < LEFT * IDLE, -1, 0))
+    last = np.maximum.accumulate(np.where(says != 0, np.arange(says.size), 0))
+    return says[last] > 0
+
+
+def _softly(share: FloatArray, rate: float) -> FloatArray:
+    """Return a share (n,) that goes over a second from one value to the next."""
+    half = max(round(0.5 * rate), 1)
+    total = np.cumsum(np.concatenate([[0], np.pad(share, (half, half), mode="edge")]))
     return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
 
 
-def _surely(scene: _Scene, wave: ComplexArray, y: FloatArray) -> FloatArray:
-    """Share (n,) of an order's wave that is no engine's in direct gear, which nobody heard.
+def _surely(may: BoolArray, wave: ComplexArray, y: FloatArray) -> FloatArray:
+    """Share (n,) of an order's wave that is no engine's, though one `may` (n,) do the same.
 
-    None turns with the shaft below its idle speed. Above it one may, and then it is locked to the
-    shaft as the joints are; but whenever it has let go it takes hold of it at another angle.
-    So what all spells above idle have in common is the shaft's own, as far as they tell.
+    Where it does it is locked to the shaft as the joints are; but whenever it has let go it
+    takes hold of it at another angle. So what all spells have in common is the shaft's own, as
+    far as they tell.
     """
     from scipy.special import stdtrit
 
-    turns = np.where(scene.speed > IDLE, 1, np.where(scene.speed < LEFT * IDLE, -1, 0))
-    said_at = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.size), 0))
-    may = turns[said_at] > 0
     spell = np.cumsum(np.diff(may, prepend=False) & may)[may]
     if not spell.size:
         return np.ones(may.size)
@@ -1111,7 +1157,7 @@ def _near(
     return 2 * (mean * wave).real
 
 
-def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
+def _coming(x: FloatArray, scene: _Scene, rate: float, *, where: BoolArray | None = None) -> float:
     """Share of the energy within 3 Hz of order 2 that is not there at other times.
 
     A road shakes a mode wherever the order is: what half-second periods show at a frequency is
@@ -1143,6 +1189,8 @@ def _coming(x: FloatArray, scene: _Scene, rate: float) -> float:
         loud = over.sum(1) / np.maximum(far.sum(1), 1)
         loud = np.maximum(loud, 1e-6 * loud.max())
     told = (far.sum(1) > 1) & (order > SLOWEST + 2)
+    if where is not None:
+        told &= where[n // 2 :: n // 2][: len(rows)]
     near = (off < 3) & heard & told[:, None]
     there = float(power[near].sum())
     return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")
