@@ -1534,9 +1534,34 @@ SWINGING = (
            "a launch is judged as if each instant lasted", "unit/test_stability.py::test_a_launch_says_what_its_bearings_carry"),
 )  # fmt: skip
 
+SHAKEN = (
+    mutant("fatigue/background.py", "free &= (frequency < k * low - aside) | (frequency > k * high + aside)", "free &= frequency > 0",
+           "what turns is taken for what the road shakes", "verify/test_background.py::test_the_orders_do_not_move_what_they_pass", "verify/test_background.py::test_order_2_is_no_mode_and_hides_one"),
+    mutant("fatigue/background.py", "whole_ones = np.isnan(joined).mean(-1) <= HOLES", "whole_ones = np.isnan(joined).mean(-1) <= 1.0",
+           "holes are spectra", "verify/test_background.py::test_a_gauge_that_says_nothing_tells_nothing", "verify/test_background.py::test_holes_and_quiet_hours_bend_nothing"),
+    mutant("fatigue/background.py", "(f > HOPS)", "(f > 0)", "a wheel's hop is told",
+           "verify/test_background.py::test_wheels_that_hop_are_no_bracket"),
+    mutant("fatigue/background.py", "even = (np.abs(on.sum(0)) > TONE * np.maximum(count, 1)) & (count >= LEAST)", "even = count < 0",
+           "a pump is a mode", "verify/test_background.py::test_a_pump_and_the_mains_are_no_mode"),
+    mutant("fatigue/background.py", "return (worth > WORTH) & (np.abs(at - at[np.argmax(worth)]) < 0.04)", "return worth > -np.inf",
+           "whoever listens feels a mode", "verify/test_background.py::test_who_feels_a_mode_is_said_with_its_shape"),
+    mutant("fatigue/background.py", "return best if gain > WORTH * SCATTER * ALIKE else one", "return one",
+           "two modes beside one another are one", "verify/test_background.py::test_two_modes_beside_one_another_are_two"),
+    mutant("fatigue/background.py", "return own > np.array(top) - QUIET", "return own > -np.inf",
+           "a gauge's noise counts while nothing shakes it", "verify/test_background.py::test_holes_and_quiet_hours_bend_nothing"),
+    mutant("fatigue/background.py", "u, both = 1 - r * r, (2 * np.exp(d) * r) ** 2", "u, both = 1 - r * r, (np.exp(d) * r) ** 2",
+           "a damping ratio is told twice as large", "verify/test_background.py::test_the_orders_do_not_move_what_they_pass"),
+    mutant("fatigue/background.py", "first = (first / first[np.argmax(np.abs(first))]).real", "first = np.abs(first / first[np.argmax(np.abs(first))])",
+           "a shape loses its signs", "verify/test_background.py::test_who_feels_a_mode_is_said_with_its_shape"),
+    mutant("study/recording.py", "engine=campaign.engine_of(recording),\n            engine_orders=orders or (*FIRING, FOUR_CYLINDERS),",
+           "engine=None,\n            engine_orders=(),", "the engine's orders are the road's", "verify/test_collector.py::test_the_brackets_mode_is_found_in_what_the_road_shakes"),
+    mutant("study/identification.py", "return int(best) if alike[best] > ALIKE and alike[second] < UNLIKE else None", "return int(second)",
+           "a mode is felt the wrong way", "verify/test_collector.py::test_the_brackets_mode_is_found_in_what_the_road_shakes"),
+)  # fmt: skip
+
 MUTANTS = (
     *BASE, *BORDER, *MODEL, *KINEMATICS, *DEMAND, *LOADS, *RUBBER, *SWINGING, *SHAFT, *DYNAMICS, *KINDS,
     *FORETOLD,
-    *FATIGUE, *RECORDED, *BRACKET,
+    *FATIGUE, *RECORDED, *SHAKEN, *BRACKET,
     *QUANTITY, *FILES, *STUDY, *REPORT, *CLI, *WEB,
 )  # fmt: skip

@@ -6,16 +6,24 @@ joints shake nothing, and the first one with the rubber that the cure asks for.
 """
 
 import json
+import re
 import tempfile
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import cardan
 from cardan import files
+from cardan.cli import cli
+from cardan.fatigue.angle import shaft_angle
+from cardan.fatigue.background import background, modes
 from cardan.model.bracket import StepShape
+from cardan.report import story
+from cardan.report.language import CODES, Language
 from cardan.study.recording import listen_to_all
 
 CASE = Path(__file__).parents[2] / "examples" / "refuse-collector"
@@ -147,6 +155,65 @@ def test_what_is_otherwise_is_found():
     assert after < 0.06 < 0.15 < before  # what is left is the road
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "code", "to"), [("case", "en", "to"), ("case.pt", "pt", "a")])
+def test_the_page_says_what_is_found(name, code, to):
+    """Every number that the page's fourth section has of the recording."""
+    page, say = (CASE.parents[1] / "docs" / f"{name}.md").read_text(), Language(code)
+    found = heard("promise.yaml").identification
+
+    def said(low, high, digits=4):
+        return f"{say.short(low, digits)} {to} {say.short(high, digits)}"
+
+    for p in found.parameters:
+        shown = p.name in ("vertical", "lateral", "unbalance")
+        if shown or (p.name, p.part.number) in (("loss", 2), ("phase", 2)):
+            assert said(p.told_in_unit(p.low), p.told_in_unit(p.high)) in page, p
+        if p.name == "phase":
+            assert say.short(p.told_in_unit(p.value), 4).replace("\N{MINUS SIGN}", "-") in page
+            # The width is what is assumed of welds more than what the recording says.
+            assert p.told == (p.part.number == 1)
+    (mode,) = found.shaken
+    assert said(mode.frequency[0], mode.frequency[2], 3) in page
+    assert said(mode.damping[0], mode.damping[2], 3) in page
+    for share in found.misfit:
+        assert f"{100 * share:.0f} %" in page
+
+
+@pytest.mark.slow
+def test_the_brackets_mode_is_found_in_what_the_road_shakes():
+    known, found = truth("joints")["parameters"], heard("promise.yaml").identification
+    (mode,) = found.shaken
+    assert mode.frequency[0] <= known["bracket_mode_Hz"] <= mode.frequency[2]
+    assert mode.damping[0] <= known["bracket_mode_damping"] <= mode.damping[2]
+    assert mode.frequency[2] < 1.04 * mode.frequency[0]
+    # Three gauges feel it as they feel a force sideways; the fourth has it next to not at all.
+    assert mode.felt == (True, True, True, False)
+    assert found.way(mode) == 1
+    assert found.line(mode) is None
+
+
+@pytest.mark.parametrize(("day", "orders"), [("road", (3, 6)), ("engine", (2, 4))])
+def test_the_bracket_has_the_same_mode_another_day(day, orders):
+    """Bad tracks shake it, and an engine runs through it: the same truck, the same mode."""
+    import pyarrow.parquet as pq
+
+    table, known = pq.read_table(CASE / f"{day}.parquet"), truth("joints")["parameters"]
+    stress = np.stack([table[n].to_numpy().astype(float) for n in ("S1", "S3")])
+    shaft, engine = (
+        shaft_angle(table[n].to_numpy() / 60.0, rate=1000.0) for n in ("shaft_rpm", "engine_rpm")
+    )
+    (mode,) = modes(
+        background(
+            [stress], rate=1000.0, seconds=stress.shape[1] / 1000, angle=shaft,
+            engine=engine.rotation, engine_orders=orders,
+        )
+    )  # fmt: skip
+    assert mode.frequency[0] <= known["bracket_mode_Hz"] <= mode.frequency[2]
+    assert mode.damping[0] <= known["bracket_mode_damping"] <= mode.damping[2]
+    assert mode.felt == (True, True)
+
+
 # ----------------------------------------------------------- 6: the cure keeps its promise
 
 
@@ -164,7 +231,51 @@ def test_the_cure_passes_no_limit():
     assert found.verdict == "warn"
 
 
+# ----------------------------------------------------------- 7: the report to sign
+
+
+def remembered(function):
+    """Return a function that is asked once."""
+    kept = []
+
+    def answer(*args, **how):
+        if not kept:
+            kept.append(function(*args, **how))
+        return kept[0]
+
+    return answer
+
+
+@pytest.mark.bracket
+@pytest.mark.slow
+def test_the_report_has_ten_pages_in_every_language(tmp_path, monkeypatch):
+    """The command as documented; what is not words is asked for once."""
+    command = import_module("cardan.cli.check")
+    for module, name in ((command, "approved"), (story, "sensitivities"), (story, "fix")):
+        monkeypatch.setattr(module, name, remembered(getattr(module, name)))
+    monkeypatch.chdir(CASE)
+    asked = "check application.yaml --with bracket --recording promise.yaml --short"
+    for code in CODES:
+        out = tmp_path / f"{code}.pdf"
+        result = CliRunner().invoke(cli, [*asked.split(), "--lang", code, "--pdf", str(out)])
+        assert result.exit_code == 1, result.output
+        assert Language(code)("mode that road and engine shake") in result.output
+        (count,) = re.findall(rb"/Type/Pages/Count (\d+)", out.read_bytes())
+        assert 6 <= int(count) <= 10, (code, count)
+
+
 # ----------------------------------------------------------- the world itself
+
+
+@pytest.mark.oracle
+def test_the_engine_rings_as_is_known():
+    pytest.importorskip("exudyn")
+    from collector_day import bracket_mode
+
+    known = truth("joints")["parameters"]
+    hertz, damping = bracket_mode()
+    assert hertz == pytest.approx(known["bracket_mode_Hz"], rel=1e-4)
+    assert damping == pytest.approx(known["bracket_mode_damping"], rel=1e-3)
 
 
 @pytest.mark.oracle

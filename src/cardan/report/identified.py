@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.units import MPa
+from cardan.fatigue.background import Mode
 from cardan.fatigue.damage import Life
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns
@@ -43,6 +44,35 @@ def parameter(of: Parameter, say: Language) -> tuple[str, ...]:
     return name, where, told(of.was), told(of.value), between, said
 
 
+WAYS = "along the shaft", "sideways", "vertical"
+"""Ways of a force on the bearing."""
+
+ROAD = "mode that road and engine shake"
+DAMPING = "its damping ratio"
+
+
+def modes(of: Identification, say: Language) -> list[tuple[str, ...]]:
+    """Return what is felt beside the orders as rows like those of numbers."""
+    if not of.shaken:
+        return [(say(ROAD) + " [Hz]", "-", "-", "-", "-", say("not told by this recording"))]
+    return [row for mode in of.shaken for row in _mode(of, mode, say)]
+
+
+def _mode(of: Identification, mode: Mode, say: Language) -> Iterator[tuple[str, ...]]:
+    """Yield a mode's frequency, with what may be known of it, and its damping."""
+    felt = ", ".join(g for g, one in zip(of.gauges, mode.felt, strict=True) if one)
+    way, line = of.way(mode), of.line(mode)
+    remarks = [] if way is None else [say("felt as a force {way}", way=say(WAYS[way]))]
+    if line is not None:
+        remarks.append(say("the line on its rubber, {hertz} Hz?", hertz=say.short(line, 3)))
+    for name, (low, found, high), remark in (
+        (say(ROAD) + " [Hz]", mode.frequency, "; ".join(remarks)),
+        (say(DAMPING), mode.damping, ""),
+    ):
+        between = say("{low} to {high}", low=say.short(low, 3), high=say.short(high, 3))
+        yield name, felt, "-", say.short(found, 3), between, remark
+
+
 def lines(of: Identification, say: Language = EN) -> Iterator[str]:
     """Yield what a recording says of its application as lines of text."""
     yield say(
@@ -55,7 +85,7 @@ def lines(of: Identification, say: Language = EN) -> Iterator[str]:
         before=before, after=after,
     )  # fmt: skip
     head = (say("number"), say("of"), say("written"), say("found"), say("90 % interval"), "")
-    rows = [head, *(parameter(p, say) for p in of.parameters)]
+    rows = [head, *(parameter(p, say) for p in of.parameters), *modes(of, say)]
     yield from (f"  {line}" for line in columns(rows, words=(0, 1, 5)))
 
 
@@ -83,6 +113,19 @@ def document(of: Identification) -> dict[str, Any]:
                 "address": p.address or None,
             }
             for p in of.parameters
+        ],
+        "modes": [
+            {
+                "frequency_Hz": m.frequency[1],
+                "interval_Hz": [m.frequency[0], m.frequency[2]],
+                "damping": m.damping[1],
+                "damping_interval": [m.damping[0], m.damping[2]],
+                "gauges": [g for g, felt in zip(of.gauges, m.felt, strict=True) if felt],
+                "shape": list(m.shape),
+                "way": None if (way := of.way(m)) is None else WAYS[way],
+                "line_Hz": of.line(m),
+            }
+            for m in of.shaken
         ],
         "orders": [
             {

@@ -17,7 +17,7 @@ from cardan.report import otherwise, used
 from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
-from cardan.report.identified import parameter, promise
+from cardan.report.identified import modes, parameter, promise
 from cardan.report.language import Language
 from cardan.report.life import (
     channels,
@@ -382,15 +382,19 @@ def _removed(of: Causes, say: Language) -> Figure:
 def identification(of: Identification, say: Language) -> Iterator[Block]:
     """Yield what a recording says of its application."""
     before, after = (say.number(100 * m) for m in of.misfit)
+    shaken = modes(of, say)
     yield Table(
         caption=say(
             "{application}, {state}: order 2 as recorded against computed",
             application=of.application.title, state=say.state(of.state),
         ),
         head=(say("number"), say("of"), say("written"), say("found"), say("90 % interval"), ""),
-        rows=tuple(parameter(p, say) for p in of.parameters),
+        rows=(*(parameter(p, say) for p in of.parameters), *shaken),
         words=2,
-        grades=tuple(("", "", "", "", "", "warn" if p.otherwise else "") for p in of.parameters),
+        grades=(
+            *(("", "", "", "", "", "warn" if p.otherwise else "") for p in of.parameters),
+            *(("",) * 6 for _ in shaken),
+        ),
     )  # fmt: skip
     yield Text(
         paragraphs=(

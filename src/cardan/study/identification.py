@@ -33,6 +33,7 @@ from cardan.base.part import LINE, Part
 from cardan.base.units import deg, mm
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.fatigue.angle import Angle
+from cardan.fatigue.background import Mode
 from cardan.fatigue.cuts import Cuts, Windows, order_cuts, windows
 from cardan.fatigue.orders import Rotation
 from cardan.files.application import understood
@@ -87,6 +88,13 @@ GOOD = 1.5
 
 UNLIKELY = 3.0
 """Standard deviations from what was assumed from which something else is looked for."""
+
+ALIKE, UNLIKE = 0.97, 0.9
+"""Cosine of a mode's shape with what a force does at the gauges from which they are alike, and
+below which they are told apart."""
+
+NEAR = 1.1
+"""Ratio of frequencies up to which a mode may be one of the line on its rubber."""
 
 BETTER = 0.3
 """Share of the misfit that another yoke phase or a mode of the bracket has to take away."""
@@ -181,6 +189,10 @@ class Identification:
         How far the gearbox's yoke is ahead of the tacho's mark, to half a turn.
     misfit : before and after
         Share of the measured order 2's energy that is not explained.
+    hung : Hz
+        Frequencies of the line on its rubber, as found.
+    shaken
+        Modes that the gauges feel beside the orders: what road and engine shake.
     """
 
     application: Application
@@ -197,6 +209,26 @@ class Identification:
     mean: FloatArray
     mark: FloatArray
     misfit: tuple[float, float]
+    hung: tuple[float, ...] = ()
+    shaken: tuple[Mode, ...] = ()
+
+    def way(self, mode: Mode) -> int | None:
+        """Return which way a force on the bearing does the same to the gauges as a mode.
+
+        Along the shaft 0, sideways 1 or up 2; None where it is none of them, or more than one:
+        two gauges at least have to tell them apart.
+        """
+        shape = np.array(mode.shape)
+        size = np.linalg.norm(self.units, axis=0) * np.linalg.norm(shape)
+        alike = np.abs(shape @ self.units) / np.where(size > 0, size, np.inf)
+        best, second = np.argsort(-alike)[:2]
+        return int(best) if alike[best] > ALIKE and alike[second] < UNLIKE else None
+
+    def line(self, mode: Mode) -> float | None:
+        """Return the frequency Hz of the line on its rubber that a mode may be; None if none is."""
+        low, found, high = mode.frequency
+        near = [f for f in self.hung if low / NEAR <= f <= high * NEAR]
+        return min(near, key=lambda f: abs(f - found)) if near else None
 
     def changes(self) -> dict[str, float | str | list[float]]:
         """Return what the file would say instead, by address, in its keys' units."""
@@ -328,6 +360,11 @@ class _Model:
             torque=self.torque,
         )  # fmt: skip
         return np.stack([once.bearing_forces[:, 0, self.bearing], waves[:, 0], waves[:, 1]], axis=1)
+
+    def hung(self, held: Suspended) -> tuple[float, ...]:
+        """Return the frequencies Hz of the line on its rubber, in the mean of the torque."""
+        modes = held.modes(torque=float(np.sqrt(np.mean(self.torque**2))))
+        return tuple(np.sort(modes.frequency[0] / (2 * np.pi)).tolist())
 
     def poles(self, held: Suspended, mode: tuple[float, float] | None) -> ComplexArray:
         """Return the poles that a drive through its speeds can shake, 1/s."""
@@ -855,7 +892,7 @@ def _told(
         parameters=tuple(parameters), gauges=tuple(fit.gauges), cuts=fit.cuts,
         torque=fit.scene.torque, written=written, found=computed,
         units=units, mean=units @ fit.model.mean.T, mark=mark,
-        misfit=(_share(fit, written), _share(fit, computed)),
+        misfit=(_share(fit, written), _share(fit, computed)), hung=fit.model.hung(said.held),
     )  # fmt: skip
     changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}
     return replace(result, identified=changed(application, changes))

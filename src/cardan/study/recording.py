@@ -5,7 +5,7 @@ there is one it only predicts. What is limited are rows of a profile, and a targ
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
@@ -19,6 +19,7 @@ from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
+from cardan.fatigue.background import Mode, background, modes
 from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health, finer
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
@@ -28,7 +29,7 @@ from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.response import FOUND, Evidence, together
+from cardan.fatigue.response import FOUND, FOUR_CYLINDERS, Evidence, together
 from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned
@@ -650,15 +651,30 @@ def _identified(
         msg = "no gauge of --unit-stress says anything: nothing to identify the application from"
         raise DesignError(msg)
     assert campaign.application is not None  # `Campaign` refuses
-    stress = room.stresses(
-        recording, plan=replace(plan, gauges=gauges), healths=healths, name="identify",
-        progress=progress,
-    )  # fmt: skip
-    return identify(
+    own, seconds = replace(plan, gauges=gauges), lives[0].quality.recorded
+    stress = room.stresses(recording, plan=own, healths=healths, name="identify", progress=progress)
+    found = identify(
         campaign.application, stress, rate=recording.rate, gauges=[g.name for g in gauges],
         units=np.stack([units[g.name] for g in gauges]), angle=angle,
-        torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded,
-        state=campaign.state, bearing=campaign.bearing,
+        torque=campaign.read_torque(recording), seconds=seconds, state=campaign.state,
+        bearing=campaign.bearing,
+    )  # fmt: skip
+    stress = room.stresses(recording, plan=own, healths=healths, name="modes", progress=progress)
+    return replace(found, shaken=_shaken(campaign, recording, stress, angle, seconds=seconds))
+
+
+def _shaken(
+    campaign: Campaign, recording: Recording, stress: Iterable[FloatArray], angle: Angle, *,
+    seconds: float,
+) -> tuple[Mode, ...]:  # fmt: skip
+    """Return the modes that gauges feel beside the orders of shaft and engine."""
+    orders = numbers(campaign.engine_orders) if campaign.engine_orders else ()
+    return modes(
+        background(
+            stress, rate=recording.rate, seconds=seconds, angle=angle,
+            engine=campaign.engine_of(recording),
+            engine_orders=orders or (*FIRING, FOUR_CYLINDERS),
+        )
     )  # fmt: skip
 
 
