@@ -267,7 +267,7 @@ def _parabola(found: FloatArray) -> Callable[[FloatArray], FloatArray]:
 
 def _kept(left: FloatArray, held: BoolArray) -> BoolArray:
     """Return in which trucks (V,) every margin that is held stays."""
-    return (left[:, held] >= -EQUAL).all(-1)
+    return np.asarray((left[:, held] >= -EQUAL).all(-1), bool)
 
 
 def _lost(at: Response, left: FloatArray, held: BoolArray) -> str:
