@@ -90,6 +90,8 @@ LEFT = 0.85
 """Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
 FEWEST_SPELLS = 1.5
 """Of equal weight above idle, that tell anything of what they have in common."""
+BESIDES = 5.0
+"""Hz from order 2 within which another order takes part in what stands about it."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 SLOWEST = 2.0
@@ -887,8 +889,12 @@ def identified(
         It needs no angle: only what turns with the shaft goes through all frequencies with it.
         So does any order of an engine that nobody heard, in some gear.
         """
-        may = _above_idle(best) if engine is None else alike
-        where = np.ones(x.size, bool) if may is None else ~may
+        if engine is None:
+            where = ~_above_idle(best)
+        else:
+            # Whatever of an engine comes into the band that is looked at, a second off it too.
+            may = _running(best, engine, engine_orders, time, within=BESIDES)
+            where = ~(_softly(may, fine) > 0)
         if not _coming(x, best, fine, where=where) > FOLLOWS:
             return None
         close, more = beside(np.zeros_like(x), np.where(where, 1.0, 0.0))
@@ -1085,17 +1091,23 @@ def _alike(
 
     An engine that nobody heard may do so above its idle speed, if it has four cylinders.
     """
-    turning = scene.speed > SLOWEST / 2
     if engine is None:
         return _above_idle(scene) if FOUR_CYLINDERS in orders else None
+    close = _running(scene, engine, orders, time, within=0.5)
+    turning = scene.speed > SLOWEST / 2
+    return close if turning.any() and np.mean(close[turning]) >= 0.2 else None
+
+
+def _running(
+    scene: _Scene, engine: Rotation, orders: Sequence[float], time: FloatArray, *, within: float
+) -> BoolArray:
+    """Return where an order of an engine that was heard runs within some Hz of order 2 (n,)."""
     fe = engine.speed(time)
     f2 = 2 * scene.speed
     # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
-    near = np.maximum(0.5, 0.03 * f2)
-    close = turning & np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
-    if not turning.any() or np.mean(close[turning]) < 0.2:
-        return None
-    return close
+    near = np.maximum(within, 0.03 * f2)
+    beside = np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
+    return (scene.speed > SLOWEST / 2) & beside
 
 
 def _above_idle(scene: _Scene) -> BoolArray:
@@ -1105,7 +1117,7 @@ def _above_idle(scene: _Scene) -> BoolArray:
     return says[last] > 0
 
 
-def _softly(share: FloatArray, rate: float) -> FloatArray:
+def _softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
     """Return a share (n,) that goes over a second from one value to the next."""
     half = max(round(0.5 * rate), 1)
     total = np.cumsum(np.concatenate([[0], np.pad(share, (half, half), mode="edge")]))
