@@ -207,7 +207,7 @@ def refined(
         at_places = _at_places(found, scatter)
         highest, where = _tops(found.zones, level_of)
         tops.append(dict(zip(found.zones.features, highest, strict=True)))
-        off = np.take_along_axis(at_places, where, axis=0) / 2
+        off = _told_by_elements(found, scatter, where)
         drawn = nearest(nodes, points)
         watched.append(drawn.of(nodes, von_mises(smooth)))
         # Of the face round it: at a corner that one element has to itself nobody disagrees.
@@ -215,6 +215,10 @@ def refined(
         tell("errors from afar")
         goals = [*_goals(found, highest, where, weight), *_watched(nodes, drawn, watched[-1])]
         afar = from_afar(found.elastic, moved_by, smooth, [(g.node, g.load) for g in goals])
+        # Where nobody asks what lies afar, all that elements round about disagree by stands for
+        # it: at a corner that one element has to itself nobody disagrees.
+        apart = ~np.isin(np.arange(len(off)), [g.feature for g in goals])
+        off[apart] = 2 * _told_by_elements(found, _around(nodes, scatter), where)[apart]
         off_seen = rough / 2
         for g, taken in zip(goals, afar.sum(axis=1), strict=True):
             into = off if g.feature >= 0 else off_seen
@@ -236,18 +240,17 @@ def refined(
         wanted += more
     assert found is not None
     drawn = nearest(found.elastic.nodes, points)
+    highs = [
+        np.stack([t.get(f, np.zeros(len(combos))) for f in found.zones.features]) for t in tops
+    ]
     return Refined(
         last=found,
-        error=_error(
-            [
-                np.stack([t.get(f, np.zeros(len(combos))) for f in found.zones.features])
-                for t in tops
-            ],
-            off,
-        ),
+        # They add up: maxima rise as elements shrink, so what was gained and what is still
+        # to come lie on one side. A point that is watched was refined until it stood still.
+        error=_share(_drift(highs) + off, highs),
         tops=tuple(tops),
         watched=drawn.of(found.elastic.nodes, found.at_nodes[1]),
-        watched_error=_error(watched, off_seen),
+        watched_error=_share(np.maximum(_drift(watched), off_seen), watched),
     )
 
 
@@ -348,6 +351,22 @@ def _at_places(found: Solution, values: FloatArray) -> FloatArray:
     return np.concatenate([values[found.zones.own], read])
 
 
+def _told_by_elements(found: Solution, scatter: FloatArray, where: IntArray) -> FloatArray:
+    """Return half of what elements disagree by (features, k) Pa at tops, carried on to toes."""
+    zones, nodes = found.zones, found.elastic.nodes
+    doubt = np.concatenate([scatter[zones.own], zones.lines.doubt(nodes, scatter)])
+    return np.take_along_axis(doubt, where, axis=0) / 2
+
+
+def _around(nodes: Nodes, values: FloatArray) -> FloatArray:
+    """Return the highest value (n, k) within the triangles that meet at each node of a surface."""
+    found = values.copy()
+    highest = values[nodes.faces].max(axis=1)
+    for k in range(nodes.faces.shape[1]):
+        np.maximum.at(found, nodes.faces[:, k], highest)
+    return found
+
+
 def _tops(zones: Zones, level: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the highest value of each feature (features, k), and its place."""
     places = np.stack([
@@ -438,16 +457,18 @@ def _settled(tops: list[Tops], weight: FloatArray) -> bool:
     return True
 
 
-def _error(tops: list[FloatArray], off: FloatArray) -> FloatArray:
-    """Return the share (f,) of a top that its error may be.
+def _drift(tops: list[FloatArray]) -> FloatArray:
+    """Return what meshes still changed of (f, k) Pa.
 
-    The largest of what the last mesh still changed; half of what the one before had: each mesh
-    lies anew, so the last change may be small by luck; and `off`, what that mesh itself tells:
-    half of what the elements that meet there disagree by, or what coarse ones elsewhere take.
+    By the last one, or half of what the one before did: each mesh lies anew, so the last change
+    may be small by luck.
     """
-    last = tops[-1]
     steps = [np.abs(b - a) for a, b in itertools.pairwise(tops)]
     moved = [steps[-1]] if steps else []
     moved += [steps[-2] / 2] if len(steps) > 1 else []
-    most = np.max([off, *moved], axis=0)
-    return most.max(axis=-1) / np.maximum(last.max(axis=-1), 1e-300)
+    return np.max([np.zeros_like(tops[-1]), *moved], axis=0)
+
+
+def _share(error: FloatArray, tops: list[FloatArray]) -> FloatArray:
+    """Return an error (f, k) Pa as a share (f,) of the highest stress."""
+    return error.max(axis=-1) / np.maximum(tops[-1].max(axis=-1), 1e-300)

@@ -63,12 +63,26 @@ class Lines:
             return np.einsum("kia,kcab,kjb->kcij", frames, tensor(at.of(nodes, stress)), frames)
 
         near, far = read(self.near, self.near_frames), read(self.far, self.far_frames)
-        slope = np.where(self.room, _NEAR / (_FAR - _NEAR), 0.0)[:, None, None, None]
+        slope = self._slope[:, None, None, None]
         local = near + slope * (near - far)
         # The surface bears no load of its own: what extrapolation leaves across it is error.
         local[..., 2, :] = local[..., :, 2] = 0.0
         turned = np.einsum("kia,kcij,kjb->kcab", self.frames, local, self.frames)
         return vector(turned)
+
+    def doubt(self, nodes: Nodes, doubt: FloatArray) -> FloatArray:
+        """Doubt (k, c) Pa of the structural stress, from that of the stress at nodes (n, c).
+
+        What carries two readings on to the toe carries their errors on too, 1.67 and 0.67 times.
+        """
+        near, far = (np.abs(at.of(nodes, doubt)) for at in (self.near, self.far))
+        slope = self._slope[:, None]
+        return near + slope * (near + far)
+
+    @property
+    def _slope(self) -> FloatArray:
+        """How much of the step from far to near (k,) is carried on to the toe."""
+        return np.where(self.room, _NEAR / (_FAR - _NEAR), 0.0)
 
 
 @dataclass(frozen=True)
