@@ -6,18 +6,18 @@ from proving_ground import drive
 
 from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.damage import miner
-from cardan.fatigue.rainflow import rainflow
-from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import (
+from cardan.fatigue.evidence import (
     ALIKE,
     CANNOT_TELL,
-    FOUND,
     GUILTY,
     HALVED,
     INNOCENT,
     KNOCKING,
     UNHEARD,
 )  # fmt: skip
+from cardan.fatigue.locked import FOUND
+from cardan.fatigue.rainflow import rainflow
+from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
 from cardan.study.recording import RecordingStudy
