@@ -189,6 +189,7 @@ def statistics(seeds):
     return len(inside) / len(rows), wrong, len(told) / max(len(clear), 1)
 
 
+@pytest.mark.slow
 def test_a_dozen_made_to_mislead():
     """Of twelve, 90 % intervals miss three or more once in nine times at most; none is wrong."""
     inside, wrong, told = statistics(SEEDS)

@@ -72,6 +72,7 @@ def statistics(seeds):
     return np.mean(inside), wrong, told / clear, spoiled
 
 
+@pytest.mark.slow
 def test_ten_drives():
     """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.
 
@@ -173,11 +174,11 @@ def test_what_follows_the_shaft_convicts_though_nobody_measured_its_torque():
         assert found.strength < FOUND
         assert found.finding == GUILTY
         assert 0.5 < low <= truth <= high
-    # Of another, four fifths lie about order 2: a road shook a mode there, at other times as well.
-    other = drive(60_074)
+    # Of another half of it comes with order 2 where a road shook a mode: it convicts nobody.
+    other = drive(60_078)
     (_, found), _ = heard(other)
     assert abs(truths(other)[0]) < 0.01
-    assert found.finding == CANNOT_TELL
+    assert found.finding == INNOCENT
     assert found.interval[0] < 0
 
 
