@@ -651,6 +651,7 @@ def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_p
     assert ("required, and needs a campaign" in said) == (verdict == "incomplete")
 
 
+@pytest.mark.slow
 def test_the_file_changed_as_proposed_gives_what_is_proposed():
     """Points, slopes and phases as the correction leaves them, written into the file again."""
     text = SHAKEN | {"adjust": {"bearing_height_mm": {1: [-20, 30]}, "shim_deg": [-3, 3]}}

@@ -415,6 +415,7 @@ def test_a_share_of_none_or_all_is_not_certain():
 # ------------------------------------------------------------------ the library
 
 
+@pytest.mark.slow
 def test_a_library_is_what_each_file_comes_to(tmp_path):
     for name, text in (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK)):
         (tmp_path / name).write_text(text, "utf-8")
