@@ -232,6 +232,7 @@ def without_bearings(assessments):
     return replace(application, limits=limits)
 
 
+@pytest.mark.slow
 def test_no_setting_of_a_workshop_is_cheaper_than_the_cheapest_proposed(assessments):
     """Every one of them is asked: two heights by 5 mm, the shim by 0.5 deg."""
     application = without_bearings(assessments)

@@ -142,6 +142,7 @@ def test_a_quantity_is_in_every_medium(house):
     assert "<Distance between joints>" in run(house, "check", "truck.yaml", "--lang", "pt")
 
 
+@pytest.mark.slow
 def test_a_thing_to_move_is_in_every_medium(house):
     schema = run(house, "schema")
     assert "last_height_mm" in schema

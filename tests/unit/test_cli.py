@@ -14,6 +14,7 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
+from chief import chief
 from click.testing import CliRunner, Result
 
 from cardan import __version__, files
@@ -632,7 +633,10 @@ SHAKES = {"quantity": "torsional_acceleration", "unit": "rad/s2", "maximum": 150
 
 @pytest.mark.parametrize(
     ("row", "verdict"),
-    [(GROWS, "fail"), (FATIGUE | {"required": True}, "incomplete"), (FATIGUE, "warn")],
+    chief(
+        [(GROWS, "fail"), (FATIGUE | {"required": True}, "incomplete"), (FATIGUE, "warn")],
+        (FATIGUE | {"required": True}, "incomplete"),
+    ),
 )
 def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_path):
     """It promised "pass" where a check of the file so changed failed or was incomplete."""
@@ -647,6 +651,7 @@ def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_p
     assert ("required, and needs a campaign" in said) == (verdict == "incomplete")
 
 
+@pytest.mark.slow
 def test_the_file_changed_as_proposed_gives_what_is_proposed():
     """Points, slopes and phases as the correction leaves them, written into the file again."""
     text = SHAKEN | {"adjust": {"bearing_height_mm": {1: [-20, 30]}, "shim_deg": [-3, 3]}}

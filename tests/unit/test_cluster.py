@@ -89,6 +89,7 @@ def kept(folder):
     return {p.name: p for p in folder.glob("shard-*.npz")}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="has no such signal")
 @pytest.mark.filterwarnings("default")  # the cluster's own
 def test_killed_on_a_cluster_it_goes_on_to_the_same_bits(tmp_path, cluster):

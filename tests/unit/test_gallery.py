@@ -8,10 +8,14 @@ import pytest
 PAGES = sorted((Path(__file__).parents[2] / "docs" / "gallery").glob("*.py"))
 
 
+LONG = "run_up", "parametric_torsion", "composite_tube", "shimmy"
+"""Pages that take ten seconds and more."""
+
+
 def needs(page):
-    """Pages that solve a bracket need its extra; a run-up from many angles takes its time."""
+    """Pages that solve a bracket need its extra; some are long."""
     marks = [pytest.mark.bracket] if "study.bracket" in page.read_text(encoding="utf-8") else []
-    return [*marks, *([pytest.mark.slow] if page.stem == "run_up" else [])]
+    return [*marks, *([pytest.mark.slow] if page.stem in LONG else [])]
 
 
 @pytest.mark.parametrize("page", [pytest.param(p, marks=needs(p), id=p.stem) for p in PAGES])

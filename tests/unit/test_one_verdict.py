@@ -547,7 +547,9 @@ def test_room_alone_fails_in_the_workbook_too(tmp_path):
 # --------------------------------------------------------------------------- whose limits
 
 
-@pytest.mark.parametrize("asked", [("--with", "vibration"), ()])
+@pytest.mark.parametrize(
+    "asked", [("--with", "vibration"), pytest.param((), marks=pytest.mark.slow)]
+)
 def test_a_profile_without_a_study_s_limits_does_not_pass_what_the_study_finds(asked, tmp_path):
     """Under `protractor` this truck passed its check, and failed `cardan stability`."""
     path = tmp_path / "undamped.yaml"

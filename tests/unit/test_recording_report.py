@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
-from cardan.fatigue import conditioning, quality, response
+from cardan.fatigue import conditioning, evidence, quality
 from cardan.fatigue import life as room
 from cardan.fatigue.correction import fkm, goodman, uncorrected
 from cardan.fatigue.cuts import windows
@@ -72,10 +72,10 @@ def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
 def test_every_sentence_from_below_is_translated():
     """Those that are made where no report is: by their English text."""
     below = {
-        *NAMES.values(), *map(str, response.DOUBTS), *room.DOUBTS, conditioning.DEAD, *KINDS,
+        *NAMES.values(), *map(str, evidence.DOUBTS), *room.DOUBTS, conditioning.DEAD, *KINDS,
         conditioning.MISSING, conditioning.DRIFTS, *conditioning.SUSPECTED.values(),
         conditioning.HUMS, *quality.IMPOSSIBLES, *quality.DOUBTS,
-        response.GUILTY, response.INNOCENT, response.CANNOT_TELL,
+        evidence.GUILTY, evidence.INNOCENT, evidence.CANNOT_TELL,
         "half cycles", "repeating", "discarded",
     }  # fmt: skip
     of_the_whole = {"hole", "drift", "hum", "unit", "rate", "strength"}

@@ -59,7 +59,10 @@ def agrees(found, k, checks, verdict):
             "driveline.points_mm[3][3]": {"uniform": 25},
             "obstacles[1].radius_mm": {"choice": [20, 40]},
         }),
-        (ROOT / "examples" / "tandem-6x4.yaml", {"tyre.friction": {"uniform": 0.2}}),
+        pytest.param(
+            ROOT / "examples" / "tandem-6x4.yaml", {"tyre.friction": {"uniform": 0.2}},
+            marks=pytest.mark.slow,
+        ),
         (ROOT / "tests" / "truck.yaml", {"shock_factor": [1, 9]}),
     ],
 )  # fmt: skip

@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from chief import chief
 from click.testing import CliRunner
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from workbench import BUILT, PATIENCE, command, page, reached, running
@@ -647,7 +648,9 @@ def test_a_fault_of_ours_is_told_and_the_next_question_answered():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks processes up in /proc")
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "how", chief([signal.SIGINT, signal.SIGTERM, signal.SIGKILL], signal.SIGKILL)
+)
 def test_it_ends_without_orphans_even_in_the_middle(tmp_path, how):
     path = tmp_path / "truck.yaml"
     path.write_text(TRUCK.read_text("utf-8"), "utf-8")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chief import chief
 from websockets.exceptions import ConnectionClosed
 from workbench import PATIENCE, page, running
 
@@ -414,6 +415,7 @@ def test_a_share_of_none_or_all_is_not_certain():
 # ------------------------------------------------------------------ the library
 
 
+@pytest.mark.slow
 def test_a_library_is_what_each_file_comes_to(tmp_path):
     for name, text in (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK)):
         (tmp_path / name).write_text(text, "utf-8")
@@ -436,7 +438,7 @@ def test_a_library_is_what_each_file_comes_to(tmp_path):
             one.hear("done")
 
 
-@pytest.mark.parametrize("lang", ["en", "pt", "it"])
+@pytest.mark.parametrize("lang", chief(["en", "pt", "it"], "pt"))
 @pytest.mark.parametrize("kind", ["html", "json", "xlsx"])
 def test_a_report_is_that_of_the_command(kind, lang):
     question = {"job": "report", "text": CHAIN, "name": "x.yaml", "folder": None, "lang": "en"}

@@ -77,6 +77,7 @@ def kept(folder):
 # ------------------------------------------------------------------ how it comes
 
 
+@pytest.mark.slow
 def test_a_recording_comes_in_pieces_is_heard_and_goes_with_the_page(
     house, run, tmp_path, monkeypatch
 ):

@@ -95,6 +95,7 @@ def statistics(made, seeds):
     return np.mean(frequency), np.mean(damping), len(frequency) / true, wrong
 
 
+@pytest.mark.slow
 def test_what_is_told_of_a_dozen_recordings_holds_the_truth():
     """Of a dozen 90 % intervals four miss once in forty times."""
     frequency, damping, told, wrong = statistics(misled, range(300, 314))

@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import SHAFTS, VEHICLES, no_value
+from cardan.fatigue.evidence import GUILTY
 from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import GUILTY
 from cardan.report.contract_schema import schema
 from cardan.study import campaign as module
 from cardan.study.campaign import Campaign

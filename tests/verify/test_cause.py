@@ -11,18 +11,12 @@ from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import readings, shaft_angle
 from cardan.fatigue.damage import miner
+from cardan.fatigue.evidence import CANNOT_TELL, GUILTY, INNOCENT, Evidence, together
+from cardan.fatigue.locked import FOUND
 from cardan.fatigue.orders import Rotation, order_spectrum
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import (
-    CANNOT_TELL,
-    FOUND,
-    GUILTY,
-    INNOCENT,
-    Evidence,
-    identified,
-    together,
-)
+from cardan.fatigue.response import identified
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
 
@@ -195,6 +189,7 @@ def statistics(seeds):
     return len(inside) / len(rows), wrong, len(told) / max(len(clear), 1)
 
 
+@pytest.mark.slow
 def test_a_dozen_made_to_mislead():
     """Of twelve, 90 % intervals miss three or more once in nine times at most; none is wrong."""
     inside, wrong, told = statistics(SEEDS)

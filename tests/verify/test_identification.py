@@ -11,6 +11,7 @@ from dataclasses import replace
 import jsonschema
 import numpy as np
 import pytest
+from chief import chief
 from click.testing import CliRunner
 from shaken import LINE, Truth, shaken
 
@@ -67,9 +68,7 @@ def true(truth):
     return found | {"phase": truth.phases[1]}
 
 
-@pytest.mark.parametrize(
-    "name", [n if n == QUICK else pytest.param(n, marks=pytest.mark.slow) for n in CASES]
-)
+@pytest.mark.parametrize("name", chief(CASES, QUICK))
 def test_the_truth_lies_inside_every_interval(application, name):
     truth, seed = CASES[name]
     found = asked(application, truth, seed)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chief import chief
 from scipy.integrate import solve_ivp
 
 from cardan import files
@@ -252,7 +253,9 @@ class Truck:
 
 @pytest.mark.parametrize(
     ("launch", "loses", "stuck"),
-    [(0, False, False), (1, False, False), (1, False, True), (1, True, False)],
+    chief(
+        [(0, False, False), (1, False, False), (1, False, True), (1, True, False)], (1, False, True)
+    ),
 )
 def test_a_launch_is_what_another_text_integrates(launch, loses, stuck):
     """Events, rigid friction, gears that pass on a share: peak, and the whole course of torque.

@@ -6,18 +6,18 @@ from proving_ground import drive
 
 from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.damage import miner
-from cardan.fatigue.rainflow import rainflow
-from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import (
+from cardan.fatigue.evidence import (
     ALIKE,
     CANNOT_TELL,
-    FOUND,
     GUILTY,
     HALVED,
     INNOCENT,
     KNOCKING,
     UNHEARD,
 )  # fmt: skip
+from cardan.fatigue.locked import FOUND
+from cardan.fatigue.rainflow import rainflow
+from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
 from cardan.study.recording import RecordingStudy
@@ -72,6 +72,7 @@ def statistics(seeds):
     return np.mean(inside), wrong, told / clear, spoiled
 
 
+@pytest.mark.slow
 def test_ten_drives():
     """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.
 
@@ -173,11 +174,11 @@ def test_what_follows_the_shaft_convicts_though_nobody_measured_its_torque():
         assert found.strength < FOUND
         assert found.finding == GUILTY
         assert 0.5 < low <= truth <= high
-    # Of another, four fifths lie about order 2: a road shook a mode there, at other times as well.
-    other = drive(60_074)
+    # Of another half of it comes with order 2 where a road shook a mode: it convicts nobody.
+    other = drive(60_078)
     (_, found), _ = heard(other)
     assert abs(truths(other)[0]) < 0.01
-    assert found.finding == CANNOT_TELL
+    assert found.finding == INNOCENT
     assert found.interval[0] < 0
 
 

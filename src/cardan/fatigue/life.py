@@ -18,6 +18,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
+from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import (
     ENGINE,
     FIRING,
@@ -33,6 +34,7 @@ from cardan.fatigue.cause import (
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
+from cardan.fatigue.evidence import Evidence, together
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
@@ -57,7 +59,7 @@ from cardan.fatigue.rainflow import (
     join,
 )
 from cardan.fatigue.recording import SIZE, Recording, cut
-from cardan.fatigue.response import FOUR_CYLINDERS, Evidence, Identified, identified, together
+from cardan.fatigue.response import Identified, identified
 from cardan.fatigue.spectral import (
     Spectrum,
     dirlik,

@@ -11,12 +11,13 @@ from cardan.base.arrays import FloatArray
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.evidence import CANNOT_TELL, Evidence
 from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
 from cardan.fatigue.life import Causes, GaugeLife, Plan
+from cardan.fatigue.locked import FOUND
 from cardan.fatigue.quality import FAST, Assumed, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
-from cardan.fatigue.response import CANNOT_TELL, FOUND, Evidence
 from cardan.report import identified, otherwise, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language

@@ -20,16 +20,18 @@ from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.background import Mode, background, modes
+from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health, finer
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
+from cardan.fatigue.evidence import Evidence, together
 from cardan.fatigue.life import Causes, GaugeLife, Plan
+from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.response import FOUND, FOUR_CYLINDERS, Evidence, together
 from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import Segment
 from cardan.files.campaign import read as campaigned

@@ -1,0 +1,187 @@
+"""What stands beside a shaft's order in a stress, and who else may turn as it does."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
+from cardan.fatigue.locked import SLOWEST, Scene, levelled
+from cardan.fatigue.orders import Rotation
+
+STRONG = 0.5
+"""Of the largest torque, from which it is strong."""
+BLOW = 1.8
+"""Of what half seconds within ten usually reach, from which one holds a blow."""
+LOUD = 2.0
+"""Of its mean power, that order 2 must have where blows come for these to be its own."""
+FEWEST_BLOWS = 4
+"""From which they are more than chance."""
+TOGETHER = 0.5
+"""Correlation from which crests go with order 2: of innocent lines they had 0.31."""
+FOUR_CYLINDERS = 2.0
+"""Order of an engine that in direct gear turns as the joints do."""
+IDLE = 8.0
+"""Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
+LEFT = 0.85
+"""Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
+FEWEST_SPELLS = 1.5
+"""Of equal weight above idle, that tell anything of what they have in common."""
+FAR = 9.0
+"""Hz from order 2 at which half a second does not show it any more."""
+
+
+def knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
+    """Return the half seconds (n,) of blows, if they come where a wave is loud; else none.
+
+    A stop that the bracket reaches when order 2 swings it knocks of everything that swings
+    then, and no line explains a knock; a pothole does not wait for order 2. Where it knocks all
+    the time no half second stands out, but all crests rise and fall with the wave.
+    """
+    from scipy.ndimage import median_filter
+
+    n = max(round(0.5 * rate), 1)
+    m = rest.size // n
+    found = np.zeros(rest.size, bool)
+    if m < 2 * FEWEST_BLOWS:
+        return found
+    crest = np.abs(levelled(rest, rate)[: m * n]).reshape(m, n).max(-1)
+    loud = (np.abs(wave[: m * n]) ** 2).reshape(m, n).mean(-1)
+    blow = crest > BLOW * median_filter(crest, size=41)
+    if np.count_nonzero(blow) >= FEWEST_BLOWS and loud[blow].mean() > LOUD * loud.mean():
+        found[: m * n] = np.repeat(blow, n)
+    high, wide = crest - crest.mean(), loud - loud.mean()
+    if high @ wide > TOGETHER * np.sqrt((high @ high) * (wide @ wide)):
+        found[: m * n] |= np.repeat(loud > LOUD * loud.mean(), n)
+    return found
+
+
+def strongly(load: FloatArray, rate: float) -> BoolArray:
+    """Return when a torque (n,) is near its largest, with half a second to either side."""
+    from scipy.ndimage import maximum_filter1d
+
+    size = maximum_filter1d(np.abs(load), max(round(rate), 1), mode="nearest")
+    return size > STRONG * size.max()
+
+
+def alike(
+    scene: Scene, engine: Rotation | None, orders: Sequence[float], time: FloatArray
+) -> BoolArray | None:
+    """Return where an engine order may run with order 2 (n,); None where hardly any does.
+
+    An engine that nobody heard may do so above its idle speed, if it has four cylinders.
+    """
+    if engine is None:
+        return above_idle(scene) if FOUR_CYLINDERS in orders else None
+    close = running(scene, engine, orders, time, within=0.5)
+    turning = scene.speed > SLOWEST / 2
+    return close if turning.any() and np.mean(close[turning]) >= 0.2 else None
+
+
+def running(
+    scene: Scene, engine: Rotation, orders: Sequence[float], time: FloatArray, *, within: float
+) -> BoolArray:
+    """Return where an order of an engine that was heard runs within some Hz of order 2 (n,)."""
+    fe = engine.speed(time)
+    f2 = 2 * scene.speed
+    # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
+    near = np.maximum(within, 0.03 * f2)
+    beside = np.any([np.abs(k * fe - f2) < near for k in orders], axis=0)
+    return (scene.speed > SLOWEST / 2) & beside
+
+
+def above_idle(scene: Scene) -> BoolArray:
+    """Return where an engine may turn with the shaft (n,): from idle up, until it lets go."""
+    says = np.where(scene.speed > IDLE, 1, np.where(scene.speed < LEFT * IDLE, -1, 0))
+    last = np.maximum.accumulate(np.where(says != 0, np.arange(says.size), 0))
+    return says[last] > 0
+
+
+def softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
+    """Return a share (n,) that goes over a second from one value to the next."""
+    half = max(round(0.5 * rate), 1)
+    total = np.cumsum(np.concatenate([[0], np.pad(share, (half, half), mode="edge")]))
+    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+
+
+def surely(may: BoolArray, wave: ComplexArray, y: FloatArray) -> FloatArray:
+    """Share (n,) of an order's wave that is no engine's, though one `may` (n,) do the same.
+
+    Where it does it is locked to the shaft as the joints are; but whenever it has let go it
+    takes hold of it at another angle. So what all spells have in common is the shaft's own, as
+    far as they tell.
+    """
+    from scipy.special import stdtrit
+
+    spell = np.cumsum(np.diff(may, prepend=False) & may)[may]
+    if not spell.size:
+        return np.ones(may.size)
+    z = wave[may]
+    locked = 2 * y[may] * np.conj(z)
+    weight, real, imag = (
+        np.bincount(spell, v)[1:] for v in (np.abs(z) ** 2, locked.real, locked.imag)
+    )
+    heard = weight > 0
+    w = weight[heard] / max(float(weight.sum()), 1e-300)
+    gain = (real + 1j * imag)[heard] / weight[heard]
+    mean = complex(w @ gain)
+    many = 1 / max(float(w @ w), 1e-300)
+    if many < FEWEST_SPELLS or not abs(mean) > 0:
+        return np.where(may, 0.0, 1.0)
+    # Along the mean lies half of the scatter of a complex number.
+    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / (many - 1) / 2
+    doubt = float(stdtrit(2 * (many - 1), 0.95)) * np.sqrt(scatter) / abs(mean)
+    return np.where(may, max(1.0 - doubt, 0.0), 1.0)
+
+
+def near(
+    x: FloatArray, scene: Scene, rate: float, *, span: float = 0.5, beside: float = 0.0
+) -> FloatArray:
+    """Return all (n,) that a span of some seconds holds near order 2: within 0.5/span Hz.
+
+    Of it, or of what is so many Hz `beside` it.
+    """
+    wave = np.exp(2j * np.pi * (2 * scene.turns + beside / rate * np.arange(x.size)))
+    half = max(round(span / 2 * rate), 1)
+    z = np.pad(levelled(x, rate) * np.conj(wave), (half, half), mode="edge")
+    total = np.cumsum(np.concatenate([[0], z]))
+    mean = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    return 2 * (mean * wave).real
+
+
+def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None = None) -> float:
+    """Share of the energy within 3 Hz of order 2 that is not there at other times.
+
+    A road shakes a mode wherever the order is: what half-second periods show at a frequency is
+    then how loud the road is, by how the bracket answers there. Both are taken from where the
+    order is `FAR` off, and periods in which nobody heard how loud the road was are left
+    out; nan where that tells nothing, at steady speed.
+    """
+    n = max(2 * round(0.25 * rate), 8)
+    if x.size < 8 * n:
+        return float("nan")
+    rows = np.lib.stride_tricks.sliding_window_view(x, n)[:: n // 2]
+    level = (rows - rows.mean(-1, keepdims=True)) * np.hanning(n)
+    order = 2 * scene.speed[n // 2 :: n // 2][: len(rows)]
+    frequency = np.fft.rfftfreq(n, 1 / rate)
+    use = (frequency > SLOWEST + 2) & (frequency < min(order.max() + 2 * FAR, 0.45 * rate))
+    power = np.abs(np.fft.rfft(level)[:, use]) ** 2
+    off = np.abs(frequency[use] - order[:, None])
+    far = off > FAR
+    heard = far.sum(0) > 8
+    far &= heard
+    if not far.any() or not power[far].any():
+        return float("nan")
+    power = power / power[far].max()
+    loud = np.ones(len(rows))
+    answer: FloatArray = np.zeros(int(np.count_nonzero(use)))
+    for _ in range(3):
+        answer = (power / loud[:, None] * far).sum(0) / np.maximum(far.sum(0), 1)
+        over = np.divide(power, answer, out=np.zeros_like(power), where=far & (answer > 0))
+        loud = over.sum(1) / np.maximum(far.sum(1), 1)
+        loud = np.maximum(loud, 1e-6 * loud.max())
+    told = (far.sum(1) > 1) & (order > SLOWEST + 2)
+    if where is not None:
+        told &= where[n // 2 :: n // 2][: len(rows)]
+    near = (off < 3) & heard & told[:, None]
+    there = float(power[near].sum())
+    return 1 - float((loud[:, None] * answer)[near].sum()) / there if there > 0 else float("nan")

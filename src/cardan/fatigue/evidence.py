@@ -1,0 +1,115 @@
+"""What the joints are answerable for at a gauge: a share of its damage, with its doubt."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.base.said import Said, said
+
+GUILTY, INNOCENT, CANNOT_TELL = "guilty", "innocent", "cannot tell"
+
+ACQUITTED = 0.25
+"""Share of the damage up to which they are innocent, at most."""
+CONVICTED = 0.35
+"""From which they are guilty, at least, if half of it is theirs most likely."""
+
+UNTRUSTED = said("the speed gives no angle to trust: all that is near order 2 may be theirs")
+UNLOADED = said("no torque tells when the joints pull: all that is near order 2 may be theirs")
+FAINT = said("little is locked to the shaft: the interval is wider by a tenth")
+SLIPPING = said("what is locked does not explain the large cycles: the angle may slip")
+RATTLING = said("order 6 is locked too, as of rattling contact: they may have done more")
+ALIKE = said("an engine order runs with order 2: phase and torque are the same, either did it")
+UNHEARD = said(
+    "no engine speed and no engine orders are given: an engine of four cylinders in direct gear "
+    "does the same as the joints"
+)
+
+DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
+HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
+BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
+PASSING = said(
+    "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
+    "may hide them"
+)
+
+BRIEF = said(
+    "what does the damage comes with a torque of a few seconds: too short to tell whose it is"
+)
+
+KNOCKING = said(
+    "blows come where order 2 is loud, as of a stop that it reaches: they may be theirs"
+)
+
+DOUBTS = (
+    UNTRUSTED,
+    UNLOADED,
+    FAINT,
+    SLIPPING,
+    RATTLING,
+    ALIKE,
+    UNHEARD,
+    DOUBLED,
+    HALVED,
+    BESIDE,
+    PASSING,
+    BRIEF,
+    KNOCKING,
+)
+"""What may widen an interval."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What the joints are answerable for at one gauge.
+
+    Attributes
+    ----------
+    removed
+        Share of the damage that goes with the joints' stress, 1.
+    interval
+        Low and high of 90 %.
+    strength
+        F, energy of the fit over that at phantoms; how surely something is locked.
+    modes
+        Frequency Hz and damping of the bracket's modes that the joints shake.
+    ratio, lag : 1 and s
+        What the stress says of the speed's scale, and how late it comes.
+    doubts
+        What widened the interval, a sentence each.
+    """
+
+    removed: float
+    interval: tuple[float, float]
+    strength: float
+    modes: tuple[tuple[float, float], ...] = ()
+    ratio: float = 1.0
+    lag: float = 0.0
+    doubts: tuple[Said, ...] = ()
+
+    @property
+    def finding(self) -> str:
+        """Return "guilty", "innocent" or "cannot tell"."""
+        low, high = self.interval
+        if low >= CONVICTED and self.removed >= 0.5:
+            return GUILTY
+        return INNOCENT if high <= ACQUITTED else CANNOT_TELL
+
+
+def together(parts: Sequence[Evidence], weights: Sequence[float]) -> Evidence:
+    """Return the evidence of stretches as one, each by its share of the damage.
+
+    Ends of intervals are added as they are: what one stretch does not know, the next may not
+    either.
+    """
+    w = np.asarray(weights, float)
+    w = w / w.sum() if w.sum() > 0 else np.full(w.size, 1 / max(w.size, 1))
+    if len(parts) == 1:
+        return parts[0]
+    chief = parts[int(np.argmax(w))]
+    low, high = (float(w @ [p.interval[k] for p in parts]) for k in (0, 1))
+    return replace(
+        chief, removed=float(w @ [p.removed for p in parts]), interval=(low, high),
+        strength=max(p.strength for p in parts),
+        doubts=tuple(dict.fromkeys(d for p in parts for d in p.doubts)),
+    )  # fmt: skip

@@ -1,0 +1,585 @@
+"""What is locked to a shaft in a stress: which ratio and lag of its speed, and what answers it.
+
+The stress is explained by
+
+    j = Re Σ h * u,    u = T e^{2iθ}, Ω² e^{2iθ}, T e^{4iθ}, T e^{6iθ}
+
+in one linear fit over the whole recording, h the bracket's response: static, and up to two
+modes that remember. How surely it is locked says F, the energy of that fit over what the same
+fit takes from the rest at phantoms a few resolution cells away, where nothing is locked.
+Source: derived from first principles; Ljung, System Identification (1999), ch. 4 and 9.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+
+import numpy as np
+
+from cardan.base.arrays import ComplexArray, FloatArray, IntArray
+from cardan.fatigue.angle import Angle
+from cardan.fatigue.kernel import remembered
+
+OFF = 0.05
+"""Largest error of a speed's scale that is looked for, relative."""
+MET = 100.0
+"""Samples a second at which it is looked for."""
+SHARES = 64
+"""Of the recording, in each of which what is between two lines of its spectrum stands still."""
+TURNS = 2.0
+"""Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
+BAND = 2.5
+"""Width in frequency over which a response is taken as one, Hz."""
+BLOCK = 6.0
+"""Seconds over which the response may wander: geometry rides with the springs."""
+POLE = 0.04
+"""Share of the fit's energy that a mode has to add."""
+PHANTOMS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
+"""Distances of the phantoms, resolution cells to either side."""
+FORETOLD = 9.0
+"""Seconds of a stretch that is foretold from its neighbours."""
+FOUND = 15.0
+"""F from which something is locked: without joints the search over ratios reached 14."""
+SLOWEST = 2.0
+"""Frequency below which nothing is told from the load, Hz."""
+SLOW = 50.0
+"""Samples a second at which an order is searched for modes: they remember tenths of one."""
+
+# --------------------------------------------------------------------------- speed
+
+
+@dataclass(frozen=True)
+class Aligned:
+    """One ratio and lag of a rotation, the energy it explains, and the response (bands,) so."""
+
+    ratio: float
+    lag: float
+    energy: float
+    frequency: FloatArray
+    response: ComplexArray
+    weight: FloatArray
+    zeros: FloatArray
+    """Turns by which each stretch of the angle goes on from another zero."""
+
+
+def aligned(
+    y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float
+) -> list[Aligned]:
+    """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
+
+    The response is one number in each band of twice the speed, and in each stretch between
+    losses of the angle turned by one phase. For each lag all ratios are
+    met at once: as a function of the angle, a wrong ratio is a frequency.
+    """
+    from scipy.fft import fft, next_fast_len
+
+    # Turned back by the shaft, an order stands nearly still: some samples a second say as much.
+    every = max(int(rate / MET), 1)
+    m = y.size // every
+    if m < 100:
+        return []
+    y, torque = y[: m * every], torque[: m * every]
+    back = np.exp(-4j * np.pi * angle.rotation.at(start + np.arange(y.size) / rate))
+    moved = (y * torque * back).reshape(m, every).mean(-1)
+    square = (torque**2).reshape(m, every).mean(-1)
+    step = every / rate
+    lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
+    shifts = np.unique(np.rint(lags / step).astype(np.int64))
+    # The shaft as of the latest lag on to the earliest: a lag is a place in that.
+    most, least = max(int(shifts[-1]), 0), min(int(shifts[0]), 0)
+    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - least) - most) * step
+    turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
+    band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
+    bands, count = int(band.max()) + 1, int(bins.max()) + 1
+    # Each stretch of the angle has bands of its own, which have one phase in common.
+    stretch = angle.stretches(np.asarray(time, float))
+    many = len(angle.lost) + 1
+    band, bands = stretch * bands + band, bands * many
+    cell, fast = band * count + bins, f2 > SLOWEST
+    prompt = turns[most : most + m]
+    size = next_fast_len(3 * count)
+    # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
+    off = np.fft.fftfreq(size) / (2 * TURNS)
+    near = np.flatnonzero(np.abs(off) <= OFF)
+    place = np.arange(count) + 0.5
+    share = np.unique(np.arange(SHARES) * count // SHARES)
+    amid = (share + np.append(share[1:], count)) // 2
+    found: list[Aligned] = []
+    for shift in shifts:
+        own = slice(most - shift, most - shift + m)
+        used = np.flatnonzero(fast[own])
+        if used.size < 100:
+            continue
+        lag = float(shift * step)
+        here = cell[own][used]
+        z = moved[used] * np.exp(4j * np.pi * (prompt[used] - turns[own][used]))
+        grid = np.bincount(here, z.real, bands * count) + 1j * np.bincount(
+            here, z.imag, bands * count
+        )
+        slot = band[own][used]
+        weight = np.asarray(np.bincount(slot, square[used], bands), float)
+        busy = weight > 1e-3 * weight.sum()
+        grid, weight = grid.reshape(bands, count)[busy], weight[busy]
+        heard = np.bincount(slot, minlength=bands)[busy]
+        middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
+        which = np.divmod(np.flatnonzero(busy), bands // many)
+        # What turns within a bin is averaged: at the ends of the search it loses this much.
+        energy = np.zeros(near.size)
+        for row, often in zip(grid, weight, strict=True):
+            energy += np.abs(fft(row.astype(np.complex64), size)[near]) ** 2 / often
+        energy /= np.sinc(2 * TURNS * off[near]) ** 2
+        for peak in near[_peaks(energy)[:4]]:
+            # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in
+            # each of `SHARES` of the whole it is none.
+            beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
+            near_line = np.exp(-4j * np.pi * TURNS * off[peak] * place)
+            summed = np.add.reduceat(grid * near_line, share, axis=-1)
+            lines: ComplexArray = summed @ np.exp(
+                -4j * np.pi * TURNS * np.outer(place[amid], beside)
+            )
+            fine = off[peak] + beside
+            lines /= np.sinc(2 * TURNS * fine)
+            sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
+            k = int(np.argmax(sharp))
+            zeros, line, power, held = _one_response(lines[:, k], weight, middle, which, many)
+            found.append(
+                Aligned(
+                    1 + float(fine[k]), lag, float((np.abs(line) ** 2 / power).sum()),
+                    held, line / power, power, zeros,
+                )
+            )  # fmt: skip
+    found.sort(key=lambda one: -one.energy)
+    kept: list[Aligned] = []
+    made = float(turns[-1] - turns[0])
+    cell = 3 / max(2 * made, 1.0)
+    for one in found:
+        if all(abs(one.ratio - k.ratio) > cell for k in kept):
+            kept.append(one)
+    return kept[:4]
+
+
+def _one_response(
+    lines: ComplexArray, weight: FloatArray, middle: FloatArray,
+    which: tuple[IntArray, IntArray], stretches: int,
+) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]:  # fmt: skip
+    """Turn the stretches of an angle so that their responses, band by band, are most alike.
+
+    Returns the turns of each stretch, and by bands the lines, their weights and frequencies.
+    """
+    stretch, band = which
+    kinds, band = np.unique(band, return_inverse=True)
+
+    def by_band(x: np.ndarray) -> np.ndarray:
+        out = np.zeros(kinds.size, x.dtype)
+        np.add.at(out, band, x)
+        return out
+
+    power = by_band(weight)
+    strong = np.zeros(stretches)
+    np.add.at(strong, stretch, np.abs(lines) ** 2 / weight)
+    turned = np.zeros(stretches)
+    # From the strongest on: each next one is turned to those that stand already.
+    standing = np.zeros(stretches, bool)
+    for k in (*np.argsort(-strong), *np.argsort(-strong), *np.argsort(-strong)):
+        held = standing[stretch] & (stretch != k)
+        mine = stretch == k
+        known = by_band(np.where(held, lines * np.exp(-1j * turned[stretch]), 0))
+        turned[k] = np.angle((np.conj(known / power)[band] * lines)[mine].sum())
+        standing[k] = True
+    line = by_band(lines * np.exp(-1j * turned[stretch]))
+    return turned / (4 * np.pi), line, power, by_band(middle * weight) / power
+
+
+def punctual(option: Aligned, *, most: float) -> Aligned:
+    """Return the option with a lag by which its response is most like one mode's.
+
+    Over a band of some hertz a lag is a phase, so bands alone hardly know it; over all of
+    them it is a phase that runs on with frequency, which no oscillator's does.
+    """
+    f, h, w = option.frequency, option.response, np.sqrt(option.weight)
+    if f.size < 5:
+        return option
+    lags = np.arange(-0.06, 0.0601, 0.003)
+    lags = lags[np.abs(option.lag + lags) <= most + 1e-9]
+    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 36)
+    best = (-np.inf, 0.0)
+    for late in lags[np.argsort(np.abs(lags))]:
+        turned = h * np.exp(2j * np.pi * f * late) * w
+        for damping in (0.015, 0.05, 0.15):
+            r = f / modes[:, None]
+            rows = (
+                np.stack(
+                    [np.ones_like(r), (f / 80) ** 2 + 0 * r, 1 / (1 - r**2 + 2j * damping * r)], -1
+                )
+                * w[:, None]
+            )
+            gram = np.conj(rows.swapaxes(-1, -2)) @ rows
+            gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(3)
+            right = np.conj(rows.swapaxes(-1, -2)) @ turned
+            c = np.linalg.solve(gram, right[..., None])[..., 0]
+            energy = float((np.conj(c) * right).real.sum(-1).max())
+            # The nearest lag, unless another explains more than chance would.
+            if energy > best[0] * 1.002 or best[0] < 0:
+                best = (energy, float(late))
+    return replace(option, lag=option.lag + best[1])
+
+
+def _peaks(x: FloatArray) -> IntArray:
+    """Places of the local maxima of x on a circle cut open, the highest first."""
+    left, right = np.append(-np.inf, x[:-1]), np.append(x[1:], -np.inf)
+    at = np.flatnonzero((x >= left) & (x > right))
+    return at[np.argsort(-x[at])]
+
+
+# --------------------------------------------------------------------------- response
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What turns with a shaft (n,): its turns, turns/s and torque, at a rate Hz."""
+
+    turns: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+    rate: float
+    stretch: IntArray
+    """Of the angle, (n,): each has a zero of its own."""
+
+    def inputs(self, order: int) -> list[ComplexArray]:
+        """Return forces locked to an order: by torque, and the second by speed squared too."""
+        wave = np.asarray(np.exp(2j * np.pi * order * self.turns), np.complex128)
+        by_torque = [self.torque * wave]
+        return [*by_torque, (self.speed / 40) ** 2 * wave] if order == 2 else by_torque
+
+    def columns(self, order: int, poles: Sequence[tuple[float, float]] = ()) -> ComplexArray:
+        """Each force of an order, plain and through each mode, (columns, n)."""
+        forces = self.inputs(order)
+        made = [*forces, *(_through(u, pole, self.rate) for pole in poles for u in forces)]
+        return np.stack([levelled(u, self.rate) for u in made])
+
+
+def levelled(x: np.ndarray, rate: float) -> np.ndarray:
+    """Take the running mean of a second off, as linear in x as it is: (n,)."""
+    half = max(round(0.5 * rate), 1)
+    total = np.cumsum(np.concatenate([[0], np.pad(x, (half, half), mode="edge")]))
+    return x - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+
+
+def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
+    """Response of one mode (Hz, damping) to a turning force (n,), scaled to about one."""
+    from scipy.signal import lfilter
+
+    w = 2 * np.pi * pole[0]
+    p = np.exp(w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2)) / rate)
+    return lfilter([1 - abs(p)], [1, -p], u)
+
+
+def _real(columns: ComplexArray) -> FloatArray:
+    return np.concatenate([columns.real, -columns.imag])
+
+
+def solved(
+    columns: ComplexArray, y: FloatArray, *, ridge: float = 1e-9
+) -> tuple[ComplexArray, float]:
+    """Coefficients of y ≈ Re Σ c X by least squares, and the energy explained."""
+    rows = _real(columns)
+    gram, right = rows @ rows.T, rows @ y
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
+    c = np.linalg.solve(gram, right / scale) / scale
+    m = len(columns)
+    return c[:m] + 1j * c[m:], float(c @ right)
+
+
+@dataclass(frozen=True)
+class _Slow:
+    """An order as its shaft sees it: what turns with the order stands still.
+
+    A search asks for many modes, and seen so, some samples a second say as much of each as
+    hundreds do.
+
+    Attributes
+    ----------
+    every
+        Samples that are taken together.
+    rate : Hz
+        Of what is left, m times.
+    back : (m every,)
+        What turns the order back.
+    turn : (m,)
+        The order at the middles.
+    speed : (m,) rad/s
+        Of the order there.
+    loads : (forces, m)
+        Sizes of the forces of that order.
+    """
+
+    every: int
+    rate: float
+    back: ComplexArray
+    turn: ComplexArray
+    speed: FloatArray
+    loads: FloatArray
+
+    def met(self, x: FloatArray) -> ComplexArray:
+        """Return x (n,) as Re z e^{ikθ} near the order: z (m,)."""
+        turned = x[: self.back.size] * self.back
+        return 2 * turned.reshape(-1, self.every).mean(-1)
+
+    def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
+        """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
+        time = np.arange(self.speed.size) / self.rate
+        beside = np.exp(2j * np.pi * shift * time)
+        turning = self.turning.by(beside, shift)
+        back = np.conj(self.turn)
+        each = [self.loads * beside, *(turning.through(p) * back for p in poles)]
+        return np.concatenate(each).astype(np.complex128)
+
+    @cached_property
+    def turning(self) -> "_Turning":
+        """The same forces as they turn."""
+        return _Turning(
+            self.rate, self.loads * self.turn, self.speed, np.exp(-1j * self.speed / self.rate)
+        )
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """Forces (forces, m) that turn at speeds (m,) rad/s, at a rate Hz, and their steps back."""
+
+    rate: float
+    forces: ComplexArray
+    speed: FloatArray
+    step_back: ComplexArray
+
+    def by(self, beside: ComplexArray, shift: float) -> "_Turning":
+        """Return them turned `beside` by as many Hz as the shift."""
+        faster = 2 * np.pi * shift
+        return replace(
+            self, forces=self.forces * beside, speed=self.speed + faster,
+            step_back=self.step_back * np.exp(-1j * faster / self.rate),
+        )  # fmt: skip
+
+    def through(self, pole: tuple[float, float]) -> ComplexArray:
+        """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
+        w = 2 * np.pi * pole[0]
+        p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
+        stays = np.exp(p / self.rate)
+        # A steady force is followed exactly.
+        gain = (w * pole[1]) * (stays * self.step_back - 1) / (p - 1j * self.speed)
+        return remembered(self.forces * gain, stays)
+
+
+def _slow(scene: Scene, order: int) -> _Slow:
+    """Return an order of a scene as its shaft sees it."""
+    every = max(int(scene.rate / SLOW), 1)
+    m = scene.turns.size // every
+    middle = slice(every // 2, m * every, every)
+    angle = 2 * np.pi * order * scene.turns[: m * every]
+    loads = [scene.torque, (scene.speed / 40) ** 2] if order == 2 else [scene.torque]
+    return _Slow(
+        every, scene.rate / every, np.exp(-1j * angle), np.exp(1j * angle[middle]),
+        2 * np.pi * order * scene.speed[middle], np.stack(loads)[:, middle],
+    )  # fmt: skip
+
+
+def _fitted(
+    columns: ComplexArray, z: ComplexArray, *, ridge: float = 1e-9
+) -> tuple[ComplexArray, float]:
+    """Coefficients of z ≈ Σ c X by least squares, and the energy explained."""
+    return _explained(np.conj(columns) @ columns.T, np.conj(columns) @ z, ridge=ridge)
+
+
+def _explained(
+    gram: ComplexArray, right: ComplexArray, *, ridge: float
+) -> tuple[ComplexArray, float]:
+    """Solve normal equations: coefficients, and the energy explained."""
+    scale = np.sqrt(np.maximum(np.diag(gram).real, 1e-300))
+    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
+    c = np.linalg.solve(gram, right / scale) / scale
+    return c, float((np.conj(c) @ right).real)
+
+
+def _freely(
+    columns: ComplexArray, z: ComplexArray, stretch: IntArray
+) -> tuple[ComplexArray, float]:
+    """Fit as `_fitted`, each stretch (m,) turned by a phase of its own."""
+    c, energy = _fitted(columns, z)
+    if not stretch.any():
+        return c, energy
+    for _ in range(4):
+        met = np.conj(c @ columns) * z
+        along = np.bincount(stretch, met.real) + 1j * np.bincount(stretch, met.imag)
+        z = z * np.exp(-1j * np.angle(along))[stretch]
+        c, energy = _fitted(columns, z)
+    return c, energy
+
+
+def _searched(
+    slow: _Slow, z: ComplexArray, *, most: int, within: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Modes that an order shakes: each added where it explains most, while it explains enough."""
+    poles: tuple[tuple[float, float], ...] = ()
+    base = slow.columns(())
+    for _ in range(most):
+        q, _ = np.linalg.qr(base.T)
+        left = z - q @ (np.conj(q.T) @ z)
+        whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
+        # What is known already and what is left, as they turn.
+        known = np.conj(np.concatenate([q.T, left[None]]) * slow.turn).T
+
+        @cache
+        def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:
+            """Energy that the order through one more mode explains of what is left."""
+            rows = slow.turning.through(pole)
+            met = rows @ known
+            theirs, right = met[:, :-1], np.conj(met[:, -1])
+            gram = np.conj(rows @ np.conj(rows.T) - theirs @ np.conj(theirs.T))
+            return _explained(gram, right, ridge=1e-6)[1]
+
+        best, f, d = max((gain(pole), *pole) for pole in _likely(slow, left, within))
+        log_step, damp_step, steps = 0.03, 0.5, 0
+        while steps < 6:
+            options = [
+                (
+                    float(np.clip(f * np.exp(a * log_step), *within)),
+                    float(np.clip(d * np.exp(b * damp_step), 0.008, 0.3)),
+                )
+                for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+            ]
+            better = max((gain(o), *o) for o in options)
+            if better[0] > best:
+                best, f, d = better
+            else:
+                log_step, damp_step, steps = log_step / 2, damp_step / 2, steps + 1
+        if best < POLE * (whole + best):
+            break
+        poles = (*poles, (float(f), float(d)))
+        base = slow.columns(poles)
+    return poles
+
+
+def _likely(
+    slow: _Slow, left: ComplexArray, within: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Modes to begin a search with: those that fit the response band by band, and some others.
+
+    Bands know nothing of what a mode remembers, so they only say where to look.
+    """
+    f, u = slow.speed / (2 * np.pi), slow.loads[0]
+    band = (f / 1.5).astype(np.int64)
+    power = np.bincount(band, u**2)
+    busy = np.flatnonzero(power > 1e-3 * power.sum())
+    h = (np.bincount(band, left.real * u) + 1j * np.bincount(band, left.imag * u))[busy]
+    h = h / power[busy]
+    middle = (np.bincount(band, f) / np.maximum(np.bincount(band), 1))[busy]
+    w = np.sqrt(power[busy])
+    modes = np.geomspace(*within, 44)
+    found: list[tuple[float, float, float]] = []
+    for damping in (0.012, 0.04, 0.12):
+        r = middle / modes[:, None]
+        rows = np.stack([np.ones_like(r), 1 / (1 - r**2 + 2j * damping * r)], -1) * w[:, None]
+        gram = np.conj(rows.swapaxes(-1, -2)) @ rows
+        gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(2)
+        right = np.conj(rows.swapaxes(-1, -2)) @ (h * w)
+        c = np.linalg.solve(gram, right[..., None])[..., 0]
+        energy = (np.conj(c) * right).real.sum(-1)
+        found += [(float(e), float(m), damping) for e, m in zip(energy, modes, strict=True)]
+    best = sorted(found, reverse=True)[:8]
+    return [(m, d) for _, m, d in best] + [(float(m), 0.03) for m in modes[2::5]]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One order as fitted: its wave (n,), F, and what it might have been."""
+
+    order: int
+    wave: ComplexArray
+    columns: ComplexArray
+    noise: ComplexArray
+    strength: float
+    poles: tuple[tuple[float, float], ...]
+
+
+def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
+    """Fit one order to y, and the same fit to the rest of y at phantoms."""
+    f = order * scene.speed
+    driven = f[f > SLOWEST]
+    top = min(float(np.quantile(driven, 0.995)) * 1.25, 0.45 * scene.rate) if driven.size else 20.0
+    low = max(float(np.quantile(driven, 0.02)) * 0.6, 3.0) if driven.size else 3.0
+    slow = _slow(scene, order)
+    poles = _searched(slow, slow.met(y), most=most, within=(low, max(top, 1.5 * low)))
+    columns = scene.columns(order, poles)
+    c, _ = solved(columns, y)
+    fit = (c @ columns).real
+    # Once more with the blows cut down, so that none of them is taken for a response.
+    y = fit + limited(y - fit, scene.rate)
+    c, _ = solved(columns, y)
+    rest = slow.met(y - (c @ columns).real)
+    stretch = scene.stretch[: rest.size * slow.every : slow.every]
+    # What stretches of the angle do to a line's width, they do to a phantom's.
+    seconds = y.size / scene.rate / (int(scene.stretch.max()) + 1)
+    own = slow.columns(poles)
+    # What one of these columns is of those: they are scaled, and not followed, alike.
+    scale = np.array(
+        [_fitted(own[k : k + 1], slow.met(x.real))[0][0] for k, x in enumerate(columns)]
+    )
+    taken: list[float] = []
+    noise: list[ComplexArray] = []
+    for k in (*PHANTOMS, *(-p for p in PHANTOMS)):
+        error, floor = _freely(slow.columns(poles, shift=k / seconds), rest, stretch)
+        taken.append(floor * slow.every / 2)
+        noise.append(error / scale)
+    strength = max(_foretold(columns, y, scene.rate), 0.0) / max(float(np.mean(taken)), 1e-30)
+    return Line(order, c @ columns, columns, np.stack(noise), strength, poles)
+
+
+def limited(x: FloatArray, rate: float) -> FloatArray:
+    """Clip blows (n,): at five times the rms of the louder seconds, their 90 % quantile."""
+    second = max(min(round(rate), x.size), 1)
+    rows = x[: x.size // second * second].reshape(-1, second)
+    loud = 5 * float(np.quantile(np.sqrt((rows**2).mean(-1)), 0.9))
+    return np.clip(x, -loud, loud)
+
+
+def _foretold(columns: ComplexArray, y: FloatArray, rate: float) -> float:
+    """Energy that a fit to every other stretch of some seconds explains of the rest.
+
+    What is locked goes on; a ring that happened to be in phase does not come again.
+    """
+    half = np.arange(y.size) // max(round(FORETOLD * rate), 1) % 2 == 0
+    total = 0.0
+    for one in (half, ~half):
+        c, _ = solved(columns[:, one], y[one], ridge=3e-3)
+        other = (c @ columns[:, ~one]).real
+        total += float((2 * y[~one] - other) @ other)
+    return total
+
+
+def wandering(
+    line: Line, y: FloatArray, rate: float
+) -> tuple[FloatArray, ComplexArray, FloatArray]:
+    """Gain of each block about one, (blocks,) with its middle, and its standard deviation."""
+    n = max(round(BLOCK * rate), 1)
+    count = max(y.size // n, 1)
+    z, rest = line.wave[: count * n], (y - line.wave.real)[: count * n]
+    time = np.arange(z.size) / rate
+
+    def blocks(x: np.ndarray) -> np.ndarray:
+        return x.reshape(count, -1).sum(-1) if x.size == count * n else np.array([x.sum()])
+
+    power = blocks(np.abs(z) ** 2) / 2
+    # Where the shaft stands a mode's memory fades to nothing, and says nothing of its gain.
+    power = np.maximum(power, 1e-12 * power.max() + 1e-300)
+    off = blocks(rest * np.conj(z)) / power
+    ghosts = [
+        np.abs(blocks(rest * np.conj(z * np.exp(2j * np.pi * k / BLOCK * time))) / power) ** 2
+        for k in (-3.5, -2.5, -1.5, 1.5, 2.5, 3.5)
+    ]
+    noise: FloatArray = np.mean(ghosts, axis=0) + 1e-12
+    weight = power / power.sum()
+    spread = max(float((weight * (np.abs(off) ** 2 - noise)).sum()), 0.0)
+    shrink: FloatArray = spread / (spread + noise)
+    middle = (np.arange(count) + 0.5) * n / rate
+    gain = np.asarray(1 + off * shrink, np.complex128)
+    return np.asarray(middle, float), gain, np.asarray(np.sqrt(shrink * noise), float)
