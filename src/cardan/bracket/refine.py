@@ -32,7 +32,7 @@ _HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
 _UNSETTLED, _ANYWHERE = 0.25, 0.02
 """Share of its stress by which a feature may be off that was not looked at twice, and share of the
-highest of all by which any may be: of a hundred such features on five brackets one in ten was."""
+highest of all by which any may be: of a hundred such on five brackets one in fourteen was."""
 _ALONG = 0.6
 """Along a toe the same: coarse elements hide the worst of its places."""
 _READ = 0.5
