@@ -249,6 +249,7 @@ def test_no_setting_of_a_workshop_is_cheaper_than_the_cheapest_proposed(assessme
         assert (margins(tried(response, movable, some), to="maximum").min(-1) < 0).all()
 
 
+@pytest.mark.slow
 def test_the_geometry_of_the_refuse_collector_can_be_repaired_within_what_may_be_moved(assessments):
     """What its bearings carry in first gear is for other mounts: without those limits."""
     best, *_ = proposals = fix(without_bearings(assessments))

@@ -611,6 +611,7 @@ def test_no_progress_where_nobody_wants_it_or_looks(stream, quiet):
     assert shown.getvalue() == ""
 
 
+@pytest.mark.slow
 def test_searches_tell_how_far_they_are():
     application = files.read(EXAMPLES / "tandem-6x4.yaml")
     told: list[tuple[int, int]] = []

@@ -77,6 +77,7 @@ def test_each_variant_is_what_a_check_of_it_says(path, vary):
     assert max(len(set(h.margins.tolist())) for h in found.held) > 60
 
 
+@pytest.mark.slow
 def test_what_a_workshop_moves_varies_beside_the_files_numbers():
     application = files.read(TRUCK)
     vary = {

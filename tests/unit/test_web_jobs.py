@@ -43,6 +43,7 @@ def job(name, text=TRUCK, parts=None, lang="en", **args):
 # ------------------------------------------------------------------ how they run
 
 
+@pytest.mark.slow
 def test_a_job_tells_parts_and_then_its_answer(house):
     with page(house) as one:
         one.hello()

@@ -69,6 +69,7 @@ def test_order_2_differs_from_shaft_to_shaft_and_reaches_little(method):
     assert one != pytest.approx(other, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_heavy_6x4_peaks_below_its_torque_where_its_engine_is_heavy():
     """METHOD: 0.84, dropped 1.14, 1.43 stuck, of an engine and a gear that it does not state.
 
@@ -294,6 +295,7 @@ def test_a_launch_is_what_another_text_integrates(launch, loses, stuck):
     assert np.abs(course[within] - theirs).max() < (1.5e-2 if launch else 6e-3) * torque.max()
 
 
+@pytest.mark.slow
 def test_what_the_joints_add_to_a_launch_is_what_another_text_integrates():
     """While the clutch slips, to a hundredth of what they add; an axle that does not pitch.
 

@@ -165,6 +165,7 @@ def test_what_comes_with_the_order_alone_acquits_nobody():
         assert found.finding == CANNOT_TELL
 
 
+@pytest.mark.slow
 def test_what_follows_the_shaft_convicts_though_nobody_measured_its_torque():
     """No torque, so nothing is locked; but it goes with order 2 through all frequencies."""
     of = drive(90_044)
@@ -182,6 +183,7 @@ def test_what_follows_the_shaft_convicts_though_nobody_measured_its_torque():
     assert found.interval[0] < 0
 
 
+@pytest.mark.slow
 def test_an_engine_beside_order_2_leaves_what_was_done_in_other_gears():
     of = drive(90_065)
     (_, found), _ = heard(of)
@@ -197,6 +199,7 @@ def test_an_engine_beside_order_2_leaves_what_was_done_in_other_gears():
         assert found.finding == CANNOT_TELL
 
 
+@pytest.mark.slow
 def test_unbalance_is_no_order_2_of_a_shaft_half_as_fast():
     """It goes with the square of the speed; a shaft's order 2 with the torque, if it is that."""
     of = drive(90_064)

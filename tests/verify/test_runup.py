@@ -79,6 +79,7 @@ def test_whether_a_motor_gets_through_depends_on_where_it_starts():
     assert str(fates(line(1500))) == "through, 8 of 8"
 
 
+@pytest.mark.slow
 def test_all_angles_together_are_each_by_itself():
     """Steps of equal length against an adaptive integrator of eighth order, while it is caught.
 
