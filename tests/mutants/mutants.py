@@ -1569,6 +1569,6 @@ MUTANTS = (
     *QUANTITY, *FILES, *STUDY, *REPORT, *CLI, *WEB,
     mutant("bracket/refine.py", "np.minimum(fit, _READ * reach)", "np.minimum(fit, 9 * reach)",
            "a toe is read by elements of any size", "unit/test_bracket_units.py::test_the_sharp_end_of_a_thin_gusset_is_the_same_on_both_its_sides"),
-    mutant("bracket/refine.py", "np.maximum(error, _UNSETTLED)", "error",
+    mutant("bracket/refine.py", "np.maximum(error, UNSETTLED)", "error",
            "what nobody followed is known", "unit/test_bracket_units.py::test_maxima_are_found_afresh_and_their_error_holds"),
 )  # fmt: skip

@@ -30,7 +30,7 @@ _STILL = 0.03
 """A maximum that moved by less from one mesh to the next has settled."""
 _HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
-_UNSETTLED, _ANYWHERE = 0.25, 0.02
+UNSETTLED, _ANYWHERE = 0.25, 0.02
 """Share of its stress by which a feature may be off that was not looked at twice, and share of the
 highest of all by which any may be: of a hundred such on five brackets one in fourteen was."""
 _ALONG = 0.6
@@ -470,7 +470,7 @@ def _of_features(
     used = high * weight[[kind for kind, _ in features]][:, None]
     settled = (used >= _AMONG * used.max(axis=0)).any(axis=1)
     anywhere = _ANYWHERE * high.max() / np.maximum(high.max(axis=1), 1e-300)
-    return np.maximum(np.where(settled, error, np.maximum(error, _UNSETTLED)), anywhere)
+    return np.maximum(np.where(settled, error, np.maximum(error, UNSETTLED)), anywhere)
 
 
 def _drift(tops: list[FloatArray]) -> FloatArray:

@@ -19,7 +19,7 @@ from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import LEVELS, Problem, Refined, Solution, held_anew, refined
+from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, held_anew, refined
 from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -344,10 +344,8 @@ def _swing(
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
     """Return the error of each feature.
 
-    What the clamped flange alone has was not refined for: it is taken to be as far off as the
-    worst of the others.
+    What the clamped flange alone has was not followed.
     """
     shares: list[float] = done.error.tolist()
     known: dict[tuple[int, int], float] = dict(zip(done.last.zones.features, shares, strict=True))
-    found: dict[tuple[int, int], float] = dict.fromkeys(clamped.zones.features, max(shares))
-    return found | known
+    return dict.fromkeys(clamped.zones.features, UNSETTLED) | known
