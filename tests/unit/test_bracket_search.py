@@ -138,7 +138,7 @@ def test_what_cannot_be_built_is_left_out_with_its_reason(monkeypatch):
     said = [why for _, why in found.refused]
     assert sum("for a washer" in why for why in said) == 8
     assert sum("cannot build" in why for why in said) == 2
-    assert "left out, " in "\n".join(shown.terminal(application, found))
+    assert "left out, " in "\n".join(shown.terminal(application, found, width=400))
 
 
 @pytest.mark.parametrize(

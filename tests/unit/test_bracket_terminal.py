@@ -13,7 +13,7 @@ from cardan import files
 from cardan.base.part import Occasion
 from cardan.bracket.shape import Picked
 from cardan.report import bracket_scene
-from cardan.report.bracket import heading, terminal
+from cardan.report.bracket import terminal, verdict
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
@@ -84,19 +84,30 @@ def approved(*variants: str) -> Approval:
     return Approval(application=application, findings=(finding,))
 
 
-def told(code: str, *variants: str) -> str:
-    return bare(terminal(approved(*variants), Language(code)))
+def told(code: str, *variants: str, width: int = 400) -> str:
+    return bare(terminal(approved(*variants), Language(code), width=width))
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("code", CODES)
+def test_it_fits_the_screen(code, width):
+    """Its tables were 110 wide, and what swings on the rubber 200."""
+    lines = told(code, "original", "reinforced", width=width).splitlines()
+    assert len(lines) > 60
+    assert [line for line in lines if len(line) > width] == []
+    assert max(map(len, lines)) > width - 12
 
 
 @pytest.mark.parametrize("code", [c for c in CODES if c != "en"])
 def test_everything_is_told_in_the_language(code):
-    """No line of words stays as it is in English, but a material's name with its standard."""
+    """No line of words stays as it is in English, but a material with its standard, and a unit."""
     english = told("en", "original", "reinforced").splitlines()
     other = told(code, "original", "reinforced").splitlines()
     assert len(other) == len(english)
     words = [line for line in english if re.search("[a-z]{4}", line)]
     assert len(words) > 30
-    assert [w for w in words if w in other and "EN 13906-1" not in w] == []
+    alike = [w for w in words if w in other and "EN 13906-1" not in w]
+    assert [w for w in alike if w != "original, MPa"] == []
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -105,8 +116,8 @@ def test_a_bracket_s_page_says_the_verdict_and_the_limits_that_a_terminal_says(c
     monkeypatch.setattr(bracket_scene, "scene", lambda _, say: f"<p>{say.code}</p>")
     of, say = approved("original"), Language(code)
     page = bracket_scene.page(of, say=say)
-    shown = told(code, "original").partition(f"\n\n{heading(of.of('bracket'), say)}")[0]
-    first, _, limits = shown.partition("\n")
+    first, _, limits = bare(verdict(of, say)).partition("\n")
+    assert limits.splitlines()[-1] in told(code, "original")
     assert f'lang="{code}"' in page
     assert f'<p class="incomplete" style="font-size:1.2em"><strong>{first}</strong></p>' in page
     assert len(limits.splitlines()) > 3

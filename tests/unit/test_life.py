@@ -164,7 +164,7 @@ def parquet(drive, tmp_path_factory):
 
 
 def run(*arguments):
-    return CliRunner().invoke(command, [str(a) for a in arguments])
+    return CliRunner(env={"COLUMNS": "400"}).invoke(command, [str(a) for a in arguments])
 
 
 ALL = (
@@ -577,3 +577,10 @@ def test_a_change_is_held_against_what_was_identified():
 
     with pytest.raises(DesignError, match="--identify"):
         Campaign(sn="1,1,1", changed=object())
+
+
+def test_it_fits_the_screen(parquet):
+    """What it says of a gauge had been 195 wide."""
+    told = CliRunner().invoke(command, [str(parquet), *ALL, "-q"]).output.splitlines()
+    assert len(told) > 40
+    assert [line for line in told if len(line) > 80] == []

@@ -30,7 +30,7 @@ def written(folder, columns, clock="time_s", time=None):
 
 
 def run(*arguments):
-    return CliRunner().invoke(command, [str(a) for a in arguments])
+    return CliRunner(env={"COLUMNS": "400"}).invoke(command, [str(a) for a in arguments])
 
 
 def asked(path, *arguments, code=1):

@@ -18,6 +18,7 @@ from cardan.cli.common import (
     progress,
     put_lines,
     read,
+    screen,
     write,
     write_json,
 )
@@ -87,7 +88,7 @@ def bracket(
         if json_out is not None:
             write_json(chosen.contract(application, searched), json_out)
         if json_out != "-":
-            put_lines(chosen.terminal(application, searched, say))
+            put_lines(chosen.terminal(application, searched, say, width=screen()))
         leave("pass" if searched.best else "fail")
     beside = _beside(vtu, REINFORCED) if vtu else None
     outputs = claim(
@@ -118,7 +119,7 @@ def bracket(
 
         write(step, drawn_apart(found.bracket.shape))
     if json_out != "-":
-        put_lines(shown.terminal(approval, say))
+        put_lines(shown.terminal(approval, say, width=screen()))
     leave(approval.verdict)
 
 

@@ -19,6 +19,7 @@ from cardan.cli.common import (
     publish,
     put_lines,
     read,
+    screen,
     write,
     write_json,
 )
@@ -305,6 +306,7 @@ def life(
     """
     from cardan.report import life as report
     from cardan.report.language import Language
+    from cardan.report.screen import folded
     from cardan.study.campaign import Campaign
     from cardan.study.recording import listen, verdict_on
 
@@ -342,7 +344,7 @@ def life(
     if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":
-        put_lines(report.terminal(found, say))
+        put_lines(folded(report.terminal(found, say), screen()))
     if plot:
         _draw(plot, found)
     if html or pdf:
@@ -400,6 +402,7 @@ def _campaign(
 ) -> None:  # fmt: skip
     """Ask all the recordings of a campaign's file."""
     from cardan.report import life as report
+    from cardan.report.screen import folded
     from cardan.study.recording import listen_to_all, verdict_on
 
     context = click.get_current_context()
@@ -425,7 +428,7 @@ def _campaign(
     if json_out is not None:
         write_json(report.mix_document(found), json_out)
     if json_out != "-":
-        put_lines(report.mix_terminal(found, say))
+        put_lines(folded(report.mix_terminal(found, say), screen()))
     if html or pdf:
         from cardan.report import recording_story as story
 

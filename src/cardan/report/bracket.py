@@ -1,7 +1,7 @@
 """What a bracket study shows: a terminal's table, the JSON contract, VTK files, a picture."""
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, BinaryIO
@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
-from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.loads.cycle import major_axis
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
+from cardan.report.screen import WIDTH, folded, table
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, unanswered
 from cardan.study.approval import Approval
@@ -27,8 +27,6 @@ from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
 
-LABEL, CASE = 48, 38
-"""Widths of the names of rows: of what a variant is, of load cases."""
 MICRO = 1e-6
 SHOWN = 8
 """Cases that tables show; the contract has all."""
@@ -45,39 +43,51 @@ SETTLED = 0.05
 # --------------------------------------------------------------------------- terminal
 
 
-def terminal(approval: Approval, say: Language = EN) -> Iterator[str]:
-    """Yield the verdict and a bracket's numbers, line by line of text."""
+def terminal(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> Iterator[str]:
+    """Yield the verdict and a bracket's numbers, for a screen of a width."""
     of: BracketAnswer = approval.of(BRACKET)
     bracket = of.bracket
-    yield from verdict(approval, say)
+    yield from folded(verdict(approval, say, width=width), width)
     yield ""
-    yield f"{BOLD}{heading(of, say)}{PLAIN}"
+    yield from _bold(heading(of, say), width)
     material, source = bracket.material.name, cited(bracket.material.source, say)
-    yield say("material {material}, {source}", material=material, source=source)
+    yield from folded(
+        [say("material {material}, {source}", material=material, source=source)], width
+    )
     yield ""
-    yield f"{BOLD}{'':{LABEL}}{_columns([say(v.name) for v in of.variants])}{PLAIN}"
-    for label, values in _rows(of, say):
-        yield f"{label:<{LABEL}}{_columns([say.number(v) for v in values])}"
+    yield from _numbers(
+        ("", *(say(v.name) for v in of.variants)),
+        [(label, *map(say.number, values)) for label, values in _rows(of, say)],
+        width,
+    )
+    yield from folded((pasted(v, say) for v in of.variants), width)
     for v in of.variants:
-        yield pasted(v, say)
+        yield from folded([*_crossings(v, say), *response(v, say), *remarks(v, say)], width)
     for v in of.variants:
-        yield from _crossings(v, say)
-        yield from response(v, say)
-        yield from remarks(v, say)
-    for v in of.variants:
-        yield from _features(v, say)
-        yield from _stresses(v, say)
-        yield from _readings(v, [gauge.name for gauge in of.bracket.gauges], say)
-        yield from _lives(of, v, say)
+        yield from _features(v, say, width)
+        yield from _stresses(v, say, width)
+        yield from _readings(v, [gauge.name for gauge in of.bracket.gauges], say, width)
+        yield from _lives(of, v, say, width)
     if len(of.variants) > 1:
-        yield from _compared(of, say)
+        yield from _compared(of, say, width)
 
 
-def verdict(approval: Approval, say: Language = EN) -> Iterator[str]:
+def _bold(line: str, width: int) -> Iterator[str]:
+    return (f"{BOLD}{part}{PLAIN}" for part in folded([line], width))
+
+
+def _numbers(
+    head: tuple[str, ...], rows: Sequence[tuple[str, ...]], width: int, *, words: int = 1
+) -> Iterator[str]:
+    """Yield a table whose columns beyond the first `words` are numbers."""
+    return table(head, rows, width, right=range(words, len(head)))
+
+
+def verdict(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> Iterator[str]:
     """Yield the verdict, each limit where it is worst, and what has no answer."""
     yield from summary(approval, say)
     yield say("limits: {profile}", profile=approval.application.profile)
-    yield from checks(approval, say)
+    yield from checks(approval, say, width=width)
     yield from without_answer(unanswered(approval, say), approval.coverage, say)
 
 
@@ -98,10 +108,6 @@ def pasted(v: Judged, say: Language = EN) -> str:
     )  # fmt: skip
 
 
-def _columns(cells: list[str]) -> str:
-    return "".join(f"{c:>14}" for c in cells)
-
-
 def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]:
     """Yield what is known of the variants themselves, under no load case."""
     yield say("mass, kg"), [v.mass for v in of.variants]
@@ -116,11 +122,6 @@ def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]
         yield say("frequency {mode}, loaded, Hz", mode=k + 1), loaded
     alone = [float(v.frequencies[0]) for v in of.variants]
     yield say("first frequency by itself, Hz"), alone
-
-
-def _when(when: Occasion, say: Language) -> str:
-    """Return a load case, cut to its column."""
-    return f"{say.occasion(when)[: CASE - 1]:<{CASE}}"
 
 
 def _crossings(v: Judged, say: Language) -> Iterator[str]:
@@ -226,31 +227,30 @@ def hours(value: float, say: Language) -> str:
     return f"> {say.number(LONG)}" if value > LONG else _small(value, say)
 
 
-def _features(v: Judged, say: Language) -> Iterator[str]:
+def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
     """Yield where a crack may start: each feature's stress, use of its limit, life."""
     yield ""
-    title = say("{name}, where a crack may start", name=say(v.name))
-    head = ("MPa", say("fatigue use"), say("hours"))
-    at_head = say("at x, y, z [mm]")
-    yield f"{BOLD}{title:<{CASE}}{at_head:>24}{head[0]:>16}{head[1]:>18}{head[2]:>14}{PLAIN}"
+    yield from _bold(say("{name}, where a crack may start", name=say(v.name)), width)
+    head = ("", say("at x, y, z [mm]"), "MPa ", say("fatigue use"), say("hours"))
     stress, _ = highest(v)
     share, lasts = used(v), hours_of(v)
+    rows: list[tuple[str, ...]] = []
     for k, f in enumerate(v.shown):
         at = "  ".join(say.pointed(f"{p / mm:.0f}") for p in f.point)
         error = f"{f.error * stress[k] / MPa:.1f}"
         told = f"{stress[k] / MPa:.1f} ±{error:>5}{' ' if f.error <= SETTLED else '!'}"
         use = "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %"
-        yield (
-            f"{say.part(f.part)[: CASE - 1]:<{CASE}}{at:>24}{say.pointed(told):>16}{use:>18}"
-            f"{hours(float(lasts[k]), say):>14}"
-        )
+        rows.append((say.part(f.part), at, say.pointed(told), use, hours(float(lasts[k]), say)))
+    yield from _numbers(head, rows, width)
     left = len(v.features) - v.listed
     if left:
-        yield "  " + say("and {count} more, each less worn and less stressed: --json", count=left)
-    yield "  " + say(
+        more = say("and {count} more, each less worn and less stressed: --json", count=left)
+        yield from folded([f"  {more}"], width)
+    means = say(
         "± is the estimated error (! above 5 %). Toes and borders: structural stress, carried on "
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
+    yield from folded([f"  {means}"], width)
 
 
 def telling_cases(v: Judged) -> list[Outcome]:
@@ -258,44 +258,45 @@ def telling_cases(v: Judged) -> list[Outcome]:
     return sorted(v.outcomes, key=lambda o: -o.von_mises.value)[:SHOWN]
 
 
-def _stresses(v: Judged, say: Language) -> Iterator[str]:
+def _stresses(v: Judged, say: Language, width: int) -> Iterator[str]:
     """Yield the highest stresses of one variant, case by case."""
 
     def one(value: float) -> str:
         return say.pointed(f"{value / MPa:.1f}")
 
     yield ""
-    head = ("von Mises", say("tension"), say("compression"))
-    title = say("{name}, {unit}", name=say(v.name), unit="MPa")
-    where = say("worst at")
-    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>13}' for h in head)}   {where}{PLAIN}"
-    for o in telling_cases(v):
-        cells = "".join(f"{one(f.value):>13}" for f in (o.von_mises, o.highest, o.lowest))
-        feature = v.features[int(o.hot.argmax())]
-        yield f"{_when(o.case.when, say)}{cells}   {say.part(feature.part)}"
+    yield from _bold(say("{name}, {unit}", name=say(v.name), unit="MPa"), width)
+    head = ("", say("worst at"), "von Mises", say("tension"), say("compression"))
+    rows = [
+        (
+            say.occasion(o.case.when), say.part(v.features[int(o.hot.argmax())].part),
+            *(one(f.value) for f in (o.von_mises, o.highest, o.lowest)),
+        )
+        for o in telling_cases(v)
+    ]  # fmt: skip
+    yield from _numbers(head, rows, width, words=2)
     left = len(v.outcomes) - SHOWN
     if left > 0:
         yield "  " + say("and {count} milder cases: --json", count=left)
 
 
-def _readings(v: Judged, names: list[str], say: Language) -> Iterator[str]:
+def _readings(v: Judged, names: list[str], say: Language, width: int) -> Iterator[str]:
     """Yield what the gauges read."""
     if not names:
         return
     yield ""
-    head = "".join(f"{name:>18}" for name in names)
-    title = say("{name}, {unit}", name=say(v.name), unit=say("microstrain"))
-    yield f"{BOLD}{title:<{CASE}}{head}{PLAIN}"
-    for unit, column in zip(UNITS[:3], v.influence.T, strict=False):
-        cells = "".join(f"{say.number(b * kN / MICRO):>18}" for b in column)
-        yield f"{say('per kN of {load}', load=unit):<{CASE}}{cells}"
+    yield from _bold(say("{name}, {unit}", name=say(v.name), unit=say("microstrain")), width)
+    rows = [
+        (say("per kN of {load}", load=unit), *(say.number(b * kN / MICRO) for b in column))
+        for unit, column in zip(UNITS[:3], v.influence.T, strict=False)
+    ]
     for o in telling_cases(v):
-        spans = [say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist()]
-        yield f"{_when(o.case.when, say)}{''.join(f'{s:>18}' for s in spans)}"
-    yield "  " + say(
-        "Refining changes the gauges' influence by {change} % at most.",
-        change=say.pointed(f"{100 * v.solved.influence_change:.1f}"),
-    )
+        spans = (say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist())
+        rows.append((say.occasion(o.case.when), *spans))
+    yield from _numbers(("", *names), rows, width)
+    change = say.pointed(f"{100 * v.solved.influence_change:.1f}")
+    said = say("Refining changes the gauges' influence by {change} % at most.", change=change)
+    yield from folded([f"  {said}"], width)
 
 
 def lives(v: Judged) -> list[Endured]:
@@ -309,23 +310,29 @@ def worn(v: Judged) -> list[Endured]:
     return [*v.duty, *cases[:SHOWN]]
 
 
-def _lives(of: BracketAnswer, v: Judged, say: Language) -> Iterator[str]:
+def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[str]:
     """Yield damage and life of one variant; nothing without an S-N curve."""
     if not lives(v):
         return
     yield ""
-    head = (say("damage per turn"), say("damage per hour"), say("hours to failure"))
-    title = say("{name}, {unit}", name=say(v.name), unit=say("damage"))
-    yield f"{BOLD}{title:<{CASE}}{''.join(f'{h:>20}' for h in head)}   {say('worst at')}{PLAIN}"
+    yield from _bold(say("{name}, {unit}", name=say(v.name), unit=say("damage")), width)
+    rows: list[tuple[str, ...]] = []
     for e in worn(v):
-        cells = "".join(f"{_small(x, say):>20}" for x in (e.per_turn, e.per_hour))
         where = say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else ""
-        yield f"{_when(e.when, say)}{cells}{hours(e.hours, say):>20}   {where}"
-    yield "  " + (
+        told = (_small(e.per_turn, say), _small(e.per_hour, say), hours(e.hours, say))
+        rows.append((say.occasion(e.when), where, *told))
+    yield from _numbers(
+        (
+            "", say("worst at"), say("damage per turn"), say("damage per hour"),
+            say("hours to failure"),
+        ), rows, width, words=2,
+    )  # fmt: skip
+    means = (
         say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
         if of.bracket.material.ultimate_strength
         else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
     )
+    yield from folded([f"  {means}"], width)
 
 
 def _small(value: float, say: Language) -> str:
@@ -341,11 +348,11 @@ def span(low: float, high: float) -> str:
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 
 
-def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
+def _compared(of: BracketAnswer, say: Language, width: int) -> Iterator[str]:
     """Yield what the reinforcement changes."""
     before, after = of.variants[0], of.variants[1]
     yield ""
-    yield f"{BOLD}{say('What the reinforcement changes')}{PLAIN}"
+    yield from _bold(say("What the reinforcement changes"), width)
     old, new = float(before.worst.hot.max()), float(after.worst.hot.max())
     changed = [
         (say("highest stress, MPa"), old / MPa, new / MPa),
@@ -356,12 +363,12 @@ def _compared(of: BracketAnswer, say: Language) -> Iterator[str]:
     if min(uses) > 0:
         label = say("use of the fatigue limit, worst zone, %")
         changed.insert(1, (label, 100 * uses[0], 100 * uses[1]))
-    for label, was, now in changed:
-        yield (
-            f"{label:<{LABEL}}{_columns([say.number(float(was)), say.number(float(now))])}"
-            f"{say.percent(float(now / was) - 1):>14}"
-        )
-    yield better(before, after, say)
+    rows = [
+        (label, say.number(float(was)), say.number(float(now)), say.percent(float(now / was) - 1))
+        for label, was, now in changed
+    ]
+    yield from _numbers(("", say(before.name), say(after.name), ""), rows, width)
+    yield from folded([better(before, after, say)], width)
 
 
 def better(before: Judged, after: Judged, say: Language = EN) -> str:

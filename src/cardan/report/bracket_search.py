@@ -10,40 +10,49 @@ from cardan.model.application import Application
 from cardan.report.bracket import hours
 from cardan.report.contract import CONTRACT, plain
 from cardan.report.language import EN, Language
+from cardan.report.screen import WIDTH, folded, table
 from cardan.report.terminal import BOLD, PLAIN
 from cardan.study.bracket_search import Searched, Tried, named
 
 
-def terminal(of: Application, found: Searched, say: Language = EN) -> Iterator[str]:
-    """Yield what was chosen, and what was tried on the way."""
+def terminal(
+    of: Application, found: Searched, say: Language = EN, *, width: int = WIDTH
+) -> Iterator[str]:
+    """Yield what was chosen, and what was tried on the way, for a screen of a width."""
     title = say(
         "{title}: the lightest bracket that lives {hours} h",
         title=of.title, hours=say.number(found.target),
     )  # fmt: skip
-    yield f"{BOLD}{title}{PLAIN}"
-    yield say(
+    many = say(
         "{tried} of {count} sets of sizes were solved; a thicker sheet is taken to live no "
         "shorter.", tried=len({named(t.sizes) for t in found.tried}), count=found.count,
     )  # fmt: skip
-    for sizes, why in found.refused:
-        yield say("{sizes}: left out, {why}", sizes=said(sizes, say), why=why)
+    refused = (
+        say("{sizes}: left out, {why}", sizes=said(sizes, say), why=why)
+        for sizes, why in found.refused
+    )
+    yield from (f"{BOLD}{line}{PLAIN}" for line in folded([title], width))
+    yield from folded([many, *refused], width)
     yield ""
-    head = (say("mass, kg"), say("hours"), say("mesh"))
-    yield f"{BOLD}{say('sizes'):<48}{''.join(f'{h:>14}' for h in head)}   {say('worst at')}{PLAIN}"
-    for t in sorted(found.tried, key=lambda t: (t.mass, t.refined)):
-        mesh = say("refined") if t.refined else say("first")
-        cells = (say.number(t.mass), hours(t.life, say), mesh)
-        mark = "*" if t is found.best else " "
-        worst = say.part(t.judged.features[0].part)
-        yield f"{mark} {said(t.sizes, say):<46}{''.join(f'{c:>14}' for c in cells)}   {worst}"
+    head = ("", say("sizes"), say("worst at"), say("mass, kg"), say("hours"), say("mesh"))
+    rows = [
+        (
+            "*" if t is found.best else "", said(t.sizes, say),
+            say.part(t.judged.features[0].part), say.number(t.mass), hours(t.life, say),
+            say("refined") if t.refined else say("first"),
+        )
+        for t in sorted(found.tried, key=lambda t: (t.mass, t.refined))
+    ]  # fmt: skip
+    yield from table(head, rows, width, right=(3, 4))
     yield ""
     if found.best is None:
         yield say("None of them lives that long.")
     else:
-        yield say(
+        chosen = say(
             "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=said(found.best.sizes, say),
             mass=say.number(found.best.mass), hours=hours(found.best.life, say),
         )  # fmt: skip
+        yield from folded([chosen], width)
 
 
 def said(sizes: dict[str, float], say: Language) -> str:

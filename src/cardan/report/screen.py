@@ -62,8 +62,14 @@ def beside(left: str, right: str, room: int) -> Iterator[str]:
     yield from others
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int = WIDTH) -> Iterator[str]:
-    """Yield the lines of a table: its head, then its rows.
+def table(
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    width: int = WIDTH,
+    *,
+    right: Sequence[int] = (),
+) -> Iterator[str]:
+    """Yield the lines of a table: its head, then its rows; some columns flush `right`.
 
     What is wider than the screen goes on in further lines of its cell. Where words themselves
     are too long for that, each row stands below its name, or the table lies on its side.
@@ -74,13 +80,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int = WIDTH
     if sum(least) <= _room(least, width):
         wide = _fitted([max(long(row[k]) for row in every) for k in range(len(head))], least, width)
         for row in every:
-            yield from _cells(row, wide)
+            yield from _cells(row, wide, right)
     elif sum(least[1:]) <= _room(least[1:], width - 4):
         rest = [row[1:] for row in every]
         wide = _fitted([max(map(long, c)) for c in zip(*rest, strict=True)], least[1:], width - 4)
         for row, others in zip(every, rest, strict=True):
             yield row[0]
-            yield from (f"    {line}" for line in _cells(others, wide))
+            lines = _cells(others, wide, [k - 1 for k in right])
+            yield from (f"    {line}" for line in lines)
     else:
         yield from _on_its_side(head, rows, width)
 
@@ -98,12 +105,16 @@ def _fitted(wide: list[int], least: Sequence[int], width: int) -> list[int]:
     return wide
 
 
-def _cells(row: Sequence[str], wide: Sequence[int]) -> Iterator[str]:
+def _cells(row: Sequence[str], wide: Sequence[int], right: Sequence[int] = ()) -> Iterator[str]:
     """Yield the lines of a row whose columns are so wide."""
     cells = [[c] if long(c) <= w else wrapped(c, w) for c, w in zip(row, wide, strict=True)]
     for line in zip_longest(*cells, fillvalue=""):
         each = zip(line, wide, strict=True)
-        yield "  ".join(cell + " " * (w - long(cell)) for cell, w in each).rstrip()
+        padded = (
+            " " * (w - long(cell)) + cell if k in right else cell + " " * (w - long(cell))
+            for k, (cell, w) in enumerate(each)
+        )
+        yield "  ".join(padded).rstrip()
 
 
 def _on_its_side(head: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> Iterator[str]:
