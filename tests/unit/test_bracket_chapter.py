@@ -148,7 +148,7 @@ def test_the_bracket_s_own_swing_counts(hung, found):
 
 
 def test_the_response_is_told(hung):
-    text = "\n".join(shown.terminal(approved(hung)))
+    text = "\n".join(shown.terminal(approved(hung), width=400))
     assert "on rubber and bracket the line swings at lateral" in text
     told = json.loads(json.dumps(shown.contract(approved(hung)), allow_nan=False))["variants"][0]
     response = told["response"]
@@ -184,7 +184,7 @@ def test_a_long_life_is_not_told_in_figures():
 
 
 def test_terminal_and_contract_show_life(found):
-    text = "\n".join(shown.terminal(approved(found)))
+    text = "\n".join(shown.terminal(approved(found), width=400))
     assert "original, damage" in text
     assert "duty cycle, as given" in text
     told = json.loads(json.dumps(shown.contract(approved(found)), allow_nan=False))["variants"][0]
