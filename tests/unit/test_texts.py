@@ -12,6 +12,7 @@ from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.cycle import cycle
 from cardan.files.cycle import names as cycles
+from cardan.model.parts import ASSUMED
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import language
 from cardan.report.language import CODES, EN, Language, catalogue
@@ -50,6 +51,7 @@ def sources():
         yield from (str(one.source) for one in limit.limits(name)[1])
     yield from (str(cycle(name).source) for name in cycles())
     yield from (str(q.source) for q in QUANTITIES.values())
+    yield str(ASSUMED)
 
 
 @pytest.mark.parametrize("code", OTHERS)
@@ -71,7 +73,7 @@ def test_what_we_say_about_a_source_is_translated(code):
     }  # fmt: skip
     ours = {
         p for p in pieces
-        if re.match("[a-z]|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
+        if re.match("[a-z]|Assumed|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
     }  # fmt: skip
     assert len(ours) > 25
     assert sorted(p for p in ours if ("", p) not in catalogue(code)) == []
