@@ -73,7 +73,8 @@ def test_what_we_say_about_a_source_is_translated(code):
     }  # fmt: skip
     ours = {
         p for p in pieces
-        if re.match("[a-z]|Assumed|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
+        if re.match("[a-z]|Assumed|House|By ", p)
+        and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
     }  # fmt: skip
     assert len(ours) > 25
     assert sorted(p for p in ours if ("", p) not in catalogue(code)) == []
