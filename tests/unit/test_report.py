@@ -35,7 +35,7 @@ from cardan.report.drawing import drawings, worst_state
 from cardan.report.html import page
 from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, LACKED, Language, catalogue
-from cardan.report.pdf import document
+from cardan.report.pdf import _told, document
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.svg import GRADED
@@ -295,6 +295,7 @@ def test_document_is_kept_and_self_contained(told):
     assert b"<pdfaid:part>3</pdfaid:part>" in data
     assert b"<pdfaid:conformance>A</pdfaid:conformance>" in data
     assert len(data) < 2_000_000
+    assert b"/Suspects" not in data  # poppler takes a false one for a mistake
     assert data == document(told["pt"])  # the same story, the same document
 
 
@@ -720,6 +721,26 @@ def test_a_report_names_what_is_required_and_unanswered():
     assert said.endswith("required, and needs a campaign of recordings, by --recording")
 
 
+def test_the_first_page_says_what_an_incomplete_verdict_lacks():
+    """It showed limits that warn and pass, and none of those that made it incomplete."""
+    found = approve(limited(FLAT, LIVES | {"required": True}))
+    told = story.approval(found, helps=(), fixes=(), say=Language("it"), issue=ISSUE)
+    (points,) = [b for b in told.chapters[0].blocks
+                 if getattr(b, "caption", "") == "Richiesto, e senza risposta"]  # fmt: skip
+    assert [one for one, _ in points.points] == [next(what_to_change(found, "it"))]
+    told = story.approval(approve(limited(FLAT)), helps=(), fixes=(), say=EN, issue=ISSUE)
+    assert "without an answer" not in str(told.chapters[0])
+
+
+def test_document_and_workbook_count_as_the_page_does():
+    found = approve(limited(FLAT, LIVES))
+    told = story.approval(found, helps=(), fixes=(), say=EN, issue=ISSUE)
+    assert told.summary.endswith("unanswered")
+    assert _told(told)[0]["summary"] == told.summary
+    front = openpyxl.load_workbook(BytesIO(workbook(found, say=EN))).worksheets[0]
+    assert any(told.summary in str(c.value) for row in front.iter_rows() for c in row)
+
+
 def test_a_report_of_nothing_says_that_nothing_is_approved():
     small = yaml.safe_load(files.starter("small")) | {"limits": [LIVES]}
     found = approve(files.loads(yaml.safe_dump(small)))
@@ -799,3 +820,10 @@ def test_a_sheet_of_a_recording_has_its_title_and_heads(tmp_path):
             assert f'name="{title}"' in file.read("xl/workbook.xml").decode()
             texts = file.read("xl/sharedStrings.xml").decode()
         assert not re.search(r">, ", texts)
+
+
+def test_no_word_over_a_column_is_broken_and_a_long_name_hangs(truck):
+    lines = list(terminal.approval(truck, helps=(), states=True, say=Language("pt"), width=80))
+    assert any("sobrecarga" in line for line in lines)
+    at = next(k for k, line in enumerate(lines) if line == "Torque alternado na junta")
+    assert lines[at + 1] == "  sobre a sua resistência à"

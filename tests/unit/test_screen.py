@@ -5,7 +5,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cardan.report.screen import long, table
+from cardan.report.screen import folded, long, table
 
 WORDS = st.lists(st.text("abcxyz.", min_size=1, max_size=11), max_size=5).map(" ".join)
 
@@ -38,3 +38,17 @@ def test_what_fits_stands_in_columns():
 def test_a_number_stays_with_what_it_counts():
     (_, *lines) = table(("what", "where"), [("x", "gear 1, mode 12: far away from here")], 24)
     assert not any(line.rstrip().endswith(("gear", "mode")) for line in lines)
+
+
+def test_a_number_stays_with_its_unit():
+    said = "marcha 1 a 241 rpm, 3372 N·m, a ordem 2 encontra guinada a 8 Hz, mancal central 2"
+    for width in range(30, 82):
+        (_, *cells) = table(("what", "where"), [("x", said)], width)
+        for line in (*folded([said], width), *cells):
+            assert not re.match(r" *(Hz|N·m|rpm)", line), (width, line)
+
+
+def test_a_name_above_its_row_fits_too():
+    name = "a circumstance of so many words that forty columns have no room for it"
+    lines = list(table(("", "", "", "x" * 11), [(name, "aa", "b" * 11, "")], 40))
+    assert max(map(long, lines)) <= 40

@@ -12,6 +12,7 @@ from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.cycle import cycle
 from cardan.files.cycle import names as cycles
+from cardan.model.parts import ASSUMED
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import language
 from cardan.report.language import CODES, EN, Language, catalogue
@@ -50,6 +51,7 @@ def sources():
         yield from (str(one.source) for one in limit.limits(name)[1])
     yield from (str(cycle(name).source) for name in cycles())
     yield from (str(q.source) for q in QUANTITIES.values())
+    yield str(ASSUMED)
 
 
 @pytest.mark.parametrize("code", OTHERS)
@@ -71,7 +73,8 @@ def test_what_we_say_about_a_source_is_translated(code):
     }  # fmt: skip
     ours = {
         p for p in pieces
-        if re.match("[a-z]|House|By ", p) and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
+        if re.match("[a-z]|Assumed|House|By ", p)
+        and not re.match(r"(normal|maximum|rev\.) ?\S+$", p)
     }  # fmt: skip
     assert len(ours) > 25
     assert sorted(p for p in ours if ("", p) not in catalogue(code)) == []
@@ -185,3 +188,27 @@ def test_what_looks_odd_is_told_in_the_language_asked_for(tmp_path):
     result = CliRunner().invoke(cli, ["check", str(file), "--lang", "it", "--quiet"])
     assert "avviso: " in result.output
     assert "insolitamente grande" in result.output
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("check --lang it --foo x.yaml",
+         "errore: opzione sconosciuta: '--foo'; si intendeva '--pdf'?; vedere cli check --help"),
+        ("joint --angle 4.5deg --lang=pt",
+         "erro: falta a opção '--speed'; veja cli joint --help"),
+        ("joint --lang pt --angle x --speed 3600rpm",
+         "erro: valor inválido de '--angle': deve ser um número com sua unidade, como 4.5deg "
+         "(veio x); veja cli joint --help"),
+        ("fix x.yaml --count 0 --lang it",
+         "errore: valore non valido di '--count': 0 non è nell'intervallo x>=1; "
+         "vedere cli fix --help"),
+        ("catalogue nonsense --lang pt", "erro: não há catálogo de nonsense; há: joints, "),
+        ("explain nonsense --lang it", "errore: non c'è grandezza nonsense ("),
+        ("joint --angle 4.5deg", "Error: Missing option '--speed'."),
+    ],
+)  # fmt: skip
+def test_an_option_is_refused_in_the_language_asked_for(line, said):
+    result = CliRunner().invoke(cli, line.split())
+    assert result.exit_code == 2
+    assert said in result.output

@@ -9,6 +9,7 @@
 """
 
 import os
+import re
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
@@ -23,6 +24,9 @@ from cardan.base.errors import CardanError
 BAD_VERDICT, BAD_INPUT, OWN_FAULT, STOPPED, NO_READER = 1, 2, 3, 130, 141
 REPORT = "CONTRIBUTING.md"
 """Where it is said how to report a fault of the program."""
+
+_LANG = re.compile(r"(?m)^--lang[=\n](it|pt)$")
+"""Another language, asked for on a command line of one argument each line."""
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -46,7 +50,20 @@ class Once(click.Command):
     """A command that refuses an option given twice: one of the two would be passed over."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the options and arguments."""
+        """Read the options and arguments; what is wrong is said in the language asked for."""
+        lang = _LANG.search("\n".join(args))
+        try:
+            return self._parsed(ctx, args)
+        except click.UsageError as error:
+            if lang is None:
+                raise
+            from cardan.report.language import Language
+
+            say = Language(lang[1])
+            said = (error.format_message(), f"see {ctx.command_path} --help")
+            raise Refused("; ".join(map(say.error, said)), word=say("error")) from error
+
+    def _parsed(self, ctx: click.Context, args: list[str]) -> list[str]:
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for option in order:
             single = isinstance(option, click.Option) and not (option.multiple or option.count)

@@ -43,9 +43,9 @@ def fill(sheet: Sheet, of: Approval, judged: Sequence[Judged]) -> None:
     sheet.title(of.application.title)
     verdict(sheet, sheet.row, judged, name="")
     sheet.row += 1
-    margin = of.smallest_margin
+    margin, told = of.smallest_margin, tally(of.checks, say, of.coverage.unanswered)
     facts = [
-        (say("as computed"), f"{say(of.verdict).upper()} ({tally(of.checks, say)})"),
+        (say("as computed"), f"{say(of.verdict).upper()} ({told})"),
         (say("Coverage"), say("{answered} of {asked} questions answered",
                               answered=of.coverage.answered, asked=of.coverage.asked)),
         (say("smallest margin"), "-" if margin is None else say.percent(margin)),

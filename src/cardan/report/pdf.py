@@ -36,6 +36,9 @@ numbers, in a cell), in a text."""
 NAMED = 12
 """How many letters are named that the fonts lack."""
 
+_NO_SUSPECTS = b"/Suspects false"
+_BLANKS = b" " * len(_NO_SUSPECTS)
+
 _LETTERING = re.compile(r">([^<]+)<")
 
 
@@ -50,7 +53,9 @@ def document(of: Story) -> bytes:
     MissingExtra
         If typst is not installed.
     """
-    return _set(of, format="pdf", pdf_standards=[STANDARD])
+    # Without the entry no suspects is meant too, and poppler, which takes a `false` for a
+    # mistake, is content. Blanks keep every other object where the file says it is.
+    return _set(of, format="pdf", pdf_standards=[STANDARD]).replace(_NO_SUSPECTS, _BLANKS)
 
 
 def pages(of: Story, *, ppi: float) -> list[bytes]:
@@ -120,6 +125,7 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
         "subtitle": of.subtitle,
         "grade": of.grade,
         "verdict": of.verdict,
+        "summary": of.summary,
         "facts": [list(f) for f in of.facts],
         "chapters": chapters,
         "made": say("Made with cardan {version}.", version=of.version),
@@ -168,5 +174,7 @@ def _fitted(story: dict[str, Any]) -> dict[str, Any]:
         chapter["title"] = shortened(chapter["title"], TITLE)
     story["facts"] = each(story["facts"], lambda t: shortened(t, PARAGRAPH))
     story["running"] = shortened(story["title"], RUNNING)
-    story |= {key: shortened(story[key], TITLE) for key in ("title", "subtitle", "verdict")}
+    story |= {
+        key: shortened(story[key], TITLE) for key in ("title", "subtitle", "verdict", "summary")
+    }
     return each(story, broken)

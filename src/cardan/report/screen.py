@@ -14,6 +14,10 @@ WIDTH = 80
 GLUE = "\u00a0"
 """A space at which no line ends."""
 
+_UNIT = r"(?:%|Hz|N|N·m|MPa|deg|h|kN|kg|km|mm|rad/s²?|rpm|s)(?![\w/·²])"
+_TIED = re.compile(rf" (?=\d)|(?<=\d) (?={_UNIT})")
+"""Where no line ends: ahead of a number, and between it and its unit."""
+
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -36,23 +40,23 @@ def folded(lines: Iterable[str], width: int = WIDTH) -> Iterator[str]:
         indent = len(line) - len(line.lstrip())
         first, further = " " * indent, " " * min(indent + 4, width // 2)
         taken = first
-        for word in re.split(r"\s+(?!\d)", line.strip()):
+        for word in re.split(" +", _bound(line.strip())):
             glue = "" if not taken.strip() else " "
             if taken.strip() and long(taken) + len(glue) + long(word) > width:
-                yield taken
+                yield taken.replace(GLUE, " ")
                 taken, glue = further, ""
             taken += glue + word
-        yield taken
+        yield taken.replace(GLUE, " ")
 
 
 def wrapped(text: str, room: int) -> list[str]:
-    """Return the lines of a text in a room; a number stays with what it counts."""
+    """Return the lines of a text in a room; a number stays with what it counts and its unit."""
     return [line.replace(GLUE, " ") for line in wrap(_bound(text), room)] or [""]
 
 
 def _bound(text: str) -> str:
-    """Return a text in which a number stays with what it counts."""
-    return re.sub(r" (?=\d)", GLUE, text)
+    """Return a text in which a number stays with what it counts, and with its unit."""
+    return _TIED.sub(GLUE, text)
 
 
 def beside(left: str, right: str, room: int) -> Iterator[str]:
@@ -85,7 +89,7 @@ def table(
         rest = [row[1:] for row in every]
         wide = _fitted([max(map(long, c)) for c in zip(*rest, strict=True)], least[1:], width - 4)
         for row, others in zip(every, rest, strict=True):
-            yield row[0]
+            yield from wrapped(row[0], width)
             lines = _cells(others, wide, [k - 1 for k in right])
             yield from (f"    {line}" for line in lines)
     else:

@@ -241,6 +241,9 @@ def _first_page(
     several = len(of.responses) > 1
     if rows:
         yield _rows(rows, say, caption=say("What decides"), several=several)
+    if of.verdict == "incomplete" and (open_ := unanswered(of, say, required=True)):
+        yield Points(caption=say("Required, and without an answer"),
+                     points=tuple((one, ()) for one in open_))  # fmt: skip
     names = [r.line.name for r in of.responses]
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
     for r in of.responses:

@@ -48,6 +48,9 @@ if TYPE_CHECKING:  # one check of one design is not to wait for these
 
     Sizes = dict[tuple[str, str], Remedy]
 
+LONG = 14
+"""Letters of a word over a column, at most, for whose sake it is wider than its numbers."""
+
 FEW = 5
 """Limits that are shown at least, though they pass."""
 
@@ -461,17 +464,19 @@ def _line(r: Response, say: Language, width: int) -> Iterator[str]:
         unit = 2 + max(len(row.unit) for row in section.rows)
         room = min(max(map(len, labels)) + 3, max(32, width * 3 // 8))
         cells = [[say.number(v) for v in row.values] for row in section.rows]
-        column = 2 + max(7, *(len(cell) for row in cells for cell in row))
+        states = [say.state(s) for s in r.demand.states]
+        words = [1 + min(len(word), LONG) for name in states for word in name.split()]
+        column = max(9, *words, *(2 + len(cell) for row in cells for cell in row))
         most = max(1, (width - room - unit) // column)
-        for start in range(0, len(r.demand.states), most):
+        for start in range(0, len(states), most):
             some = slice(start, start + most)
             yield ""
-            head = headings([say.state(s) for s in r.demand.states[some]], column)
+            head = headings(states[some], column)
             title = wrapped(say(section.title), room + unit - 1)
             names = [""] * (len(head) - len(title)) + title
             heads = [""] * (len(title) - len(head)) + head
-            for name, states in zip(names, heads, strict=True):
-                yield _bold(f"{name:<{room + unit}}{states}".rstrip())
+            for name, over in zip(names, heads, strict=True):
+                yield _bold(f"{name:<{room + unit}}{over}".rstrip())
             for row, label, values in zip(section.rows, labels, cells, strict=True):
                 numbers = f"{row.unit:<{unit}}" + "".join(f"{v:>{column}}" for v in values[some])
                 yield from _hanging(label, numbers, room)
@@ -480,10 +485,10 @@ def _line(r: Response, say: Language, width: int) -> Iterator[str]:
 def _hanging(label: str, numbers: str, room: int) -> Iterator[str]:
     """Yield a row of numbers; of a long name the last line stands beside them."""
     indent = len(label) - len(label.lstrip())
-    *others, last = wrapped(label.strip(), room - 3 - indent)
-    yield from (f"{'':{indent}}{line}" for line in others)
-    lead = " " * (indent + 2 if others else indent)
-    yield f"{lead + last:<{room}}{numbers}".rstrip()
+    first, *others = wrapped(label.strip(), room - 3 - indent)
+    *above, last = [" " * indent + first, *(" " * (indent + 2) + line for line in others)]
+    yield from above
+    yield f"{last:<{room}}{numbers}".rstrip()
 
 
 def _bold(text: str) -> str:

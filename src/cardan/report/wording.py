@@ -246,12 +246,13 @@ def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
     return say("{move} gives {value}", move=moved, value=say.number(value / q.factor))
 
 
-def unanswered(of: Approval, say: Language) -> list[str]:
-    """Return what limits got no answer, with what each needs; the required ones first.
+def unanswered(of: Approval, say: Language, *, required: bool = False) -> list[str]:
+    """Return what limits got no answer, with what each needs; the `required` first, or alone.
 
     Studies that nobody asked are told by `notes`.
     """
     missed = [u for f in of.findings if f.asked for u in f.unanswered]
+    missed = [u for u in missed if u.limit.required] if required else missed
     return gaps(missed, say, several=len(of.responses) > 1)
 
 
