@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chief import chief
 
 from cardan import files
 from cardan.base.source import DERIVED
@@ -100,7 +101,7 @@ def test_variants_see_the_same():
         assert two == pytest.approx(np.stack([one, one]), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", [*TRUCKS, "van"])
+@pytest.mark.parametrize("name", chief([*TRUCKS, "van"], "medium-truck-4x2", "van"))
 def test_nothing_is_worse_between_the_corners(name):
     """Every quantity that limits ask at all points, from standstill to the end of each curve."""
     for r in responses(name):

@@ -92,6 +92,7 @@ def test_of_a_few_settings_it_finds_the_very_front_of_all():
     assert len(np.unique(whole["goals"].round(9), axis=0)) >= 5
 
 
+@pytest.mark.slow
 def test_over_ranges_it_reaches_farther_than_ten_times_as_many_drawn():
     bench = Bench.of(application(), variants_of(RANGES))
     drawn, few = brute(bench, 8192), brute(bench, 64)

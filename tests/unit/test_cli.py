@@ -14,7 +14,6 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
-from chief import chief
 from click.testing import CliRunner, Result
 
 from cardan import __version__, files
@@ -632,12 +631,10 @@ FATIGUE = {"quantity": "fatigue_life", "unit": "h", "maximum": 5, "source": "mad
 SHAKES = {"quantity": "torsional_acceleration", "unit": "rad/s2", "maximum": 150, "source": "us"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("row", "verdict"),
-    chief(
-        [(GROWS, "fail"), (FATIGUE | {"required": True}, "incomplete"), (FATIGUE, "warn")],
-        (FATIGUE | {"required": True}, "incomplete"),
-    ),
+    [(GROWS, "fail"), (FATIGUE | {"required": True}, "incomplete"), (FATIGUE, "warn")],
 )
 def test_a_proposal_is_held_to_every_study_that_a_check_asks(row, verdict, tmp_path):
     """It promised "pass" where a check of the file so changed failed or was incomplete."""
@@ -674,6 +671,7 @@ def test_the_file_changed_as_proposed_gives_what_is_proposed():
     )
 
 
+@pytest.mark.slow
 def test_nothing_worse_than_what_is_installed_is_proposed(tmp_path):
     """The first proposal for a truck that passed was a yoke turned, for less margin."""
     text = {k: v for k, v in SHAKEN.items() if k != "torsion"}

@@ -8,6 +8,7 @@ import unicodedata
 from pathlib import Path
 
 import pytest
+from chief import chief
 
 from cardan.cli.plain import SIGNS, plain
 from cardan.quantity.quantities import QUANTITIES
@@ -38,7 +39,7 @@ def test_an_equation_is_readable_on_any_code_page(encoding):
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
-@pytest.mark.parametrize("lang", ["en", "pt", "it"])
+@pytest.mark.parametrize("lang", chief(["en", "pt", "it"], "pt"))
 def test_a_whole_check_is_printed_on_any_code_page(encoding, lang):
     result = run(encoding, "check", EXAMPLE, "--lang", lang)
     assert (result.returncode, result.stderr) == (1, b"")
@@ -47,7 +48,7 @@ def test_a_whole_check_is_printed_on_any_code_page(encoding, lang):
     assert len(text.splitlines()) > 60
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
+@pytest.mark.parametrize("encoding", chief(["cp1252", "ascii", "utf-8"], "ascii"))
 def test_a_document_for_programs_loses_nothing(encoding):
     """JSON has a way to write every letter in ASCII; plain letters would change it."""
     shown = {}

@@ -135,6 +135,7 @@ def test_too_few_foretell_nothing():
     assert foretold(drawing, few, count=1000, start=10, confidence=0.95) is None
 
 
+@pytest.mark.slow
 def test_a_study_foretells_what_asking_them_comes_to():
     asked = Ask(foretold=100_000, rows=None)
     found = study(application(), variants_of({}, TOLERANCES, ask=asked), count=1000, workers=2)

@@ -8,7 +8,10 @@ import pytest
 PAGES = sorted((Path(__file__).parents[2] / "docs" / "gallery").glob("*.py"))
 
 
-LONG = "run_up", "parametric_torsion", "composite_tube", "shimmy"
+LONG = (
+    "run_up", "parametric_torsion", "composite_tube", "shimmy", "who_broke_the_bracket",
+    "lateral_flutter", "misaligned_shaft", "truck_torsion",
+)  # fmt: skip
 """Pages that take ten seconds and more."""
 
 

@@ -17,6 +17,7 @@ def page():
         return runpy.run_path(str(ROOT / "docs" / "hooks.py"))["executed"](PAGE)
 
 
+@pytest.mark.slow
 def test_every_piece_runs_and_shows_what_it_came_to(page):
     pieces = re.findall(r"^```python$", page, flags=re.MULTILINE)
     assert len(pieces) >= 12

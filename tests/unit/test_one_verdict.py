@@ -23,6 +23,7 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
+from chief import chief
 from click.testing import CliRunner
 from one_verdict import (
     ASKED,
@@ -185,7 +186,15 @@ def test_every_quantity_that_can_be_limited_fails_somewhere_here():
     assert {case.quantity for case in cases() if case.verdict == "fail"} == set(ASKED)
 
 
-@pytest.mark.parametrize("quantity", ASKED)
+OF_EACH_KIND = (
+    "torque", "axle_load", "joint_angle_min", "clearance", "centre_bearing_dynamic",
+    "critical_speed_ratio", "half_critical_band", "resonance_distance", "joint_life",
+    "spline_travel_margin", "torsional_resonance", "launch_reversal",
+    "bracket_stress_utilisation",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("quantity", chief(ASKED, *OF_EACH_KIND))
 @pytest.mark.usefixtures("drawn_once")
 def test_what_fails_by_a_millionth_fails_in_every_medium(quantity, tmp_path, monkeypatch):
     monkeypatch.setattr(story.bracket_chapter, "chapter", lambda *_: iter(()))
@@ -203,9 +212,11 @@ OTHERS = {
     "no end": endless,
     **{f"{q} required of nobody": partial(unheard, q) for q in (*BRACKET, *RECORDING)},
 }
+FEW = ("a warning of the driveline", "a pass", "no answer", "nothing asked", "no end",
+       "bracket_life required of nobody", "fatigue_damage required of nobody")  # fmt: skip
 
 
-@pytest.mark.parametrize("what", OTHERS)
+@pytest.mark.parametrize("what", chief(OTHERS, *FEW))
 @pytest.mark.usefixtures("drawn_once")
 def test_other_verdicts_are_one_in_every_medium_too(what, tmp_path):
     case = OTHERS[what]()
@@ -310,7 +321,7 @@ def campaign(recording, tmp_path) -> Path:
 
 
 @pytest.mark.parametrize(("verdict", "held_by", "share"), VERDICTS)
-@pytest.mark.parametrize("quantity", RECORDING)
+@pytest.mark.parametrize("quantity", chief(RECORDING, "fatigue_life"))
 @pytest.mark.usefixtures("drawn_once")
 def test_a_recording_beside_an_application_is_in_its_one_verdict(
     recording, campaign, tmp_path, quantity, verdict, held_by, share
@@ -439,6 +450,7 @@ def test_a_line_that_shakes_itself_up_fails_in_headline_and_chapter(undamped, tm
             assert text.paragraphs[0] in " ".join(printed(tmp_path / "out.pdf").split())
 
 
+@pytest.mark.slow
 def test_the_resonance_fails_at_the_command_line(tmp_path):
     path = tmp_path / "undamped.yaml"
     path.write_text(UNDAMPED, encoding="utf-8")
@@ -547,9 +559,8 @@ def test_room_alone_fails_in_the_workbook_too(tmp_path):
 # --------------------------------------------------------------------------- whose limits
 
 
-@pytest.mark.parametrize(
-    "asked", [("--with", "vibration"), pytest.param((), marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("asked", [("--with", "vibration"), ()])
 def test_a_profile_without_a_study_s_limits_does_not_pass_what_the_study_finds(asked, tmp_path):
     """Under `protractor` this truck passed its check, and failed `cardan stability`."""
     path = tmp_path / "undamped.yaml"

@@ -5,9 +5,12 @@ import io
 import re
 from pathlib import Path
 
+import pytest
+
 PAGE = (Path(__file__).parents[2] / "docs" / "parts.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_runs_and_says_its_numbers():
     """Each number is another program's, or a closed form's, in the tests of its room."""
     said, names = io.StringIO(), {}

@@ -70,7 +70,7 @@ def with_vibration(application, surroundings=None):
 def told(truck):
     """The starter's story by language."""
     helps = sensitivities(truck)
-    fixes = fix(truck.application, count=2)
+    fixes = fix(truck.application, count=2, hold=["phase"])
     shaken = with_vibration(truck.application)
     return {
         code: story.approval(shaken, helps=helps, fixes=fixes, say=Language(code), issue=ISSUE)
@@ -592,6 +592,7 @@ def chapter(whole: story.Story, title: str) -> Chapter:
     return next(c for c in whole.chapters if c.title == title)
 
 
+@pytest.mark.slow
 def test_vibration_is_told_as_the_command_answers_it(truck):
     """A gear that runs through a resonance stands at 0 %, coloured as the command grades it."""
     approval = with_vibration(truck.application, Surroundings(axle_inertia=3.0))
@@ -702,6 +703,7 @@ def test_a_report_says_that_all_passes_only_where_all_does():
     ]
 
 
+@pytest.mark.slow
 def test_a_report_names_the_study_that_fails_where_no_move_helps():
     """It said "Everything passes; nothing needs to change." under a headline that said FAIL."""
     found = with_vibration(limited(FLAT, GROWS))

@@ -240,6 +240,7 @@ def test_names_in_drawings_have_an_end_too():
 # --------------------------------------------------------------------------- the same bytes
 
 
+@pytest.mark.slow
 def test_the_same_file_gives_the_same_bytes_in_every_medium(tmp_path):
     """In two processes that hash differently, with a second between them."""
     made: list[dict[str, bytes]] = []

@@ -78,6 +78,7 @@ def test_as_many_trucks_survive_as_a_study_of_them_says():
         assert abs(p.survival.share - brute) < 4 * max(brute * (1 - brute), 0.01) ** 0.5 / 500**0.5
 
 
+@pytest.mark.slow
 def test_as_many_trucks_stay_quiet_as_a_study_of_them_says():
     """Where a setting passes, nothing more warns in whatever passes.
 

@@ -101,6 +101,7 @@ def test_the_tube_proposed_is_the_lightest_of_all_that_do(weak):
     assert found.offer.mass == pytest.approx((lightest.mass_per_length - lost) * length)
 
 
+@pytest.mark.slow
 def test_the_joint_proposed_is_the_smallest_of_all_that_do(weak):
     """Every cross with a peak torque is approved by itself, at all three joints."""
     before = graded(weak)

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from chief import chief
 from click.testing import CliRunner
 from scipy.linalg import eigh
 
@@ -51,13 +52,22 @@ def truck(tmp_path_factory):
     return file
 
 
+@pytest.fixture
+def rolling(monkeypatch):
+    """Nobody starts, which takes most of the time and is asked by tests of its own."""
+    monkeypatch.setattr(stability_module, "default_launches", lambda _: ())
+
+
 @pytest.fixture(scope="module")
 def found(truck):
     """The starter's vibration."""
     return stability(files.read(truck))
 
 
-@pytest.fixture(scope="module", params=["medium-truck-4x2", "van", "refuse-collector-6x2"])
+@pytest.fixture(
+    scope="module",
+    params=chief(["medium-truck-4x2", "van", "refuse-collector-6x2"], "medium-truck-4x2"),
+)
 def example(request):
     app = files.read(EXAMPLES / f"{request.param}.yaml")
     return request.param, app, stability(app)
@@ -134,6 +144,7 @@ def test_modes_of_the_examples_are_those_of_matrices_written_by_hand(example):
         assert mine == pytest.approx(expected, rel=1e-7), (name, g)
 
 
+@pytest.mark.usefixtures("rolling")
 def test_the_axles_of_a_tandem_oppose_each_other():
     """Its lines are one system: no gearbox between them, and a mode of axles against axles."""
     vehicle = stability(files.read(EXAMPLES / "tandem-6x4.yaml"))
@@ -159,6 +170,7 @@ def carried_by(vehicle, torque):
     return dict(zip(train.springs, carried(line, of, force)[1][0], strict=True))
 
 
+@pytest.mark.usefixtures("rolling")
 def test_each_line_of_a_four_wheel_drive_carries_its_share():
     """The main line's mean torque is what `check` has for it; the front line's likewise."""
     vehicle = stability(files.read(EXAMPLES / "pick-up-4x4.yaml"))
@@ -200,6 +212,7 @@ def test_speeds_are_those_a_gear_and_a_state_have():
     assert np.isnan(vehicle.slipping.ranges[1:]).all()
 
 
+@pytest.mark.slow
 def test_order_2_that_meets_a_mode_while_the_clutch_slips_is_judged(truck):
     """The engine is cut off, mode 1 is another, and a crawling vehicle stands on it."""
     app = files.read(truck)
@@ -266,6 +279,7 @@ def test_amplitudes_are_at_their_true_peak(example):
     assert tried == len(app.gearbox.ratios)
 
 
+@pytest.mark.usefixtures("rolling")
 def test_torque_shakes_in_low_gears_and_inertia_in_high_ones():
     """Without torque first gear loses what its mean torque times the slope of the leads gave.
 
@@ -284,6 +298,7 @@ def test_torque_shakes_in_low_gears_and_inertia_in_high_ones():
     assert size[1] < 0.6 * size[0]
 
 
+@pytest.mark.usefixtures("rolling")
 def test_half_the_damping_makes_resonance_higher():
     app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
     damped, loose = (
@@ -292,6 +307,7 @@ def test_half_the_damping_makes_resonance_higher():
     assert np.nanmax(loose.closed.torque[3]) > 1.3 * np.nanmax(damped.closed.torque[3])
 
 
+@pytest.mark.usefixtures("rolling")
 def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
     """On ice the wheels slip in first gear, whatever the engine gives."""
     application = files.read(truck)
@@ -334,6 +350,7 @@ def test_zones_stay_shut_with_the_damping_of_their_parts(example):
         assert z.speed == pytest.approx((w[..., z.modes[0]] + w[..., z.modes[1]]) / 2)
 
 
+@pytest.mark.usefixtures("rolling")
 def test_ratings_are_held_against_the_worst_state():
     """The largest of all states, over the joint's own rating."""
     app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -350,6 +367,7 @@ def test_ratings_are_held_against_the_worst_state():
     assert held.value * rating > 850 * 6.70 * 0.95  # more than first gear's mean torque
 
 
+@pytest.mark.usefixtures("rolling")
 def test_tyres_damp_more_at_speed():
     """METHOD 16: the wheels' mode near 22 Hz, some 0.03 in first gear, far more in top.
 
@@ -364,6 +382,7 @@ def test_tyres_damp_more_at_speed():
     assert zeta[0] > 2 * stuck[0]
 
 
+@pytest.mark.usefixtures("rolling")
 def test_a_sharp_resonance_is_met_at_its_very_peak():
     """With hardly any damping the peak is 0.3 % wide: beside it, three quarters are left."""
     app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -448,6 +467,7 @@ def test_a_launch_says_what_its_bearings_carry(starts):
     assert told == [s.bearing_passed.max() for s in started]
 
 
+@pytest.mark.slow
 def test_the_peak_is_the_same_with_half_the_steps(starts):
     parts, asked, (smooth, dropped, _) = starts
     fine = start(parts, asked, dropped.launch, step=5e-4)
@@ -700,6 +720,7 @@ def test_shapes_are_drawn_of_every_freedom(found):
     assert len(dots) == 5 * len(found.closed.powertrain.freedoms)
 
 
+@pytest.mark.slow
 def test_the_worst_gear_speaks_for_each_part(truck):
     """Without --all a resonance has one row, and no gear is nearer to it than that one."""
     checks = approve(files.read(truck), (VibrationStudy(),)).checks
@@ -719,6 +740,7 @@ def test_command_prints_what_stands_in_place_of_parts(truck):
     assert "axle.half_shafts" in run.stdout
 
 
+@pytest.mark.slow
 def test_a_rigid_axle_is_no_reason_to_die(truck):
     """`--axle-stiffness 1e9` once ended with "monodromy has not settled"."""
     run = CliRunner().invoke(cli, ["stability", str(truck), "--axle-stiffness", "1e9"])
@@ -755,6 +777,7 @@ torsion:
 """
 
 
+@pytest.mark.slow
 def test_the_first_plan_s_table_stands_in_place_of_parts(truck, tmp_path):
     """Its units, what it leaves out, and the options that go before it."""
     application = files.loads(truck.read_text("utf-8") + TORSION)
@@ -822,6 +845,7 @@ def test_tyres_bring_the_inertia_of_their_size(truck):
     assert app.wheels.inertia == 15.5
 
 
+@pytest.mark.slow
 def test_a_document_of_an_approval_says_each_launch(truck):
     text = truck.read_text("utf-8") + "launch: [{gear: 1}, {gear: 2, ramp_s: 0.1, capacity: 1.5}]\n"
     app = files.loads(text)

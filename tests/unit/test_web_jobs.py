@@ -141,6 +141,7 @@ def test_resonances_are_where_orders_meet_frequencies():
         assert order["Hz"][1] == pytest.approx(n * rubber["rpm"][1] / 60, abs=0.02)
 
 
+@pytest.mark.slow
 def test_the_vehicle_in_torsion_is_that_of_the_study():
     from cardan.study.stability import stability
 
@@ -350,6 +351,7 @@ def test_what_a_second_line_fails_fails():
     assert told["lost"][0]["name"].startswith(f"{second}, ")
 
 
+@pytest.mark.slow
 def test_what_cannot_be_built_says_so_in_its_cell():
     reach = "adjust: {bearing_height_mm: [-1000, 1000], shim_deg: [-80, 80]}"
     text = CHAIN.replace("limits:", f"{reach}\nlimits:")
@@ -471,6 +473,7 @@ def test_revisions_are_never_written_over(tmp_path):
         assert one.hello()["files"] == ["a.yaml"]
 
 
+@pytest.mark.slow
 def test_a_script_does_again_what_a_hand_did(tmp_path):
     """Run as anybody would: it comes to what the page shows."""
     (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")

@@ -107,6 +107,7 @@ def asked(path, speed, *more):
     return json.loads(done.output), CliRunner().invoke(command, asks).output
 
 
+@pytest.mark.slow
 def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     sound, _ = asked(spoiled, "n")
     assert "misread" not in sound

@@ -87,6 +87,7 @@ def test_the_truth_lies_inside_every_interval(application, name):
     assert found.misfit[1] < 0.02 < 0.1 < found.misfit[0]
 
 
+@pytest.mark.slow
 def test_an_angle_from_a_bus_does_as_well(application):
     """A quarter of a per mille off, and 4 ms late: what identification of speed leaves."""
     found = asked(application, TRUE, 6, bus=(1.00025, 0.004))
@@ -95,6 +96,7 @@ def test_an_angle_from_a_bus_does_as_well(application):
             assert p.low <= getattr(TRUE, p.name) <= p.high, p.name
 
 
+@pytest.mark.slow
 def test_a_file_that_is_right_is_left_alone(application):
     truth = replace(TRUE, vertical=150e3, lateral=100e3, loss=0.1)
     found = asked(application, truth, 7)

@@ -173,6 +173,7 @@ CULPRITS = {
 }
 
 
+@pytest.mark.slow
 def test_whoever_it_was_is_found():
     """Locked causes within 3 % of the damage, the load 10 %, road and events together 10 %.
 

@@ -178,6 +178,7 @@ def test_monodromy_is_the_derivative_of_the_motion():
     np.testing.assert_allclose(P, monodromy(about_forced_orbit(GENERAL, speed)), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_growth_about_the_orbit_is_the_lyapunov_exponent():
     """Where the orbit attracts, its slowest Floquet exponent is the Lyapunov exponent."""
     speeds = np.array([0.5, 1.3])
@@ -287,6 +288,7 @@ def test_the_first_mode_is_damped_as_asked(ratio):
     assert shape @ C @ shape == pytest.approx(2 * ratio * w, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_zones_are_told_apart_by_what_their_multipliers_do():
     """Three of them lie within 8 %: mode 1's own, a sum at second order, and a shut difference.
 
