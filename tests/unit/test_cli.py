@@ -417,6 +417,7 @@ def test_fix_leaves_in_place_what_the_file_holds(tmp_path):
     assert result.exit_code == 1
 
 
+@pytest.mark.slow
 def test_fix_gives_as_many_proposals_as_are_wanted():
     file = EXAMPLES / "three-joint-chain.yaml"
     assert len(json.loads(run("fix", "--count", 2, "--json", "-", file).stdout)) == 2

@@ -29,6 +29,7 @@ def test_every_piece_runs_and_shows_what_it_came_to(page):
     assert "200 variants" in page
 
 
+@pytest.mark.slow
 def test_a_frame_is_shown_where_pandas_is(page):
     pytest.importorskip("pandas")
     assert "Not run here" not in page

@@ -429,6 +429,7 @@ def undamped() -> Approval:
     return approve(files.loads(UNDAMPED))
 
 
+@pytest.mark.slow
 def test_a_line_that_shakes_itself_up_fails_in_headline_and_chapter(undamped, tmp_path):
     """The chapter once had limits of its own: it said WARN under a headline that said FAIL."""
     (vibration,) = [f for f in undamped.findings if f.study == VIBRATION]

@@ -853,6 +853,7 @@ def test_a_document_of_an_approval_says_each_launch(truck):
     assert [x["gear"] for x in told["vehicle"]["launches"]] == ["1", "2"]
 
 
+@pytest.mark.slow
 def test_a_check_s_document_holds_the_vehicle_by_its_schema(truck):
     """Where vibration was asked; the numbers are those of the command's own document."""
     jsonschema = pytest.importorskip("jsonschema")

@@ -512,7 +512,7 @@ from cardan.study.sweep import variants_of
 text, folder = Path(sys.argv[1]).read_text(), Path(sys.argv[2])
 app = files.loads(text)
 asked = variants_of({}, {"driveline.slopes.side_deg[*]": {"normal": 0.2}}, ask=Ask(rows="float64"))
-study(app, asked, count=2000, shard=20, folder=folder, resume=folder.exists())
+study(app, asked, count=800, shard=20, folder=folder, resume=folder.exists())
 """
 
 
@@ -529,12 +529,12 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bits(tmp_path, shards_befor
     os.kill(run.pid, signal.SIGKILL)
     assert run.wait() == -signal.SIGKILL
     done = len(list((tmp_path / "out").glob("shard-*.npz")))
-    assert shards_before <= done < 100
+    assert shards_before <= done < 40
     subprocess.run(command, check=True)
     asked = variants_of(
         {}, {"driveline.slopes.side_deg[*]": {"normal": 0.2}}, ask=Ask(rows="float64")
     )
-    study(application(), asked, count=2000, shard=20, folder=tmp_path / "whole")
+    study(application(), asked, count=800, shard=20, folder=tmp_path / "whole")
     for path in sorted((tmp_path / "whole").iterdir()):
         assert path.read_bytes() == (tmp_path / "out" / path.name).read_bytes(), path.name
 

@@ -53,12 +53,15 @@ def agrees(found, k, checks, verdict):
 @pytest.mark.parametrize(
     ("path", "vary"),
     [
-        (TRUCK, {
-            "driveline.shafts[2].tube.wall_mm": [1.5, 5],
-            "axle.ratio": {"normal": 0.3},
-            "driveline.points_mm[3][3]": {"uniform": 25},
-            "obstacles[1].radius_mm": {"choice": [20, 40]},
-        }),
+        pytest.param(
+            TRUCK, {
+                "driveline.shafts[2].tube.wall_mm": [1.5, 5],
+                "axle.ratio": {"normal": 0.3},
+                "driveline.points_mm[3][3]": {"uniform": 25},
+                "obstacles[1].radius_mm": {"choice": [20, 40]},
+            },
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             ROOT / "examples" / "tandem-6x4.yaml", {"tyre.friction": {"uniform": 0.2}},
             marks=pytest.mark.slow,

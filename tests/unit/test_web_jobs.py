@@ -442,7 +442,7 @@ def test_a_library_is_what_each_file_comes_to(tmp_path):
 
 
 @pytest.mark.parametrize("lang", chief(["en", "pt", "it"], "pt"))
-@pytest.mark.parametrize("kind", ["html", "json", "xlsx"])
+@pytest.mark.parametrize("kind", chief(["html", "json", "xlsx"], "json", "xlsx"))
 def test_a_report_is_that_of_the_command(kind, lang):
     question = {"job": "report", "text": CHAIN, "name": "x.yaml", "folder": None, "lang": "en"}
     told = answer({**question, "args": {"kind": kind, "lang": lang}})

@@ -119,6 +119,7 @@ def test_a_job_has_its_shape(name, job, text, args):
     assert wrong(name, asked(job, text, args=args)) == []
 
 
+@pytest.mark.slow
 def test_a_correction_has_its_shape():
     assert wrong("Corrections", asked("fix", CHAIN, args={})) == []
 

@@ -127,15 +127,20 @@ def low_pass(cutoff: float, *, rate: float, width: float | None = None) -> Filte
     width of a quarter of the cutoff unless given. Windowed ideal filter; source: Kaiser,
     Proc. IEEE Int. Symp. Circuits and Systems (1974).
     """
+    hold_cutoff(cutoff, rate=rate)
     width = cutoff / 4 if width is None else width
-    if not 0 < cutoff < rate / 2:
-        msg = f"a filter's cutoff must lie within (0, {rate / 2:g}) Hz, got {cutoff:g} Hz"
-        raise DesignError(msg)
     # Kaiser: β for 80 dB, and the length that gives the width.
     reach = int(np.ceil((80 - 7.95) / 14.36 * rate / width / 2))
     n = np.arange(-reach, reach + 1)
     taps = np.sinc(2 * cutoff / rate * n) * np.kaiser(n.size, 0.1102 * (80 - 8.7))
     return Filter(taps / taps.sum())
+
+
+def hold_cutoff(cutoff: float, *, rate: float) -> None:
+    """Refuse a cutoff, Hz, that samples at a rate do not have."""
+    if not 0 < cutoff < rate / 2:
+        msg = f"a filter's cutoff must lie within (0, {rate / 2:g}) Hz, got {cutoff:g} Hz"
+        raise DesignError(msg)
 
 
 def high_pass(cutoff: float, *, rate: float, width: float | None = None) -> Filter:

@@ -518,7 +518,7 @@ class Campaign:
         ruled = [r.channel for r in self.rules if r.channel]
         self._held("mask and --accept", ruled, channels, "gauge's channel")
         if self.low_pass_Hz is not None:
-            conditioning.low_pass(self.low_pass_Hz, rate=recording.rate)  # refuses what it cannot
+            conditioning.hold_cutoff(self.low_pass_Hz, rate=recording.rate)
         return Plan(
             gauges=gauges, curve=self._curve(), correction=self._correction(),
             rule=_RESIDUES[self.residue], baseline=_ZEROS[self.zero], low_pass=self.low_pass_Hz,
