@@ -249,6 +249,9 @@ def _untwisted(line: Driven, angle: float) -> float:
 Fate: TypeAlias = Literal["caught at half", "caught", "through"]
 """What becomes of a run-up: stuck at half the torsional frequency, at it, or at its top speed."""
 
+BLOCK = 64
+"""Steps of one length, a period and a half of what is fastest: the speed hardly changes."""
+
 NEAR = 0.04
 """A mean speed is at a frequency within this share: what is caught swings about it."""
 
@@ -303,13 +306,10 @@ def fates(
 
     Notes
     -----
-    Steps of the classical Runge-Kutta method, forty to a period of the joint at top speed
-    or of the torsional mode, whichever is shorter; all angles together.
+    Steps of the classical Runge-Kutta method, forty to a period of the joint at the speed
+    reached or of the torsional mode, whichever is shorter; all angles together.
     """
     angle = np.pi * np.arange(phases) / phases
-    fastest = max(2 * line.top_speed, line.frequency)
-    steps = int(np.ceil(40 * fastest / (2 * np.pi) * duration))
-    h, last = duration / steps, steps - steps // 10
     cosine = np.cos(line.beta)
     less = 1 - cosine
 
@@ -327,18 +327,23 @@ def fates(
 
     begun = np.array([_untwisted(line, float(a)) for a in angle])
     state = np.stack([angle, begun, np.full(phases, start_speed), np.full(phases, start_speed)])
-    then = state
-    for k in range(steps):
-        k1 = rate(state)
-        k2 = rate(state + h / 2 * k1)
-        k3 = rate(state + h / 2 * k2)
-        k4 = rate(state + h * k3)
-        state = state + h / 6 * (k1 + 2 * (k2 + k3) + k4)
-        if k + 1 == last:
-            then = state
-        if k % 256 == 0 and state[2].min() > (1 + 4 * NEAR) * line.frequency:
-            return Fates(angle=angle, mean_speed=state[2], each=("through",) * phases)
-    mean = (state[0] - then[0]) / (h * (steps - last))
+    then, late = state, 0.9 * duration
+    for begins, ends in ((0.0, late), (late, duration)):
+        time, then = begins, state
+        while time < ends:
+            if state[2].min() > (1 + 4 * NEAR) * line.frequency:
+                return Fates(angle=angle, mean_speed=state[2], each=("through",) * phases)
+            fastest = max(2 * float(state[2].max()), line.frequency)
+            left = int(np.ceil((ends - time) * 40 * fastest / (2 * np.pi)))
+            h, steps = (ends - time) / left, min(left, BLOCK)
+            for _ in range(steps):
+                k1 = rate(state)
+                k2 = rate(state + h / 2 * k1)
+                k3 = rate(state + h / 2 * k2)
+                k4 = rate(state + h * k3)
+                state = state + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+            time = ends if steps == left else time + steps * h
+    mean = (state[0] - then[0]) / (duration - late)
     return Fates(angle=angle, mean_speed=mean, each=tuple(_fate(line, float(v)) for v in mean))
 
 
