@@ -114,6 +114,8 @@ def test_drift_is_seen_and_taken_off():
     x = (signal(n) + creep)[None]
     health = look(x, span=5.0)
     assert health.drift == pytest.approx(90, abs=1)  # medians of first and last tenth
+    (drifts,) = [str(s) for s in health.findings(rate=RATE, unit="MPa") if "drifts" in str(s)]
+    assert drifts == f"drifts by {health.drift:.4g} MPa from beginning to end"
     assert any("drifts" in str(s) for s in health.findings(rate=RATE))
     way = [Treatment(baseline=slow_drift(health, spans=5), span=health.span)]
     flat = np.concatenate([one for (one,) in treated(cut([x], size=7000), how=[way])], -1)

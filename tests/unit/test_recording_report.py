@@ -3,11 +3,13 @@
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cardan.base.part import Part
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
 from cardan.fatigue import conditioning, evidence, quality
@@ -21,11 +23,12 @@ from cardan.fatigue.synthetic import Gains, synthetic
 from cardan.report import recording_story
 from cardan.report.blocks import Figures, Issue, Picture
 from cardan.report.html import page
-from cardan.report.identified import NAMES
+from cardan.report.identified import NAMES, parameter
 from cardan.report.language import CODES, Language, catalogue
 from cardan.report.pdf import document
 from cardan.report.recording_chapter import haigh
 from cardan.study.campaign import Campaign
+from cardan.study.identification import Parameter
 from cardan.study.recording import RecordingStudy
 
 
@@ -38,6 +41,28 @@ def found():
         mean_stress="goodman", ultimate_MPa=500.0, target_hours=1e5,
     )  # fmt: skip
     return RecordingStudy(campaign, draw=True).run(drive)
+
+
+def test_what_is_more_assumed_than_told_is_shown_with_its_interval_and_never_rewritten():
+    """A weld was "not told", where what was found of it left out what is drawn."""
+    deg = np.pi / 180
+    turned = Parameter(
+        name="phase", part=Part("shaft", 2), was=0.0, value=5.7 * deg, low=2.6 * deg,
+        high=8.8 * deg, told=False, assumed=True, address="phase",
+    )  # fmt: skip
+    say = Language("en")
+    assert parameter(turned, say) == (
+        "yoke phase [deg]", "shaft 2", "0", "5.7", "2.6 to 8.8",
+        "otherwise than written, but more assumed than told",
+    )  # fmt: skip
+    assert not turned.rewritten
+    assert not turned.otherwise
+    *_, said = parameter(replace(turned, low=-deg), say)
+    assert said == "more assumed than told"
+    assert parameter(replace(turned, assumed=False), say)[3:] == (
+        "-", "-", "not told by this recording",
+    )  # fmt: skip
+    assert parameter(replace(turned, told=True), say)[-1] == "otherwise than written"
 
 
 @pytest.mark.parametrize("code", CODES)

@@ -254,8 +254,11 @@ class Health:
         here = {kind: where for kind, where in self.faults.items() if kind in ANYWHERE}
         return replace(self, faults=here, levels=self.levels[:0], hum=None)
 
-    def findings(self, *, rate: float) -> list[Said]:
-        """Return what a user should know, a sentence each; empty if all is well."""
+    def findings(self, *, rate: float, unit: str = "") -> list[Said]:
+        """Return what a user should know, a sentence each; empty if all is well.
+
+        `unit` is the channel's, "" where nobody says.
+        """
         if self.dead:
             return [said(DEAD)]
         found: list[Said] = []
@@ -274,10 +277,14 @@ class Health:
                 said(SUSPECTED[kind], samples=where.samples, places=where.count, first=first)
             )
         if self.drifts:
-            found.append(said(DRIFTS, drift=f"{self.drift:.4g}"))
+            found.append(said(DRIFTS, drift=f"{self.drift:.4g} {unit}".rstrip()))
         if self.hum is not None:
             found.append(
-                said(HUMS, frequency=f"{self.hum.frequency:g}", size=f"{self.hum.amplitude:.3g}")
+                said(
+                    HUMS,
+                    frequency=f"{self.hum.frequency:g}",
+                    size=f"{self.hum.amplitude:.3g} {unit}".rstrip(),
+                )
             )
         return found
 

@@ -35,11 +35,16 @@ def parameter(of: Parameter, say: Language) -> tuple[str, ...]:
 
     name = say(NAMES[of.name]) + (f" [{of.unit}]" if of.unit else "")
     where = say("bracket") if of.name.startswith("mode") else say.part(of.part)
-    if not of.told:
+    if of.told:
+        said = say("otherwise than written") if of.differs else (
+            say("as written") if not math.isnan(of.was) else ""
+        )  # fmt: skip
+    elif of.assumed:
+        said = say("more assumed than told") if not of.differs else (
+            say("otherwise than written, but more assumed than told")
+        )  # fmt: skip
+    else:
         return name, where, told(of.was), "-", "-", say("not told by this recording")
-    said = say("otherwise than written") if of.otherwise else (
-        say("as written") if not math.isnan(of.was) else ""
-    )  # fmt: skip
     between = say("{low} to {high}", low=told(of.low), high=told(of.high))
     return name, where, told(of.was), told(of.value), between, said
 
@@ -110,6 +115,9 @@ def document(of: Identification) -> dict[str, Any]:
                 "found": _number(p.told_in_unit(p.value)) if p.told else None,
                 "interval": [p.told_in_unit(p.low), p.told_in_unit(p.high)] if p.told else None,
                 "otherwise": p.otherwise,
+                "assumed": [p.told_in_unit(v) for v in (p.value, p.low, p.high)]
+                if p.assumed
+                else None,
                 "address": p.address or None,
             }
             for p in of.parameters

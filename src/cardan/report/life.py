@@ -8,6 +8,7 @@ import numpy as np
 
 from cardan import __version__
 from cardan.base.arrays import FloatArray
+from cardan.base.said import Said
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
@@ -431,7 +432,7 @@ def contract(
             {
                 "name": name, "missing": h.missing, "spikes": h.spikes, "clipped": h.clipped,
                 "dead": h.dead, "drift": h.drift,
-                "findings": [str(f) for f in h.findings(rate=recording.rate)],
+                "findings": [str(f) for f in _found(recording, name, h)],
                 "suspects": _suspects(h, recording.rate),
             }
             for name, h in channels.items()
@@ -578,8 +579,12 @@ def channels(recording: Recording, lives: Sequence[GaugeLife], say: Language) ->
     """Yield what looks wrong in the channels of gauges, a line each."""
     healths = {name: health for one in lives for name, health in one.health.items()}
     for name, health in healths.items():
-        for finding in health.findings(rate=recording.rate):
+        for finding in _found(recording, name, health):
             yield f"{name}: {say.said(finding)}"
+
+
+def _found(recording: Recording, channel: str, health: Health) -> list[Said]:
+    return health.findings(rate=recording.rate, unit=recording.channel(channel).unit)
 
 
 def gauges(lives: Sequence[GaugeLife], say: Language) -> list[tuple[str, ...]]:
@@ -725,12 +730,13 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
             gauge=name, kinds=say.list(*map(say, of.vetoes)),
         )  # fmt: skip
         return
-    lasts = (
+    lasts = [
         say("{share} failed {hours} h", share=say.pointed(f"{f:.0%}"),
             hours=_long(n * one.life.duration / hour, say))
         for f, n in one.repeats.items()
-    )  # fmt: skip
-    yield f"{name}: {say.list(*lasts)}"
+    ]  # fmt: skip
+    if len(set(one.repeats.values())) > 1:  # one drive by one vehicle does not scatter
+        yield f"{name}: {say.list(*lasts)}"
     if one.spectral and one.life.damage > 0:
         beside = (
             f"{n.replace('_', '-').title()} {say.pointed(f'{d / one.life.damage:.2f}')}"

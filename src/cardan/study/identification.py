@@ -126,7 +126,9 @@ class Parameter:
     value, low, high
         As found, and the 90 % interval.
     told
-        Whether the recording says it; otherwise it is what was assumed.
+        Whether the recording says it.
+    assumed
+        Whether it does not because more of the interval is what was assumed than what it says.
     address
         Of its number in the application's file; "" where there is none.
     """
@@ -138,6 +140,7 @@ class Parameter:
     low: float
     high: float
     told: bool = True
+    assumed: bool = False
     address: str = ""
 
     @property
@@ -150,10 +153,14 @@ class Parameter:
         return value / UNIT[self.name][1]
 
     @property
+    def differs(self) -> bool:
+        """Whether what the file says lies outside the interval."""
+        return not np.isnan(self.was) and not self.low <= self.was <= self.high
+
+    @property
     def otherwise(self) -> bool:
         """Whether the recording contradicts the file."""
-        known = not np.isnan(self.was)
-        return self.told and known and not self.low <= self.was <= self.high
+        return self.told and self.differs
 
     @property
     def rewritten(self) -> bool:
@@ -883,7 +890,7 @@ def _told(
         parameters.append(
             Parameter(
                 name=f.name, part=f.part, was=f.was, value=f.value(at), low=low, high=high,
-                told=bool(told), address=f.address,
+                told=bool(told), assumed=not told, address=f.address,
             )
         )  # fmt: skip
     parameters += _unbalance(fit, said, U)

@@ -56,7 +56,7 @@ def brought(_: Document, args: Json, say: Language, tell: Tell) -> Json:
                 "name": c.name, "unit": c.unit, "role": roles[c.name],
                 "low": g(h.low), "high": g(h.high), "lowest": fs(a, 4), "highest": fs(b, 4),
                 "suspects": _suspects(h, recording.rate, say),
-                "said": [say.said(s) for s in h.findings(rate=recording.rate)],
+                "said": [say.said(s) for s in h.findings(rate=recording.rate, unit=c.unit)],
             }
             for c, h, a, b in zip(recording.channels, healths.values(), low, high, strict=False)
         ],
