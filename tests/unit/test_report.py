@@ -35,7 +35,7 @@ from cardan.report.drawing import drawings, worst_state
 from cardan.report.html import page
 from cardan.report.inputs import inputs
 from cardan.report.language import CODES, EN, LACKED, Language, catalogue
-from cardan.report.pdf import _told, document
+from cardan.report.pdf import _told, document, pages
 from cardan.report.plots import plots, round_the_turn
 from cardan.report.sheet import sections
 from cardan.report.svg import GRADED
@@ -586,6 +586,22 @@ def test_a_picture_stands_in_page_and_document_and_only_its_script_may_run(told)
     assert len(re.findall(rb"/Subtype ?/Image", data)) > len(
         re.findall(rb"/Subtype ?/Image", document(plain))
     )
+
+
+def test_a_picture_taller_than_a_page_is_whole_on_one():
+    """The lower half of a bracket's damage was cut off at the foot of its page."""
+    plt = pytest.importorskip("matplotlib.image")
+    tall = np.zeros((900, 300, 3))
+    tall[:20, :, 0] = tall[-20:, :, 2] = 1.0  # red above, blue below
+    drawn = BytesIO()
+    plt.imsave(drawn, tall, format="png")
+    picture = Picture(title="A", png=drawn.getvalue(), alt="A tall one.", scene="")
+    found = approve(limited(FLAT))
+    plain = story.approval(found, helps=(), fixes=(), say=EN, issue=ISSUE)
+    whole = replace(plain, chapters=(Chapter(title="B", blocks=(picture,)),))
+    shown = [plt.imread(BytesIO(png))[..., :3] for png in pages(whole, ppi=40)]
+    ends = [[(np.abs(one - of).max(-1) < 0.2).any() for of in np.eye(3)[[0, 2]]] for one in shown]
+    assert [True, True] in ends
 
 
 def chapter(whole: story.Story, title: str) -> Chapter:

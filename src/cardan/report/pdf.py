@@ -33,6 +33,9 @@ TITLE, RUNNING, HEAD, NARROW, CELL, PARAGRAPH = 200, 80, 48, 24, 300, 4000
 """Characters that have room: on the cover, at a page's foot, in tables (over words, over
 numbers, in a cell), in a text."""
 
+TALLEST = 1.1
+"""Height of a picture over the width of the text, at most: a page cuts off what is taller."""
+
 NAMED = 12
 """How many letters are named that the fonts lack."""
 
@@ -89,9 +92,14 @@ def _set(of: Story, **options: Any) -> Any:
     return typst.compile(sources, ignore_system_fonts=True, **options)
 
 
+def _size(png: bytes) -> tuple[int, int]:
+    """Return width and height of a picture, in pixels."""
+    return int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")
+
+
 def _wrapped(png: bytes) -> str:
     """Return a picture inside a drawing: the typesetter takes its sources as text alone."""
-    width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
+    width, height = _size(png)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">'
         f'<image width="{width}" height="{height}" '
@@ -115,7 +123,10 @@ def _told(of: Story) -> tuple[dict[str, Any], dict[str, bytes]]:
             if isinstance(block, Picture):
                 del told["scene"]
                 told["file"] = f"figure-{len(drawings) + 1}.svg"
-                drawings[told["file"]] = _wrapped(told.pop("png"))
+                png: bytes = told.pop("png")
+                drawings[told["file"]] = _wrapped(png)
+                width, height = _size(png)
+                told["share"] = min(1.0, TALLEST * width / height)
             blocks.append(told)
         chapters.append({"title": chapter.title, "blocks": blocks})
     say = Language(of.language)
