@@ -24,7 +24,7 @@ BETWEEN = {
     "suspension.spring.load_N[3]": (12600.0, 13000.0),
     "vehicle.loads.gvw.rear_axle_kg": (16000.0, 18000.0),
 }
-VARIANTS, BATCH, ALONE = 10_000, 1000, 50
+VARIANTS, BATCH, ALONE = 256, 64, 20
 
 
 def main() -> None:
