@@ -23,6 +23,7 @@ from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.background import background, modes
 from cardan.model.bracket import StepShape
 from cardan.report import story
+from cardan.report.identified import parameter
 from cardan.report.language import CODES, Language
 from cardan.study.recording import listen_to_all
 
@@ -173,6 +174,9 @@ def test_the_page_says_what_is_found(name, code, to):
             assert say.short(p.told_in_unit(p.value), 4).replace("\N{MINUS SIGN}", "-") in page
             # The width is what is assumed of welds more than what the recording says.
             assert p.told == (p.part.number == 1)
+            assert p.assumed != p.told
+            *_, remark = parameter(p, say)
+            assert (f"*{remark}*" in page) == (p.part.number == 2)
     (mode,) = found.shaken
     assert said(mode.frequency[0], mode.frequency[2], 3) in page
     assert said(mode.damping[0], mode.damping[2], 3) in page
