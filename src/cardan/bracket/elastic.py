@@ -43,6 +43,8 @@ _FEW = 3
 """Load vectors whose stress is held at once, in every element."""
 _FLAT = 0.3
 """Smallest over largest Jacobian of an element that is trusted at a node."""
+_PATCH = 12
+"""Nodes at least from which a stress is carried on to one where no element is trusted."""
 
 
 def silent(_: str) -> None:
@@ -201,7 +203,7 @@ class Elastic:
             "mass",
             "nodes",
             "rigid",
-            "_worth",
+            "_says",
             "_mean",
             "_meeting",
             "_functions",
@@ -379,14 +381,45 @@ class Elastic:
 
     @cached_property
     def _mean(self) -> Any:
-        """Sparse matrix (n, 10 e) that takes the mean at the nodes of what elements say."""
-        from scipy.sparse import csr_array
+        """Sparse matrix (n, 10 e) that takes the mean at the nodes of what elements say.
 
-        flat, worth = self.nodes.elements.ravel(), self._worth.ravel()
+        Where none has a say it carries on in a straight line what is said round the node.
+        """
+        from scipy.sparse import csr_array, diags_array
+
+        flat, says = self.nodes.elements.ravel(), self._says.ravel()
         count = len(self.nodes.points)
-        share = np.bincount(flat, weights=worth, minlength=count)
+        voices = np.bincount(flat, weights=says, minlength=count)
         order, starts = self._meeting
-        return csr_array(((worth / share[flat])[order], order, starts), shape=(count, len(flat)))
+        share = says / np.maximum(voices, 1.0)[flat]
+        mean = csr_array((share[order], order, starts), shape=(count, len(flat)))
+        if not self._round_silent:
+            return mean
+        rows, near, weights = (
+            np.concatenate([part[k] for part in self._round_silent]) for k in range(3)
+        )
+        carried = csr_array((weights, (rows, near)), shape=(count, count))
+        return (diags_array(np.ones(count)) + carried).tocsr() @ mean
+
+    @cached_property
+    def _round_silent(self) -> list[tuple[IntArray, IntArray, FloatArray]]:
+        """Of nodes where no element has a say: themselves, nodes that are heard, and weights."""
+        points, elements = self.nodes.points, self.nodes.elements
+        heard = np.bincount(elements.ravel(), weights=self._says.ravel(), minlength=len(points)) > 0
+        found: list[tuple[IntArray, IntArray, FloatArray]] = []
+        for node in np.flatnonzero(~heard).tolist():
+            patch = {node}
+            near = np.zeros(0, dtype=np.int64)
+            while near.size < _PATCH and len(patch) < len(points):
+                patch = set(
+                    elements[[e for n in patch for e in self._touching(n)]].ravel().tolist()
+                )
+                near = np.array([n for n in patch if heard[n]], dtype=np.int64)
+            away = points[near] - points[node]
+            away /= np.abs(away).max()
+            linear = np.linalg.pinv(np.column_stack([np.ones(len(near)), away]))
+            found.append((np.full(len(near), node), near, linear[0]))
+        return found
 
     @cached_property
     def _meeting(self) -> tuple[IntArray, IntArray]:
@@ -400,12 +433,10 @@ class Elastic:
 
         The largest von Mises stress of what an element says, less the mean `smooth`
         (n, c, 6) Pa of them all: the estimate of Zienkiewicz and Zhu, Int. J. Numer. Meth.
-        Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say,
-        but where all are.
+        Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say; where
+        all are, what counts is what those round it disagree by.
         """
-        flat, trusted = self.nodes.elements.ravel(), self._worth.ravel() > 0.5
-        heard = np.bincount(flat, weights=trusted, minlength=len(self.nodes.points)) > 0
-        trusted = trusted | ~heard[flat]  # where all are pressed flat, all are heard
+        flat, says = self.nodes.elements.ravel(), self._says.ravel()
         order, starts = self._meeting
         displacements = np.asarray(displacements, dtype=float)
         read, found = self._nodal, np.zeros(smooth.shape[:2])
@@ -413,7 +444,9 @@ class Elastic:
             few = slice(c, c + _FEW)
             raw = stress_of_gradients(read(displacements[few]), self.material)
             off = von_mises(raw.reshape(len(flat), -1, 6) - smooth[flat, few])
-            found[:, few] = np.maximum.reduceat((off * trusted[:, None])[order], starts[:-1])
+            found[:, few] = np.maximum.reduceat((off * says[:, None])[order], starts[:-1])
+        for nodes, near, _ in self._round_silent:
+            found[nodes[0]] = found[near].max(axis=0)
         return found
 
     def stress_on(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
@@ -470,8 +503,8 @@ class Elastic:
         return functions, kinds, [self.space.GetFE(every[e]) for e in first]
 
     @cached_property
-    def _worth(self) -> FloatArray:
-        """How much each element's word at each of its nodes is worth, (e, 10).
+    def _says(self) -> BoolArray:
+        """Whether each element has a say at each of its nodes, (e, 10).
 
         An element bent round a small radius can be pressed flat at a corner, where its
         strain is then nonsense: its neighbours know better.
@@ -479,7 +512,7 @@ class Elastic:
         ngs = engine().ngs
         volume = ngs.Det(ngs.specialcf.JacobianMatrix(3))
         here = volume(self.mesh.MapToAllElements(_nodal_rule(), ngs.VOL)).reshape(-1, 10)
-        return np.where(here > _FLAT * here.max(axis=1, keepdims=True), 1.0, 1e-12)
+        return here > _FLAT * here.max(axis=1, keepdims=True)
 
     def locate(self, points: ArrayLike) -> list[Place]:
         """Find the point of the solid nearest to each of some points (k, 3) m."""
