@@ -199,16 +199,8 @@ class Elastic:
         tell("factorising")
         other = replace(self, free_dofs=free, inverse=_factors(self.stiffness, free))
         # The same however it is held.
-        for known in (
-            "mass",
-            "nodes",
-            "rigid",
-            "_says",
-            "_mean",
-            "_meeting",
-            "_functions",
-            "_nodal",
-        ):
+        known_by = "mass nodes rigid _says _silent _mean _meeting _functions _nodal"
+        for known in known_by.split():
             other.__dict__[known] = getattr(self, known)
         return other
 
@@ -385,7 +377,7 @@ class Elastic:
 
         Where none has a say it carries on in a straight line what is said round the node.
         """
-        from scipy.sparse import csr_array, diags_array
+        from scipy.sparse import csr_array, eye_array, lil_array
 
         flat, says = self.nodes.elements.ravel(), self._says.ravel()
         count = len(self.nodes.points)
@@ -393,32 +385,29 @@ class Elastic:
         order, starts = self._meeting
         share = says / np.maximum(voices, 1.0)[flat]
         mean = csr_array((share[order], order, starts), shape=(count, len(flat)))
-        if not self._round_silent:
+        if not self._silent:
             return mean
-        rows, near, weights = (
-            np.concatenate([part[k] for part in self._round_silent]) for k in range(3)
-        )
-        carried = csr_array((weights, (rows, near)), shape=(count, count))
-        return (diags_array(np.ones(count)) + carried).tocsr() @ mean
+        carried = lil_array((count, count))
+        for node, (near, weights) in self._silent.items():
+            carried[node, near] = weights
+        return (eye_array(count, format="csr") + carried.tocsr()) @ mean
 
     @cached_property
-    def _round_silent(self) -> list[tuple[IntArray, IntArray, FloatArray]]:
-        """Of nodes where no element has a say: themselves, nodes that are heard, and weights."""
+    def _silent(self) -> dict[int, tuple[IntArray, FloatArray]]:
+        """Of each node where no element has a say: nodes round it where one has, and weights."""
         points, elements = self.nodes.points, self.nodes.elements
-        heard = np.bincount(elements.ravel(), weights=self._says.ravel(), minlength=len(points)) > 0
-        found: list[tuple[IntArray, IntArray, FloatArray]] = []
+        heard = np.zeros(len(points), dtype=bool)
+        heard[elements[self._says]] = True
+        found: dict[int, tuple[IntArray, FloatArray]] = {}
         for node in np.flatnonzero(~heard).tolist():
-            patch = {node}
-            near = np.zeros(0, dtype=np.int64)
-            while near.size < _PATCH and len(patch) < len(points):
-                patch = set(
-                    elements[[e for n in patch for e in self._touching(n)]].ravel().tolist()
-                )
-                near = np.array([n for n in patch if heard[n]], dtype=np.int64)
+            near = np.array([node])
+            while np.count_nonzero(heard[near]) < _PATCH and len(near) < len(points):
+                near = np.unique(elements[np.concatenate([self._touching(n) for n in near])])
+            near = near[heard[near]]
             away = points[near] - points[node]
             away /= np.abs(away).max()
             linear = np.linalg.pinv(np.column_stack([np.ones(len(near)), away]))
-            found.append((np.full(len(near), node), near, linear[0]))
+            found[node] = near, linear[0]
         return found
 
     @cached_property
@@ -445,8 +434,8 @@ class Elastic:
             raw = stress_of_gradients(read(displacements[few]), self.material)
             off = von_mises(raw.reshape(len(flat), -1, 6) - smooth[flat, few])
             found[:, few] = np.maximum.reduceat((off * says[:, None])[order], starts[:-1])
-        for nodes, near, _ in self._round_silent:
-            found[nodes[0]] = found[near].max(axis=0)
+        for node, (near, _) in self._silent.items():
+            found[node] = found[near].max(axis=0)
         return found
 
     def stress_on(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
