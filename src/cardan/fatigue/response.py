@@ -264,10 +264,11 @@ class _Case:
                 other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
                 # What turns once a turn with the speed's square is unbalance.
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
-                share = self.removed(other.wave.real) + 0.05
                 clearly = NO_SQUARE * by_speed if self.measured else by_speed
-                if other.strength >= FOUND and by_torque > clearly and share > span.high:
-                    span = span.up_to(share, doubt)
+                if by_torque > clearly and other.strength >= FOUND:
+                    share = self.removed(other.wave.real) + 0.05
+                    if share > span.high:
+                        span = span.up_to(share, doubt)
         return span
 
     def following(self) -> tuple[float, float] | None:
