@@ -270,7 +270,9 @@ def levelled(x: np.ndarray, rate: float) -> np.ndarray:
     """Take the running mean of a second off, as linear in x as it is: (n,)."""
     half = max(round(0.5 * rate), 1)
     total = np.cumsum(np.concatenate([[0], np.pad(x, (half, half), mode="edge")]))
-    return x - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    mean = total[2 * half + 1 :] - total[: -2 * half - 1]
+    mean /= 2 * half + 1
+    return np.subtract(x, mean, out=mean)
 
 
 def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
@@ -349,25 +351,26 @@ class _Slow:
     def turning(self) -> "_Turning":
         """The same forces as they turn."""
         return _Turning(
-            self.rate, self.loads * self.turn, self.speed, np.exp(-1j * self.speed / self.rate)
-        )
+            self.rate, self.loads * self.turn, np.asarray(1j * self.speed, np.complex128),
+            np.exp(-1j * self.speed / self.rate),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Turning:
-    """Forces (forces, m) that turn at speeds (m,) rad/s, at a rate Hz, and their steps back."""
+    """Forces (forces, m) that turn at i speeds (m,) rad/s, at a rate Hz, and their steps back."""
 
     rate: float
     forces: ComplexArray
-    speed: FloatArray
+    spin: ComplexArray
     step_back: ComplexArray
 
     def by(self, beside: ComplexArray, shift: float) -> "_Turning":
         """Return them turned `beside` by as many Hz as the shift."""
-        faster = 2 * np.pi * shift
+        faster = 2j * np.pi * shift
         return replace(
-            self, forces=self.forces * beside, speed=self.speed + faster,
-            step_back=self.step_back * np.exp(-1j * faster / self.rate),
+            self, forces=self.forces * beside, spin=self.spin + faster,
+            step_back=self.step_back * np.exp(-faster / self.rate),
         )  # fmt: skip
 
     def through(self, pole: tuple[float, float]) -> ComplexArray:
@@ -376,7 +379,10 @@ class _Turning:
         p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
         stays = np.exp(p / self.rate)
         # A steady force is followed exactly.
-        gain = (w * pole[1]) * (stays * self.step_back - 1) / (p - 1j * self.speed)
+        gain = stays * self.step_back
+        gain -= 1
+        gain *= w * pole[1]
+        gain /= p - self.spin
         return remembered(self.forces * gain, stays)
 
 
@@ -402,10 +408,10 @@ def _fitted(
 
 def _explained(gram: np.ndarray, right: np.ndarray, *, ridge: float) -> tuple[np.ndarray, float]:
     """Solve normal equations: coefficients, and the energy explained."""
-    scale = np.sqrt(np.maximum(np.real(np.diag(gram)), 1e-300))
+    scale = np.sqrt(np.maximum(np.real(gram.diagonal()), 1e-300))
     gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
     c = np.linalg.solve(gram, right / scale) / scale
-    return c, float((np.conj(c) @ right).real)
+    return c, float(np.real(np.conj(c) @ right))
 
 
 def _freely(
@@ -434,7 +440,7 @@ def _searched(
         left = z - q @ (np.conj(q.T) @ z)
         whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
         # What is known already and what is left, as they turn.
-        known = np.conj(np.concatenate([q.T, left[None]]) * slow.turn).T
+        known = np.conj(np.concatenate([q, left[:, None]], axis=1) * slow.turn[:, None])
 
         @cache
         def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:

@@ -499,7 +499,7 @@ class Splitter:
         # Four splines times p regressors, each by each: what two splines make is alike in all
         # spans, seven numbers as of a polynomial of degree six, and what two regressors make is
         # alike either way round.
-        powers = np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T
+        powers = np.asarray(np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T, float)
         both = (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
         gram = np.empty((spans, 4, p, 4, p))
         for k in range(p):

@@ -176,9 +176,14 @@ class _Case:
         """Return ratios and lags of the speed that the stress goes with, the best first."""
         return self.aligned(self.angle) if self.whole > 0 else []
 
+    @cached_property
+    def quiet(self) -> FloatArray:
+        """Return `y` with its blows cut down (m,)."""
+        return limited(self.y, self.rate)
+
     def aligned(self, angle: Angle) -> list[Aligned]:
         """Return ratios and lags of an angle, the best first."""
-        return aligned(limited(self.y, self.rate), self.load, angle, self.rate, self.start)
+        return aligned(self.quiet, self.load, angle, self.rate, self.start)
 
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
         """Return what turns by an angle, else the shaft's, with a ratio and lag."""
