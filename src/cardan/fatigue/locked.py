@@ -42,6 +42,8 @@ FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
+RIDGE = 1e-9
+"""Of a fit's own size, that is put on its diagonal."""
 SLOW = 50.0
 """Samples a second at which an order is searched for modes: they remember tenths of one."""
 
@@ -95,15 +97,25 @@ def aligned(
     stretch = angle.stretches(np.asarray(time, float))
     many = len(angle.lost) + 1
     band, bands = stretch * bands + band, bands * many
-    cell, fast = band * count + bins, f2 > SLOWEST
-    prompt = turns[most : most + m]
+    fast = f2 > SLOWEST
+    ahead = np.exp(-4j * np.pi * (turns % 1.0))
+    moved = moved * np.conj(ahead[most : most + m])
     size = next_fast_len(3 * count)
     # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
     off = np.fft.fftfreq(size) / (2 * TURNS)
     near = np.flatnonzero(np.abs(off) <= OFF)
-    place = np.arange(count) + 0.5
+    # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in each of
+    # `SHARES` of the whole it is none.
+    beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
     share = np.unique(np.arange(SHARES) * count // SHARES)
-    amid = (share + np.append(share[1:], count)) // 2
+    each = -(-count // share.size)
+    # A row of bins for each share, as long as the longest: where each bin stands among them.
+    row = np.searchsorted(share, np.arange(count), "right") - 1
+    stands = row * each + np.arange(count) - share[row]
+    place = share[:, None] + np.arange(each) + 0.5
+    amid = (share + np.append(share[1:], count)) // 2 + 0.5
+    turned = np.exp(-4j * np.pi * TURNS * np.outer(amid, beside))
+    cell, wide = band * place.size + stands[bins], bands * place.size
     found: list[Aligned] = []
     for shift in shifts:
         own = slice(most - shift, most - shift + m)
@@ -112,32 +124,25 @@ def aligned(
             continue
         lag = float(shift * step)
         here = cell[own][used]
-        z = moved[used] * np.exp(4j * np.pi * (prompt[used] - turns[own][used]))
-        grid = np.bincount(here, z.real, bands * count) + 1j * np.bincount(
-            here, z.imag, bands * count
-        )
+        z = moved[used] * ahead[own][used]
+        grid = np.bincount(here, z.real, wide) + 1j * np.bincount(here, z.imag, wide)
         slot = band[own][used]
         weight = np.asarray(np.bincount(slot, square[used], bands), float)
         busy = weight > 1e-3 * weight.sum()
-        grid, weight = grid.reshape(bands, count)[busy], weight[busy]
+        grid, weight = grid.reshape(bands, -1)[busy], weight[busy]
         heard = np.bincount(slot, minlength=bands)[busy]
         middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
         which = np.divmod(np.flatnonzero(busy), bands // many)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
-        energy = np.zeros(near.size)
-        for row, often in zip(grid, weight, strict=True):
-            energy += np.abs(fft(row.astype(np.complex64), size)[near]) ** 2 / often
+        spectra = fft(grid[:, stands].astype(np.complex64), size)[:, near]
+        energy = (np.abs(spectra) ** 2 / weight[:, None]).sum(0)
         energy /= np.sinc(2 * TURNS * off[near]) ** 2
-        for peak in near[_peaks(energy)[:4]]:
-            # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in
-            # each of `SHARES` of the whole it is none.
-            beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
-            near_line = np.exp(-4j * np.pi * TURNS * off[peak] * place)
-            summed = np.add.reduceat(grid * near_line, share, axis=-1)
-            lines: ComplexArray = summed @ np.exp(
-                -4j * np.pi * TURNS * np.outer(place[amid], beside)
-            )
-            fine = off[peak] + beside
+        peaks = off[near[_peaks(energy)[:4]]]
+        near_line = np.exp(-4j * np.pi * TURNS * place[..., None] * peaks)
+        summed = grid.reshape(-1, *place.shape).swapaxes(0, 1) @ near_line
+        for peak, met in zip(peaks, summed.T, strict=True):
+            lines: ComplexArray = met @ turned
+            fine = peak + beside
             lines /= np.sinc(2 * TURNS * fine)
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
             k = int(np.argmax(sharp))
@@ -202,26 +207,29 @@ def punctual(option: Aligned, *, most: float) -> Aligned:
     lags = np.arange(-0.06, 0.0601, 0.003)
     lags = lags[np.abs(option.lag + lags) <= most + 1e-9]
     modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 36)
+    lags = lags[np.argsort(np.abs(lags))]
+    turned = (h * w)[:, None] * np.exp(2j * np.pi * np.outer(f, lags))
+    r, damping = f / modes[:, None], np.array([0.015, 0.05, 0.15])[:, None, None]
+    mode = 1 / (1 - r**2 + 2j * damping * r)
+    plain = np.broadcast_to([np.ones_like(f), (f / 80) ** 2], (*mode.shape[:2], 2, f.size))
+    energy = _of_rows(np.concatenate([plain, mode[..., None, :]], -2) * w, turned)
     best = (-np.inf, 0.0)
-    for late in lags[np.argsort(np.abs(lags))]:
-        turned = h * np.exp(2j * np.pi * f * late) * w
-        for damping in (0.015, 0.05, 0.15):
-            r = f / modes[:, None]
-            rows = (
-                np.stack(
-                    [np.ones_like(r), (f / 80) ** 2 + 0 * r, 1 / (1 - r**2 + 2j * damping * r)], -1
-                )
-                * w[:, None]
-            )
-            gram = np.conj(rows.swapaxes(-1, -2)) @ rows
-            gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(3)
-            right = np.conj(rows.swapaxes(-1, -2)) @ turned
-            c = np.linalg.solve(gram, right[..., None])[..., 0]
-            energy = float((np.conj(c) * right).real.sum(-1).max())
+    for late, explained in zip(lags, energy.max(1).T, strict=True):
+        for e in explained:
             # The nearest lag, unless another explains more than chance would.
-            if energy > best[0] * 1.002 or best[0] < 0:
-                best = (energy, float(late))
+            if e > best[0] * 1.002 or best[0] < 0:
+                best = (float(e), float(late))
     return replace(option, lag=option.lag + best[1])
+
+
+def _of_rows(rows: np.ndarray, z: ComplexArray) -> FloatArray:
+    """Energy (..., k) of each z (n, k) that each choice of rows (..., columns, n) explains."""
+    back = np.conj(rows)
+    gram = back @ rows.swapaxes(-1, -2)
+    size = np.trace(gram, axis1=-2, axis2=-1)[..., None, None]
+    right = back @ z
+    c = np.linalg.solve(gram + 1e-6 * size * np.eye(rows.shape[-2]), right)
+    return (np.conj(c) * right).real.sum(-2)
 
 
 def _peaks(x: FloatArray) -> IntArray:
@@ -262,7 +270,9 @@ def levelled(x: np.ndarray, rate: float) -> np.ndarray:
     """Take the running mean of a second off, as linear in x as it is: (n,)."""
     half = max(round(0.5 * rate), 1)
     total = np.cumsum(np.concatenate([[0], np.pad(x, (half, half), mode="edge")]))
-    return x - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    mean = total[2 * half + 1 :] - total[: -2 * half - 1]
+    mean /= 2 * half + 1
+    return np.subtract(x, mean, out=mean)
 
 
 def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
@@ -279,16 +289,18 @@ def _real(columns: ComplexArray) -> FloatArray:
 
 
 def solved(
-    columns: ComplexArray, y: FloatArray, *, ridge: float = 1e-9
+    columns: ComplexArray, y: FloatArray, *, ridge: float = RIDGE
 ) -> tuple[ComplexArray, float]:
     """Coefficients of y ≈ Re Σ c X by least squares, and the energy explained."""
     rows = _real(columns)
-    gram, right = rows @ rows.T, rows @ y
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
-    c = np.linalg.solve(gram, right / scale) / scale
-    m = len(columns)
-    return c[:m] + 1j * c[m:], float(c @ right)
+    c, energy = _explained(rows @ rows.T, rows @ y, ridge=ridge)
+    return _paired(c), energy
+
+
+def _paired(c: FloatArray) -> ComplexArray:
+    """Coefficients of columns from those of their `_real` rows."""
+    m = c.size // 2
+    return c[:m] + 1j * c[m:]
 
 
 @dataclass(frozen=True)
@@ -339,25 +351,26 @@ class _Slow:
     def turning(self) -> "_Turning":
         """The same forces as they turn."""
         return _Turning(
-            self.rate, self.loads * self.turn, self.speed, np.exp(-1j * self.speed / self.rate)
-        )
+            self.rate, self.loads * self.turn, np.asarray(1j * self.speed, np.complex128),
+            np.exp(-1j * self.speed / self.rate),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Turning:
-    """Forces (forces, m) that turn at speeds (m,) rad/s, at a rate Hz, and their steps back."""
+    """Forces (forces, m) that turn at i speeds (m,) rad/s, at a rate Hz, and their steps back."""
 
     rate: float
     forces: ComplexArray
-    speed: FloatArray
+    spin: ComplexArray
     step_back: ComplexArray
 
     def by(self, beside: ComplexArray, shift: float) -> "_Turning":
         """Return them turned `beside` by as many Hz as the shift."""
-        faster = 2 * np.pi * shift
+        faster = 2j * np.pi * shift
         return replace(
-            self, forces=self.forces * beside, speed=self.speed + faster,
-            step_back=self.step_back * np.exp(-1j * faster / self.rate),
+            self, forces=self.forces * beside, spin=self.spin + faster,
+            step_back=self.step_back * np.exp(-faster / self.rate),
         )  # fmt: skip
 
     def through(self, pole: tuple[float, float]) -> ComplexArray:
@@ -366,7 +379,10 @@ class _Turning:
         p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
         stays = np.exp(p / self.rate)
         # A steady force is followed exactly.
-        gain = (w * pole[1]) * (stays * self.step_back - 1) / (p - 1j * self.speed)
+        gain = stays * self.step_back
+        gain -= 1
+        gain *= w * pole[1]
+        gain /= p - self.spin
         return remembered(self.forces * gain, stays)
 
 
@@ -384,20 +400,18 @@ def _slow(scene: Scene, order: int) -> _Slow:
 
 
 def _fitted(
-    columns: ComplexArray, z: ComplexArray, *, ridge: float = 1e-9
+    columns: ComplexArray, z: ComplexArray, *, ridge: float = RIDGE
 ) -> tuple[ComplexArray, float]:
     """Coefficients of z ≈ Σ c X by least squares, and the energy explained."""
     return _explained(np.conj(columns) @ columns.T, np.conj(columns) @ z, ridge=ridge)
 
 
-def _explained(
-    gram: ComplexArray, right: ComplexArray, *, ridge: float
-) -> tuple[ComplexArray, float]:
+def _explained(gram: np.ndarray, right: np.ndarray, *, ridge: float) -> tuple[np.ndarray, float]:
     """Solve normal equations: coefficients, and the energy explained."""
-    scale = np.sqrt(np.maximum(np.diag(gram).real, 1e-300))
+    scale = np.sqrt(np.maximum(np.real(gram.diagonal()), 1e-300))
     gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
     c = np.linalg.solve(gram, right / scale) / scale
-    return c, float((np.conj(c) @ right).real)
+    return c, float(np.real(np.conj(c) @ right))
 
 
 def _freely(
@@ -426,7 +440,7 @@ def _searched(
         left = z - q @ (np.conj(q.T) @ z)
         whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
         # What is known already and what is left, as they turn.
-        known = np.conj(np.concatenate([q.T, left[None]]) * slow.turn).T
+        known = np.conj(np.concatenate([q, left[:, None]], axis=1) * slow.turn[:, None])
 
         @cache
         def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:
@@ -476,14 +490,10 @@ def _likely(
     w = np.sqrt(power[busy])
     modes = np.geomspace(*within, 44)
     found: list[tuple[float, float, float]] = []
+    r = middle / modes[:, None]
     for damping in (0.012, 0.04, 0.12):
-        r = middle / modes[:, None]
-        rows = np.stack([np.ones_like(r), 1 / (1 - r**2 + 2j * damping * r)], -1) * w[:, None]
-        gram = np.conj(rows.swapaxes(-1, -2)) @ rows
-        gram = gram + 1e-6 * np.trace(gram, axis1=-2, axis2=-1)[:, None, None] * np.eye(2)
-        right = np.conj(rows.swapaxes(-1, -2)) @ (h * w)
-        c = np.linalg.solve(gram, right[..., None])[..., 0]
-        energy = (np.conj(c) * right).real.sum(-1)
+        rows = np.stack([np.ones_like(r), 1 / (1 - r**2 + 2j * damping * r)], -2) * w
+        energy = _of_rows(rows, (h * w)[:, None])[:, 0]
         found += [(float(e), float(m), damping) for e, m in zip(energy, modes, strict=True)]
     best = sorted(found, reverse=True)[:8]
     return [(m, d) for _, m, d in best] + [(float(m), 0.03) for m in modes[2::5]]
@@ -491,18 +501,63 @@ def _likely(
 
 @dataclass(frozen=True)
 class Line:
-    """One order as fitted: its wave (n,), F, and what it might have been."""
+    """One order as fitted: its wave (n,), and what was fitted how.
+
+    Attributes
+    ----------
+    wave : (n,)
+        Of the order.
+    columns : (columns, n)
+        Forces, plain and through each of the `poles`, that make it.
+    y : (n,)
+        What they were fitted to, its blows cut down.
+    slow, stretch : m
+        The order as its shaft sees it, and which stretch of the angle each sample is in.
+    rate : Hz
+        Of n samples.
+    """
 
     order: int
     wave: ComplexArray
     columns: ComplexArray
-    noise: ComplexArray
-    strength: float
     poles: tuple[tuple[float, float], ...]
+    y: FloatArray
+    slow: _Slow
+    stretch: IntArray
+    rate: float
+
+    @cached_property
+    def phantoms(self) -> list[tuple[ComplexArray, float]]:
+        """Return what the same fit takes from the rest at each phantom: coefficients, energy."""
+        rest = self.slow.met(self.y - self.wave.real)
+        # What stretches of the angle do to a line's width, they do to a phantom's.
+        seconds = self.y.size / self.rate / (int(self.stretch.max()) + 1)
+        return [
+            _freely(self.slow.columns(self.poles, shift=k / seconds), rest, self.stretch)
+            for k in (*PHANTOMS, *(-p for p in PHANTOMS))
+        ]
+
+    @cached_property
+    def noise(self) -> ComplexArray:
+        """Return what the coefficients might have been more (phantoms, columns)."""
+        own = self.slow.columns(self.poles)
+        # What one of these columns is of those: they are scaled, and not followed, alike.
+        scale = np.array(
+            [_fitted(one[None], self.slow.met(x.real))[0][0]
+             for one, x in zip(own, self.columns, strict=True)]
+        )  # fmt: skip
+        return np.stack([error / scale for error, _ in self.phantoms])
+
+    @cached_property
+    def strength(self) -> float:
+        """Return F: the energy that the order foretells over what the phantoms take."""
+        taken = [floor * self.slow.every / 2 for _, floor in self.phantoms]
+        foretold = max(_foretold(self.columns, self.y, self.rate), 0.0)
+        return foretold / max(float(np.mean(taken)), 1e-30)
 
 
 def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
-    """Fit one order to y, and the same fit to the rest of y at phantoms."""
+    """Fit one order to y, through so many modes at most."""
     f = order * scene.speed
     driven = f[f > SLOWEST]
     top = min(float(np.quantile(driven, 0.995)) * 1.25, 0.45 * scene.rate) if driven.size else 20.0
@@ -510,28 +565,14 @@ def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
     slow = _slow(scene, order)
     poles = _searched(slow, slow.met(y), most=most, within=(low, max(top, 1.5 * low)))
     columns = scene.columns(order, poles)
-    c, _ = solved(columns, y)
-    fit = (c @ columns).real
+    rows = _real(columns)
+    gram = rows @ rows.T
+    fit = _explained(gram, rows @ y, ridge=RIDGE)[0] @ rows
     # Once more with the blows cut down, so that none of them is taken for a response.
     y = fit + limited(y - fit, scene.rate)
-    c, _ = solved(columns, y)
-    rest = slow.met(y - (c @ columns).real)
-    stretch = scene.stretch[: rest.size * slow.every : slow.every]
-    # What stretches of the angle do to a line's width, they do to a phantom's.
-    seconds = y.size / scene.rate / (int(scene.stretch.max()) + 1)
-    own = slow.columns(poles)
-    # What one of these columns is of those: they are scaled, and not followed, alike.
-    scale = np.array(
-        [_fitted(own[k : k + 1], slow.met(x.real))[0][0] for k, x in enumerate(columns)]
-    )
-    taken: list[float] = []
-    noise: list[ComplexArray] = []
-    for k in (*PHANTOMS, *(-p for p in PHANTOMS)):
-        error, floor = _freely(slow.columns(poles, shift=k / seconds), rest, stretch)
-        taken.append(floor * slow.every / 2)
-        noise.append(error / scale)
-    strength = max(_foretold(columns, y, scene.rate), 0.0) / max(float(np.mean(taken)), 1e-30)
-    return Line(order, c @ columns, columns, np.stack(noise), strength, poles)
+    wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
+    stretch = scene.stretch[: slow.speed.size * slow.every : slow.every]
+    return Line(order, wave, columns, poles, y, slow, stretch, scene.rate)
 
 
 def limited(x: FloatArray, rate: float) -> FloatArray:
@@ -548,11 +589,12 @@ def _foretold(columns: ComplexArray, y: FloatArray, rate: float) -> float:
     What is locked goes on; a ring that happened to be in phase does not come again.
     """
     half = np.arange(y.size) // max(round(FORETOLD * rate), 1) % 2 == 0
+    rows = _real(columns)
+    halves = [(some @ rows.T, some @ y) for some in (rows * half, rows * ~half)]
     total = 0.0
-    for one in (half, ~half):
-        c, _ = solved(columns[:, one], y[one], ridge=3e-3)
-        other = (c @ columns[:, ~one]).real
-        total += float((2 * y[~one] - other) @ other)
+    for one, (gram, right) in (halves, halves[::-1]):
+        c, _ = _explained(*one, ridge=3e-3)
+        total += float(c @ (2 * right - gram @ c))
     return total
 
 

@@ -478,7 +478,8 @@ class Splitter:
         known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
         for tone in self.tones:
             made, speed = known[id(tone.rotation)]
-            phase = 2 * np.pi * ((tone.order * made) % 1.0)
+            turns = tone.order * made
+            phase = 2 * np.pi * (turns - np.floor(turns))
             # Let a tone in smoothly over a quarter above the slowest frequency.
             gate = np.clip((tone.order * speed / self.slowest - 1) * 4, 0, 1)
             gate = gate * gate * (3 - 2 * gate)
@@ -496,11 +497,13 @@ class Splitter:
         rows = regressors.transpose(1, 0, 2)
         weighted = rows * weight.reshape(spans, 1, n)
         # Four splines times p regressors, each by each: what two splines make is alike in all
-        # spans, and what two regressors make is alike either way round.
-        both = (basis[:, None] * basis).reshape(16, n)
+        # spans, seven numbers as of a polynomial of degree six, and what two regressors make is
+        # alike either way round.
+        powers = np.asarray(np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T, float)
+        both = (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
         gram = np.empty((spans, 4, p, 4, p))
         for k in range(p):
-            pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], both)
+            pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) @ both.T
             pairs = pairs.reshape(spans, k + 1, 4, 4).transpose(0, 2, 1, 3)
             gram[:, :, : k + 1, :, k] = pairs
             gram[:, :, k, :, : k + 1] = pairs.swapaxes(-1, -2)
@@ -526,11 +529,12 @@ class Splitter:
         banded[p, :-p] -= STEADY * n
         c = solveh_banded(banded, total, lower=True, check_finite=False)
         c = c.reshape(spans + 3, p, channels)
-        local = np.stack([c[k : k + spans] for k in range(4)], axis=-1)  # (spans, p, ch, 4)
-        envelope = local @ basis  # (spans, p, channels, n)
-        each = (envelope * rows[:, :, None]).transpose(2, 1, 0, 3).reshape(channels, p, -1)
+        local = np.stack([c[k : k + spans].T for k in range(4)], axis=-1)  # (ch, p, spans, 4)
+        each = local @ basis
+        each *= regressors
+        each = each.reshape(channels, p, -1)
         parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
-        return parts, local.transpose(2, 1, 0, 3)
+        return parts, local
 
     def _events(self, rest: FloatArray, inside: BoolArray) -> FloatArray:
         """Weight (channels, n) of the event windows in a rest, 0 to 1 with soft edges."""

@@ -176,9 +176,14 @@ class _Case:
         """Return ratios and lags of the speed that the stress goes with, the best first."""
         return self.aligned(self.angle) if self.whole > 0 else []
 
+    @cached_property
+    def quiet(self) -> FloatArray:
+        """Return `y` with its blows cut down (m,)."""
+        return limited(self.y, self.rate)
+
     def aligned(self, angle: Angle) -> list[Aligned]:
         """Return ratios and lags of an angle, the best first."""
-        return aligned(limited(self.y, self.rate), self.load, angle, self.rate, self.start)
+        return aligned(self.quiet, self.load, angle, self.rate, self.start)
 
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
         """Return what turns by an angle, else the shaft's, with a ratio and lag."""
@@ -264,10 +269,11 @@ class _Case:
                 other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
                 # What turns once a turn with the speed's square is unbalance.
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
-                share = self.removed(other.wave.real) + 0.05
                 clearly = NO_SQUARE * by_speed if self.measured else by_speed
-                if other.strength >= FOUND and by_torque > clearly and share > span.high:
-                    span = span.up_to(share, doubt)
+                if by_torque > clearly and other.strength >= FOUND:
+                    share = self.removed(other.wave.real) + 0.05
+                    if share > span.high:
+                        span = span.up_to(share, doubt)
         return span
 
     def following(self) -> tuple[float, float] | None:
