@@ -112,6 +112,7 @@ def test_over_ranges_it_reaches_farther_than_ten_times_as_many_drawn():
     assert g[at, 2] == pytest.approx(float(again.mass[0]), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_what_may_not_be_built_has_no_offspring_while_others_may():
     """The lightest tubes whirl: who breeds from them goes where nothing may be built."""
     thin = {n: v for n, v in RANGES.items() if "tube" in n}

@@ -692,6 +692,7 @@ def test_fix_ends_as_a_check_does_where_nothing_is_to_be_moved(tmp_path):
         assert run("check", "-q", file).exit_code == run("fix", file).exit_code == code
 
 
+@pytest.mark.slow
 def test_a_proposal_names_the_line_of_what_is_left():
     """In a vehicle of several lines what still warns may be of another one."""
     said = run("fix", EXAMPLES / "tandem-6x4.yaml").stdout

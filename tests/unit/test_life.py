@@ -244,6 +244,7 @@ def test_a_target_decides_the_exit_code(parquet):
     assert (few, many) == (0, 1)
 
 
+@pytest.mark.slow
 def test_a_figure_is_drawn(parquet, tmp_path):
     pytest.importorskip("matplotlib")
     done = run(parquet, *ALL, "--plot", tmp_path / "life.svg")

@@ -143,6 +143,7 @@ def test_a_campaign_asks_them_too(tone):
     assert of["otherwise"]["S1_MPa"] == own
 
 
+@pytest.mark.slow
 def test_a_mix_is_judged_as_a_mix(tone, tmp_path):
     """100 MPa three times to 60 MPa once: damages add, a crack grows by all, odds are of all."""
     low = tmp_path / "low.csv"

@@ -637,6 +637,7 @@ def test_vibration_is_told_as_the_command_answers_it(truck):
     assert any("start from rest" in f.title for f in drawn.figures)
 
 
+@pytest.mark.slow
 def test_what_grows_fails_in_the_chapter_and_the_headline(truck):
     """Next to undamped, its tyres too: zones open, and their triangles are red."""
     app = truck.application

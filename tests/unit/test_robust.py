@@ -61,6 +61,7 @@ def assumed(text: str):
     return {n: {s.kind: s.values[0]} for n, s in trucks.tolerances}
 
 
+@pytest.mark.slow
 def test_as_many_trucks_survive_as_a_study_of_them_says():
     text = LINE + ADJUST
     found, tolerances = fix(files.loads(text)), assumed(text)
@@ -144,6 +145,7 @@ def test_settings_come_in_the_steps_of_the_workshop():
         files.loads(LINE + ADJUST.replace("shim_deg: 0.25", "shim_deg: 0"))
 
 
+@pytest.mark.slow
 def test_tolerances_of_the_file_count_and_are_said(tmp_path):
     study = """
 study:

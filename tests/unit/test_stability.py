@@ -427,6 +427,7 @@ def starts():
     return parts, asked, [start(parts, asked, w) for w in wanted]
 
 
+@pytest.mark.slow
 def test_the_ramp_makes_the_peak_and_the_joints_next_to_nothing(starts):
     """METHOD 16: 0.97 of T i by half a second, more by a dropped clutch; joints under 0.4 %."""
     _, asked, (smooth, dropped, slow) = starts
@@ -669,6 +670,7 @@ def test_options_that_mean_nothing_are_refused_before_anything_runs(truck, optio
     assert said in run.output
 
 
+@pytest.mark.slow
 def test_command_writes_contract_and_chart(truck, tmp_path, found):
     chart = tmp_path / "chart.svg"
     run = CliRunner().invoke(cli, ["stability", str(truck), "--json", "--chart", str(chart)])

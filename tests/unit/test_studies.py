@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from chief import chief
 from click.testing import CliRunner
 from scipy import stats
 
@@ -516,8 +515,9 @@ study(app, asked, count=800, shard=20, folder=folder, resume=folder.exists())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="has no such signal")
-@pytest.mark.parametrize("shards_before", chief([1, 4, 9], 4))
+@pytest.mark.parametrize("shards_before", [1, 4, 9])
 def test_killed_at_any_moment_it_goes_on_to_the_same_bits(tmp_path, shards_before):
     (tmp_path / "line.yaml").write_text(LINE)
     command = [sys.executable, "-c", KILLED, str(tmp_path / "line.yaml"), str(tmp_path / "out")]

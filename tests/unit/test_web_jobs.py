@@ -243,6 +243,7 @@ def test_variants_stay_with_their_file(tmp_path):
 # ------------------------------------------------------------------ what to change
 
 
+@pytest.mark.slow
 def test_corrections_are_those_of_the_command_and_their_edits_make_them():
     from cardan.study.fix import fix
 

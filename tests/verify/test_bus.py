@@ -134,6 +134,7 @@ def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     assert "S1: with that taken otherwise" in text
 
 
+@pytest.mark.slow
 def test_whoever_knows_better_accepts_it(spoiled):
     found, text = asked(spoiled, "lost", "--accept", "lost=sentinel@11..14")
     (of,) = found["misread"]

@@ -85,6 +85,7 @@ def test_on_rubber_the_line_fails_in_first_gear():
 # ----------------------------------------------------------- 3: damage, life, peaks, cause
 
 
+@pytest.mark.slow
 def test_damage_life_and_peaks_are_told_within_5_percent():
     known = truth("joints")["gauges"]
     for one in without_model().lives:

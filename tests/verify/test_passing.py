@@ -69,6 +69,7 @@ def test_the_force_as_a_line_passes_through(seconds):
     assert ours.max() < 0.9 * steady.max()
 
 
+@pytest.mark.slow
 def test_whoever_passes_slowly_gets_what_lasts():
     """The steady peak is a bound: mean and ellipse where they add up."""
     _, quick, steady = both(3.0, ripple=0.0)

@@ -55,6 +55,7 @@ def line(power, beta=20):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_weak_motor_is_captured_at_half_the_torsional_frequency():
     """120 W would carry the drag to 110 rad/s; the joint holds it at 54.8, half of 109.5."""
     weak = line(120)

@@ -146,6 +146,7 @@ def test_the_linearisations_differ_in_second_order_only():
         np.testing.assert_allclose(other, rates[2], atol=8 * r**2)
 
 
+@pytest.mark.slow
 def test_forced_orbit_is_what_the_equations_settle_to():
     speed = np.array(0.5)
     found = orbit(GENERAL, speed, samples=65)
