@@ -400,9 +400,11 @@ def test_fix_ends_well_only_where_a_proposal_leaves_no_question(tmp_path):
         assert (best["verdict"], result.exit_code) == (verdict, code)
 
 
-def test_fix_moves_down_where_only_down_is_allowed(tmp_path):
+@pytest.mark.parametrize("steps", ["", ", steps: {shim_deg: 0.01}"])
+def test_fix_moves_down_where_only_down_is_allowed(tmp_path, steps):
+    """By half degrees, which are all asked, and by so small steps that it is searched."""
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
-    file = written(tmp_path, text + "adjust: {shim_deg: [-4, 0]}\n")
+    file = written(tmp_path, text + f"adjust: {{shim_deg: [-4, 0]{steps}}}\n")
     found = json.loads(run("fix", "--json", "-", file).stdout)
     assert found[0]["verdict"] == "pass"
     amounts = [m["amount_deg"] for p in found for m in p["moves"]]

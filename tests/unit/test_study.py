@@ -17,7 +17,8 @@ from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyP
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.study.approval import assess, held_to
-from cardan.study.fix import Proposal, fix
+from cardan.study.driveline import checks_of
+from cardan.study.fix import NOTABLE, Proposal, fix
 from cardan.study.margins import PLENTY, margins
 from cardan.study.moves import Move, adjustables, tried
 from cardan.study.sensitivity import sensitivities
@@ -235,6 +236,29 @@ def test_a_correction_repairs_what_fails(truck):
     assert best.margin > 0 > best.before
     for move in best.moves:
         assert move.adjustable.low <= move.amount <= move.adjustable.high
+
+
+@pytest.mark.parametrize("hold", [("phase",), ("phase", "shim")])
+def test_where_settings_are_few_none_is_better_or_cheaper(truck, hold):
+    """Bearing by 5 mm, axle by half degrees: 13 settings of either, each asked by itself here."""
+    tight = replace(TORSIONAL, normal=300.0)
+    warning = replace(only(truck, tight, SPLINE), lines=_without_sizes(truck))
+    response = respond(warning, demand(resolve(warning, warning.lines[0])))
+    movable = tuple(a for a in adjustables(response) if a.what in ("bearing_height", "shim"))
+    assert [a.part for a in movable] == [1, 1]
+    shims = [0] if "shim" in hold else range(-6, 7)
+    every = [(h * mm, s / 2 * deg) for h in range(-30, 31, 5) for s in shims]
+    least = {
+        amounts: min(c.margin for c in checks_of(tried(response, movable, np.array(amounts))))
+        for amounts in every
+    }
+    share = {(h, s): abs(h) / (30 * mm) + abs(s) / (3 * deg) for h, s in every}
+    found = fix(warning, hold=hold)
+    passing = [amounts for amounts in every if least[amounts] >= 0]
+    assert 0 < len(passing) < len(every)
+    assert found[0].verdict == "pass"
+    assert found[0].cost == pytest.approx(min(share[amounts] for amounts in passing))
+    assert max(p.margin for p in found) == pytest.approx(max(least.values()), abs=NOTABLE)
 
 
 def test_proposals_pay_for_what_they_cost(truck):

@@ -43,6 +43,10 @@ STILL = 1e-9
 HOPELESS = 0.05
 """Nor is one below 0 in all of them that differs by less than this share of what it lacks."""
 
+SETTINGS = 256
+"""Settings of a workshop that are asked one and all, where there are no more; else it is searched
+as if there were no steps."""
+
 ROUNDINGS = 64
 """Ways to round a correction that are tried at most; of more things each goes to its nearest."""
 
@@ -192,6 +196,22 @@ class _Search:
     """The margins of the spread trials, where somebody has asked them."""
 
     @cached_property
+    def settings(self) -> FloatArray | None:
+        """The amounts (V, movable) of all that a workshop can set; None of more than `SETTINGS`."""
+        of = [self.movable[k] for k in self.free]
+        if not of or any(not a.step > 0 or (a.high - a.low) / a.step > SETTINGS for a in of):
+            return None
+        ways = [
+            np.arange(np.ceil(a.low / a.step - 1e-9), np.floor(a.high / a.step + 1e-9) + 1) * a.step
+            for a in of
+        ]
+        if prod(map(len, ways)) > SETTINGS:
+            return None
+        found = np.tile(self.turns, (prod(map(len, ways)), 1))
+        found[:, list(self.free)] = np.array(list(product(*ways)))
+        return found
+
+    @cached_property
     def spread(self) -> dict[Bound, FloatArray]:
         """The margins (V, ...) of trials spread over all ways, to either bound."""
         if self.known is not None:
@@ -199,11 +219,10 @@ class _Search:
         found = tried(self.response, self.movable, self.amounts(_spread(len(self.free))))
         return {bound: values[:, self.changed] for bound, values in both(found).items()}
 
-    def reserve(self, position: FloatArray, *, to: Bound) -> FloatArray | None:
+    def reserve(self, amounts: FloatArray, *, to: Bound) -> FloatArray | None:
         """Return what each margin needs in reserve as trucks scatter; None where none does."""
         if self.trucks is None:
             return None
-        amounts = self.amounts(position[None])[0]
         scatter = self.trucks.scatter(self.movable, amounts, to=to)[self.changed]
         return RESERVE + SURE * scatter
 
@@ -244,10 +263,28 @@ class _Search:
         margin = self._of_amounts(every, to=to).min(-1)
         if cheap and (margin >= 0).any():
             every = every[margin >= 0]
-            amounts, high, low = every[:, free], high[free], low[free]
-            share = amounts / np.where(amounts > 0, high, np.where(amounts < 0, low, 1.0))
-            return every[share.sum(-1).argmin()]
+            return every[self.shares(every).argmin()]
         return every[margin.argmax()]
+
+    def shares(self, amounts: FloatArray) -> FloatArray:
+        """Return the sums (V,) of the shares of their ranges that amounts (V, movable) use."""
+        of = [self.movable[k] for k in self.free]
+        amounts = amounts[:, list(self.free)]
+        bounds = np.where(amounts > 0, [a.high for a in of], [a.low for a in of])
+        return (amounts / np.where(amounts == 0, 1.0, bounds)).sum(-1)
+
+    def exhausted(self, settings: FloatArray) -> Iterator[FloatArray]:
+        """Yield of all settings (V, movable) the one of most margin, and the cheapest that do."""
+        settings = settings[np.argsort(self.shares(settings), kind="stable")]
+        asked = both(tried(self.response, self.movable, settings))
+        for bound in BOUNDS:
+            margin = asked[bound][:, self.changed]
+            least = margin.min(-1)
+            top = settings[(least >= least.max() - STILL).argmax()]
+            yield top
+            for needed in (0.0, self.reserve(top, to=bound)):
+                if needed is not None and (keeps := (margin >= needed).all(-1)).any():
+                    yield settings[keeps.argmax()]
 
     def best(self, *, to: Bound) -> tuple[FloatArray, float, FloatArray]:
         """Return the position of the largest smallest margin, and that margin.
@@ -394,9 +431,10 @@ def fix(
 
     Notes
     -----
-    Spread trials find the region, sequential quadratic programming the place in it: the
-    largest smallest margin, and the least ways to where nothing warns and nothing fails. Other
-    lines and studies are asked of what it comes to, not while it goes on.
+    It looks for the largest smallest margin, and the least ways to where nothing warns and
+    nothing fails. Where a workshop's settings are few all of them are asked. Of more, spread
+    trials find the region and sequential quadratic programming the place in it. Other lines and
+    studies are asked of what it comes to, not while it goes on.
     """
     response = _line(application, line)
     movable = _unheld(adjustables(response), hold)
@@ -495,13 +533,16 @@ def _trials(
 
 def _corrections(search: _Search) -> Iterator[FloatArray]:
     """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
+    if search.settings is not None:
+        yield from search.exhausted(search.settings)
+        return
     for bound in BOUNDS:
         top, margin, near = search.best(to=bound)
         yield search.settable(top, to=bound)
         if margin > RESERVE:
             for start in (top, near):
                 yield search.settable(search.least(start, to=bound), to=bound, cheap=True)
-            reserve = search.reserve(top, to=bound)
+            reserve = search.reserve(search.amounts(top[None])[0], to=bound)
             if reserve is not None and (search.margins(top[None], to=bound) >= reserve).all():
                 sure = search.least(top, to=bound, reserve=reserve)
                 yield search.settable(sure, to=bound)
