@@ -241,7 +241,7 @@ def refined(
             and (not len(points) or _moved(watched, level).max() <= _STILL)
         ):
             break
-        wanted += more
+        wanted += map(_rounded, more)
     assert found is not None
     drawn = nearest(found.elastic.nodes, points)
     return Refined(
@@ -251,6 +251,16 @@ def refined(
         watched=drawn.of(found.elastic.nodes, found.at_nodes[1]),
         watched_error=_share(np.maximum(_drift(watched), off_seen), watched),
     )
+
+
+def _rounded(wanted: tuple[ArrayLike, Metre]) -> tuple[FloatArray, Metre]:
+    """Return a point with the edge wanted there, to a nanometre and a thousandth.
+
+    Threads add up in an order of their own, and the mesher lays another mesh for another last
+    digit: the same bracket is to be told the same.
+    """
+    point, edge = np.asarray(wanted[0], dtype=float), wanted[1]
+    return point.round(9), float(f"{edge:.3g}")
 
 
 def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS) -> FloatArray:
