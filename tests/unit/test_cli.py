@@ -411,6 +411,15 @@ def test_fix_moves_down_where_only_down_is_allowed(tmp_path, steps):
     assert all(-4 <= a < 0 for a in amounts)
 
 
+def test_fix_goes_to_the_end_of_a_range_that_is_no_whole_step(tmp_path):
+    """Whoever allows 0.8 deg down has a wedge of 0.8 deg, whatever others are made in."""
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file = written(tmp_path, text + "adjust: {shim_deg: [-0.8, 0.2]}\n")
+    found = json.loads(run("fix", "--json", "-", file).stdout)
+    assert max(m["amount_deg"] for p in found for m in p["moves"]) < 0
+    assert min(m["amount_deg"] for p in found for m in p["moves"]) == pytest.approx(-0.8)
+
+
 def test_fix_leaves_in_place_what_the_file_holds(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4], hold: [shim]}\n")

@@ -201,10 +201,7 @@ class _Search:
         of = [self.movable[k] for k in self.free]
         if not of or any(not a.step > 0 or (a.high - a.low) / a.step > SETTINGS for a in of):
             return None
-        ways = [
-            np.arange(np.ceil(a.low / a.step - 1e-9), np.floor(a.high / a.step + 1e-9) + 1) * a.step
-            for a in of
-        ]
+        ways = [_set(a) for a in of]
         if prod(map(len, ways)) > SETTINGS:
             return None
         found = np.tile(self.turns, (prod(map(len, ways)), 1))
@@ -380,6 +377,14 @@ class _Search:
             options={"maxiter": 40, "ftol": 1e-4},
         )
         return np.clip(found.x, *np.transpose(bounds))
+
+
+def _set(way: Adjustable) -> FloatArray:
+    """Return what a workshop can set of a way: whole steps, and the ends of its range."""
+    low, high = way.low / way.step, way.high / way.step
+    whole = np.arange(np.ceil(low - 1e-9), np.floor(high + 1e-9) + 1)
+    ends = [end for end in (low, high) if abs(end - round(end)) > 1e-9]
+    return np.append(whole, ends) * way.step
 
 
 def _spread(ways: int, *, trials: int = TRIALS) -> FloatArray:
