@@ -11,7 +11,6 @@ Source: Shapley, A value for n-person games (1953).
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -217,29 +216,19 @@ class _Choices:
         self.damage: dict[int, float] = {0: 0.0}
         self.residue: dict[int, FloatArray] = {0: NONE}
 
-    def meet(self, parts: FloatArray) -> list[list[int]]:
-        """Take note of who acts in a stretch (causes, n); return who is counted, side by side."""
+    def add(self, parts: FloatArray, gate: float) -> None:
+        """Count every choice of a stretch (causes, n), without cycles below a gate."""
         for k in np.flatnonzero(parts.any(-1)).tolist():
             if k not in self.acting:
                 self.acting.append(k)
                 for book in (self.damage, self.residue):
                     book |= {choice | 1 << k: value for choice, value in book.items()}
+        x, choice = np.zeros(parts.shape[1]), 0
         # Gray's order: from one choice to the next a single cause comes or goes.
-        gray = [k ^ (k >> 1) for k in range(1 << len(self.acting))]
-        choices = [sum(1 << k for i, k in enumerate(self.acting) if g >> i & 1) for g in gray]
-        each = -(-len(choices) // SIDES)
-        return [choices[k : k + each] for k in range(0, len(choices), each)]
-
-    def add(self, parts: FloatArray, choices: Sequence[int], gate: float) -> None:
-        """Count some choices of a stretch."""
-        x, before = np.zeros(parts.shape[1]), 0
-        for choice in choices:
-            for k in range(parts.shape[0]):
-                if (choice ^ before) >> k & 1:
-                    x = x + parts[k] if choice >> k & 1 else x - parts[k]
-            before = choice
-            if not choice:
-                continue
+        for step in range(1, 1 << len(self.acting)):
+            k = self.acting[(step & -step).bit_length() - 1]
+            choice ^= 1 << k
+            (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
             kept = without_small(x, gate=gate)
             cycles, self.residue[choice] = four_point(kept, residue=self.residue[choice])
             self.damage[choice] += miner(cycles, curve=self.curve, correction=self.correction)
@@ -255,8 +244,6 @@ class _Choices:
         return np.array([done[c & acted] for c in range(1 << causes)])
 
 
-SIDES = 4
-"""Parts of the choices that are counted side by side."""
 PASSED_OVER = 1e-4
 """Share of a gauge's damage that cycles may have which are passed over in choices of causes."""
 
@@ -297,7 +284,6 @@ def attribute(
     curve: SNCurve,
     correction: Correction = uncorrected,
     rule: ResidueRule = half_cycles,
-    executor: Executor | None = None,
 ) -> list[Attribution]:
     """Count every choice of causes and share the damage among them.
 
@@ -309,8 +295,6 @@ def attribute(
         Their names; the cost doubles with each.
     curve, correction, rule
         As for the whole stress.
-    executor
-        Threads to count on; four of its own unless given.
 
     Returns
     -------
@@ -319,26 +303,13 @@ def attribute(
     """
     choices: list[_Choices] = []
     wholes: list[_Whole] = []
-    own = ThreadPoolExecutor(SIDES) if executor is None else None
-    pool = executor or own
-    assert pool is not None
-    try:
-        for parts in stretches:
-            if not choices:
-                choices = [_Choices(curve, correction) for _ in range(parts.shape[1])]
-                wholes = [_Whole(curve, correction) for _ in choices]
-            each = [np.ascontiguousarray(parts[:, c]) for c in range(len(choices))]
-            gates = list(pool.map(_Whole.add, wholes, each))
-            jobs = [
-                pool.submit(one.add, x, some, gate)
-                for one, x, gate in zip(choices, each, gates, strict=True)
-                for some in one.meet(x)
-            ]
-            for job in jobs:
-                job.result()
-    finally:
-        if own:
-            own.shutdown()
+    for parts in stretches:
+        if not choices:
+            choices = [_Choices(curve, correction) for _ in range(parts.shape[1])]
+            wholes = [_Whole(curve, correction) for _ in choices]
+        for one, whole, x in zip(choices, wholes, parts.swapaxes(0, 1), strict=True):
+            x = np.ascontiguousarray(x)
+            one.add(x, whole.add(x))
     found: list[Attribution] = []
     for one, whole in zip(choices, wholes, strict=True):
         damage = one.closed(rule, causes=len(causes), whole=whole.closed(rule))

@@ -112,7 +112,7 @@ def followed(force: ComplexArray, stays: complex, out: ComplexArray) -> None:
 
 def remembered(force: ComplexArray, stays: complex) -> ComplexArray:
     """Return what forces (rows, n) do to something that keeps a share of itself each sample."""
-    compiled = followed_fast()
+    compiled = _compiled(followed)
     if compiled is None:
         from scipy.signal import lfilter
 
@@ -138,30 +138,20 @@ def plain(x: FloatArray, *state: Any) -> tuple[int, int, float, int]:
 
 
 @cache
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any] | None:
+    """Return a function compiled where numba is installed, else None."""
+    try:
+        import numba  # pyright: ignore[reportMissingTypeStubs]
+    except ImportError:
+        return None
+    return numba.njit(cache=True, nogil=True)(function)
+
+
 def gate_of_all() -> Callable[[Any, float, FloatArray], int] | None:
     """Return the compiled filter if numba is installed; without it no filter pays."""
-    try:
-        import numba  # pyright: ignore[reportMissingTypeStubs]
-    except ImportError:
-        return None
-    return numba.njit(cache=True, nogil=True)(gated)
+    return _compiled(gated)
 
 
-@cache
-def followed_fast() -> Callable[[ComplexArray, complex, ComplexArray], None] | None:
-    """Return the compiled memory if numba is installed; without it SciPy's filter is faster."""
-    try:
-        import numba  # pyright: ignore[reportMissingTypeStubs]
-    except ImportError:
-        return None
-    return numba.njit(cache=True, nogil=True)(followed)
-
-
-@cache
 def fastest() -> Kernel:
     """Return the compiled loop if numba is installed, else the plain one: same answer."""
-    try:
-        import numba  # pyright: ignore[reportMissingTypeStubs]
-    except ImportError:
-        return plain
-    return numba.njit(cache=True, nogil=True)(close)
+    return _compiled(close) or plain

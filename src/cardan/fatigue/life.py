@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, single_threaded
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.fatigue.angle import Angle
@@ -640,6 +640,7 @@ IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
 
+@single_threaded()
 def causes(
     recording: Recording, *, plan: Plan, healths: dict[str, Health], how: Separation,
     angle: Angle | None = None, torque: tuple[str, float] | None = None,

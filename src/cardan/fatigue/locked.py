@@ -172,6 +172,8 @@ def _one_response(
     Returns the turns of each stretch, and by bands the lines, their weights and frequencies.
     """
     stretch, band = which
+    if stretches == 1:
+        return np.zeros(1), lines, weight, middle
     kinds, band = np.unique(band, return_inverse=True)
 
     def by_band(x: np.ndarray) -> np.ndarray:

@@ -380,11 +380,14 @@ def identified(
 def _not_locked(case: _Case) -> Identified:
     """Answer where nothing is locked to the shaft: what might be theirs all the same."""
     wave = case.line.wave.real
-    reach = [case.removed(wave)]
+    likely, own = max(case.removed(wave), 0.0), case.among(wave)
+    reach = likely
     for option in case.options[1:]:
         columns = case.scene(option).columns(2)
-        reach.append(case.removed((solved(columns, case.y)[0] @ columns).real))
-    span = _Span(0.0, 1.3 * max(*reach, 0.0) + 0.03)
+        # How far another lies from it shows among the thinned samples as well as among all.
+        more = case.among((solved(columns, case.y)[0] @ columns).real) - own
+        reach = max(reach, likely + more)
+    span = _Span(0.0, 1.3 * reach + 0.03)
     if not (case.angle.trusted and case.measured):
         # Who knows no torque does not know where the joints' force turns its sign.
         all_near = max(case.removed(case.close(case.x, span=held)) for held in (0.5, RIDES))
@@ -399,7 +402,7 @@ def _not_locked(case: _Case) -> Identified:
     span = case.sudden(case.x, case.elsewhere(span))
     if case.angle.trusted and span.high <= ACQUITTED:
         span = case.passing(case.x, span)
-    low, likely, high = 0.0, max(reach[0], 0.0), min(span.high, 1.0)
+    low, high = 0.0, min(span.high, 1.0)
     if there := case.following():
         low, likely = there[0], max(likely, there[1])
         span = span.doubting(PASSING)
