@@ -313,5 +313,10 @@ def test_what_is_accepted_was_not_masked():
     first, last = campaign.rules
     assert (first.mask, last.mask) == (True, False)
     assert (last.channel, last.first, last.last) == ("S1", 2.0, np.inf)
+    # What names a time says more, whichever it is.
+    campaign = Campaign(sn="30,2e6,5", mask=("S1=spike@2..3",), accept=("spike", "drift"))
+    assert [(rule.mask, rule.kind) for rule in campaign.rules] == [
+        (False, "spike"), (False, "drift"), (True, "spike"),
+    ]  # fmt: skip
     with pytest.raises(DesignError, match="no kind"):
         Campaign(sn="30,2e6,5", accept=("everything",))

@@ -54,7 +54,18 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   const value = (key: string): string => (typed[key] ?? "").trim().replace(",", ".");
   const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
   const gauges = of.channels.filter((c) => roles[c.name] === "gauge");
-  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.filter((s) => rules[`${c.name}/${s.kind}`] === rule).map((s) => `${c.name}=${s.kind}`));
+  // A rule of one place is that of what begins there, to a microsecond.
+  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.flatMap((s) => [
+    ...(rules[`${c.name}/${s.kind}`] === rule ? [`${c.name}=${s.kind}`] : []),
+    ...s.places.flatMap(([a = 0]) => (rules[`${c.name}/${s.kind}@${a}`] === rule ? [`${c.name}=${s.kind}@${Math.max(0, a - 1e-6).toFixed(6)}..${(a + 1e-6).toFixed(6)}`] : [])),
+  ]));
+  const decide = (key: string, free: string, mask: boolean) => (
+    <select data-rule={key} value={rules[key] ?? ""} onChange={(e) => setRules({ ...rules, [key]: (e.currentTarget as HTMLSelectElement).value as Rule })}>
+      <option value="">{free}</option>
+      {mask && <option value="mask">{t("mask: no part felt it")}</option>}
+      <option value="accept">{t("accept: the part felt it")}</option>
+    </select>
+  );
   const sn = ["amplitude", "cycles", "slope"].map(value);
   const hours = Number(value("hours")) || null;
   const args = {
@@ -83,14 +94,10 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
                 </p>
                 <Trace of={c} gauge={roles[c.name] === "gauge"} seconds={of.seconds} between={[first, last]} rules={rules} />
                 {roles[c.name] === "gauge" && c.suspects.map((s) => (
-                  <label key={s.kind} class="suspect">{s.said} × {s.count}
-                    <select data-rule={`${c.name}/${s.kind}`} value={rules[`${c.name}/${s.kind}`] ?? ""} onChange={(e) => setRules({ ...rules, [`${c.name}/${s.kind}`]: (e.currentTarget as HTMLSelectElement).value as Rule })}>
-                      <option value="">{t("undecided")}</option>
-                      {s.mask && <option value="mask">{t("mask: no part felt it")}</option>}
-                      <option value="accept">{t("accept: the part felt it")}</option>
-                    </select>
-                    <small>{s.places.slice(0, 4).map((w) => `${fixed(w[0], 2)} s`).join(", ")}{s.count > 4 && " …"}</small>
-                  </label>
+                  <div key={s.kind}>
+                    <label class="suspect">{s.said} × {s.count} {decide(`${c.name}/${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${fixed(a, 2)} s`)}</label>
+                    {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{fixed(a, 3)} … {fixed(z, 3)} s {decide(`${c.name}/${s.kind}@${a}`, t("as the others"), s.mask)}</label>)}</details>}
+                  </div>
                 ))}
                 {c.said.map((said) => <small key={said} class="note">{said}</small>)}
               </li>
@@ -123,7 +130,7 @@ function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boo
   const path = `M${of.highest.map((_, k) => edge(of.highest, k)).join("L")}L${of.lowest.map((_, k) => edge(of.lowest, n - 1 - k)).join("L")}Z`;
   return (
     <svg class="trace" viewBox="0 0 400 40" preserveAspectRatio="none" role="img" aria-label={t("{channel} over time", { channel: of.name })}>
-      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}/${s.kind}`] || "open"} x={at(a)} y={0} width={Math.max(1.5, at(b) - at(a))} height={40} />))}
+      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}/${s.kind}@${a}`] || rules[`${of.name}/${s.kind}`] || "open"} x={at(a)} y={0} width={Math.max(1.5, at(b) - at(a))} height={40} />))}
       <path d={path} />
       <rect class="out" x={0} y={0} width={at(Math.max(0, between[0]))} height={40} /><rect class="out" x={at(between[1])} y={0} width={Math.max(0, 400 - at(between[1]))} height={40} />
     </svg>

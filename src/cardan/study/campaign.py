@@ -386,11 +386,10 @@ class Campaign:
 
     @property
     def rules(self) -> tuple[Rule, ...]:
-        """What is masked and accepted of what looks wrong."""
-        return (
-            *(_rule(text, mask=True) for text in self.mask),
-            *(_rule(text, mask=False) for text in self.accept),
-        )
+        """What is masked and accepted of what looks wrong: what names a time counts last."""
+        said = [_rule(text, mask=True) for text in self.mask]
+        said += [_rule(text, mask=False) for text in self.accept]
+        return tuple(sorted(said, key=lambda r: (r.first, r.last) != (0.0, math.inf)))
 
     @property
     def strained(self) -> Strained | None:

@@ -169,7 +169,7 @@ def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
         longest = np.sort(np.argsort(runs[:, 0] - runs[:, 1], kind="stable")[:PLACES])
         found.append({
             "kind": kind, "said": say(kind), "count": of.faults[kind].count,
-            "mask": kind in REMOVABLE, "places": fs(runs[longest] / rate, 3),
+            "mask": kind in REMOVABLE, "places": fs(runs[longest] / rate, 6),
         })  # fmt: skip
     return found
 
