@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
-from cardan.demand.points import Curves, Placed, curves, demand_at, pitch_at, placed
+from cardan.demand.points import Curves, Placed, demand_at, pitch_at, placed
 from cardan.demand.states import Demand, demand_pitched, pitch_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
@@ -127,7 +127,7 @@ class Spread:
 
 def curves_of(r: "Response") -> Curves:
     """Return the torque over speed of a line, in each case (..., S) of whatever varies."""
-    found = curves(r.demand)
+    found = r.own_curves
     return _beside_variants(found, _cases(r, found)) if found.gears else found
 
 
@@ -137,7 +137,7 @@ def spread(r: "Response") -> Spread | None:
     Those of most torque each way it is turned, and the highest speed of each gear: between
     them torque and speed go straight.
     """
-    found = curves(r.demand)
+    found = r.own_curves
     if not found.gears:
         return None
     # Curves that no variant changes have one axis of one: what follows from them alone is

@@ -17,7 +17,7 @@ from cardan.base.frozen import dataclass
 from cardan.base.part import Mode
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
-from cardan.demand.points import Curves
+from cardan.demand.points import Curves, curves
 from cardan.demand.states import Demand, each_axle_load
 from cardan.kinematics import constant_velocity, equivalent
 from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
@@ -290,8 +290,13 @@ class Response:
         return None if self.held is None else self.held.slowest(self.line.swings)
 
     @cached_property
+    def own_curves(self) -> Curves:
+        """What torque it can have over its speed, in each case that its demand knows of."""
+        return curves(self.demand)
+
+    @cached_property
     def curves(self) -> Curves:
-        """What torque it can have over its speed, in each case of whatever varies."""
+        """The same in each case of whatever varies."""
         return points.curves_of(self)
 
     @cached_property

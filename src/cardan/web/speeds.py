@@ -10,7 +10,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.part import Part
 from cardan.base.units import rpm
 from cardan.base.verdict import Limit
-from cardan.demand.points import Curves, curves
+from cardan.demand.points import Curves
 from cardan.quantity import points
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
@@ -51,7 +51,7 @@ def speeds(read: Document, args: Json, say: Language, _: Tell) -> Json:
     whole = read.responses[min(int(args.get("line", 0)), len(read.responses) - 1)]
     s = min(int(args.get("state", 0)), len(whole.demand.states) - 1)
     r = in_states(whole, (s,))
-    found = curves(r.demand)
+    found = r.own_curves
     drawn = [k for k, end in enumerate(found.fastest[:, 0]) if end > 0]
     told: Json = {"line": r.line.name, "state": s, "said": say.state(r.demand.states[0])}
     if not drawn:
