@@ -19,7 +19,7 @@ serve: $(VENV)/cardan-web $(PAGE)   ## the workbench, in the browser
 	@$(BIN)/cardan serve $(FILE)
 
 test: $(VENV)/cardan-test   ## the whole test suite
-	$(BIN)/python -m pytest -n 2 -q
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q
 
 texts: $(VENV)/cardan-test  ## what has no translation yet, by language
 	$(BIN)/python -m pytest -q tests/unit/test_texts.py tests/unit/test_report.py -k "texts or translated or catalogue or language"

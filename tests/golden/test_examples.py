@@ -314,11 +314,11 @@ def at(document: object, path: str) -> list[dict]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("path", FROZEN)
-def test_no_key_of_the_contract_is_ever_gone(name, path, assessments):
+def test_no_key_of_the_contract_is_ever_gone(name, assessments):
     document = contract.approval(assessments[name])
-    for found in at(document, path):
-        assert found.keys() >= FROZEN[path]
+    for path, keys in FROZEN.items():
+        for found in at(document, path):
+            assert found.keys() >= keys, path
 
 
 @pytest.mark.parametrize("name", NAMES)
