@@ -1,6 +1,8 @@
 """Recordings of every kind come back as written, and hostile ones are refused in words."""
 
+import gc
 import struct
+import sys
 import wave
 
 import numpy as np
@@ -10,7 +12,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.fatigue.recording import cut, in_memory
 from cardan.files.recordings import open_recording
 
-pytest.importorskip("pyarrow")
+csv = pytest.importorskip("pyarrow.csv")
 
 RATE = 500.0
 N = 1200
@@ -91,6 +93,21 @@ def test_a_last_row_cut_short_is_passed_over(tmp_path):
     text = "time,S1,S2\n" + rows(",", ".")
     recording = open_recording(write(tmp_path / "a.csv", text + "\n2.4,0."))
     np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-12)
+
+
+def test_no_thread_of_arrows_is_left_with_python_to_call(tmp_path, monkeypatch):
+    """One in sixty processes that left a file half read ended in SIGABRT."""
+    given = []
+
+    def options(**how):
+        given.append(how["invalid_row_handler"])
+        return sound(**how)
+
+    sound = csv.ParseOptions
+    monkeypatch.setattr(csv, "ParseOptions", options)
+    open_recording(write(tmp_path / "a.csv", "time,S1,S2\n" + rows(",", "."))).whole()
+    assert given
+    assert not any(given)
 
 
 def test_a_hole_in_time_becomes_missing_samples(tmp_path):
@@ -196,7 +213,7 @@ def test_tdms(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_mdf(tmp_path):
+def test_mdf(tmp_path, monkeypatch):
     asammdf = pytest.importorskip("asammdf")
     file = asammdf.MDF(version="4.10")
     file.append(
@@ -212,6 +229,14 @@ def test_mdf(tmp_path):
     np.testing.assert_array_equal(recording.whole(), [S1, S2])
     write(tmp_path / "b.mf4", "not an mdf file at all")
     refused(tmp_path / "b.mf4", "MDF cannot open")
+    # What was half made of one that was cut off goes without a word.
+    (tmp_path / "c.mf4").write_bytes((tmp_path / "a.mf4").read_bytes()[:1000])
+    said = []
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "unraisablehook", said.append)
+        refused(tmp_path / "c.mf4", "MDF cannot open")
+        gc.collect()
+    assert not said
 
 
 @pytest.mark.parametrize(("width", "digits"), [(1, 7), (2, 15), (3, 23), (4, 31)])

@@ -8,12 +8,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import date
+from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import BadFile
 from cardan.fatigue.recording import Channel
 from cardan.files.recordings import Table, bad
 
@@ -274,6 +276,24 @@ def table(path: Path) -> Table:
 
 
 def _arrow(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]:
+    """Yield the rows of a file, its last passed over where it was cut short."""
+    given = 0
+    try:
+        for part in _read(path, form, wanted):
+            yield part
+            given += 1
+    except BadFile:
+        yield from islice(_read(path, form, wanted, all_but_short=True), given, None)
+
+
+def _read(
+    path: Path, form: Dialect, wanted: list[int], *, all_but_short: bool = False
+) -> Iterator[FloatArray]:
+    """Yield the rows of a file, with a last one cut short only where that is asked for.
+
+    Who asks for it is called from a thread of Arrow's: one that still ran as Python ended took
+    the whole process with it.
+    """
     import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
     from pyarrow import csv as pacsv  # pyright: ignore[reportMissingTypeStubs]
 
@@ -292,7 +312,8 @@ def _arrow(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]
                 encoding={"utf-8": "utf8"}.get(form.encoding, form.encoding),
             ),
             parse_options=pacsv.ParseOptions(
-                delimiter=form.delimiter, invalid_row_handler=cut_short
+                delimiter=form.delimiter,
+                invalid_row_handler=cut_short if all_but_short else None,
             ),
             convert_options=pacsv.ConvertOptions(
                 column_types={

@@ -1,6 +1,8 @@
 """Parquet, HDF5, TDMS and MDF4 recordings, read a stretch at a time."""
 
-from collections.abc import Iterator
+import gc
+import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -207,10 +209,9 @@ def mdf(path: Path, *, group: str = "") -> Table:
     """Open an MDF4 recording: the channels of every group, each by its own time."""
     from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
 
-    try:
-        file: Any = MDF(path)
-    except Exception as error:
-        raise bad(path, f"MDF cannot open it: {error}") from error
+    file, why = _opened(MDF, path)
+    if file is None:
+        raise bad(path, f"MDF cannot open it: {why}")
     file.configure(read_fragment_size=AT_ONCE)
     sizes = [g.channel_group.cycles_nr for g in file.groups]
     names = {
@@ -222,6 +223,27 @@ def mdf(path: Path, *, group: str = "") -> Table:
     if not chosen:
         raise bad(path, "it holds no samples")
     return joined(path, [_channels(file, k, sizes[k], names[k]) for k in chosen])
+
+
+def _opened(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:
+    """Return what a reader opens, or why it cannot.
+
+    What asammdf has half made of a file that was cut off complains when it goes: nobody is to
+    hear that.
+    """
+
+    def silent(_: object) -> None: ...
+
+    hook, sys.unraisablehook = sys.unraisablehook, silent
+    try:
+        try:
+            return reader(path), ""
+        except Exception as error:  # noqa: BLE001  whatever it raises of a broken file
+            why = str(error)
+        gc.collect()
+        return None, why
+    finally:
+        sys.unraisablehook = hook
 
 
 AT_ONCE = 1 << 24
