@@ -290,3 +290,91 @@ def test_a_unit_that_only_a_word_says_is_said_with_what_it_would_be(tmp_path):
 def test_what_the_recording_or_a_calibration_says_is_not_assumed(tmp_path, name, gauge, more):
     path = written(tmp_path, {name: stress()})
     assert "assumed" not in asked(path, "--gauge", gauge, *more, *SN, code=0)["quality"]
+
+
+@pytest.fixture(scope="module")
+def innocent():
+    """A road's stress at a shaft whose speed and torque come and go: nothing is locked to it."""
+    rng = np.random.default_rng(3)
+    shaft = 1500 + 300 * np.sin(0.2 * T)
+    return {
+        "S1": 20 * rng.normal(size=T.size), "rpm": shaft, "eng": 1.5 * shaft,
+        "tq": 2000 + 800 * np.sin(0.31 * T),
+    }  # fmt: skip
+
+
+def finding(path, *arguments, speed="rpm", engine="eng", code=0):
+    gauge = asked(
+        path, "--gauge", "S1:MPa", *SN, "--speed", f"{speed}:rpm", "--engine", f"{engine}:rpm",
+        "--engine-orders", "3,6", "--torque", "tq:Nm", *arguments, code=code,
+    )  # fmt: skip
+    return gauge["finding"], " ".join(gauge.get("doubts", ())), gauge["removed_interval"]
+
+
+def test_a_speed_that_cannot_be_the_shafts_acquits_nobody(tmp_path, innocent):
+    """It was innocent from 0 to 0 %, whoever did it, without a doubt."""
+    told, _, (_, high) = finding(written(tmp_path, innocent))
+    assert told == "innocent"
+    assert high < 0.25
+    for speed in (-innocent["rpm"], np.zeros(T.size)):
+        told, _, (low, high) = finding(written(tmp_path, {**innocent, "rpm": speed}))
+        assert told == "cannot tell"
+        assert (low, high) == (min(low, 0), 1)
+    # Shaft and engine taken for one another.
+    told, _, interval = finding(written(tmp_path, innocent), speed="eng", engine="rpm")
+    assert told == "innocent"  # as in an overdrive
+    swapped = {**innocent, "eng": 3 * innocent["rpm"]}
+    told, _, interval = finding(written(tmp_path, swapped), speed="eng", engine="rpm")
+    assert told == "cannot tell"
+    assert interval[1] == 1
+
+
+def test_a_vetoed_gauge_accuses_and_acquits_nobody(tmp_path, innocent):
+    spoilt = innocent["S1"].copy()
+    spoilt[30_000:30_002] = 400
+    told, _, interval = finding(written(tmp_path, {**innocent, "S1": spoilt}), code=1)
+    assert told == "cannot tell"
+    assert interval[1] == 1
+    path = written(tmp_path, {**innocent, "S1": spoilt})
+    assert finding(path, "--mask", "spike")[0] == "innocent"
+
+
+def test_a_speed_read_off_the_stress_acquits_nobody(tmp_path, innocent):
+    path = written(tmp_path, innocent)
+    gauge = asked(path, "--gauge", "S1:MPa", *SN, "--estimate-speed", "S1", code=0)
+    assert gauge["finding"] == "cannot tell"
+
+
+def test_a_rate_that_the_time_column_contradicts_is_told(tmp_path):
+    path = written(tmp_path, {"S1": stress()})
+    note = "by its time column it is 1000 Hz"
+    assert note in run(path, "--gauge", "S1:MPa", *SN, "--rate", "2000").output
+    assert note not in run(path, "--gauge", "S1:MPa", *SN, "--rate", "1000").output
+
+
+def test_a_figure_of_no_kind_is_refused_before_anything_is_read(tmp_path):
+    done = run(written(tmp_path, {"S1": stress()}), "--gauge", "S1:MPa", *SN, "--plot", "x.txt")
+    assert done.exit_code == 2
+    assert "'x.txt'" in done.output
+
+
+def test_a_shaft_that_never_turned_drove_nowhere(tmp_path, innocent):
+    how = ("--gauge", "S1:MPa", *SN, "--speed", "rpm:rpm", "--axle-ratio", "4",
+           "--tyre-radius-m", "0.5")  # fmt: skip
+
+    def driven(speed):
+        done = run(written(tmp_path, {**innocent, "rpm": speed}), *how, "--json", "-q")
+        return json.loads(done.output)["distance_km"]
+
+    assert driven(innocent["rpm"]) > 0
+    assert driven(-innocent["rpm"]) is None
+
+
+@pytest.mark.parametrize("value", [1e300, -1e31, np.inf])
+def test_what_is_no_number_of_a_sensor_is_refused_where_it_stands(tmp_path, value):
+    x = stress()
+    x[5000] = value
+    done = run(written(tmp_path, {"S1": x}), "--gauge", "S1:MPa", *SN)
+    assert done.exit_code == 2, done.output
+    assert "at sample 5001" in done.output
+    assert f"{value:g}" in done.output

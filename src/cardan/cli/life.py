@@ -26,6 +26,14 @@ from cardan.cli.common import (
 from cardan.cli.ending import Once, kindly, leave
 
 
+def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path | None:
+    """Refuse a figure whose ending names no kind, before anything is read."""
+    if out is not None and out.suffix not in ("", ".svg", ".png", ".pdf"):
+        msg = f"a figure ends in .svg, .png or .pdf, got {out.name!r}"
+        raise click.BadParameter(msg)
+    return out
+
+
 @click.command(cls=Once)
 @click.argument("recording", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
@@ -269,7 +277,7 @@ from cardan.cli.ending import Once, kindly, leave
     help="Limit profile: its fatigue_life and fatigue_damage are held against every gauge.",
 )
 @JSON
-@click.option("--plot", type=OUT, help="A figure: svg, png.")
+@click.option("--plot", type=OUT, callback=_drawable, help="A figure: svg, png.")
 @click.option("--html", type=OUT, help="A report: a page of its own.")
 @click.option("--pdf", type=OUT, help="A report: a document.")
 @OUTSIDE

@@ -58,6 +58,8 @@ class Angle:
     lag: float = 0.15
     trusted: bool = True
     lost: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    measured: bool = True
+    """Whether anybody measured it: what was read off the stress itself acquits nobody."""
 
     def stretches(self, time: FloatArray) -> IntArray:
         """Return which stretch of one zero times (n,) s lie in, from 0 on."""

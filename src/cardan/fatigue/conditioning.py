@@ -309,6 +309,10 @@ def _longest(where: Places) -> int:
     return int((where.runs[:, 1] - where.runs[:, 0]).max(initial=0))
 
 
+BEYOND = 1e30
+"""Size from which a sample is no number of a sensor: its powers are no numbers of a computer."""
+
+
 class _Survey:
     """One channel's findings as its pieces pass."""
 
@@ -326,8 +330,13 @@ class _Survey:
     def add(self, padded: FloatArray) -> None:
         x = padded[self.reach : padded.size - self.reach]
         known = x[~np.isnan(x)]
-        if known.size and not np.isfinite(known).all():
-            msg = "samples must be finite or missing (nan), got infinity"
+        size = np.nan_to_num(np.abs(padded), nan=0.0, posinf=np.inf)
+        if not size.max(initial=0.0) < BEYOND:
+            where = int(np.argmax(size >= BEYOND))
+            place = max(self.samples - self.reach + where, 0) + 1
+            msg = (
+                f"samples must be finite or missing (nan), got {padded[where]:g} at sample {place}"
+            )
             raise DesignError(msg)
         self.samples += x.size
         self.missing += x.size - known.size

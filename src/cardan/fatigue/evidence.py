@@ -41,7 +41,19 @@ KNOCKING = said(
     "blows come where order 2 is loud, as of a stop that it reaches: they may be theirs"
 )
 
+STANDING = said(
+    "by its speed the shaft hardly turned: what does the damage is locked to nothing that is known"
+)
+SWAPPED = said(
+    "the engine turns at less than six tenths of the shaft's speed, as in no gear: are the two "
+    "swapped, or is one wrong?"
+)
+SPOILT = said("the gauge is vetoed: whose the damage is hangs on what spoiled the recording")
+
 DOUBTS = (
+    STANDING,
+    SWAPPED,
+    SPOILT,
     UNTRUSTED,
     UNLOADED,
     FAINT,
@@ -86,6 +98,11 @@ class Evidence:
     ratio: float = 1.0
     lag: float = 0.0
     doubts: tuple[Said, ...] = ()
+
+    def unknown(self, doubt: Said) -> "Evidence":
+        """Return evidence that tells nothing, for a doubt."""
+        low = min(self.interval[0], 0.0)
+        return replace(self, interval=(low, 1.0), doubts=(doubt, *self.doubts))
 
     @property
     def finding(self) -> str:

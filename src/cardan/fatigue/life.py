@@ -34,7 +34,7 @@ from cardan.fatigue.cause import (
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
-from cardan.fatigue.evidence import Evidence, together
+from cardan.fatigue.evidence import STANDING, SWAPPED, Evidence, together
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
@@ -737,6 +737,9 @@ def _of_one(
         for a, b, share in pairs
     ]  # fmt: skip
     evidence = joints.evidence()
+    doubt = _no_shaft(shaft, joints.engine, time, step=how.splitter.span)
+    if doubt is not None:
+        evidence = [one.unknown(doubt) for one in evidence]
     for gauge, one in zip(plan.gauges, evidence, strict=True):
         doubts += [said(OF_GAUGE, gauge=gauge.name, doubt=doubt) for doubt in one.doubts]
     if joints.engine is None:
@@ -751,6 +754,25 @@ def _of_one(
         time=time, speed=shaft.speed(time), order2=order2, torque=load,
         comparisons=comparisons, doubts=doubts,
     )  # fmt: skip
+
+
+TURNED = 2.0
+"""Seconds that a shaft has to turn for, if anything is to be locked to it."""
+LOWEST = 0.6
+"""Turns of an engine to one of the shaft that no gear has fewer of; it may coast out of gear."""
+
+
+def _no_shaft(
+    shaft: Rotation, engine: Rotation | None, time: FloatArray, *, step: float
+) -> Said | None:
+    """Return why a speed cannot be the shaft's, as it is at times (n,) s, each for a step."""
+    speed = shaft.speed(time)
+    moving = speed > 1
+    if moving.sum() * step < TURNED:
+        return STANDING
+    if engine is not None and np.mean(engine.speed(time)[moving] < LOWEST * speed[moving]) > 0.5:
+        return SWAPPED
+    return None
 
 
 def _direct(shaft: Rotation, engine: Rotation, time: FloatArray) -> float:

@@ -393,6 +393,8 @@ def _not_locked(case: _Case) -> Identified:
         all_near = max(case.removed(case.close(case.x, span=held)) for held in (0.5, RIDES))
         doubt = UNLOADED if case.angle.trusted else UNTRUSTED
         span = span.up_to(max(span.high, all_near) + 0.05, doubt)
+    if not case.angle.measured:
+        span = span.up_to(ACQUITTED + 0.05)
     else:
         close, more = case.beside(np.zeros_like(case.x))
         if more > STANDS_OUT:

@@ -166,6 +166,8 @@ def open_recording(
     if by_clock:
         assert clock is not None
         rate = _rate(path, table, clock)
+    elif rate is not None and clock is not None:
+        table = replace(table, notes=(*table.notes, *_against(path, table, clock, rate)))
 
     def read(wanted: tuple[int, ...]) -> Iterable[FloatArray]:
         columns = tuple(places[k] for k in wanted)
@@ -311,6 +313,17 @@ def _second(path: Path, column: Channel) -> float:
             hint=f"known are {', '.join(u for u in TIME_UNITS if u)}",
         )  # fmt: skip
     return TIME_UNITS[unit]
+
+
+def _against(path: Path, table: Table, clock: int, rate: float) -> tuple[str, ...]:
+    """Return what a time column says against a rate that was given."""
+    try:
+        own = _rate(path, table, clock)
+    except BadFile:
+        return ()  # that is why it was given
+    if abs(rate / own - 1) < 0.01:
+        return ()
+    return (f"taken at {rate:g} Hz, as was said: by its time column it is {own:g} Hz",)
 
 
 def _rate(path: Path, table: Table, clock: int) -> float:

@@ -566,7 +566,9 @@ class Campaign:
             return shaft_angle(speed, rate=rate, engine=engine[0] if engine else None)
         if self.estimate_speed is not None:
             signal = recording.pieces([self.estimate_speed])
-            return Angle(estimated_rotation(signal, rate=recording.rate), trusted=False)
+            return Angle(
+                estimated_rotation(signal, rate=recording.rate), trusted=False, measured=False
+            )
         return None
 
     def _read(self, recording: Recording, text: str) -> tuple[FloatArray, float]:

@@ -25,7 +25,7 @@ from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health, finer
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life
-from cardan.fatigue.evidence import Evidence, together
+from cardan.fatigue.evidence import SPOILT, Evidence, together
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
@@ -190,6 +190,7 @@ class RecordingStudy:
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
                 predicted=predicted, progress=progress,
             )  # fmt: skip
+            causes = _unspoilt(causes, lives)
         misread = tuple(
             _other_ways(
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
@@ -562,7 +563,21 @@ def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
     if shaft is None or ratio is None or radius is None:
         return math.nan
-    return float(shaft.turns[-1] - shaft.turns[0]) / ratio * TURN * radius
+    turned = float(shaft.turns[-1] - shaft.turns[0])
+    # Who is said to have turned nowhere was not driven: the speed is not what it is taken for.
+    return turned / ratio * TURN * radius if turned > 0 else math.nan
+
+
+def _unspoilt(causes: Causes, lives: Sequence[GaugeLife]) -> Causes:
+    """Return causes that accuse and acquit nobody at a gauge that is vetoed."""
+    vetoed = {one.name for one in lives if one.vetoed}
+    return replace(
+        causes,
+        evidence=[
+            e.unknown(SPOILT) if name in vetoed else e
+            for name, e in zip(causes.gauges, causes.evidence, strict=True)
+        ],
+    )
 
 
 def _fastest(shaft: Rotation | None) -> float:
