@@ -46,6 +46,8 @@ BASE = (
            "what does not count makes parts unequal", "unit/test_frozen.py"),
     mutant("base/small.py", "TRUSTED = 1e-9", "TRUSTED = 1e9",
            "rows that had to be exchanged are not", "unit/test_small.py"),
+    mutant("base/small.py", "trailing(a, of=2) @ trailing(b[:, None]", "trailing(a, of=2).mT @ trailing(b[:, None]",
+           "few matrices are turned over before they multiply", "unit/test_small.py"),
     mutant("base/units.py", '"lbf_in": lbf / inch', '"lbf_in": lbf / ft',
            "pounds to the inch taken for pounds to the foot", "unit/test_units.py", "unit/test_files_application.py"),
     mutant("base/units.py", '"kNm_deg": kNm / deg', '"kNm_deg": kNm * deg',

@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from cardan.base.small import beside, leading, product, solve, stretch, stretches, trailing, wide
+from cardan.base.small import (
+    FEW,
+    LARGE,
+    beside,
+    leading,
+    product,
+    solve,
+    stretch,
+    stretches,
+    trailing,
+    wide,
+)
 
 random = np.random.default_rng(3)
 
@@ -12,10 +23,14 @@ def some(*shape: int) -> np.ndarray:
     return random.normal(size=shape) + 1j * random.normal(size=shape)
 
 
+MANY = 3 * FEW
+
+
+@pytest.mark.parametrize("count", [FEW, MANY])
 @pytest.mark.parametrize(("N", "columns"), [(1, 1), (2, 3), (4, 5), (10, 6)])
-def test_solutions_are_those_of_lapack(N, columns):
-    """To rounding, 1e-16, times what matrices of these sizes magnify it by: under 1e4."""
-    a, b = some(50, N, N), some(50, N, columns)
+def test_solutions_are_those_of_lapack(N, columns, count):
+    """To rounding, 1e-16, times what matrices of these sizes magnify it by: under 1e5."""
+    a, b = some(count, N, N), some(count, N, columns)
     found = trailing(solve(leading(a, of=2), leading(b, of=2)), of=2)
     right = np.linalg.solve(a, b)
     assert np.abs(found - right).max() < 1e-9 * np.abs(right).max()
@@ -33,23 +48,28 @@ def test_one_matrix_serves_many_sides_and_one_side_many_matrices():
 def test_what_needs_its_rows_exchanged_is_left_to_lapack():
     """A zero, and a number of 1e-20, where the first row starts."""
     a = np.array([[[0.0, 1.0], [1e-20, 1.0], [2.0, 1.0]], [[1.0, 0.0], [1.0, 1.0], [1.0, 3.0]]])
-    a = np.moveaxis(a, 1, -1)
-    b = np.stack([np.full((1, 3), 1.0), np.full((1, 3), 2.0)])
+    a = np.tile(np.moveaxis(a, 1, -1), MANY)
+    b = np.tile(np.stack([np.full((1, 3), 1.0), np.full((1, 3), 2.0)]), MANY)
     found = solve(a, b)
-    for k in range(3):
+    for k in range(3 * MANY):
         np.testing.assert_allclose(found[..., k], np.linalg.solve(a[..., k], b[..., k]), rtol=1e-12)
     with pytest.raises(np.linalg.LinAlgError):
-        solve(np.zeros((2, 2, 3)), b)
+        solve(np.zeros((2, 2, 3)), b[..., :3])
+    with pytest.raises(np.linalg.LinAlgError):
+        solve(np.zeros((2, 2, 3 * MANY)), b)
 
 
-def test_products_and_columns():
-    a, b, v = some(7, 3, 4), some(7, 4, 2), some(7, 4)
+@pytest.mark.parametrize(("count", "N"), [(7, 4), (MANY, 4), (MANY, LARGE)])
+def test_products_and_columns(count, N):
+    a, b, v = some(count, 3, N), some(count, N, 2), some(count, N)
     first = product(leading(a, of=2), leading(b, of=2))
-    np.testing.assert_allclose(trailing(first, of=2), a @ b, rtol=1e-12)
+    np.testing.assert_allclose(trailing(first, of=2), a @ b, rtol=1e-12, atol=1e-12)
     onto = product(leading(a, of=2), leading(v, of=1))
-    np.testing.assert_allclose(trailing(onto, of=1), (a @ v[..., None])[..., 0], rtol=1e-12)
+    np.testing.assert_allclose(
+        trailing(onto, of=1), (a @ v[..., None])[..., 0], rtol=1e-12, atol=1e-12
+    )
     both = beside(leading(b, of=2), leading(v, of=1))
-    assert both.shape == (4, 3, 7)
+    assert both.shape == (N, 3, count)
     np.testing.assert_array_equal(trailing(both, of=2)[..., 2], v)
 
 

@@ -2,16 +2,23 @@
 
 LAPACK takes small matrices one by one. Here each step of the algebra runs over all cases at
 once, which lie side by side in memory: several times as fast, as long as they fit the cache
-(`stretches`).
+(`stretches`). Few cases are LAPACK's: a step costs what a hundred of its equations do.
 """
 
 from collections.abc import Iterator
+from math import prod
 from typing import Any
 
 import numpy as np
 
 CACHED = 1500
 """Cases at a time: what is at hand of so many stays in a processor's second cache."""
+
+FEW = 100
+"""Cases that LAPACK solves one by one in less time than all of them take step by step."""
+
+LARGE = 6
+"""Rows from which on matrices multiply faster one by one, however many."""
 
 TRUSTED = 1e-9
 """What may be left of an equation, as a share: more is left where no rows were exchanged but had
@@ -68,6 +75,10 @@ def beside(a: Any, b: Any) -> Any:
 def product(a: Any, b: Any) -> Any:
     """Return matrices (N, M, ...) times matrices (M, K, ...), or vectors (M, ...)."""
     cases = np.broadcast_shapes(a.shape[2:], b.shape[2:] if b.ndim == a.ndim else b.shape[1:])
+    if len(b) >= LARGE or prod(cases) <= FEW:
+        vectors = b.ndim < a.ndim
+        each = trailing(a, of=2) @ trailing(b[:, None] if vectors else b, of=2)
+        return leading(each, of=2)[:, 0] if vectors else leading(each, of=2)
     found = np.empty((len(a), *b.shape[1 : b.ndim - a.ndim + 2], *cases), np.result_type(a, b))
     more = np.empty(found.shape[1:], found.dtype)
     for k, row in enumerate(a):  # row by row: all of it leaves the cache
@@ -82,7 +93,8 @@ def product(a: Any, b: Any) -> Any:
 def solve(a: Any, b: Any) -> Any:
     """Return the solutions (N, K, ...) of matrices a (N, N, ...), right-hand sides (N, K, ...).
 
-    By Gauss, without exchanging rows; cases in which that loses digits are LAPACK's.
+    By Gauss, without exchanging rows; few cases, and those in which that loses digits, are
+    LAPACK's.
 
     Raises
     ------
@@ -91,6 +103,8 @@ def solve(a: Any, b: Any) -> Any:
     """
     cases = np.broadcast_shapes(a.shape[2:], b.shape[2:])
     size, columns = len(a), b.shape[1]
+    if prod(cases) <= FEW:
+        return leading(np.linalg.solve(trailing(a, of=2), trailing(b, of=2)), of=2)
     both = np.empty((size, size + columns, *cases), dtype=np.result_type(a, b))
     left, found = both[:, :size], both[:, size:]
     left[...], found[...] = a, b
