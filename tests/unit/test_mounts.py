@@ -84,10 +84,30 @@ def test_what_other_mounts_do_is_told_beside_what_a_workshop_can_move(truck):
     assert {"bearing_loss", "bearing_place", "bearing_height"} <= set(told)
     effect = told["bearing_loss"]
     (state,) = np.flatnonzero([n == force.check.when.name for n in truck.demand.states])
-    after = tried(truck, (effect.adjustable,), np.array([effect.step]))
+    after = tried(truck, (effect.adjustable,), np.array([effect.high]))
     assert effect.forth == pytest.approx(after.bearing_force("dynamic")[state, 0], rel=1e-9)
     assert effect.forth < 0.8 * force.check.value
     assert moves_that_help(force, EN)[0].startswith("rubber of all bearings with 50 % more loss")
+
+
+def test_where_no_step_helps_the_ends_of_the_ranges_are_asked(truck):
+    """A duty speed stands between two modes: other rubber has to bring one of them past it."""
+    found = sensitivities(assess(truck.application))
+    (off,) = (s for s in found if s.check.quantity == "resonance_distance")
+    (effect,) = off.helpful
+    assert (effect.adjustable.what, effect.low, effect.high) == ("bearing_stiffness", -0.5, 1.0)
+    by = {amount: change(truck.application, {
+        f"{BEARING}.{key}_stiffness_N_mm": stiffness * (1 + amount)
+        for key, stiffness in (("vertical", 150.0), ("lateral", 100.0))
+    }) for amount in (effect.low, -0.3, 0.3, effect.high)}  # fmt: skip
+    given = {
+        amount: next(c.value for c in assess(a).checks
+                     if c.quantity == "resonance_distance" and c.when == off.check.when)
+        for amount, a in by.items()
+    }  # fmt: skip
+    assert (effect.back, effect.forth) == pytest.approx((given[-0.5], given[1.0]), rel=1e-9)
+    assert max(given[-0.3], given[0.3]) < off.check.value < off.check.limit.normal < given[-0.5]
+    assert moves_that_help(off, EN) == ["rubber of all bearings softer by 50 % gives 0.2298"]
 
 
 def test_nobody_is_told_of_mounts_where_no_bearing_is_short(truck):

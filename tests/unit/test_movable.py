@@ -128,7 +128,7 @@ def test_what_helps_is_told_of_a_warning_too():
     for one in found:
         for effect in one.effects:
             both = {}
-            for way, amount in (("back", -effect.step), ("forth", effect.step)):
+            for way, amount in (("back", effect.low), ("forth", effect.high)):
                 there = tried(response, (effect.adjustable,), np.array([[amount]]))
                 k = int(one.check.part.number) - 1
                 both[way] = there.angles[0, 0, k]

@@ -345,7 +345,7 @@ def test_sensitivities_are_those_of_a_slope(truck):
     for effect in worst.effects:
         if effect.adjustable.what == "phase":
             continue
-        half = np.array([[-effect.step / 2], [effect.step / 2]])
+        half = np.array([[effect.low / 2], [effect.high / 2]])
         moved = tried(response, (effect.adjustable,), half)
         low, high = moved.excitation.torsional.acceleration[:, state]
         assert high - low == pytest.approx((effect.forth - effect.back) / 2, rel=0.15)

@@ -116,10 +116,6 @@ def sentence(c: Check, say: Language) -> str:
     ).rstrip()
 
 
-WORTHWHILE = 0.05
-"""Share of the gap to a limit that a move closes at least, to be told."""
-
-
 def move(m: Move, say: Language) -> str:
     """Return a move in a workshop's words."""
     movable, part, amount = MOVABLES[m.adjustable.what], m.adjustable.part, m.amount
@@ -221,28 +217,20 @@ def problem(one: Sensitivity, say: Language, *, several: bool = False) -> str:
 
 def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
     """Return the three moves that win most, each with the value it gives."""
-    return [_effect(one, e, say) for e in _helpful(one)[:3]]
-
-
-def _helpful(one: Sensitivity) -> list[Effect]:
-    """Return the moves that close at least `WORTHWHILE` of the gap: others help nobody."""
-    gap = max(-one.check.margin, 0.0)
-    return [e for e in one.effects if one.gain(e) > WORTHWHILE * gap]
+    return [_effect(one, e, say) for e in one.helpful[:3]]
 
 
 def out_of_reach(of: Iterable[Sensitivity]) -> list[Check]:
     """Return the checks that no move helps."""
-    return [one.check for one in of if not _helpful(one)]
+    return [one.check for one in of if not one.helpful]
 
 
 def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
     """Return what one move does, the better way of the two."""
     q = QUANTITIES[one.check.quantity]
     limit = one.check.limit
-    value, step = max(
-        (e.back, -e.step), (e.forth, e.step), key=lambda t: float(limit.margin(t[0], to="normal"))
-    )
-    moved = move(Move(adjustable=e.adjustable, amount=step), say)
+    amount, value = max(e.ways, key=lambda way: float(limit.margin(way[1], to="normal")))
+    moved = move(Move(adjustable=e.adjustable, amount=amount), say)
     return say("{move} gives {value}", move=moved, value=say.number(value / q.factor))
 
 

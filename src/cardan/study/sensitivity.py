@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cardan.base.arrays import FloatArray
 from cardan.base.frozen import dataclass
 from cardan.base.verdict import Check
 from cardan.model.application import Adjustable
@@ -18,15 +19,28 @@ from cardan.study.moves import adjustables, fitted, in_states, tried
 ON_RUBBER = {key for key, quantity in ANSWERED.items() if quantity.on_rubber}
 """What other mounts answer."""
 
+WORTHWHILE = 0.05
+"""Share of the gap to a limit that a move closes at least, or it is no help."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
-    """What moving one thing by a step, back or forth, does to the value of a check. SI."""
+    """What moving one thing back or forth does to the value of a check. SI.
+
+    `low` and `high` are how far it is moved: by a step, or to the ends of its range where no
+    step of anything helps.
+    """
 
     adjustable: Adjustable
-    step: float
+    low: float
+    high: float
     back: float
     forth: float
+
+    @property
+    def ways(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Both amounts, each with the value it gives."""
+        return (self.low, self.back), (self.high, self.forth)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +60,12 @@ class Sensitivity:
         to = "maximum" if now.grade == "fail" else "normal"
         return max(float(limit.margin(v, to=to)) for v in (effect.back, effect.forth)) - now.margin
 
+    @property
+    def helpful(self) -> tuple[Effect, ...]:
+        """Those that close a part of the gap that is `WORTHWHILE`."""
+        gap = max(-self.check.margin, 0.0)
+        return tuple(e for e in self.effects if self.gain(e) > WORTHWHILE * gap)
+
 
 def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
     """Return for every limit and part that does not pass what moving things would do.
@@ -58,7 +78,10 @@ def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Missed:
-    """A limit's part that does not pass: its check in the worst state, and all such states."""
+    """A limit's part that does not pass: its check in the worst state, and all such states.
+
+    `question` is which of those about its quantity.
+    """
 
     question: int
     part: int
@@ -82,29 +105,53 @@ def _of_line(response: Response, every: Iterable[Check]) -> Iterator[Sensitivity
 def _moved(
     response: Response, quantities: set[str], movable: tuple[Adjustable, ...]
 ) -> Iterator[Sensitivity]:
-    """Yield those of some quantities, from one batch of things moved back and forth."""
+    """Yield those of some quantities, from one batch of things moved back and forth.
+
+    What no step helps is asked again at the ends of the ranges: a speed between two modes has
+    to pass one of them, and a step may be too short for that.
+    """
     missed = list(_missed(response, quantities))
-    if not (missed and movable):
-        yield from (Sensitivity(check=m.check, states=m.states, effects=()) for m in missed)
-        return
     steps = np.array([_step(a) for a in movable])
+    ends = np.array([(a.low, a.high) for a in movable]).reshape(-1, 2).T
+    found = _asked(response, missed, movable, -steps, steps)
+    rest = [k for k, one in enumerate(found) if not one.helpful]
+    farther = _asked(response, [missed[k] for k in rest], movable, *ends)
+    better = {k: one for k, one in zip(rest, farther, strict=True) if one.helpful}
+    yield from (better.get(k, one) for k, one in enumerate(found))
+
+
+def _asked(
+    response: Response,
+    missed: list[_Missed],
+    movable: tuple[Adjustable, ...],
+    low: FloatArray,
+    high: FloatArray,
+) -> list[Sensitivity]:
+    """Return what moving each thing by amounts (movable,) back and forth does to what is missed."""
+    if not (missed and movable):
+        return [Sensitivity(check=m.check, states=m.states, effects=()) for m in missed]
     within = _deciding(response, {m.state for m in missed})
-    amounts = np.concatenate([np.diag(-steps), np.diag(steps)])
-    line = tried(in_states(response, within), movable, amounts)
-    questions = list(asked(line, quantities=quantities))
+    line = tried(
+        in_states(response, within), movable, np.concatenate([np.diag(low), np.diag(high)])
+    )
+    questions = {
+        key: list(asked(line, quantities={key})) for key in {m.check.quantity for m in missed}
+    }
+    found: list[Sensitivity] = []
     for m in missed:
-        values = questions[m.question].values[..., within.index(m.state), m.part]
+        question = questions[m.check.quantity][m.question]
+        values = question.values[..., within.index(m.state), m.part]
         back, forth = np.broadcast_to(values, (2 * len(movable),)).reshape(2, -1).tolist()
-        one = Sensitivity(
-            check=m.check,
-            states=m.states,
-            effects=tuple(
-                Effect(adjustable=a, step=step, back=b, forth=f)
-                for a, step, b, f in zip(movable, steps.tolist(), back, forth, strict=True)
-            ),
+        effects = tuple(
+            Effect(adjustable=a, low=down, high=up, back=lower, forth=upper)
+            for a, down, up, lower, upper in zip(
+                movable, low.tolist(), high.tolist(), back, forth, strict=True
+            )
         )
-        helpful = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.gain(e) > 0)
-        yield replace(one, effects=tuple(sorted(helpful, key=one.gain, reverse=True)))
+        one = Sensitivity(check=m.check, states=m.states, effects=effects)
+        moving = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.gain(e) > 0)
+        found.append(replace(one, effects=tuple(sorted(moving, key=one.gain, reverse=True))))
+    return found
 
 
 def _step(a: Adjustable) -> float:
@@ -116,7 +163,13 @@ def _step(a: Adjustable) -> float:
 def _missed(response: Response, quantities: set[str]) -> Iterator[_Missed]:
     """Yield what of a line does not pass, limit by limit and part by part."""
     names = response.demand.states
-    for k, question in enumerate(asked(response, quantities=quantities)):
+    questions = [
+        (k, question)
+        for key in ANSWERED
+        if key in quantities
+        for k, question in enumerate(asked(response, quantities={key}))
+    ]
+    for k, question in questions:
         for p in range(len(question.parts)):
             checks = {s: check(response, question, s, p) for s in range(len(names))}
             bad = {s: c for s, c in checks.items() if c and c.grade != "pass"}

@@ -190,10 +190,10 @@ def _help(read: Document, _: Json, say: Language, __: Tell) -> Json:
         bars = [
             bar
             for e in one.effects
-            for value, step in ((e.back, -e.step), (e.forth, e.step))
-            if (bar := _bar(read, installed, one.check, Move(adjustable=e.adjustable, amount=step),
-                            value, say))
-        ]  # fmt: skip
+            for amount, value in e.ways
+            for moved in [Move(adjustable=e.adjustable, amount=amount)]
+            if (bar := _bar(read, installed, one.check, moved, value, say))
+        ]
         bars.sort(key=lambda b: -b["gain"])
         helps.append({**other(one.check, found, say), "bars": bars})
     return {"helps": helps}
