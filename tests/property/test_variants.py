@@ -111,7 +111,7 @@ def cases(draw: st.DrawFn):
     return name, {at: varied(numbers[at], draw(factors(3))) for at in some}
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(case=cases())
 def test_a_batch_is_its_variants_one_by_one(case):
     compare(*case)
