@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from cardan.base.errors import DesignError
 from cardan.fatigue.conditioning import (
@@ -205,6 +206,52 @@ def test_each_fault_is_told_for_what_it_is(name, size):
         long = edge[1::2] - edge[::2]
         wanted = long[long >= 2].sum()
     assert found[kind].samples == wanted
+
+
+def lost(x, n, *, noise):
+    """Load and a lost contact from sample 5000 on, for so many."""
+    x = x + 80
+    x[5000 : 5000 + n] = noise * np.random.default_rng(4).normal(size=n)
+    return x
+
+
+@pytest.mark.parametrize("size", [700, 60_000])
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+@pytest.mark.parametrize("n", [260, 400, 5000, 9900])
+def test_a_contact_lost_for_seconds_is_a_dropout(n, noise, size):
+    """One of 0.4 s made the damage 46 times what it was, and nothing was suspected."""
+    found = look(lost(signal(40_000), n, noise=noise), size=size).faults
+    assert set(found) == {"dropout"}
+    assert found["dropout"].runs.tolist() == [[5000, 5000 + n]]
+    assert found["dropout"].sizes == pytest.approx([-80], abs=25)
+
+
+@pytest.mark.parametrize("n", [400, 5000])
+def test_behind_a_filter_it_is_found_with_its_flanks(n):
+    """A low pass of 4th order at 200 Hz makes some samples of what stepped in one."""
+    x = lfilter(*butter(4, 0.4), lost(signal(20_000), n, noise=0.0))
+    ((first, last),) = look(x).faults["dropout"].runs.tolist()
+    assert 5000 <= first <= 5003
+    assert 5000 + n <= last <= 5000 + n + 6
+
+
+def test_what_stays_for_longer_or_comes_back_elsewhere_is_no_dropout():
+    assert "dropout" not in look(lost(signal(40_000), 10_100, noise=0.3)).faults
+    x = signal(20_000) + 80
+    x[5000:6000] = 0
+    x[6000:] -= 50
+    assert "dropout" not in look(x).faults
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])
+def test_torque_that_a_gear_change_takes_away_is_no_lost_contact(rate):
+    """Within 20 ms, for a second: no clutch opens within 5."""
+    t = np.arange(0, 60, 1 / rate)
+    rng = np.random.default_rng(2)
+    x = 80 + np.sin(2 * np.pi * 9 * t) + 0.2 * rng.normal(size=t.size)
+    for at in (13.0, 29.3, 47.1):
+        x -= 80 * np.clip((t - at) / 0.02, 0, 1) * np.clip((at + 1 - t) / 0.02, 0, 1)
+    assert survey([x[None]], rate=rate)[0].faults == {}
 
 
 def test_sentinels_that_might_be_numbers_are_numbers():

@@ -9,7 +9,7 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | hole | missing samples |
 | sentinel | a number that loggers write for "no value", far outside all others |
 | spike | up to three samples that jump off and back, quiet on both sides |
-| dropout | the same, longer and level |
+| dropout | the same, longer and level; or a contact lost for some seconds between two steps |
 | clip | crests cut off at one level |
 | freeze | one value for longer than the channel ever keeps one |
 | zero-step | the level steps from one sample to the next, and stays |
@@ -58,9 +58,13 @@ CUT_ALONE = 50.0
 SPIKE_WIDTH = 3
 """Longest spike, samples; what is longer and level is a dropout."""
 DROPOUT_SECONDS = 0.25
-"""Longest dropout."""
+"""Longest dropout that is looked at as a whole, and has to be level."""
+LOST_SECONDS = 10.0
+"""Longest of all: a contact that was lost between two steps. What stays longer is another zero."""
 FREEZE_SECONDS = 0.1
 """Shortest freeze, of 20 samples at least, and of 20 times as long as the channel's own steps."""
+STEP_WIDTH, STEP_SECONDS = 4, 0.005
+"""Samples, and time, in which a level becomes another behind a filter: a load takes longer."""
 QUIET = 32
 """Samples before a jump, or behind, that say how the channel moves there."""
 OUTSTANDING = 5.0
@@ -155,6 +159,7 @@ class Finder:
 
     def __init__(self, rate: float) -> None:
         self.rate, self.reach = rate, reach(rate)
+        self.widths = tuple({1, min(STEP_WIDTH, max(round(STEP_SECONDS * rate), 1))})
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
         self.steps: list[tuple[IntArray, FloatArray]] = []
@@ -187,9 +192,9 @@ class Finder:
         runs, sizes = _jumps(filled, longest=margin - QUIET - 4)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.jumps.append((runs[mine] + offset, sizes[mine]))
-        at, sizes = _steps(filled)
-        mine = (at >= margin) & (at < margin + x.size)
-        self.steps.append((at[mine] + offset, sizes[mine]))
+        runs, sizes = _steps(filled, widths=self.widths)
+        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+        self.steps.append((runs[mine] + offset, sizes[mine]))
         self._plateaus(filled, offset, x.size)
         self.start += x.size
 
@@ -243,12 +248,36 @@ class Finder:
         sizes = np.concatenate([np.empty(0), *(s for _, s in self.jumps)])
         known = (np.abs(sizes) > 2 * typical) & ~_touching(runs, spoiled)
         runs, sizes = runs[known], sizes[known]
+        lost = self._lost(union([spoiled, runs]), typical=typical)
         short = runs[:, 1] - runs[:, 0] <= SPIKE_WIDTH
-        out[SPIKE], out[DROPOUT] = (Places(runs[k], sizes[k]) for k in (short, ~short))
+        out[SPIKE] = Places(runs[short], sizes[short])
+        out[DROPOUT] = places(
+            np.concatenate([runs[~short], lost.runs]), np.concatenate([sizes[~short], lost.sizes])
+        )
+        runs = union([runs, lost.runs])
         long = self._long(union([spoiled, runs]))
         out[CLIP] = self._clips(long, union([spoiled, runs]))
         out[FREEZE] = places(run[:2] for run in long if not self._cut(run, out[CLIP]))
         return {kind: where for kind, where in out.items() if where.count}
+
+    def _lost(self, taken: IntArray, *, typical: float) -> Places:
+        """Return what lies between two steps that undo each other, and no jump has `taken`."""
+        runs, sizes = self._steps_of(taken, typical=typical)
+        both = np.abs(sizes)
+        pairs = (np.diff(runs[:, 0]) <= LOST_SECONDS * self.rate) & (sizes[:-1] * sizes[1:] < 0)
+        pairs &= np.minimum(both[:-1], both[1:]) >= 0.6 * np.maximum(both[:-1], both[1:])
+        first = np.flatnonzero(pairs)
+        first = first[np.diff(first, prepend=-2) > 1]  # what one pair ends with begins no other
+        ends = np.stack([runs[first, 0], runs[first + 1, 1] - 1], -1)
+        return Places(ends, sizes[first])
+
+    def _steps_of(self, taken: IntArray, *, typical: float) -> tuple[IntArray, FloatArray]:
+        """Return the steps that are more than the channel swings, apart from what is `taken`."""
+        runs = np.concatenate([np.empty((0, 2), np.intp), *(r for r, _ in self.steps)])
+        sizes = np.concatenate([np.empty(0), *(s for _, s in self.steps)])
+        about = np.stack([runs[:, 0] - 1, runs[:, 1]], -1)
+        free = (np.abs(sizes) > 2 * typical) & ~_touching(about, taken)
+        return runs[free], sizes[free]
 
     def stepped(self, levels: FloatArray, *, span: int, typical: float, jumps: Places) -> Places:
         """Return the steps of the zero: those that the levels (spans,) on both sides confirm.
@@ -256,13 +285,8 @@ class Finder:
         A load that comes within a sample and stays looks the same, so they are suspects. What
         jumps off and back (`jumps`) is none.
         """
-        if not self.steps or levels.size < 2:
-            return NOWHERE
-        at = np.concatenate([a for a, _ in self.steps])
-        sizes = np.concatenate([s for _, s in self.steps])
-        rows = np.stack([at - 1, at + 1], -1)
-        free = (np.abs(sizes) > 2 * typical) & ~_touching(rows, jumps.runs)
-        at, sizes = at[free], sizes[free]
+        runs, sizes = self._steps_of(jumps.runs, typical=typical)
+        at = runs.mean(axis=-1).astype(np.intp)
         kept: list[tuple[int, float]] = []
         for i, size in zip(at.tolist(), sizes.tolist(), strict=True):
             before, behind = i // span - 1, -(-i // span)
@@ -398,20 +422,35 @@ def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
     return np.stack([off + 1, back + 1], -1), low * np.sign(d[off])
 
 
-def _steps(x: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return samples (k,) from which the level is another, calm on both sides, and by how much."""
-    d = np.diff(x)
+def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
+    """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
+
+    Within so many samples: at once, or in the few that a filter makes of it.
+    """
+    found = [_stepped(x, lag) for lag in widths]
+    runs, sizes = (np.concatenate(part) for part in zip(*found, strict=True))
+    first = ~_touching(runs, union([found[0][0]])) | (np.arange(len(runs)) < len(found[0][0]))
+    order = np.argsort(runs[first, 0], kind="stable")
+    return runs[first][order], sizes[first][order]
+
+
+def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
+    """Return the same of those that take so many samples."""
+    d = x[lag:] - x[:-lag]
     size = np.abs(d)
-    if size.size <= 2 * QUIET + 8:
-        return np.empty(0, np.intp), np.empty(0)
-    alone = np.flatnonzero(size[1:-1] > 5 * np.maximum(size[:-2], size[2:])) + 1
-    at = np.intersect1d(_outstanding(size, alone, -1), _outstanding(size, alone, 1))
-    return at + 1, d[at]
+    if size.size <= 2 * QUIET + 8 * lag:
+        return np.empty((0, 2), np.intp), np.empty(0)
+    alone = size[lag:-lag] > 5 * np.maximum(size[: -2 * lag], size[2 * lag :])
+    for k in range(1, lag):  # the middle of the way
+        alone &= size[lag:-lag] >= np.maximum(size[lag - k : -lag - k], size[lag + k : k - lag])
+    at = np.flatnonzero(alone) + lag
+    at = _outstanding(size, _outstanding(size, at, -1, gap=lag), 1, gap=lag)
+    return np.stack([at + 1, at + 1 + lag], -1), d[at]
 
 
-def _outstanding(size: FloatArray, at: IntArray, way: int) -> IntArray:
-    """Those jumps that stand out of the steps before them (way -1) or behind (1)."""
-    first = at + 2 if way > 0 else at - 1 - QUIET
+def _outstanding(size: FloatArray, at: IntArray, way: int, *, gap: int = 1) -> IntArray:
+    """Those jumps that stand out of the steps before them (way -1) or behind (1), by a gap."""
+    first = at + 1 + gap if way > 0 else at - gap - QUIET
     inside = (first >= 0) & (first + QUIET <= size.size)
     at, first = at[inside], first[inside]
     if not at.size:
