@@ -25,6 +25,10 @@ UNHEARD = said(
     "does the same as the joints"
 )
 
+STEADY = said(
+    "order 2 is the same whatever the torque, and what joints do goes with it: a wheel's, a bent "
+    "flange's, or is the torque another's?"
+)
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
@@ -61,6 +65,7 @@ DOUBTS = (
     RATTLING,
     ALIKE,
     UNHEARD,
+    STEADY,
     DOUBLED,
     HALVED,
     BESIDE,

@@ -42,6 +42,7 @@ from cardan.fatigue.evidence import (
     PASSING,
     RATTLING,
     SLIPPING,
+    STEADY,
     UNHEARD,
     UNLOADED,
     UNTRUSTED,
@@ -82,6 +83,8 @@ NO_SQUARE = 1.25
 """Of what goes with the speed's square, that goes with a torque and is no unbalance."""
 SUDDEN = 0.15
 """Share of the time up to which a strong torque is a matter of seconds."""
+UNMOVED = 1.01
+"""Of what goes with a torque, above which an order that is the same under any explains more."""
 BESIDES = 5.0
 """Hz from order 2 within which another order takes part in what stands about it."""
 
@@ -276,6 +279,24 @@ class _Case:
                         span = span.up_to(share, doubt)
         return span
 
+    @cached_property
+    def steady(self) -> bool:
+        """Return whether order 2 is locked, and explained better without the torque than with it.
+
+        The joints' goes with the torque, turns its sign with it, and where rubber or a stop yields
+        ever less grows as its root: within each band of frequency, where the bracket is one. An
+        order 2 of other descent, of a wheel's or a bent flange, knows no torque. Each is asked at
+        the ratio and lag of the speed that suits it best, or a turn's slip stands for a sign.
+        """
+        if not self.measured:
+            return False
+        alone = replace(self, load=np.ones_like(self.load))
+        root = replace(self, load=np.sign(self.load) * np.sqrt(np.abs(self.load)))
+        return (
+            all(alone.first.energy > UNMOVED * law.first.energy for law in (self, root))
+            and alone.line.strength >= FOUND
+        )
+
     def following(self) -> tuple[float, float] | None:
         """Share, at least and likely, of what follows order 2 where no engine may; None of others.
 
@@ -408,6 +429,8 @@ def _not_locked(case: _Case) -> Identified:
     if there := case.following():
         low, likely = there[0], max(likely, there[1])
         span = span.doubting(PASSING)
+        if low >= CONVICTED and case.steady:
+            low, span = 0.0, span.doubting(STEADY)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high) - 0.01, high, span.doubts)
     return Identified(found, np.zeros(case.stress.size), case.size(case.line.wave))
 
@@ -452,6 +475,8 @@ def _locked(case: _Case, seed: int) -> Identified:
         span = span.down_to(sure, UNHEARD if case.engine is None else ALIKE)
     if span.low < CONVICTED and (there := case.following()):
         span = replace(span, low=max(span.low, min(there[0], middle)))
+    if span.low >= CONVICTED and case.steady:
+        span = span.down_to(0.0, STEADY)
     span = case.sudden(x - mean, span)
     if span.high <= ACQUITTED:
         span = case.elsewhere(span)
