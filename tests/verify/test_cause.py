@@ -11,7 +11,16 @@ from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import readings, shaft_angle
 from cardan.fatigue.damage import miner
-from cardan.fatigue.evidence import ALIKE, CANNOT_TELL, GUILTY, INNOCENT, STEADY, Evidence, together
+from cardan.fatigue.evidence import (
+    ALIKE,
+    CANNOT_TELL,
+    GUILTY,
+    INNOCENT,
+    SCALED,
+    STEADY,
+    Evidence,
+    together,
+)
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.orders import Rotation, order_spectrum
 from cardan.fatigue.rainflow import rainflow
@@ -178,6 +187,48 @@ def test_an_order_2_that_knows_no_torque_convicts_nobody(name, modes, coasting):
     assert (STEADY in answer.evidence.doubts) == (finding == CANNOT_TELL)
     if finding == CANNOT_TELL:
         assert answer.evidence.interval[0] <= 0  # the joints' own share
+
+
+@pytest.mark.parametrize("off", [0.12, -0.1, -0.2, 0.25])
+def test_a_speed_of_wrong_teeth_tells_nothing(off):
+    """Far enough off, order 2 is found at no order of it, and had acquitted."""
+    truth, answer = asked(made(5, **GUILTY_ONE | {"ratio_off": off}))
+    low, high = answer.evidence.interval
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
+    assert low <= truth <= high + 0.05
+
+
+def beside_order_2(seed, *, at, by_torque, size=8.0, guilt=0.0):
+    """A recording with something locked at another multiple of the shaft's speed."""
+    case = made(seed, **PLAIN | {"guilt": guilt, "road": 2.0, "blows": 0, "engine": 0.0})
+    load = case.torque / np.sqrt(np.mean(case.torque**2)) if by_torque else 1.0
+    case.stress += size * load * np.cos(2 * np.pi * at * case.turns)
+    return case
+
+
+@pytest.mark.parametrize("by_torque", [False, True])
+@pytest.mark.parametrize("seed", [6, 8])
+def test_what_turns_beside_order_2_convicts_nobody(seed, by_torque):
+    """A tyre's or a pump's 1.8 comes and goes with the shaft as order 2 does, and is none of it."""
+    _, answer = asked(beside_order_2(seed, at=1.8, by_torque=by_torque))
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
+
+
+def test_nor_is_it_added_to_what_is_theirs():
+    _, answer = asked(beside_order_2(5, at=1.8, by_torque=True, size=10.0, guilt=0.2))
+    assert answer.evidence.strength > FOUND
+    assert answer.evidence.interval[0] < 0.3
+    assert SCALED in answer.evidence.doubts
+
+
+def test_what_is_the_same_under_any_torque_is_no_other_shaft_s_order_2():
+    _, answer = asked(beside_order_2(10, at=2.35, by_torque=False, size=11.0))
+    assert answer.evidence.finding == INNOCENT
+    _, answer = asked(beside_order_2(10, at=2.35, by_torque=True, size=11.0))
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
 
 
 def test_another_gauge_changes_nothing():

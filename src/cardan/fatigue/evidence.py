@@ -31,6 +31,10 @@ STEADY = said(
 )
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
+SCALED = said(
+    "more is locked beside the orders of the speed given: is its scale wrong, as by a number of "
+    "teeth, or does something else turn there?"
+)
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
 PASSING = said(
     "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
@@ -68,6 +72,7 @@ DOUBTS = (
     STEADY,
     DOUBLED,
     HALVED,
+    SCALED,
     BESIDE,
     PASSING,
     BRIEF,
