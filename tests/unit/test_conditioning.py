@@ -208,6 +208,52 @@ def test_each_fault_is_told_for_what_it_is(name, size):
     assert found[kind].samples == wanted
 
 
+def road(n=60_000, *, seed=1):
+    """Up to 30 Hz, 10 in the mean."""
+    x = lfilter(*butter(2, 0.06), np.random.default_rng(seed).normal(size=n))
+    return 10 * x / x.std()
+
+
+AFTERWARDS = {
+    "noise of a thousandth": lambda x, rng: x + 0.01 * rng.normal(size=x.size),
+    "noise of a hundredth": lambda x, rng: x + 0.1 * rng.normal(size=x.size),
+    "a filter": lambda x, _: lfilter(*butter(2, 0.6), x),
+}
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("share", [0.9, 0.97, 0.99])
+@pytest.mark.parametrize("then", AFTERWARDS)
+def test_crests_are_clipped_under_noise_and_filters_too(then, share, sign):
+    """Life came out three to four times too long, and nothing was suspected."""
+    x = sign * road()
+    cut_off = AFTERWARDS[then](np.minimum(x, np.quantile(x, share)), np.random.default_rng(7))
+    found = look(cut_off).faults
+    assert set(found) == {"clip"}
+    # A fifth at least of what was beyond, where crests of four samples and more were.
+    assert found["clip"].samples > 0.2 * (1 - share) * x.size
+    back = Treatment(crowned=found["clip"])(cut_off, 0)
+    assert cut_off.max() * 1.05 < back.max() < 1.5 * x.max()
+
+
+SOUND = {
+    "a sine": lambda t, rng: 20 * np.sin(2 * np.pi * 11 * t) + 0.1 * rng.normal(size=t.size),
+    "a swelling sine": lambda t, _: 20 * np.sin(2 * np.pi * 11 * t) * (1 + 0.3 * np.sin(0.7 * t)),
+    "steps of a sine": lambda t, _: np.round(20 * np.sin(2 * np.pi * 2 * t)),
+    "pulses": lambda t, rng: (
+        50 * np.sin(np.pi * np.clip(t % 0.997 / 0.06, 0, 1)) + 0.05 * rng.normal(size=t.size)
+    ),
+    "a road": lambda t, _: road(t.size, seed=8),
+    "a road both ways alike": lambda t, _: np.abs(road(t.size, seed=9)),
+}
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_crests_that_turn_by_themselves_are_whole(name):
+    t = np.arange(60_000) / RATE
+    assert look(SOUND[name](t, np.random.default_rng(5))).faults == {}
+
+
 def lost(x, n, *, noise):
     """Load and a lost contact from sample 5000 on, for so many."""
     x = x + 80
@@ -229,7 +275,8 @@ def test_a_contact_lost_for_seconds_is_a_dropout(n, noise, size):
 @pytest.mark.parametrize("n", [400, 5000])
 def test_behind_a_filter_it_is_found_with_its_flanks(n):
     """A low pass of 4th order at 200 Hz makes some samples of what stepped in one."""
-    x = lfilter(*butter(4, 0.4), lost(signal(20_000), n, noise=0.0))
+    x = 20 * np.sin(2 * np.pi * 11 * np.arange(20_000) / RATE)
+    x = lfilter(*butter(4, 0.4), lost(x + np.random.default_rng(6).normal(size=x.size), n, noise=0))
     ((first, last),) = look(x).faults["dropout"].runs.tolist()
     assert 5000 <= first <= 5003
     assert 5000 + n <= last <= 5000 + n + 6

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan.cli.life import life as command
+from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.hum import Listener
 
 RATE = 1000.0
@@ -327,6 +328,37 @@ def test_a_speed_that_cannot_be_the_shafts_acquits_nobody(tmp_path, innocent):
     told, _, interval = finding(written(tmp_path, swapped), speed="eng", engine="rpm")
     assert told == "cannot tell"
     assert interval[1] == 1
+
+
+def test_a_speed_that_is_missing_or_stands_still_acquits_nobody(tmp_path, innocent):
+    """From a tenth of a second of it the engine carried it on, through gears nobody knows."""
+    still = np.full(T.size, innocent["rpm"][0])
+    for speed in (
+        np.where(T < 0.1, innocent["rpm"], 0),
+        np.where(T < 10, innocent["rpm"], 0),
+        still,
+    ):
+        told, _, (low, high) = finding(written(tmp_path, {**innocent, "rpm": speed}))
+        assert told == "cannot tell"
+        assert (low, high) == (min(low, 0), 1)
+    # Holes of seconds, gears known from beside them, cost nothing.
+    holes = np.where(T % 15 < 3, 0, innocent["rpm"])
+    assert finding(written(tmp_path, {**innocent, "rpm": holes}))[0] == "innocent"
+
+
+def test_how_long_nothing_says_how_fast_a_shaft_turned(innocent):
+    """Of a tenth of a second now and then the engine's steady speeds made gears between them."""
+    speed = innocent["rpm"] / 60
+    engine = np.repeat([25.0, 40.0, 31.0], T.size // 3) + 0.05 * np.sin(9 * T)
+    now_and_then = shaft_angle(np.where(T % 15 < 0.1, 20.0, 0), rate=RATE, engine=engine)
+    assert now_and_then.dark > 0.95
+    assert not now_and_then.trusted
+    carried = shaft_angle(np.where(T % 15 < 3, 0, speed), rate=RATE, engine=1.5 * speed)
+    assert carried.dark == 0
+    assert carried.trusted
+    # A gap is carried through; what is missing longer than gears last is not.
+    long = shaft_angle(np.where(T < 25, speed, np.nan), rate=RATE, engine=1.5 * speed)
+    assert long.dark == pytest.approx((T[-1] - 25) / T[-1], abs=0.02)
 
 
 def test_a_vetoed_gauge_accuses_and_acquits_nobody(tmp_path, innocent):

@@ -28,6 +28,14 @@ LASTS = 6.0
 """Seconds that it must be known for, from one loss to the next, in the mean of that time."""
 SLIPS = 0.15
 """Seconds without a speed in which an angle is lost."""
+STUCK = 5.0
+"""Seconds of one and the same speed, while the engine's changes by `GEARED`, that nobody drove."""
+GEARED = 0.1
+"""Share by which an engine's speed changes that in gear takes the shaft's along."""
+CARRIED = 20.0
+"""Seconds without a speed through which the engine turns the shaft: gears change meanwhile."""
+DARK = 1.0
+"""Seconds without a speed after which nobody knows how fast it turned."""
 SHY = 0.8
 """Share of the first number that is no speed from which a real one may have come to it."""
 RAMP = 0.45
@@ -60,6 +68,8 @@ class Angle:
     lost: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     measured: bool = True
     """Whether anybody measured it: what was read off the stress itself acquits nobody."""
+    dark: float = 0.0
+    """Share of the time under way for which nothing says how fast it turned."""
 
     def stretches(self, time: FloatArray) -> IntArray:
         """Return which stretch of one zero times (n,) s lie in, from 0 on."""
@@ -211,7 +221,8 @@ def shaft_angle(
     time = np.arange(0.0, speed.size / rate + step, step)
     turning = own.at(time)
     stair = own.period >= STAIR
-    dark = ~own.known[np.clip((time * rate).astype(np.intp), 0, own.known.size - 1)]
+    known = own.known if engine is None else own.known & ~_stuck(speed, engine, rate=rate)
+    dark = ~known[np.clip((time * rate).astype(np.intp), 0, known.size - 1)]
     lost = dark | (own.period >= COARSE)
     motor = None
     if engine is not None and (stair or dark.any()):
@@ -222,20 +233,40 @@ def shaft_angle(
     geared_by = motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005
     if motor is not None and geared_by:
         late = _lag(own, motor, time) if stair else 0.0
-        geared, engaged = _geared(own.at(time + late), motor.at(time))
+        geared, engaged = _geared(own.at(time + late), motor.at(time), told=~dark)
+        for a, b in _runs(dark, least=1):
+            engaged[a:b] &= (b - a) * step <= CARRIED
         turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
         lost = (dark | stair) & ~engaged
     moving = turning > 1
-    short = max(round(SLIPS / step), 1)
-    runs = np.asarray(_runs(lost & moving, least=short) * step, float)
-    gone = float((runs[:, 1] - runs[:, 0]).sum())
+
+    def without(what: BoolArray, least: float) -> tuple[FloatArray, float]:
+        """Return runs of a state, s, that take some time, and how long they are together."""
+        runs = np.asarray(_runs(what & moving, least=max(round(least / step), 1)) * step, float)
+        return runs, float((runs[:, 1] - runs[:, 0]).sum())
+
+    runs, gone = without(lost, SLIPS)
+    _, black = without(lost & dark, DARK)
     whole = max(float(np.count_nonzero(moving)) * step, step)
     kept = (whole - gone) / (len(runs) + 1)
     trusted = not len(runs) or (gone < (1 - KEPT) * whole and kept > min(LASTS, 0.3 * whole))
     return Angle(
         _turned(time, turning), lag=1.0 if stair and not geared_by else 0.15, trusted=trusted,
-        lost=runs if trusted else runs[:0],
+        lost=runs if trusted else runs[:0], dark=black / whole,
     )  # fmt: skip
+
+
+def _stuck(speed: FloatArray, engine: FloatArray, *, rate: float) -> BoolArray:
+    """Return where a speed (n,) stands at one value for long while the engine's does not."""
+    edge = np.concatenate([[0], np.flatnonzero(np.diff(speed) != 0) + 1, [speed.size]])
+    found = np.zeros(speed.size, bool)
+    for k in np.flatnonzero(np.diff(edge) >= STUCK * rate).tolist():
+        a, b = int(edge[k]), int(edge[k + 1])
+        told = engine[a:b][~np.isnan(engine[a:b])]
+        if speed[a] > 0 and told.size:
+            low, high = np.quantile(told, (0.05, 0.95))
+            found[a:b] = high > (1 + GEARED) * max(low, 0.0)
+    return found
 
 
 def _runs(of: BoolArray, *, least: int) -> IntArray:
@@ -292,11 +323,17 @@ def _nearest(x: FloatArray, centres: FloatArray) -> FloatArray:
     return rising[np.searchsorted((rising[1:] + rising[:-1]) / 2, x)]
 
 
-def _geared(speed: FloatArray, engine: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Shaft speed by the engine's and the gear (n,), and where a gear is in."""
+def _geared(
+    speed: FloatArray, engine: FloatArray, *, told: BoolArray | bool = True
+) -> tuple[FloatArray, BoolArray]:
+    """Shaft speed by the engine's and the gear (n,), and where a gear is in.
+
+    Gears are those in which it was driven where the shaft's own speed is `told`: what stands
+    in for it elsewhere makes one of every steady engine.
+    """
     r = _ratio(speed, engine)
     level = _median(r, 100)
-    calm = level[~np.isnan(r) & (np.abs(r - level) < 0.02)]
+    calm = level[~np.isnan(r) & (np.abs(r - level) < 0.02) & told]
     centres = _gears(calm)
     if not centres.size:
         return speed, np.zeros(speed.size, bool)

@@ -52,6 +52,10 @@ KNOCKING = said(
 STANDING = said(
     "by its speed the shaft hardly turned: what does the damage is locked to nothing that is known"
 )
+UNSEEN = said(
+    "for a third of the time under way and more nothing says how fast the shaft turned: its speed "
+    "is missing, or stands still while the engine's changes"
+)
 SWAPPED = said(
     "the engine turns at less than six tenths of the shaft's speed, as in no gear: are the two "
     "swapped, or is one wrong?"
@@ -60,6 +64,7 @@ SPOILT = said("the gauge is vetoed: whose the damage is hangs on what spoiled th
 
 DOUBTS = (
     STANDING,
+    UNSEEN,
     SWAPPED,
     SPOILT,
     UNTRUSTED,

@@ -55,6 +55,14 @@ A parabola's middle stands above them by a third of what they stand above the ne
 """
 CUT_ALONE = 50.0
 """Of such steps, from which a single one is no chance: what came so fast does not rest at once."""
+NEARLY = 0.03
+"""Of all that a channel spans, how far below its end crests are looked at that noise or a filter
+left next to level."""
+BLUNT = 6.0
+"""Times the range of its middle (`MIDDLE`) from which what a parabola through a crest's flanks
+puts on top was cut off: of a crest that turns by itself it is 2.8 times that."""
+MIDDLE = 0.2
+"""Share of a crest's samples that lies to either side of its middle."""
 SPIKE_WIDTH = 3
 """Longest spike, samples; what is longer and level is a dropout."""
 DROPOUT_SECONDS = 0.25
@@ -165,6 +173,7 @@ class Finder:
         self.steps: list[tuple[IntArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
+        self.blunt: dict[int, FloatArray] = {1: np.empty((0, 5)), -1: np.empty((0, 5))}
         self.hole, self.still = _Long(1), _Long(max(round(FREEZE_SECONDS * rate), 20))
         self.beside: dict[int, int] = {}
         self.last, self.changes, self.step = np.nan, 0, np.inf
@@ -196,6 +205,7 @@ class Finder:
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.steps.append((runs[mine] + offset, sizes[mine]))
         self._plateaus(filled, offset, x.size)
+        self._crests(filled, offset, x.size)
         self.start += x.size
 
     def _still(self, x: FloatArray) -> None:
@@ -226,6 +236,38 @@ class Finder:
             entry = np.minimum(np.abs(rise), np.abs(fall))[k]
             crown = _crowns(sign * x, first[k], last[k])
             book.add(sign * x[first[k]], first[k] + offset, last[k] + offset, entry, crown)
+
+    def _crests(self, x: FloatArray, offset: int, size: int) -> None:
+        """Enter the crests next to the ends of what was seen so far.
+
+        From when, to when, how high, how far their middle ranges, and what a parabola through
+        their flanks puts on top.
+        """
+        span = self.high - self.low
+        if not span > 0:
+            return
+        for sign, end in ((1, self.high), (-1, -self.low)):
+            level = end - NEARLY * span
+            y = np.minimum(sign * x, end)
+            high = y >= level
+            edge = np.flatnonzero(high[1:] != high[:-1]) + 1
+            first, last = edge[high[edge]], edge[~high[edge]]
+            last = last[np.searchsorted(last, first[:1], "right")[0] if first.size else 0 :]
+            first = first[: last.size]
+            mine = (first >= self.reach) & (first < self.reach + size)
+            mine &= (last - first >= CLIPPED_RUN) & (last - first < self.reach - 4)
+            first, last = first[mine], last[mine]
+            old = self.blunt[sign]
+            kept = old[old[:, 2] >= level]
+            if first.size:
+                top, _ = _range(y, first, last)
+                side = ((last - first) * MIDDLE).astype(np.intp)
+                most, least = _range(y, first + side, last - side)
+                crown = _both_crowns(np.minimum(y, level), first, last).min(axis=-1)
+                columns = (first + offset, last + offset, top, most - least, crown)
+                fresh = np.stack([np.asarray(c, float) for c in columns], -1)
+                kept = np.concatenate([kept, fresh])
+            self.blunt[sign] = kept
 
     def _neighbours(self, edge: IntArray, offset: int, size: int) -> None:
         """Enter, by its edges, how long the values beside a value that stands long stood."""
@@ -345,6 +387,7 @@ class Finder:
             if not len(found):
                 held = [r for r in long if r[2] == end]
                 held = held if len(held) > 2 else []
+                found = found if held else self._blunt(sign, taken)
             rows += [(int(first), int(last)) for first, last, _ in found]
             sizes += [sign * float(height) for _, _, height in found]
             known = {int(first) for first, _, _ in found}
@@ -352,6 +395,15 @@ class Finder:
             rows += [r[:2] for r in held]
             sizes += [sign * crown] * len(held)
         return places(rows, sizes)
+
+    def _blunt(self, sign: int, taken: IntArray) -> FloatArray:
+        """Return (k, 3) first, last and crown of crests cut off at a level that noise is on."""
+        rows = self.blunt[sign]
+        rows = rows[~_touching(rows[:, :2].astype(np.intp), taken)]
+        cut = rows[:, 4] > BLUNT * np.maximum(rows[:, 3], self.step)
+        if np.count_nonzero(cut) < CLIPPED_RUN or np.mean(cut) < 0.5:
+            return rows[:0, :3]
+        return rows[cut][:, [0, 1, 4]]
 
     @staticmethod
     def _cut(run: tuple[int, int, float], clips: Places) -> bool:
@@ -366,11 +418,16 @@ def _touching(rows: IntArray, others: IntArray) -> BoolArray:
     return (near < len(others)) & (others[np.minimum(near, len(others) - 1), 0] < rows[:, 1])
 
 
+def _range(x: FloatArray, first: IntArray, last: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the highest and lowest (k,) of runs of samples, none of them at the end of x."""
+    ends = np.stack([first, last], -1).ravel()
+    return np.maximum.reduceat(x, ends)[::2], np.minimum.reduceat(x, ends)[::2]
+
+
 def _crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     """Return what stands on top (k,) of level crests of x: a parabola through their flanks.
 
-    Noise breaks a crest that was cut off into several; those close together are one, and its
-    flanks are met some samples before it.
+    Noise breaks a crest that was cut off into several; those close together are one.
     """
     if not first.size:
         return np.empty(0)
@@ -379,14 +436,20 @@ def _crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     group = np.concatenate([[0], np.cumsum(~near)])
     begin = first[np.searchsorted(group, np.arange(group[-1] + 1))]
     end = last[np.searchsorted(group, np.arange(group[-1] + 1), "right") - 1]
-    width = end - begin
-    away = np.clip(width // 8, 2, 32)
-    level = x[begin]
-    left = (level - x[np.maximum(begin - away, 0)]) / away
-    right = (level - x[np.minimum(end - 1 + away, x.size - 1)]) / away
-    height = np.maximum((left + right) / 2, 0.0) * (width + 1) / 4
     # Each part carries the crest's whole height: together they are one.
-    return height[group]
+    return _both_crowns(x, begin, end).mean(axis=-1)[group]
+
+
+def _both_crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
+    """Return the same of whole crests by each flank, (k, 2), met some samples off the crest."""
+    width = last - first
+    away = np.clip(width // 8, 2, 32)
+    level = x[first]
+    left = (level - x[np.maximum(first - away, 0)]) / away
+    right = (level - x[np.minimum(last - 1 + away, x.size - 1)]) / away
+    slopes = np.stack([left, right], -1)
+    slopes = np.where((left + right < 0)[:, None], 0.0, slopes)
+    return slopes * (width[:, None] + 1) / 4
 
 
 def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
@@ -440,7 +503,8 @@ def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
     size = np.abs(d)
     if size.size <= 2 * QUIET + 8 * lag:
         return np.empty((0, 2), np.intp), np.empty(0)
-    alone = size[lag:-lag] > 5 * np.maximum(size[: -2 * lag], size[2 * lag :])
+    calm = 5 if lag == 1 else 3  # a filter overshoots
+    alone = size[lag:-lag] > calm * np.maximum(size[: -2 * lag], size[2 * lag :])
     for k in range(1, lag):  # the middle of the way
         alone &= size[lag:-lag] >= np.maximum(size[lag - k : -lag - k], size[lag + k : k - lag])
     at = np.flatnonzero(alone) + lag

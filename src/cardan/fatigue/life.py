@@ -34,7 +34,7 @@ from cardan.fatigue.cause import (
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
-from cardan.fatigue.evidence import STANDING, SWAPPED, Evidence, together
+from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, together
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
@@ -737,7 +737,7 @@ def _of_one(
         for a, b, share in pairs
     ]  # fmt: skip
     evidence = joints.evidence()
-    doubt = _no_shaft(shaft, joints.engine, time, step=how.splitter.span)
+    doubt = _no_shaft(joints.angle, joints.engine, time, step=how.splitter.span)
     if doubt is not None:
         evidence = [one.unknown(doubt) for one in evidence]
     for gauge, one in zip(plan.gauges, evidence, strict=True):
@@ -758,15 +758,19 @@ def _of_one(
 
 TURNED = 2.0
 """Seconds that a shaft has to turn for, if anything is to be locked to it."""
+UNKNOWN = 1 / 3
+"""Share of the time under way without a speed, in which anybody may have done the damage."""
 LOWEST = 0.6
 """Turns of an engine to one of the shaft that no gear has fewer of; it may coast out of gear."""
 
 
 def _no_shaft(
-    shaft: Rotation, engine: Rotation | None, time: FloatArray, *, step: float
+    shaft: Angle, engine: Rotation | None, time: FloatArray, *, step: float
 ) -> Said | None:
     """Return why a speed cannot be the shaft's, as it is at times (n,) s, each for a step."""
-    speed = shaft.speed(time)
+    if shaft.dark > UNKNOWN:
+        return UNSEEN
+    speed = shaft.rotation.speed(time)
     moving = speed > 1
     if moving.sum() * step < TURNED:
         return STANDING
