@@ -397,7 +397,7 @@ class Campaign:
         return tuple(
             f"--{option} {text} is of a time behind its end, {seconds:g} s: it does nothing"
             for option, text in said
-            if seconds < _rule(text, mask=True).first
+            if seconds < _rule(text, mask=option == "mask").first
         )
 
     @property
