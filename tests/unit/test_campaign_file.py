@@ -98,6 +98,64 @@ def test_the_mix_is_the_sum_of_what_is_driven(folder):
     assert len(document["checks"]) == 2
 
 
+def test_what_lies_behind_the_end_of_a_recording_is_said(folder):
+    """A segment and a rule there were nothing, and nobody was told."""
+    text = CAMPAIGN.replace("from_s: 25, to_s: 40", "from_s: 25, to_s: 90")
+    (folder / "c.yaml").write_text(text)
+    _, up, down = json.loads(run("life", folder / "c.yaml", "--json").output)["recordings"]
+    assert not any("ends after" in note for note in up["notes"])
+    assert down["notes"][-1] == "hill, down is of 65 s, and the recording ends after 15 s of them"
+    (folder / "c.yaml").write_text(CAMPAIGN.replace("to_s: 25}", "from_s: 50, to_s: 60}"))
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert "hill.csv has nothing between 50 and 60 s: it ends at 40 s" in done.output
+    notes = json.loads(
+        run("life", folder / "town.csv", "--gauge", "S1", "--sn", "30,2e6,5", "--json",
+            "--mask", "41..50", "--mask", "39..41", "--accept", "spike@40.5..44").output
+    )["notes"]  # fmt: skip
+    assert notes == [
+        f"--{what} is of a time behind its end, 40 s: it does nothing"
+        for what in ("mask 41..50", "accept spike@40.5..44")
+    ]
+
+
+def test_of_what_was_driven_nowhere_the_mix_knows_no_way(folder):
+    """A speed that never turned counted as nought kilometres: its damage was nobody's way."""
+    turning = 1000 + 10 * T[::50]
+    for name, speed in (("still.csv", -turning), ("can.csv", turning)):
+        table(folder / name, time=T[::50], speed=speed)
+    text = CAMPAIGN.replace(
+        "{file: town.csv, times: 3}", "{file: town.csv, beside: [{file: OTHER}]}"
+    )
+    text += "speed: speed:rpm\naxle_ratio: 4.3\ntyre_radius_m: 0.5\n"
+    kilometres = {}
+    for other in ("can.csv", "still.csv"):
+        (folder / "c.yaml").write_text(text.replace("OTHER", other))
+        done = run("life", folder / "c.yaml", "--json")
+        assert done.exit_code in (0, 1), done.output
+        kilometres[other] = json.loads(done.output)["gauges"][0]["km"]
+    assert kilometres["can.csv"] > 0
+    assert kilometres["still.csv"] is None
+
+
+def test_a_rule_of_a_time_counts_before_one_of_all(folder):
+    """`--accept spike --mask spike@12..12.5` masks the one and accepts the others."""
+    x = signal(1)
+    for at in (3000, 6100, 9000):
+        x[at] += 500
+    path = table(folder / "town.csv", time=T, **{"S1 [MPa]": x})
+    once = ("--mask", "spike@12..12.5", "--accept", "spike")
+    damage = {
+        name: alone(path, *rules)["damage"]
+        for name, rules in (("once", once), ("other way round", once[2:] + once[:2]),
+                            ("all", ("--accept", "spike")), ("none", ("--mask", "spike")))
+    }  # fmt: skip
+    assert damage["once"] == damage["other way round"]
+    assert damage["once"] - damage["none"] == pytest.approx(
+        2 / 3 * (damage["all"] - damage["none"]), rel=0.2
+    )
+
+
 def test_the_target_is_of_the_mix(folder):
     text = CAMPAIGN.replace("target_hours: 1e-6", "target_hours: 1e9")
     (folder / "c.yaml").write_text(text)

@@ -4,14 +4,23 @@ import json
 
 import numpy as np
 import pytest
-from adversarial import made
+from adversarial import bracket, made
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import readings, shaft_angle
 from cardan.fatigue.damage import miner
-from cardan.fatigue.evidence import CANNOT_TELL, GUILTY, INNOCENT, Evidence, together
+from cardan.fatigue.evidence import (
+    ALIKE,
+    CANNOT_TELL,
+    GUILTY,
+    INNOCENT,
+    SCALED,
+    STEADY,
+    Evidence,
+    together,
+)
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.orders import Rotation, order_spectrum
 from cardan.fatigue.rainflow import rainflow
@@ -113,10 +122,12 @@ def test_an_engine_of_which_nothing_is_said_may_have_four_cylinders(tmp_path):
         done = CliRunner().invoke(command, [*asks, *options, "--json", str(out)])
         assert done.exit_code in (0, 1), done.output
         (gauge,) = json.loads(out.read_text())["gauges"]
-        return gauge["finding"]
+        doubts = " ".join(json.loads(out.read_text())["doubts"])
+        return gauge["finding"], [d for d in (ALIKE, STEADY) if str(d) in doubts]
 
-    assert told() == CANNOT_TELL
-    assert told("--engine-orders", "3,6") == GUILTY  # six cylinders have nothing at order 2
+    assert told() == (CANNOT_TELL, [ALIKE])
+    # Six cylinders have nothing at order 2; but this does not turn its sign with the torque.
+    assert told("--engine-orders", "3,6") == (CANNOT_TELL, [STEADY])
 
 
 def test_an_angle_not_to_trust_acquits_nobody():
@@ -145,6 +156,79 @@ def test_the_bracket_s_mode_comes_back():
     off = answer.stress / 1e6 - case.joints
     # A fifty-fifth of its energy is left; what wanders within six seconds is not followed.
     assert off.std() < 0.2 * case.joints.std()
+
+
+TORQUE_LAWS = {
+    "a bent flange, the same under any torque": (lambda t: np.ones_like(t), CANNOT_TELL),
+    "the shaft's speed squared, whatever the torque": (None, CANNOT_TELL),
+    "less of it the more torque there is": (lambda t: np.clip(2 - np.abs(t), 0, None), CANNOT_TELL),
+    "proportional to the torque": (lambda t: t, GUILTY),
+    "rubber that yields ever less": (lambda t: np.tanh(2 * t), GUILTY),
+}
+
+
+@pytest.mark.parametrize("name", TORQUE_LAWS)
+@pytest.mark.parametrize("modes", [[], mode(35, 0.05)], ids=["rigid", "mode"])
+@pytest.mark.parametrize("coasting", [True, False], ids=["coasting", "pulling"])
+def test_an_order_2_that_knows_no_torque_convicts_nobody(name, modes, coasting):
+    """A gain that wanders from block to block had taken the torque out of it again."""
+    law, finding = TORQUE_LAWS[name]
+    case = made(
+        5, **PLAIN | {"guilt": 0.0, "road": 2.0, "blows": 0, "engine": 0.0, "seconds": 90.0}
+    )
+    case.torque = case.torque if coasting else np.abs(case.torque)
+    torque = case.torque / np.sqrt(np.mean(case.torque**2))
+    speed = np.gradient(case.turns) * case.rate
+    size = (speed / np.sqrt(np.mean(speed**2))) ** 2 if law is None else law(torque)
+    wave = bracket(size * np.cos(4 * np.pi * case.turns), modes, case.rate)
+    case.stress += 25 * wave / np.sqrt(2 * np.mean(wave**2))
+    _, answer = asked(case)
+    assert answer.evidence.finding == finding
+    assert (STEADY in answer.evidence.doubts) == (finding == CANNOT_TELL)
+    if finding == CANNOT_TELL:
+        assert answer.evidence.interval[0] <= 0  # the joints' own share
+
+
+@pytest.mark.parametrize("off", [0.12, -0.1, -0.2, 0.25])
+def test_a_speed_of_wrong_teeth_tells_nothing(off):
+    """Far enough off, order 2 is found at no order of it, and had acquitted."""
+    truth, answer = asked(made(5, **GUILTY_ONE | {"ratio_off": off}))
+    low, high = answer.evidence.interval
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
+    assert low <= truth <= high + 0.05
+
+
+def beside_order_2(seed, *, at, by_torque, size=8.0, guilt=0.0):
+    """A recording with something locked at another multiple of the shaft's speed."""
+    case = made(seed, **PLAIN | {"guilt": guilt, "road": 2.0, "blows": 0, "engine": 0.0})
+    load = case.torque / np.sqrt(np.mean(case.torque**2)) if by_torque else 1.0
+    case.stress += size * load * np.cos(2 * np.pi * at * case.turns)
+    return case
+
+
+@pytest.mark.parametrize("by_torque", [False, True])
+@pytest.mark.parametrize("seed", [6, 8])
+def test_what_turns_beside_order_2_convicts_nobody(seed, by_torque):
+    """A tyre's or a pump's 1.8 comes and goes with the shaft as order 2 does, and is none of it."""
+    _, answer = asked(beside_order_2(seed, at=1.8, by_torque=by_torque))
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
+
+
+def test_nor_is_it_added_to_what_is_theirs():
+    _, answer = asked(beside_order_2(5, at=1.8, by_torque=True, size=10.0, guilt=0.2))
+    assert answer.evidence.strength > FOUND
+    assert answer.evidence.interval[0] < 0.3
+    assert SCALED in answer.evidence.doubts
+
+
+def test_what_is_the_same_under_any_torque_is_no_other_shaft_s_order_2():
+    _, answer = asked(beside_order_2(10, at=2.35, by_torque=False, size=11.0))
+    assert answer.evidence.finding == INNOCENT
+    _, answer = asked(beside_order_2(10, at=2.35, by_torque=True, size=11.0))
+    assert answer.evidence.finding == CANNOT_TELL
+    assert SCALED in answer.evidence.doubts
 
 
 def test_another_gauge_changes_nothing():

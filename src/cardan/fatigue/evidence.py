@@ -25,8 +25,16 @@ UNHEARD = said(
     "does the same as the joints"
 )
 
+STEADY = said(
+    "order 2 is the same whatever the torque, and what joints do goes with it: a wheel's, a bent "
+    "flange's, or is the torque another's?"
+)
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
+SCALED = said(
+    "more is locked beside the orders of the speed given: is its scale wrong, as by a number of "
+    "teeth, or does something else turn there?"
+)
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
 PASSING = said(
     "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
@@ -66,8 +74,10 @@ DOUBTS = (
     RATTLING,
     ALIKE,
     UNHEARD,
+    STEADY,
     DOUBLED,
     HALVED,
+    SCALED,
     BESIDE,
     PASSING,
     BRIEF,

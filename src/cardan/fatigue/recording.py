@@ -131,9 +131,9 @@ def between(recording: Recording, first: float, last: float, *, name: str = "") 
     """
     start, stop = round(first * recording.rate), round(min(last, 1e12) * recording.rate)
     there = recording.samples
+    nothing = f"{recording.name} has nothing between {first:g} and {last:g} s"
     if stop <= start or (there is not None and start >= there):
-        msg = f"{recording.name} has nothing between {first:g} and {last:g} s"
-        raise DesignError(msg)
+        raise DesignError(nothing)
 
     def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
         done = 0
@@ -144,6 +144,9 @@ def between(recording: Recording, first: float, last: float, *, name: str = "") 
             done += n
             if done >= stop:
                 return
+        if done <= start:
+            msg = f"{nothing}: it ends at {done / recording.rate:g} s"
+            raise DesignError(msg)
 
     samples = None if there is None else min(stop, there) - start
     return replace(recording, name=name or recording.name, read=read, samples=samples)

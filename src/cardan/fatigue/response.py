@@ -41,7 +41,9 @@ from cardan.fatigue.evidence import (
     KNOCKING,
     PASSING,
     RATTLING,
+    SCALED,
     SLIPPING,
+    STEADY,
     UNHEARD,
     UNLOADED,
     UNTRUSTED,
@@ -78,10 +80,16 @@ WHOLLY = 0.85
 """Of that share, from which all of it comes with the order: innocent lines had 0.78."""
 FOLLOWS = 0.95
 """Of that share, from which what is there follows the shaft, locked or not: no road reached it."""
+SCALES = tuple(1.095**k for k in (-3, -2, -1, 1, 2, 3))
+"""Of a speed, that are looked at where its own acquits: each holds what is within 5 % of it."""
+SOME = 0.1
+"""Share of the damage from which a line that may be theirs lets nobody be acquitted."""
 NO_SQUARE = 1.25
 """Of what goes with the speed's square, that goes with a torque and is no unbalance."""
 SUDDEN = 0.15
 """Share of the time up to which a strong torque is a matter of seconds."""
+UNMOVED = 1.01
+"""Of what goes with a torque, above which an order that is the same under any explains more."""
 BESIDES = 5.0
 """Hz from order 2 within which another order takes part in what stands about it."""
 
@@ -274,7 +282,56 @@ class _Case:
                     share = self.removed(other.wave.real) + 0.05
                     if share > span.high:
                         span = span.up_to(share, doubt)
+        return self.scaled(span) if span.high <= ACQUITTED else span
+
+    def scaled(self, span: _Span) -> _Span:
+        """Widen by what may be theirs if the speed's scale is off, as by a wrong number of teeth.
+
+        What is no engine's that was heard, and not the same under any torque, may be order 2 of
+        another shaft than turned so.
+        """
+        other = self.aside if self.measured else None
+        if other is None or other.steady:
+            return span
+        may = () if self.engine is None else self.engine_orders
+        if alike(other.best, self.engine, may, self.time) is None:
+            share = self.removed(other.line.wave.real)
+            if share > SOME:
+                return span.up_to(max(share, ACQUITTED) + 0.05, SCALED)
         return span
+
+    @cached_property
+    def aside(self) -> "_Case | None":
+        """Return the case by another scale of the speed, if more is locked there; None if not.
+
+        No order of a shaft lies at 1.79 times its speed: what is locked there is another's.
+        """
+        if not self.angle.measured:
+            return None
+        turning = self.angle.rotation
+        asked = [replace(self.angle, rotation=turning.geared(times)) for times in SCALES]
+        found = [(o[0].energy, k) for k, a in enumerate(asked) if (o := self.aligned(a))]
+        energy, k = max(found, default=(0.0, 0))
+        other = replace(self, angle=asked[k])
+        return other if energy > self.first.energy and other.line.strength >= FOUND else None
+
+    @cached_property
+    def steady(self) -> bool:
+        """Return whether order 2 is locked, and explained better without the torque than with it.
+
+        The joints' goes with the torque, turns its sign with it, and where rubber or a stop yields
+        ever less grows as its root: within each band of frequency, where the bracket is one. An
+        order 2 of other descent, of a wheel's or a bent flange, knows no torque. Each is asked at
+        the ratio and lag of the speed that suits it best, or a turn's slip stands for a sign.
+        """
+        if not self.measured:
+            return False
+        alone = replace(self, load=np.ones_like(self.load))
+        root = replace(self, load=np.sign(self.load) * np.sqrt(np.abs(self.load)))
+        return (
+            all(alone.first.energy > UNMOVED * law.first.energy for law in (self, root))
+            and alone.line.strength >= FOUND
+        )
 
     def following(self) -> tuple[float, float] | None:
         """Share, at least and likely, of what follows order 2 where no engine may; None of others.
@@ -408,6 +465,10 @@ def _not_locked(case: _Case) -> Identified:
     if there := case.following():
         low, likely = there[0], max(likely, there[1])
         span = span.doubting(PASSING)
+        if low >= CONVICTED and case.aside:
+            low, span = 0.0, span.doubting(SCALED)
+        if low >= CONVICTED and case.steady:
+            low, span = 0.0, span.doubting(STEADY)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high) - 0.01, high, span.doubts)
     return Identified(found, np.zeros(case.stress.size), case.size(case.line.wave))
 
@@ -451,7 +512,11 @@ def _locked(case: _Case, seed: int) -> Identified:
     if sure is not None and sure < span.low:
         span = span.down_to(sure, UNHEARD if case.engine is None else ALIKE)
     if span.low < CONVICTED and (there := case.following()):
-        span = replace(span, low=max(span.low, min(there[0], middle)))
+        span = span.doubting(SCALED) if case.aside else replace(
+            span, low=max(span.low, min(there[0], middle))
+        )  # fmt: skip
+    if span.low >= CONVICTED and case.steady:
+        span = span.down_to(0.0, STEADY)
     span = case.sudden(x - mean, span)
     if span.high <= ACQUITTED:
         span = case.elsewhere(span)

@@ -391,6 +391,15 @@ class Campaign:
         said += [_rule(text, mask=False) for text in self.accept]
         return tuple(sorted(said, key=lambda r: (r.first, r.last) != (0.0, math.inf)))
 
+    def beyond(self, seconds: float) -> tuple[str, ...]:
+        """Return what is said of times behind the end of a recording: it does nothing."""
+        said = [("mask", text) for text in self.mask] + [("accept", text) for text in self.accept]
+        return tuple(
+            f"--{option} {text} is of a time behind its end, {seconds:g} s: it does nothing"
+            for option, text in said
+            if seconds < _rule(text, mask=True).first
+        )
+
     @property
     def strained(self) -> Strained | None:
         """How places are judged by their strain; None where it was not asked."""

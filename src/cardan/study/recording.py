@@ -174,7 +174,10 @@ class RecordingStudy:
         predicted, plan = campaign.predictions(), campaign.plan(recording)
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
-        campaign.hold(recording, samples=max(h.samples for h in healths.values()))
+        samples = max(h.samples for h in healths.values())
+        campaign.hold(recording, samples=samples)
+        beyond = campaign.beyond(samples / recording.rate)
+        recording = replace(recording, notes=(*recording.notes, *beyond))
         angle = campaign.shaft(recording)
         shaft = None if angle is None else angle.rotation
         plan = replace(plan, fastest=_fastest(shaft))
@@ -417,14 +420,16 @@ def listen_to_all(
             whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
         segments = drive.segments or (None,)
         for segment in segments:
-            name, times, recording = drive.name, drive.times, whole
+            name, times, recording, seconds = drive.name, drive.times, whole, 0.0
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
-                recording = between(whole, *_times(campaign, whole, segment))
+                first, last = _times(campaign, whole, segment)
+                seconds, recording = last - first, between(whole, first, last)
             answer = (
                 RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
             )
             assert answer is not None
+            answer = _ended(answer, seconds)
             parts.append((name, times, answer))
     names = [one.name for one in parts[0][2].lives]
     lives = tuple(
@@ -447,6 +452,16 @@ def listen_to_all(
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def _ended(answer: Heard, asked: float) -> Heard:
+    """Return an answer that says where its recording ended before its segment did, s."""
+    there = max(one.quality.recorded for one in answer.lives)
+    if there > asked - 1:
+        return answer
+    of = answer.recording
+    note = f"{of.name} is of {asked:g} s, and the recording ends after {there:g} s of them"
+    return replace(answer, recording=replace(of, notes=(*of.notes, note)))
 
 
 def _same_design(driven: Application, checked: Application) -> None:
