@@ -1,6 +1,7 @@
 """What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
 
 import json
+import shlex
 import subprocess
 import sys
 from base64 import b64decode
@@ -495,3 +496,37 @@ def test_a_script_does_again_what_a_hand_did(tmp_path):
     assert "change" not in told["script"]
     for command in told["commands"]:
         assert command.startswith("cardan ")
+
+
+@pytest.mark.slow
+def test_a_command_counts_with_what_is_not_saved_yet(tmp_path):
+    """A shell says what the script says, of numbers the file has not got."""
+    (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")
+    now = live(TRUCK, {"driveline.points_mm[3][3]": -90.5, "driveline.shafts[2].phase_deg": 15})
+    question = {"job": "script", "text": now["text"], "name": "truck.yaml", "folder": None}
+    told = answer({**question, "lang": "en", "args": {"saved": TRUCK}})
+    first, *rest = (shlex.split(c) for c in told["commands"])
+    assert first == ["python", "-c", told["script"]]
+    assert [r[:2] for r in rest] == [["cardan", "check"], ["cardan", "fix"], ["cardan", "serve"]]
+    shell = subprocess.run(
+        ["sh", "-c", told["commands"][0].replace("python", shlex.quote(sys.executable), 1)],
+        cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE,
+    ).stdout  # fmt: skip
+    checks = assess(files.loads(now["text"])).checks
+    counts = [sum(c.grade == g for c in checks) for g in ("fail", "warn", "pass")]
+    assert "({} fail, {} warn, {} pass".format(*counts) in shell
+
+
+@pytest.mark.parametrize("name", ["a'$(touch x)`touch x`.yaml", "it's.yaml", "two words.yaml"])
+def test_a_shell_takes_a_file_name_for_a_name(name, tmp_path):
+    """No name of a file is a command, and none an option."""
+    question = {"job": "script", "text": TRUCK, "name": name, "folder": None, "lang": "en"}
+    for command in answer({**question, "args": {"saved": TRUCK}})["commands"]:
+        shell = subprocess.run(
+            ["sh", "-c", f"cardan() {{ printf %s \"$2\"; }}\n{command}"],
+            cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE,
+        )  # fmt: skip
+        assert shell.stdout == name
+    assert not list(tmp_path.iterdir())
+    for command in answer({**question, "name": "-h.yaml", "args": {"saved": TRUCK}})["commands"]:
+        assert shlex.split(command)[2] == "./-h.yaml"

@@ -1,5 +1,6 @@
 """What was done to a file with a hand, as a script and as commands that do it again."""
 
+import shlex
 from math import isfinite
 
 import numpy as np
@@ -16,6 +17,9 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
 
     Numbers are changed by their addresses. What is no number, a part's name or a line that is
     new, cannot be said so: it is named, and the file has to be saved for it.
+
+    The commands are for a POSIX shell. Where numbers are not saved yet the first of them is
+    the script; those of `cardan` ask the file as it lies there.
     """
     name = read.name
     try:
@@ -38,12 +42,13 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
     if rows:
         lines.append("app = cardan.change(app, {\n" + rows + "})")
     lines += ["found = cardan.check(app)", "print(found)", ""]
-    quoted = (
-        name if name.replace(".", "").replace("-", "").replace("_", "").isalnum() else repr(name)
-    )
+    text = "\n".join(lines)
+    # A name is never an option, nor anything a shell does.
+    quoted = shlex.quote(f"./{name}" if name.startswith("-") else name)
     return {
-        "script": "\n".join(lines),
+        "script": text,
         "commands": [
+            *([f"python -c {shlex.quote(text)}"] if rows else []),
             f"cardan check {quoted} --lang {say.code}",
             f"cardan fix {quoted} --lang {say.code}",
             f"cardan serve {quoted}",
