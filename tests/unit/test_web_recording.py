@@ -231,7 +231,7 @@ def test_what_is_masked_and_where_it_is_cut_count(run):
     cut = damage(first="21", last="49,5")  # between the spikes
     assert cut[4] != "vetoed"
     for wrong_, why in (({"first": "x"}, "a number of seconds"), ({"gauges": ["S9"]}, "S9"),
-                        ({"first": "800"}, "no samples")):  # fmt: skip
+                        ({"first": "800"}, "nothing behind 800 s: it ends at 90 s")):  # fmt: skip
         question = {"job": "life", "text": "", "name": "x", "folder": None, "lang": "en"}
         args = mine | wrong_ | {"recording": {"path": str(run), "name": "run.csv"}}
         told = answer({**question, "args": args})

@@ -167,7 +167,7 @@ class Finder:
 
     def __init__(self, rate: float) -> None:
         self.rate, self.reach = rate, reach(rate)
-        self.widths = tuple({1, min(STEP_WIDTH, max(round(STEP_SECONDS * rate), 1))})
+        self.widths = tuple(sorted({1, min(STEP_WIDTH, max(round(STEP_SECONDS * rate), 1))}))
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
         self.steps: list[tuple[IntArray, FloatArray]] = []

@@ -131,7 +131,8 @@ def between(recording: Recording, first: float, last: float, *, name: str = "") 
     """
     start, stop = round(first * recording.rate), round(min(last, 1e12) * recording.rate)
     there = recording.samples
-    nothing = f"{recording.name} has nothing between {first:g} and {last:g} s"
+    place = f"between {first:g} and {last:g} s" if last < 1e12 else f"behind {first:g} s"
+    nothing = f"{recording.name} has nothing {place}"
     if stop <= start or (there is not None and start >= there):
         raise DesignError(nothing)
 
