@@ -239,9 +239,10 @@ def main() -> None:
                     for name, kind, every, _target in ROWS:
                         empty = theirs.execute_async_script(EMPTY, MOVES, every)
                         took.setdefault(f"{name}/echo", []).extend(empty)
-                        before = busy(house.quick.pid), page_busy(ours)
+                        lanes = house.lanes.quick, house.lanes.limits
+                        before = sum(busy(lane.pid) for lane in lanes), page_busy(ours)
                         found, moved = ours.execute_async_script(HAND, kind, MOVES, every)
-                        after = busy(house.quick.pid), page_busy(ours)
+                        after = sum(busy(lane.pid) for lane in lanes), page_busy(ours)
                         took.setdefault(name, []).extend(found)
                         took.setdefault(f"{name}{LINE}", []).extend(moved)
                         per = [1e3 * (b - a) / MOVES for a, b in zip(before, after, strict=True)]

@@ -98,12 +98,15 @@ def test_escape_puts_back_what_is_held(browser, tmp_path):
 
     with workbench(tmp_path) as (house, _):
         opened(browser, house)
-        was, shown = text_of(browser), browser.find_element("css selector", ".worst").text
+        was = text_of(browser)
+        shown = "return document.querySelector('.{}').innerText"
+        worst, angles = (browser.execute_script(shown.format(at)) for at in ("worst", "angles"))
         on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP)
-        wait(browser, "return document.querySelector('.worst').innerText !== arguments[0]", shown)
+        wait(browser, shown.format("angles") + " !== arguments[0]", angles)
         on(browser, "side/main/bearing/1").send_keys(Keys.ESCAPE)
-        wait(browser, "return document.querySelector('.worst').innerText === arguments[0]", shown)
+        wait(browser, shown.format("angles") + " === arguments[0]", angles)
         wait(browser, SETTLED)
+        assert browser.execute_script(shown.format("worst")) == worst
         assert text_of(browser) == was
         assert browser.find_element("css selector", ".save").get_property("disabled")
 

@@ -176,6 +176,38 @@ def test_the_latest_question_wins(house):
         assert len(answered) < 40
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="holds a process still")
+def test_a_line_follows_a_hand_while_its_limits_are_asked(house, monkeypatch):
+    monkeypatch.setattr(session, "REST", 0.0)
+
+    def held(by):
+        drag = {"kind": "bearing", "number": 1, "line": "main", "by_mm": [0, 0, by]}
+        one.say("ask", id=by, text=TEXT, drag=drag, held=True)
+
+    with page(house) as one:
+        one.hello()
+        held(1)
+        assert {one.hear("moved", "graded")["type"] for _ in range(2)} == {"moved", "graded"}
+        assert one.hear("full")["id"] == 1
+        pid = house.lanes.limits.pid
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            for by in (2, 3, 4):
+                held(by)
+                told = one.hear("moved", "graded")
+                assert (told["type"], told["id"]) == ("moved", by)
+            one.say("ask", id=5, text=TEXT)
+            assert one.hear("full")["id"] == 5
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        assert one.hear("graded", "full")["id"] == 2
+        # It was let go meanwhile: nobody asks for the verdict on where it was.
+        time.sleep(0.5)
+        one.say("ask", id=6, text=TEXT)
+        told = [one.hear("graded", "live", "full") for _ in range(2)]
+        assert [(t["type"], t["id"]) for t in told] == [("live", 6), ("full", 6)]
+
+
 def test_sliders_are_answered_with_places_and_curves():
     text = TRUCK.read_text("utf-8")
     told = asked(text, "pose", pose={"travel_mm": -50.0, "torque_Nm": 4000.0})["pose"]
@@ -735,23 +767,17 @@ def test_lanes_take_only_the_latest():
 
     async def take():
         class Echo:
-            async def ask(self, question, tell):
-                await tell({"half": question["k"]})
+            async def ask(self, question):
                 return question
 
-        async def tell(question, part):
-            told.append((question["k"], part))
-
-        told = []
-        latest = lanes.Latest(Echo(), tell)
+        latest = lanes.Latest(Echo())
         for k in range(5):
             latest.put({"k": k})
         first = await latest.take()
         latest.put({"k": 9})
         latest.drop()
         latest.put({"k": 10})
-        return first, await latest.take(), told
+        return first, await latest.take()
 
-    first, second, told = asyncio.run(take())
+    first, second = asyncio.run(take())
     assert (first[0], second[0]) == ({"k": 4}, {"k": 10})
-    assert told == [(4, {"half": 4}), (10, {"half": 10})]

@@ -49,15 +49,13 @@ HELD = [
 
 @pytest.mark.parametrize(("stem", "kind", "number", "by"), HELD)
 def test_a_hand_is_told_what_its_file_will_say(stem, kind, number, by):
-    """The numbers of both parts, put where they belong, are those of the text it is let go at."""
+    """The numbers of both answers, put where they belong, are those of the text it is let go at."""
     text = next(p for p in EXAMPLES if p.stem.startswith(stem)).read_text("utf-8")
     line = asked("live", text)["lines"][0]["name"]
     drag = {"kind": kind, "number": number, "line": line, "by_mm": by}
-    question = {"job": "held", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
-    moved = []
-    graded = answer(question | {"drag": drag, "want": [], "pose": {"line": 0}}, moved.append)
-    assert graded["text"] != text
-    (first,) = moved
+    first = asked("held", text, drag=drag, want=[], pose={"line": 0})
+    graded = asked("graded", text, drag=drag)
+    assert graded["text"] == first["text"] != text
     now = asked("live", graded["text"])
     was = asked("live", text)
     lines = [{**was["lines"][0], **first["lines"][0]}, *was["lines"][1:]]
@@ -75,12 +73,10 @@ def test_a_hand_on_what_the_text_does_not_say_yet_is_answered_too():
     text = TRUCK.replace("      phase_deg: 0\n", "", 1)
     edits = {"driveline.shafts[1].phase_deg": 30.0}
     assert text != TRUCK
-    told = []
-    question = {"job": "held", "text": text, "name": "x.yaml", "folder": None, "lang": "en"}
-    answer(question | {"edits": edits, "want": ["turn"]}, told.append)
-    assert told[0]["lines"][0]["phases"][0] == 30
-    assert told[0]["pose"].keys() >= {"turn"}
-    assert "over_travel" not in told[0]["pose"]
+    told = asked("held", text, edits=edits, want=["turn"])
+    assert told["lines"][0]["phases"][0] == 30
+    assert told["pose"].keys() >= {"turn"}
+    assert "over_travel" not in told["pose"]
 
 
 def test_a_slider_is_told_the_same_place_with_its_curves_and_without():

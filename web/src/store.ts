@@ -169,13 +169,10 @@ export class Store {
       case "opened":
         this.opened(m);
         break;
-      case "moved":
-        this.moved(m);
-        break;
       case "graded":
-        if (m.limits) this.graded(m);
-        else this.answered(m);
+        this.graded(m);
         break;
+      case "moved":
       case "live":
       case "posed":
         this.answered(m);
@@ -390,34 +387,35 @@ export class Store {
     this.sent = { id: this.ids, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
     if (kind === "ask") {
       this.latest = this.ids;
+      if (question.held) this.moves.set(this.ids, since);
+      else this.moves.clear();
       if (this.known.settled || this.known.helping) this.set({ settled: false, helping: false });
     }
     this.link?.say({ type: kind, id: this.ids, ...question });
   }
 
-  /** Where a hand has the line; what its limits make of that follows, and the next may be asked. */
+  /** Where a hand has the line; what its limits make of that comes by itself. */
   private moved(m: Extract<Told, { type: "moved" }>): void {
     const { live, pose } = this.known;
-    if (!live || this.sent?.id !== m.id) return;
-    this.since = this.sent.since;
-    const lines = live.lines.map((l) => ({ ...l, ...m.lines.find((o) => o.name === l.name) }));
-    this.set({ live: { ...live, lines, obstacles: m.obstacles }, problems: [], ...(m.pose ? { pose: posed(pose, m.pose) } : {}) });
-    painted(this.since, "cardan:moved");
-    this.onward();
+    if (!live) return;
+    const lines = live.lines.map((l) => ({ ...l, ...m.lines?.find((o) => o.name === l.name) }));
+    this.set({ live: { ...live, lines, obstacles: m.obstacles ?? [] }, problems: [], ...(m.pose ? { pose: posed(pose, m.pose) } : {}) });
   }
 
-  private since = 0;
+  /** When each move that a hand is making was made, by its question; none once it has let go. */
+  private moves = new Map<number, number>();
 
   private graded(m: Extract<Told, { type: "graded" }>): void {
-    const { live } = this.known;
-    const found = new Map(m.limits?.map((r) => [r.id, r]));
+    const [{ live }, since] = [this.known, this.moves.get(m.id)];
+    if (!live || since === undefined || !m.limits) return;
+    const found = new Map(m.limits.map((r) => [r.id, r]));
     // Where a value was worst is said again once the hand rests.
-    const limits = live?.limits.map(({ points: _, ...row }) => ({ ...row, ...found.get(row.id) }));
-    if (live && limits) this.set({ live: { ...live, limits, grade: m.grade ?? null } });
-    painted(this.since);
+    const limits = live.limits.map(({ points: _, ...row }) => ({ ...row, ...found.get(row.id) }));
+    this.set({ live: { ...live, limits, grade: m.grade ?? null } });
+    painted(since);
   }
 
-  private answered(m: Extract<Told, { type: "live" | "graded" | "posed" }>): void {
+  private answered(m: Extract<Told, { type: "live" | "moved" | "posed" }>): void {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
     if (m.type === "posed") {
@@ -425,11 +423,13 @@ export class Store {
     } else if (m.problems) {
       this.set({ problems: m.problems });
       if (sent.commit) this.back();
+    } else if (m.type === "moved" && m.lines) {
+      this.moved(m);
     } else if (m.type === "live" && m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
     if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
-    if (!sent.shown) painted(sent.since);
+    if (!sent.shown) painted(sent.since, m.type === "moved" ? "cardan:moved" : undefined);
     this.onward();
   }
 

@@ -33,7 +33,7 @@ export type Told =
       revisions: (Named & { said: string })[];
     }
   | ({ type: "live"; edits?: Edits } & Answered & Partial<Live>)
-  | { type: "moved"; id: number; lines: (Pick<Line, "name"> & Partial<Line>)[]; obstacles: Obstacle[]; pose?: Pose }
+  | ({ type: "moved"; lines?: (Pick<Line, "name"> & Partial<Line>)[]; obstacles?: Obstacle[]; pose?: Pose } & Answered)
   | ({ type: "graded"; limits?: Pick<Row, "id" | "values" | "margins" | "grades">[]; grade?: Live["grade"] } & Answered)
   | ({ type: "posed"; pose?: Pose } & Answered)
   | ({ type: "full" } & Answered & Partial<Full>)

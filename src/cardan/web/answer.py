@@ -48,6 +48,9 @@ ROUND = 72
 PHASES = 37
 """Yoke phases from 0 to 180 deg that the dial's sum is drawn for."""
 
+HELD = ("held", "graded")
+"""What is asked while a hand moves, each in a lane of its own."""
+
 
 def _nobody(_: Json) -> None:
     """Tell nobody."""
@@ -65,7 +68,7 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
         read = document(text, name, folder)
         edits = _edits(read, question)
         if edits:
-            read = read.edited(edits, held=question["job"] == "held")
+            read = read.edited(edits, held=question["job"] in HELD)
             text = read.text
         if question["job"] in _JOBS:
             found = _JOBS[question["job"]](read, question, say, tell)
@@ -129,14 +132,18 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
     }  # fmt: skip
 
 
-def _held(read: Document, question: Json, _: Language, tell: Tell) -> Json:
-    """Return the numbers that follow a hand: of the line that is shown, and then of the limits."""
+def _held(read: Document, question: Json, _: Language, __: Tell) -> Json:
+    """Return the numbers of the shown line that follow a hand."""
     shown = read.responses[_shown(read, question)]
-    tell({
+    return {
         "lines": [{"name": shown.line.name, **_moving(shown)}],
         "obstacles": [_obstacle(o) for o in read.application.obstacles],
         **_posed(read, question),
-    })  # fmt: skip
+    }
+
+
+def _graded_held(read: Document, _: Json, __: Language, ___: Tell) -> Json:
+    """Return the numbers of the limits that follow a hand."""
     rows = [
         {"id": _id(r, a.limit, k), **_graded(a)} for r in read.responses for k, a in _at_once(r)
     ]
@@ -199,7 +206,17 @@ def _help(read: Document, _: Json, say: Language, __: Tell) -> Json:
     return {"helps": helps}
 
 
-_JOBS = {"live": _live, "held": _held, "pose": _pose, "full": _full, "help": _help}
+def _ready(read: Document, _: Json, __: Language, ___: Tell) -> Json:
+    """Return nothing; whoever asks about a hand on this document next need not wait for it."""
+    for r in read.responses:
+        list(_at_once(r))
+    return {}
+
+
+_JOBS = {
+    "live": _live, "held": _held, "graded": _graded_held, "ready": _ready, "pose": _pose,
+    "full": _full, "help": _help,
+}  # fmt: skip
 
 
 def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:

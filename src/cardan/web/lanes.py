@@ -11,8 +11,7 @@ import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from cardan.web.worker import LENGTH, MOST, PART
 
@@ -116,14 +115,24 @@ class Lane:
             await process.wait()
 
 
+class Lanes(NamedTuple):
+    """What answers: each what would wait too long behind another's questions."""
+
+    quick: Lane
+    """A change, a hand's line, a slider."""
+    limits: Lane
+    """What a hand's move makes of the limits, while the line moves on. It starts after `quick`."""
+    slow: Lane
+    """The verdict, and what would help."""
+    work: Lane
+    """Jobs. It starts once a page has its verdict."""
+
+
 class Latest:
-    """What one asker wants of a lane: a question that is not asked yet gives way to a newer.
+    """What one asker wants of a lane: a question that is not asked yet gives way to a newer."""
 
-    `tell` is told of a question and parts that come before its answer.
-    """
-
-    def __init__(self, lane: Lane, tell: Callable[[Json, Json], Awaitable[None]]) -> None:
-        self.lane, self.tell = lane, tell
+    def __init__(self, lane: Lane) -> None:
+        self.lane = lane
         self._next: Json | None = None
         self._waiting = asyncio.Event()
 
@@ -136,11 +145,6 @@ class Latest:
         """Ask nothing next."""
         self._next = None
 
-    @property
-    def waits(self) -> bool:
-        """Whether a question waits."""
-        return self._next is not None
-
     async def take(self) -> tuple[Json, Json]:
         """Return the next question with its answer."""
         while self._next is None:
@@ -148,5 +152,4 @@ class Latest:
             await self._waiting.wait()
         question, self._next = self._next, None
         # Who goes leaves the process to the others: its answer is thrown away, not its work.
-        asked = self.lane.ask(question, partial(self.tell, question))
-        return question, await asyncio.shield(asked)
+        return question, await asyncio.shield(self.lane.ask(question))

@@ -16,7 +16,7 @@ from weakref import WeakSet
 from cardan.base.errors import CardanError, NotInstalled
 from cardan.web.desk import Desk
 from cardan.web.guard import PROTOCOL, Guard
-from cardan.web.lanes import Lane
+from cardan.web.lanes import Lane, Lanes
 from cardan.web.session import Session, Wrong
 
 ADDRESSES = ((socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1"))
@@ -134,7 +134,7 @@ def has_ipv6() -> bool:
 
 
 class House:
-    """What a running workbench consists of: files on the desk, three lanes, one page."""
+    """What a running workbench consists of: files on the desk, four lanes, one page."""
 
     def __init__(
         self, desk: Desk, *, port: int, built: Mapping[str, tuple[bytes, str]] | None = None
@@ -142,8 +142,9 @@ class House:
         self.desk, self.port = desk, port
         self.built = front() if built is None else built
         self.token = secrets.token_urlsafe(24)
-        self.quick, self.slow = Lane(), Lane(patient=True)
-        self.work = Lane(JOB, patient=True)  # starts once a page has its verdict
+        self.lanes = Lanes(
+            quick=Lane(), limits=Lane(), slow=Lane(patient=True), work=Lane(JOB, patient=True)
+        )
         self.pages = 0
         self.transports: WeakSet[Any] = WeakSet()
         self.server: Any = None
@@ -178,9 +179,7 @@ class House:
             self.pages += 1
             try:
                 await ws.accept(subprotocol=PROTOCOL)
-                await Session(
-                    ws, self.desk, self.quick, self.slow, self.work, token=self.token
-                ).run()
+                await Session(ws, self.desk, self.lanes, token=self.token).run()
             except WebSocketDisconnect:
                 pass
             except TimeoutError:  # it reads nothing: no goodbye would reach it
@@ -210,16 +209,16 @@ class House:
 
     async def open(self) -> None:
         """Start what answers."""
-        await asyncio.gather(self.quick.start(), self.slow.start())
+        await asyncio.gather(self.lanes.quick.start(), self.lanes.slow.start())
 
     def close(self) -> None:
         """End what answers."""
-        for lane in (self.quick, self.slow, self.work):
+        for lane in self.lanes:
             lane.close()
 
     async def closed(self) -> None:
         """Wait until what answers has ended."""
-        await asyncio.gather(*(lane.closed() for lane in (self.quick, self.slow, self.work)))
+        await asyncio.gather(*(lane.closed() for lane in self.lanes))
 
 
 def serve(

@@ -4,7 +4,7 @@
     hello  lang                            welcome: texts, quantities, files
     open   file                            opened: text, draft
     ask    id, text, drag, edits, pose     live: what follows; then full: the verdict
-           held                            moved: the line; graded: its limits; then full
+           held                            moved: the line; graded: limits; then full
     pose   id, text, pose                  posed: where a slider has the line
     help   id, text                        helped: what would help
     bring  id, name, size                  brought: how much of a recording has come
@@ -35,7 +35,7 @@ from cardan.study.drag import KINDS
 from cardan.web import jobs, words
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.jobs import Wrong
-from cardan.web.lanes import Lane, Latest
+from cardan.web.lanes import Lanes, Latest
 from cardan.web.parcel import Parcel
 
 WATCH = 1.0
@@ -47,8 +47,11 @@ SLOWEST = 20.0
 REST = 0.2
 """Seconds that a hand rests before the verdict is asked for."""
 
-ANSWERS = {"live": "live", "held": "graded", "pose": "posed"}
-"""What a page is told in answer to each quick question."""
+ANSWERS = {
+    "live": "live", "held": "moved", "graded": "graded", "pose": "posed", "full": "full",
+    "help": "helped",
+}  # fmt: skip
+"""What a page is told in answer to each question."""
 
 FARTHEST = 1e5
 """mm: nothing on a vehicle is moved farther."""
@@ -71,11 +74,10 @@ class Socket(Protocol):
 class Session:
     """One page, from its hello to its end."""
 
-    def __init__(
-        self, socket: Socket, desk: Desk, quick: Lane, slow: Lane, work: Lane, *, token: str
-    ) -> None:
-        self.socket, self.desk, self.work, self.token = socket, desk, work, token
-        self.quick, self.slow = Latest(quick, self._tell_moved), Latest(slow, self._tell_moved)
+    def __init__(self, socket: Socket, desk: Desk, lanes: Lanes, *, token: str) -> None:
+        self.socket, self.desk, self.lanes, self.token = socket, desk, lanes, token
+        self.quick, self.limits, self.slow = map(Latest, (lanes.quick, lanes.limits, lanes.slow))
+        self._asked = 0
         self._jobs: dict[int, asyncio.Task[None]] = {}
         self.parcel = Parcel()
         self.lang = "en"
@@ -86,7 +88,8 @@ class Session:
 
     async def run(self) -> None:
         """Listen and answer until the page goes, or says what it should not."""
-        doing = (self._listen(), self._answer_quick(), self._answer_slow(), self._watch())
+        answering = map(self._answer, (self.quick, self.limits, self.slow))
+        doing = (self._listen(), *answering, self._watch())
         loops = [asyncio.create_task(c) for c in doing]
         try:
             done, _ = await asyncio.wait(loops, return_when=asyncio.FIRST_COMPLETED)
@@ -174,8 +177,14 @@ class Session:
     async def _ask(self, said: Json) -> None:
         if self._rest:
             self._rest.cancel()
-        self.slow.drop()
-        self.quick.put(self._question(said, "held" if said.get("held") is True else "live"))
+        for lane in (self.limits, self.slow):
+            lane.drop()
+        held = said.get("held") is True
+        question = self._question(said, "held" if held else "live")
+        self._asked = question["id"]
+        self.quick.put(question)
+        if held:
+            self.limits.put({**question, "job": "graded"})
 
     async def _ask_pose(self, said: Json) -> None:
         self.quick.put(self._question(said, "pose"))
@@ -255,7 +264,7 @@ class Session:
             await self._tell("part", **which, part=told)
 
         try:
-            answer = await self.work.ask(question, part)
+            answer = await self.lanes.work.ask(question, part)
         except asyncio.CancelledError:
             await self._tell("done", **which, fault="cancelled")
             return
@@ -287,35 +296,31 @@ class Session:
 
     # ------------------------------------------------------------------- what it is told
 
-    async def _answer_quick(self) -> None:
+    async def _answer(self, lane: Latest) -> None:
         while True:
-            question, answer = await self.quick.take()
+            question, answer = await lane.take()
             job, text = question["job"], answer.get("text")
             if job != "live":
                 answer.pop("text", None)  # the page has one: no other is kept before it lets go
-            await self._tell(ANSWERS[job], id=question["id"], **answer)
-            whole = job != "pose" and "problems" not in answer and "fault" not in answer
-            if whole and not self.quick.waits:
+            if job in ANSWERS:
+                await self._tell(ANSWERS[job], id=question["id"], **answer)
+            whole = job in ("live", "graded") and not {"problems", "fault"} & answer.keys()
+            if whole and question["id"] == self._asked:
                 later = {k: question[k] for k in ("id", "name", "folder", "lang")}
                 later |= {"job": "full", "text": text}
                 # A hand that moves on has not asked for it: it would only be slowed down.
-                self._rest = asyncio.create_task(self._later(later, REST * (job == "held")))
-
-    async def _tell_moved(self, question: Json, told: Json) -> None:
-        """Tell where a hand has the line, before what the limits make of it."""
-        await self._tell("moved", id=question["id"], **told)
+                self._rest = asyncio.create_task(self._later(later, REST * (job == "graded")))
+            # What is asked for next: a hand takes hold of it, or a job.
+            if job == "live" and self.lanes.limits.pid is None:
+                await self.lanes.limits.start()
+            if job == "full" and question["id"] == self._asked:
+                self.limits.put({**question, "job": "ready"})
+            if lane is self.slow and self.lanes.work.pid is None:
+                await self.lanes.work.start()
 
     async def _later(self, question: Json, after: float) -> None:
         await asyncio.sleep(after)
         self.slow.put(question)
-
-    async def _answer_slow(self) -> None:
-        while True:
-            question, answer = await self.slow.take()
-            kind = "full" if question["job"] == "full" else "helped"
-            await self._tell(kind, id=question["id"], **answer)
-            if self.work.pid is None:  # a page that has its verdict asks for a job next
-                await self.work.start()
 
     async def _watch(self) -> None:
         while True:
