@@ -108,10 +108,10 @@ def test_compliance_is_symmetric_and_positive(units):
 
 
 def test_a_mirrored_bracket_has_mirrored_gauges(units):
-    """S1 and S2 mirror each other in the plane y = 0, as well as a coarse mesh does: 8 %."""
+    """S1 and S2 mirror each other in the plane y = 0, as well as a coarse mesh does."""
     B = influence(units, GAUGES)
     assert B[0, 1] == pytest.approx(-B[1, 1], rel=0.05)
-    assert B[0, 2] == pytest.approx(B[1, 2], rel=0.08)
+    assert B[0, 2] == pytest.approx(B[1, 2], abs=0.01 * B[0, 1])
 
 
 def test_a_gauge_reads_the_mean_along_its_grid():

@@ -334,18 +334,11 @@ class Elastic:
         return _nodes(self.mesh)
 
     def at_nodes(self, displacements: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Displacement and stress at the nodes.
+        """Return motion (n, c, 3) m and stress (n, c, 6) Pa of displacements (c, unknowns)."""
+        return self.motion_at_nodes(displacements), self.stress_at_nodes(displacements)
 
-        Parameters
-        ----------
-        displacements : (c, unknowns)
-
-        Returns
-        -------
-        u : (n, c, 3) m
-        stress : (n, c, 6) Pa
-            Mean over the elements that meet at the node.
-        """
+    def motion_at_nodes(self, displacements: ArrayLike) -> FloatArray:
+        """Return how the nodes move, (n, c, 3) m, of displacement vectors (c, unknowns)."""
         displacements = np.asarray(displacements, dtype=float)
         functions, kinds, ways = self._functions
         moved = _rows(displacements)
@@ -354,7 +347,7 @@ class Elastic:
             mine = kinds == kind
             N = np.array([way.CalcShape(*p.point) for p in _nodal_rule()])
             u[self.nodes.elements[mine]] = N @ moved[functions[mine]]
-        return u.reshape(len(u), -1, 3), self.stress_at_nodes(displacements)
+        return u.reshape(len(u), -1, 3)
 
     def stress_at_nodes(self, displacements: ArrayLike) -> FloatArray:
         """Stress (n, c, 6) Pa at the nodes of displacement vectors (c, unknowns).

@@ -12,15 +12,15 @@ from cardan.bracket.surface import nearest
 from cardan.bracket.unit import Units
 from cardan.model.bracket import Gauge
 
-_GRID = 5
-"""Gauss points along a grid: exact for strains up to degree 9 along it."""
+_STEPS = 8
+"""Steps that a grid is followed in, along a surface that may be bent."""
 
 
 def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
     """Strains (g, 9) that gauges read under the unit loads.
 
-    A reading is the mean over the grid's length of the normal strain along the gauge,
-    which lies in the surface.
+    A reading is by how much the grid, which lies in the surface, grows longer, over its length:
+    of how its ends move, whatever the strain is in the elements between.
 
     Raises
     ------
@@ -29,11 +29,12 @@ def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
     """
     if not gauges:
         return np.zeros((0, len(units.displacements)))
-    return np.stack([_reading(units, gauge) for gauge in gauges])
+    motion = units.elastic.motion_at_nodes(units.displacements)
+    return np.stack([_reading(units, motion, gauge) for gauge in gauges])
 
 
-def _reading(units: Units, gauge: Gauge) -> FloatArray:
-    """Strain (9,) one gauge reads under the unit loads."""
+def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
+    """Strain (9,) one gauge reads as the nodes move, (n, 9, 3) m."""
     nodes = units.elastic.nodes
     middle = nearest(nodes, gauge.point)
     if middle.distances[0] > units.solid.thickness / 2:
@@ -44,19 +45,18 @@ def _reading(units: Units, gauge: Gauge) -> FloatArray:
         )
         raise DesignError(msg, about="bracket.gauges")
     along = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
-    at, weights = np.polynomial.legendre.leggauss(_GRID)
-    grid = nearest(nodes, middle.points + np.outer(at, along) * gauge.length / 2)
+    along = along * gauge.length / 2
+    grid = nearest(nodes, middle.points + np.outer(np.linspace(-1, 1, _STEPS + 1), along))
     if grid.distances.max() > gauge.length / 10:
         msg = (
             f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an edge: "
             "move or shorten it"
         )
         raise DesignError(msg, about="bracket.gauges")
-    directions = np.stack([_laid(gauge, along, n) for n in grid.normals])
-    strain = units.elastic.strains_at(units.elastic.locate(grid.points), units.displacements)
-    x, y, z = directions.T
-    squares = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=-1)
-    return np.einsum("g,gck,gk->c", weights / 2, strain, squares)
+    steps = np.diff(grid.of(nodes, nodes.points), axis=0)
+    sizes = np.linalg.norm(steps, axis=1)
+    longer = np.einsum("kx,kcx->c", steps / sizes[:, None], np.diff(grid.of(nodes, motion), axis=0))
+    return np.asarray(longer / sizes.sum(), dtype=float)
 
 
 def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray:
