@@ -813,6 +813,9 @@ FILES = (
 )  # fmt: skip
 
 STUDY = (
+    mutant("study/shards.py", "limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)",
+           "limits = repr(application.limits)", "a set's order, another in each process, tells studies apart",
+           "unit/test_studies.py::test_another_process_knows_the_study_again"),
     mutant("study/approval.py", "tuple(u for u in self.unanswered if u.limit.required)", "()",
            "nothing that is required is missed", "unit/test_cli.py::test_check_names_what_has_no_answer_for_want_of_data"),
     mutant("study/approval.py", '[*found, "incomplete"] if missed or not found else found',

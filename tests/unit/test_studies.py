@@ -501,6 +501,33 @@ def test_rows_are_kept_as_asked(tmp_path):
     )
 
 
+PRINTS = """
+import sys
+from pathlib import Path
+from cardan import files
+from cardan.study.shards import Job, _print
+from cardan.study.sweep import variants_of
+for path in map(Path, sys.argv[1:]):
+    variants = variants_of({}, {"driveline.points_mm[*]": {"normal": 1.0}})
+    print(_print(Job(application=files.read(path), variants=variants, seed=0, points=None)))
+"""
+
+
+def test_another_process_knows_the_study_again():
+    """Sets of words, as the states that a limit is for, have an order of the process's own."""
+    trucks = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+    assert any(limit.states for limit in files.read(trucks[0]).limits)
+    prints = {
+        subprocess.run(
+            [sys.executable, "-c", PRINTS, *map(str, trucks)], check=True, text=True,
+            stdout=subprocess.PIPE, env=os.environ | {"PYTHONHASHSEED": seed},
+        ).stdout
+        for seed in ("1", "2")
+    }  # fmt: skip
+    assert len(prints) == 1
+    assert len(set(prints.pop().split())) == len(trucks)
+
+
 KILLED = """
 import sys
 from pathlib import Path

@@ -9,7 +9,7 @@ import json
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from hashlib import sha256
 from importlib import import_module
@@ -487,9 +487,11 @@ def _print(job: Job) -> str:
         raise DesignError(msg)
     beside = [sha256(p.read_bytes()).hexdigest() for p in written.beside]
     changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
+    # A set has another order in another process.
+    limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)
     said = (
-        written.text, beside, changes, repr(application.limits), repr(job.variants), job.seed,
-        job.points, __version__, np.__version__,
+        written.text, beside, changes, limits, repr(job.variants), job.seed, job.points,
+        __version__, np.__version__,
     )  # fmt: skip
     return sha256(repr(said).encode()).hexdigest()
 
