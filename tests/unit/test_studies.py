@@ -425,8 +425,13 @@ def test_what_cannot_exist_fails_and_is_told():
 
 
 def test_ends_of_what_is_chosen_must_be_possible():
-    with pytest.raises(BadFile, match="wall_mm"):
-        Bench.of(application(), variants_of({"driveline.shafts[2].tube.wall_mm": [-1, 4]}))
+    wall = "driveline.shafts[2].tube.wall_mm"
+    with pytest.raises(BadFile, match=r"wall_mm: cannot be -1, up to where .*: must be a number"):
+        Bench.of(application(), variants_of({wall: [-1, 4]}))
+    # What stands in the way may be another number, which nobody changed.
+    told = r"length_mm: cannot be 120, up to where .*must sit on its shaft"
+    with pytest.raises(BadFile, match=told):
+        Bench.of(application(), variants_of({"driveline.shafts[1].length_mm": [120, 900]}))
 
 
 # --------------------------------------------------------------------------- who computes

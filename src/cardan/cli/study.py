@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from cardan.base.errors import DesignError
+from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.cli.common import (
     FILE,
     JSON,
@@ -133,7 +133,7 @@ def study(
         except Stopped as error:
             stopped, found = True, error.studied
         except ValueError as error:  # a name, a range, a correlation
-            raise DesignError(str(error)) from error
+            raise BadFile(str(beside or file), (Problem(message=str(error)),)) from error
     if json_out is not None:
         write_json(report.document(found), json_out)
     if html or pdf:

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
-from cardan.base.errors import BadFile, DesignError
+from cardan.base.errors import BadFile, DesignError, Problem
 from cardan.base.frozen import dataclass
 from cardan.base.verdict import GRADES, VERDICTS, Limit, Verdict
 from cardan.demand.states import demand, resolve
@@ -376,9 +376,11 @@ class Bench:
             msg = f"no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
             raise ValueError(msg)
         for k, name in enumerate(drawn.names):
-            for end in _ends(drawn, k):
-                if name not in bench._moves:
+            for end in _ends(drawn, k) if name not in bench._moves else ():
+                try:
                     with_numbers(application, {name: end})
+                except BadFile as error:
+                    raise _beyond(name, end, error) from error
         single = tuple(n for n in drawn.names if n not in bench._moves and not bench._holds(n))
         return replace(bench, single=single)
 
@@ -556,6 +558,14 @@ def names(application: Application) -> dict[str, float]:
             raise ValueError(msg)
         found[at] = float(numbers[at])
     return found | dict.fromkeys(movable(i.line for i in application.lines), 0.0)
+
+
+def _beyond(name: str, end: float, error: BadFile) -> BadFile:
+    """Return the error of a number at an end of what it varies over, where its file has another."""
+    first = error.problems[0]
+    why = first.message if first.key == name else f"{first.key}: {first.message}"
+    told = f"cannot be {end:g}, up to where the study has it vary: {why}"
+    return BadFile(error.file, (Problem(message=told, key=name),))
 
 
 def _ends(of: Drawing, k: int) -> tuple[float, ...]:
