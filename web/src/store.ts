@@ -59,8 +59,9 @@ export type View = (typeof VIEWS)[number];
 /** What takes long: its answer, or what of it is known so far. */
 export interface Job<Answer = unknown, Part = unknown> {
   id: number;
-  /** What it was asked about: the text and the arguments. */
+  /** What it was asked about, the text and the arguments; of what its answer is where it ended without one. */
   of: string;
+  was: string;
   running: boolean;
   part: Part | null;
   answer: Answer | null;
@@ -84,7 +85,7 @@ interface Gesture {
   want: "turn"[];
 }
 
-interface Sent { id: number; commit: boolean; part: boolean; since: number; shown: boolean }
+interface Sent { id: number; of: Waiting; commit: boolean; part: boolean; since: number; shown: boolean }
 
 /** `shown` says whether what was asked for is on the page before the answer. */
 interface Waiting { kind: "ask" | "pose"; question: Question; commit: boolean; since: number; shown?: boolean }
@@ -143,6 +144,7 @@ export class Store {
     const connected = (c: Connection): void => this.connected(c);
     this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
     this.set({ fixed: Boolean(kept) });
+    addEventListener("pagehide", () => { if (this.known.history && History.unsaved(this.known.history)) this.keepNow(); });
     this.link.open();
   }
 
@@ -213,7 +215,7 @@ export class Store {
         break;
       case "done": {
         const why = m.fault ?? m.problems?.[0]?.message ?? "";
-        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems } : { running: false, answer: m, why });
+        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems, of: this.known.jobs[m.job]?.was ?? "" } : { running: false, answer: m, why });
         break;
       }
     }
@@ -228,7 +230,7 @@ export class Store {
     if (now?.of === of && (now.running || now.answer)) return;
     if (now?.running) this.link?.say({ type: "cancel", id: now.id });
     this.ids += 1;
-    const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
+    const next: Job = { id: this.ids, of, was: now?.running ? now.was : (now?.of ?? ""), running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
     this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
   }
@@ -359,6 +361,7 @@ export class Store {
     const found = History.onDisk(history, text, mark);
     if (found.conflict || (conflict && text !== history.text)) {
       this.set({ notice: { kind: "conflict", text, mark } });
+      this.keep(); // who saved it, in another tab, threw the draft away
     } else if (found.now.text !== history.text) {
       this.set({ history: found.now, notice: { kind: "reloaded" } });
       this.ask({ text: found.now.text });
@@ -383,8 +386,9 @@ export class Store {
     this.ids += 1;
     const { kind, commit, since } = waiting;
     const now = this.known.history?.text;
-    const question = commit && now !== undefined ? { ...waiting.question, text: now } : waiting.question;
-    this.sent = { id: this.ids, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
+    // A hand goes from where it took hold; all else is about the document as it is.
+    const question = waiting.question.held || now === undefined ? waiting.question : { ...waiting.question, text: now };
+    this.sent = { id: this.ids, of: { ...waiting, question }, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
     if (kind === "ask") {
       this.latest = this.ids;
       if (question.held) this.moves.set(this.ids, since);
@@ -425,6 +429,8 @@ export class Store {
       if (sent.commit) this.back();
     } else if (m.type === "moved" && m.lines) {
       this.moved(m);
+    } else if (sent.commit && sent.of.question.text !== this.known.history?.text) {
+      this.commits.unshift(sent.of); // of another text by now: made again, of that one
     } else if (m.type === "live" && m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
@@ -532,7 +538,13 @@ export class Store {
 
   undo(): void {
     this.pending?.();
-    if (this.known.history) this.now(History.undone(this.known.history));
+    const history = this.known.history;
+    if (!history) return;
+    // The last change may not be made yet: then it is not made at all.
+    if (this.commits.pop()) return;
+    if (!this.sent?.commit) return this.now(History.undone(history));
+    this.sent.commit = false;
+    this.ask({ text: history.text });
   }
 
   redo(): void {
