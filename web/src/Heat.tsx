@@ -76,7 +76,7 @@ function HeatRow({ row, known, several }: Of) {
       <th scope="row" title={row.name}>
         {several && <i>{row.line}: </i>}
         {row.name}
-        <small>{bound(row)}</small>
+        <small>{bound(row)}{row.values && row.parts.length === 1 && row.parts[0] && `, ${row.parts[0]}`}</small>
       </th>
       {states.map((s, k) => {
         if (!row.values) return <td key={s.name}><span class="cell none">…</span></td>;
@@ -167,12 +167,7 @@ export function Detail({ known }: { known: Known }) {
       </header>
       <table class="rows">
         <thead>
-          <tr>
-            <th scope="col">{t("part")}</th>
-            <th scope="col" class="n">{t("value")}</th>
-            <th scope="col" class="n">{t("limit")}</th>
-            <th scope="col" class="n">{t("margin")}</th>
-          </tr>
+          <tr>{[t("part"), t("value"), t("limit"), t("margin")].map((h, k) => <th key={h} scope="col" class={k > 0 ? "n" : ""}>{h}</th>)}</tr>
         </thead>
         <tbody>
           {row.parts.map((part, p) => {

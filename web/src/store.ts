@@ -4,7 +4,7 @@ import * as History from "./history";
 import { speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
-import { learn } from "./text";
+import { learn, t } from "./text";
 import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
 export interface Selected { row: string; state: number; part: number }
@@ -85,10 +85,10 @@ interface Gesture {
   want: "turn"[];
 }
 
-interface Sent { id: number; of: Waiting; commit: boolean; part: boolean; since: number; shown: boolean }
-
 /** `shown` says whether what was asked for is on the page before the answer. */
 interface Waiting { kind: "ask" | "pose"; question: Question; commit: boolean; since: number; shown?: boolean }
+
+interface Sent extends Waiting { id: number }
 
 /** How long a slider rests before the curves beside it are asked for, in ms. */
 const REST = 200;
@@ -214,7 +214,7 @@ export class Store {
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
         break;
       case "done": {
-        const why = m.fault ?? m.problems?.[0]?.message ?? "";
+        const why = m.fault ? faulty(m.fault) : (m.problems?.[0]?.message ?? "");
         this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems, of: this.known.jobs[m.job]?.was ?? "" } : { running: false, answer: m, why });
         break;
       }
@@ -384,11 +384,11 @@ export class Store {
 
   private send(waiting: Waiting): void {
     this.ids += 1;
-    const { kind, commit, since } = waiting;
+    const { kind, since } = waiting;
     const now = this.known.history?.text;
     // A hand goes from where it took hold; all else is about the document as it is.
     const question = waiting.question.held || now === undefined ? waiting.question : { ...waiting.question, text: now };
-    this.sent = { id: this.ids, of: { ...waiting, question }, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
+    this.sent = { ...waiting, question, id: this.ids };
     if (kind === "ask") {
       this.latest = this.ids;
       if (question.held) this.moves.set(this.ids, since);
@@ -423,18 +423,18 @@ export class Store {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
     if (m.type === "posed") {
-      if (m.pose) this.set({ pose: sent.part ? posed(this.known.pose, m.pose) : m.pose });
+      if (m.pose) this.set({ pose: sent.question.want ? posed(this.known.pose, m.pose) : m.pose });
     } else if (m.problems) {
       this.set({ problems: m.problems });
       if (sent.commit) this.back();
     } else if (m.type === "moved" && m.lines) {
       this.moved(m);
-    } else if (sent.commit && sent.of.question.text !== this.known.history?.text) {
-      this.commits.unshift(sent.of); // of another text by now: made again, of that one
+    } else if (sent.commit && sent.question.text !== this.known.history?.text) {
+      this.commits.unshift(sent); // of another text by now: made again, of that one
     } else if (m.type === "live" && m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
-    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
+    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: faulty(m.fault) } });
     if (!sent.shown) painted(sent.since, m.type === "moved" ? "cardan:moved" : undefined);
     this.onward();
   }
@@ -671,6 +671,10 @@ export class Store {
     if (this.known.full) this.set({ order: this.sorted(this.known.full) });
   }
 }
+
+/** Why nobody answered, in words. */
+const faulty = (of: string): string =>
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), ended: t("who was asked has ended: ask again") })[of] ?? of;
 
 /** What a row is sorted by: failures first, then warnings, each by margin. */
 export function worst(row: Row): number {

@@ -268,7 +268,7 @@ describe("a job", () => {
     store.type("b", false);
     store.work("map", { x: 1 });
     tell({ fault: "cancelled" });
-    expect(store.known.jobs.map).toMatchObject({ running: false, why: "cancelled", answer: { found: 1 } });
+    expect(store.known.jobs.map).toMatchObject({ running: false, why: "stopped", answer: { found: 1 } });
     expect(store.known.jobs.map?.of).toBe(store.about({ x: 1 }, "a"));
     socket.said = [];
     store.work("map", { x: 1 });
