@@ -47,7 +47,7 @@ export function Guide({ known }: { known: Known }) {
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
   const of = job?.problems ? null : job?.answer;
   // What is empty yet is no mistake: it is asked for by its name.
-  const typed = (job?.problems ?? []).filter((p) => !(p.key in fields && !p.value) && (p.key !== "points" || form.points));
+  const typed = () => (job?.problems ?? []).filter((p) => !(p.key in fields && !p.value) && (p.key !== "points" || form.points));
   const missing = (): string => (job?.problems ?? []).filter((p) => !p.value).map((p) => fields[p.key]).filter(Boolean).join("; ");
   return (
     <div class="columns">
@@ -109,8 +109,8 @@ export function Guide({ known }: { known: Known }) {
           <h2 id="comes">{t("What it comes to")}</h2>
           {of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}
         </header>
-        {!of && <ul class="problems">{typed.map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
-        {!of && typed.length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
+        {!of && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
+        {!of && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
           <>
             <p class="facts">{of.angles.map((a, k) => <span key={k}>{t("joint {n}", { n: k + 1 })} <b>{fixed(a, 2)}°</b></span>)}<span>{t("equivalent angle")} <b>{fixed(of.equivalent, 2)}°</b></span></p>

@@ -197,7 +197,9 @@ export class Store {
         this.disk(m.text, m.mark, m.conflict);
         break;
       case "refused":
-        this.set({ notice: { kind: "refused", why: m.why }, parcel: m.what === "bring" ? null : this.known.parcel });
+        // What is gone from the disk is as good as never saved.
+        if (m.what === "read" && this.known.history) this.set({ history: { ...this.known.history, saved: "" } });
+        this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel });
         break;
       case "brought":
         this.brought(m.id, m.got);
@@ -674,7 +676,7 @@ export class Store {
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
-  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), ended: t("who was asked has ended: ask again") })[of] ?? of;
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again") })[of] ?? of;
 
 /** What a row is sorted by: failures first, then warnings, each by margin. */
 export function worst(row: Row): number {

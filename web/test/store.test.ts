@@ -211,6 +211,12 @@ describe("the document", () => {
     expect(socket.asked().at(-1)?.text).toBe("typed*");
   });
 
+  it("can be saved again where it is gone from the disk", () => {
+    socket.tell({ type: "refused", what: "read", file: 0, why: "is no longer there" });
+    expect(store.known.notice).toMatchObject({ kind: "refused", why: expect.stringContaining("Save writes it again") });
+    expect(store.known.history).toMatchObject({ text: "a", saved: "" });
+  });
+
   it("is asked about again after the connection was lost, with what is on the page", () => {
     store.apply({ x: 1 });
     socket.answer();

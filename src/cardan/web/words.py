@@ -27,6 +27,7 @@ WORDS: tuple[str, ...] = (
     "Equation",
     "Everything passes.",
     "Still missing:",
+    "The file is gone from the disk: Save writes it again.",
     "it took too long, and was given up",
     "File",
     "Files",
