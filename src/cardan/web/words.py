@@ -137,6 +137,7 @@ WORDS: tuple[str, ...] = (
     "compare what is ticked",
     "compare {file}",
     "connection lost",
+    "campaign",
     "cost",
     "cycles",
     "dark",
