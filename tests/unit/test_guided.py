@@ -45,7 +45,8 @@ def test_a_number_survives_either_decimal_sign(value):
         "1\t2\t3\n4\t5\t6", "x y z\n1 2 3\n4 5 6\n", "A;1;2;3\nB;4;5;6",
         "J1\t1,0\t2\t3\r\nJ2\t4\t5\t6,0",
         "| 1 | 2 | 3 |\n| 4 | 5 | 6 |", "Z [mm]\tnote\tx\ty\n3\tfront\t1\t2\n6\t\t4\t5",
-        "\tx\ty\tz\t\nA\t1\t2\t3\t\nB\t4\t5\t6\t", "name\tnote\tx\ty\tz\nA\tfront\t1\t2\t3\nB\t\t4\t5\t6\n\n",
+        "\tx\ty\tz\t\nA\t1\t2\t3\t\nB\t4\t5\t6\t",
+        "name\tnote\tx\ty\tz\nA\tfront\t1\t2\t3\nB\t\t4\t5\t6\n\n",
     ],
 )  # fmt: skip
 def test_a_table_as_a_spreadsheet_copies_it(sheet):
