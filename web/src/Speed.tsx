@@ -19,6 +19,7 @@ export function Speed({ known, shown }: { known: Known; shown: Shown }) {
     <div class="columns">
       <div class="left">
         {job?.why && <p class="notice fail">{job.why}</p>}
+        {job?.running && of && <p class="note" role="status">{t("asking …")}</p>}
         {of ? <Forces of={of} known={known} shown={shown} /> : !job?.why && <p class="card note">…</p>}
         <Launches known={known} />
       </div>

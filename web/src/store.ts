@@ -159,6 +159,8 @@ export class Store {
   }
 
   private told(m: Told): void {
+    // What is told of a file that was left meanwhile is not of this one.
+    if ((m.type === "saved" || m.type === "disk" || m.type === "frozen") && m.file !== this.known.file) return;
     switch (m.type) {
       case "welcome":
         learn(m.texts);
@@ -186,7 +188,7 @@ export class Store {
         }
         break;
       case "helped":
-        this.set({ helping: false, helps: m.helps ?? this.known.helps });
+        if (m.id === this.latest) this.set({ helping: false, helps: m.helps ?? this.known.helps });
         break;
       case "saved": {
         const history = this.known.history;

@@ -256,6 +256,24 @@ describe("the document", () => {
     expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*" }, { type: "open" }]);
   });
 
+  it("is not taken for another one that the disk tells of after it was left", () => {
+    socket.tell({ type: "disk", file: 1, text: "another", mark: "n", conflict: false });
+    socket.tell({ type: "saved", file: 1, text: "another", mark: "n" });
+    expect(store.known.history).toMatchObject({ text: "a", saved: "a", mark: "m" });
+  });
+
+  it("is helped by what was asked of it, not of what it was", () => {
+    store.help();
+    const late = socket.said.at(-1) as Said;
+    store.type("b", false);
+    socket.tell({ type: "helped", id: late.id, helps: [{ name: "old" }] });
+    expect(store.known.helps).toBeNull();
+    socket.answer();
+    store.help();
+    socket.tell({ type: "helped", id: socket.said.at(-1)?.id, helps: [{ name: "new" }] });
+    expect(store.known).toMatchObject({ helping: false, helps: [{ name: "new" }] });
+  });
+
   it("takes the verdict of the latest question alone", () => {
     const first = store.known;
     socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
