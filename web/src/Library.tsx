@@ -24,7 +24,7 @@ export function Library({ known }: { known: Known }) {
           <h2 id="library">{t("Files")}</h2>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want((e.currentTarget as HTMLInputElement).value)} />
           <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
-          {job?.running && <span class="note" role="status">{t("asking …")}</span>}
+          {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </header>
         {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
         <ul>
