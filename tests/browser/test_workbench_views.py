@@ -105,6 +105,16 @@ def test_a_job_can_be_stopped_and_asked_again(browser, tmp_path):
         assert said(browser, ".vehicle .fail") == "stopped"
         press(browser, ".vehicle .asking button")
         wait(browser, "return document.querySelector('.launch')")
+        show(browser, "line")
+        was = text_of(browser)
+        browser.execute_script("document.querySelectorAll('.dial .set button')[1].click()")
+        edited(browser, was)
+        show(browser, "speed")
+        press(browser, ".vehicle .asking button")
+        press(browser, ".vehicle .asking button")
+        wait(browser, "return document.querySelector('.vehicle .fail')")
+        assert "of the file as it was" in said(browser, ".vehicle .asking")
+        assert browser.find_element("css selector", ".vehicle .asking button").is_enabled()
 
 
 def fill(driver, field, value):
@@ -126,10 +136,15 @@ def test_five_numbers_become_a_file_and_a_verdict(browser, tmp_path):
             fill(browser, f"members[{k}].side", slope)
         for k, length in enumerate(("1200", "1500"), 1):
             fill(browser, f"shafts[{k}].length", length)
-        fill(browser, "shafts[1].bearing", "140")
         wait(browser, "return document.querySelector('.guided .problems .fail')")
         assert "x" in said(browser, ".guided .problems")
         fill(browser, "members[4].side", "2")
+        note = "return document.querySelector('.guided .note')?.innerText"
+        wait(browser, f"{note}?.includes('shaft 1: bearing ahead')")
+        fill(browser, "shafts[1].bearing", "1300")
+        wait(browser, "return document.querySelector('.guided .problems .fail')")
+        assert "below its length 1200 mm" in said(browser, ".guided .problems")
+        fill(browser, "shafts[1].bearing", "140")
         wait(browser, "return document.querySelector('.guided .make')")
         assert said(browser, ".guided header b").lower() == "pass"
         press(browser, ".make")
@@ -142,6 +157,22 @@ def test_five_numbers_become_a_file_and_a_verdict(browser, tmp_path):
         assert approve(app).verdict == "pass"
         assert "pass" in said(browser, ".verdict").lower()
         assert serious(browser) == []
+        clean(browser)
+
+
+def test_what_was_typed_in_a_view_is_there_when_it_comes_back(browser, tmp_path):
+    """Five readings were gone after a look at another view, and so were masks of a recording."""
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        show(browser, "new")
+        fill(browser, "members[1].side", "3,5")
+        show(browser, "change")
+        browser.find_element("css selector", ".fix .tick input").click()
+        show(browser, "new")
+        field = browser.find_element("css selector", "[data-field='members[1].side']")
+        assert field.get_property("value") == "3,5"
+        show(browser, "change")
+        assert not browser.find_element("css selector", ".fix .tick input").is_selected()
         clean(browser)
 
 

@@ -1354,6 +1354,14 @@ RUBBER = (
 )
 
 WEB = (
+    mutant("files/pasted.py", 'at = (axes["x"], axes["y"], axes["z"])', "pass",
+           "a heading of another order is not looked at", "unit/test_guided.py::test_a_table_as_a_spreadsheet_copies_it"),
+    mutant("files/guided.py", "if self.joints != shafts + 1:", "if False:",
+           "a table of fewer joints is a shorter line", "unit/test_guided.py::test_a_form_in_inches_and_by_points"),
+    mutant("files/deviation.py", "if b is not None and b <= 0", "if b is not None and b < -9",
+           "a limit of -5 where none can be", "unit/test_deviation.py::test_no_bound_above_nothing_is_deviated_from_to_nothing_or_less"),
+    mutant("web/desk.py", "if paper.path.exists() and mark", "if mark",
+           "what is gone cannot be saved", "unit/test_web.py::test_what_is_gone_from_the_disk_is_said_and_saved_anew"),
     mutant("web/guard.py", "or any(origin not in ours for origin in origins)", "or False",
            "a page of another origin is let in", "unit/test_web.py::test_a_socket_from_elsewhere_is_refused"),
     mutant("web/guard.py", "or hosts[0] not in self.hosts", "or False",
@@ -1364,7 +1372,7 @@ WEB = (
            "styles from anywhere", "unit/test_web.py::test_the_page_comes_with_every_guard"),
     mutant("web/server.py", '(socket.AF_INET, "127.0.0.1")', '(socket.AF_INET, "0.0.0.0")',
            "it listens to the whole network", "unit/test_web.py::test_it_listens_on_this_machine_alone"),
-    mutant("web/desk.py", "if mark(paper.read()) != base:", "if mark(paper.read()) == base and False:",
+    mutant("web/desk.py", "and mark(paper.read()) != base:", "and False:",
            "what another program wrote is written over",
            "unit/test_web.py::test_marks_and_line_ends_of_a_file_stay"),
     mutant("web/desk.py", 'head = "\\ufeff" if paper.marked else ""', 'head = ""',

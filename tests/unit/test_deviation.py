@@ -116,3 +116,12 @@ def test_a_deviation_changes_the_verdict_as_any_limit_does():
     assert assess(app).verdict == "warn"
     _, new = signed(CHAIN, k, normal=340, maximum=500)
     assert assess(files.loads(new)).verdict == "pass"
+
+
+@pytest.mark.parametrize("bound", [-5.0, 0.0])
+def test_no_bound_above_nothing_is_deviated_from_to_nothing_or_less(bound):
+    """-5 rad/s² was taken: everything failed, by a ring of a negative radius."""
+    which = next(k for k, m in enumerate(files.loads(TRUCK).limits) if m.normal and m.maximum)
+    with pytest.raises(BadFile, match="must be above 0") as found:
+        signed(TRUCK, which, normal=bound, maximum=1.0)
+    assert [p.key for p in found.value.problems] == ["normal"]

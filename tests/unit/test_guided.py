@@ -44,7 +44,9 @@ def test_a_number_survives_either_decimal_sign(value):
     [
         "1\t2\t3\n4\t5\t6", "x y z\n1 2 3\n4 5 6\n", "A;1;2;3\nB;4;5;6",
         "J1\t1,0\t2\t3\r\nJ2\t4\t5\t6,0",
-        "| 1 | 2 | 3 |\n| 4 | 5 | 6 |", "name\tnote\tx\ty\tz\nA\tfront\t1\t2\t3\nB\t\t4\t5\t6\n\n",
+        "| 1 | 2 | 3 |\n| 4 | 5 | 6 |", "Z [mm]\tnote\tx\ty\n3\tfront\t1\t2\n6\t\t4\t5",
+        "\tx\ty\tz\t\nA\t1\t2\t3\t\nB\t4\t5\t6\t",
+        "name\tnote\tx\ty\tz\nA\tfront\t1\t2\t3\nB\t\t4\t5\t6\n\n",
     ],
 )  # fmt: skip
 def test_a_table_as_a_spreadsheet_copies_it(sheet):
@@ -55,8 +57,13 @@ def test_a_row_that_is_no_point_is_named():
     with pytest.raises(BadFile) as found:
         hardpoints("A\t1\t2\t3\nB\t4\tfive\t6\nC\t7\t8\n")
     assert [(p.key, p.value, p.line) for p in found.value.problems] == [
-        ("row 2", "five", 2), ("row 3", "C", 3),
+        ("row 2", "five", 2), ("row 3", "C 7 8", 3),
     ]  # fmt: skip
+    with pytest.raises(BadFile, match="last three"):
+        hardpoints("1\t0\t0\t0\n2\t1200\t\t-20\n3\t2600\t0\t-150")  # not 2, 1200, -20
+    for heading in ("joint\tx\ty", "x\ty\ty"):
+        with pytest.raises(BadFile, match="each once"):
+            hardpoints(f"{heading}\n1\t0\t0\n2\t1200\t0")
     for sheet in ("", "x y z", "1 2 3"):
         with pytest.raises(BadFile, match="a row of x, y and z"):
             hardpoints(sheet)
@@ -82,6 +89,8 @@ def test_a_form_in_inches_and_by_points():
     app = files.loads(drafted(form))
     assert app.lines[0].layout.points[1] == pytest.approx([1.0, -0.05, -0.02])
     assert np.degrees(app.lines[0].layout.side[[0, -1]]) == pytest.approx([3, 2])
+    with pytest.raises(BadFile, match="the line has 3 joints"):
+        drafted({**FORM, "points": "0 0 0\n1000 50 -20"})
 
 
 def test_every_field_that_is_wrong_is_named():

@@ -25,7 +25,7 @@ from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
 from cardan.web import lanes, server, session, words
 from cardan.web.answer import SOUGHT, answer
-from cardan.web.desk import Conflict, Desk
+from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
 
 ROOT = Path(__file__).parents[2]
@@ -519,6 +519,20 @@ def test_marks_and_line_ends_of_a_file_stay(tmp_path):
     assert written.count(b"\r\n") == written.count(b"\n") == TEXT.count("\n")
     with pytest.raises(Conflict):
         desk.save(0, TEXT, opened["mark"])
+
+
+def test_what_is_gone_from_the_disk_is_said_and_saved_anew(tmp_path):
+    """It was refused, with the path of another file for advice: nothing could be saved any more."""
+    for name in ("a.yaml", "ab.yaml"):
+        (tmp_path / name).write_text(TEXT, "utf-8")
+    desk = Desk(tmp_path, drafts=tmp_path / "drafts")
+    opened = desk.open(0)
+    (tmp_path / "a.yaml").unlink()
+    with pytest.raises(BadFile) as gone:
+        desk.open(0)
+    assert readable(gone.value) == "is no longer there"
+    desk.save(0, TEXT + "# again\n", opened["mark"])
+    assert (tmp_path / "a.yaml").read_text("utf-8") == TEXT + "# again\n"
 
 
 def test_a_draft_of_another_file_or_a_broken_one_is_none(tmp_path):

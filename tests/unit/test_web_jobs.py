@@ -422,16 +422,20 @@ def test_a_share_of_none_or_all_is_not_certain():
 
 @pytest.mark.slow
 def test_a_library_is_what_each_file_comes_to(tmp_path):
-    for name, text in (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK)):
+    day = 'campaign: "A day"  # of two\nrecordings: [{file: a.csv}]\n'
+    texts = (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK), ("d.yaml", day))
+    for name, text in texts:
         (tmp_path / name).write_text(text, "utf-8")
     with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
         one.hello()
         one.say("keep", file=0, text=CHAIN.replace("2800", "1400"), mark="x")
         one.hear("kept")
         one.say("job", id=1, job="library", text="", args={})
-        first, second, third = one.hear("done")["rows"]
+        first, second, third, fourth = one.hear("done")["rows"]
+        assert (fourth["title"], fourth["verdict"]) == ("A day", None)
+        assert fourth["why"].endswith("cardan life d.yaml")  # no application, and none that broke
         assert (first["verdict"], first["draft"]) == ("pass", True)  # what is not saved counts
-        assert second["verdict"] is None
+        assert (second["title"], second["verdict"]) == ("", None)
         assert second["why"]
         assert third["verdict"] == approve(files.loads(TRUCK)).verdict
         assert third["worst"]["name"]

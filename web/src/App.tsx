@@ -180,31 +180,22 @@ function Head({ known }: { known: Known }) {
 function Notices({ known }: { known: Known }) {
   const n = known.notice;
   const unread = known.live !== null && known.problems.length > 0;
+  const said = n && (n.kind === "refused" ? n.why : {
+    restored: t("What was not saved last time is here again; undo goes back to the file."),
+    reloaded: t("The file was changed on disk, and is shown as it is now."),
+    conflict: t("The file was changed on disk while there are unsaved edits here."),
+  }[n.kind]);
   return (
     <div aria-live="polite">
-      {n?.kind === "restored" && (
-        <p class="notice">
-          {t("What was not saved last time is here again; undo goes back to the file.")}
-          <button onClick={() => store.dismiss()}>{t("close")}</button>
-        </p>
-      )}
-      {n?.kind === "reloaded" && (
-        <p class="notice">
-          {t("The file was changed on disk, and is shown as it is now.")}
-          <button onClick={() => store.dismiss()}>{t("close")}</button>
-        </p>
-      )}
-      {n?.kind === "conflict" && (
-        <p class="notice warn">
-          {t("The file was changed on disk while there are unsaved edits here.")}
-          <button onClick={() => store.settle(true)}>{t("take the file; undo keeps mine")}</button>
-          <button onClick={() => store.settle(false)}>{t("save mine over it")}</button>
-        </p>
-      )}
-      {n?.kind === "refused" && (
-        <p class="notice fail">
-          {n.why}
-          <button onClick={() => store.dismiss()}>{t("close")}</button>
+      {n && (
+        <p class={`notice ${n.kind === "conflict" ? "warn" : n.kind === "refused" ? "fail" : ""}`}>
+          {said}
+          {n.kind === "conflict" ? (
+            <>
+              <button onClick={() => store.settle(true)}>{t("take the file; undo keeps mine")}</button>
+              <button onClick={() => store.settle(false)}>{t("save mine over it")}</button>
+            </>
+          ) : <button onClick={() => store.dismiss()}>{t("close")}</button>}
         </p>
       )}
       {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}</p>)}
@@ -239,7 +230,7 @@ function Strip({ known }: { known: Known }) {
           return (
             <li key={row.id}>
               <button class={grade} onClick={() => store.look({ row: row.id, state: s, part: p })}>
-                <b>{row.name}</b>
+                <b>{live && live.lines.length > 1 && `${row.line}: `}{row.name}</b>
                 <span>{live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
                 <span>{number(row.values[s]?.[p])} {row.unit} <i>{percent(row.margins[s]?.[p])} %</i></span>
               </button>

@@ -9,6 +9,7 @@ import { Asking, edges } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Corrections, MapOf, Movable, Yield } from "./types";
+import { useKept } from "./use";
 
 type Both = { known: Known; shown: Shown };
 
@@ -22,7 +23,7 @@ export function Change(both: Both) {
 }
 
 function Fix({ known, shown }: Both) {
-  const [hold, set] = useState<string[]>([]);
+  const [hold, set] = useKept<string[]>(`hold/${known.file}/${shown.index}`, []);
   const job = known.jobs.fix as Job<Corrections> | undefined;
   const args = { line: shown.index, hold };
   const found = job?.answer?.proposals;
@@ -154,7 +155,7 @@ const SIGMA: Record<string, number> = { mm: 1, deg: 0.17, percent: 5 };
 
 function Scatter({ known, shown }: Both) {
   const every = shown.line.movable;
-  const [given, give] = useState<Record<string, string>>({});
+  const [given, give] = useKept<Record<string, string>>(`sigma/${known.file}/${shown.index}`, {});
   const sigma = (m: Movable): string => given[m.id] ?? (m.choice ? "1" : m.free ? String(SIGMA[m.unit] ?? 1) : "0");
   const sigmas = every.map((m) => ({ id: m.id, amount: Math.abs(Number(sigma(m).replace(",", "."))) || 0 })).filter((s) => s.amount > 0);
   const args = { line: shown.index, sigmas, count: 4096 };

@@ -185,7 +185,8 @@ function Scale({ p }: { p: Page }) {
 function spot(h: Handle, shown: Shown, known: Known, view: View): Point | undefined {
   const { laid, live } = shown;
   if (h.kind === "joint") return laid.joints[h.number - 1];
-  if (h.kind === "bearing") return laid.bearings[bearingOf(shown, h.number)];
+  // Every shaft but the last has a bearing.
+  if (h.kind === "bearing") return laid.bearings[h.number - 1];
   if (h.kind === "gearbox") return laid.ends[0];
   if (h.kind === "pinion") return laid.ends[1];
   const o = live.obstacles[h.number - 1];
@@ -194,9 +195,6 @@ function spot(h: Handle, shown: Shown, known: Known, view: View): Point | undefi
   if (view === "side") middle[2] += lift(o, shown, known);
   return middle;
 }
-
-/** Which of the drawn bearings hangs on a shaft: every shaft but the last has one. */
-const bearingOf = (_: Shown, shaft: number): number => shaft - 1;
 
 function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Known }) {
   const { handle: h, view, p, shown, known } = of;
@@ -232,17 +230,7 @@ function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Kn
   );
 }
 
-export function said(h: Handle, shown: Shown): string {
-  switch (h.kind) {
-    case "joint":
-      return t("joint {n}", { n: h.number });
-    case "bearing":
-      return t("centre bearing {n}", { n: h.number });
-    case "gearbox":
-      return t("gearbox slope");
-    case "pinion":
-      return t("pinion slope");
-    case "obstacle":
-      return shown.live.obstacles[h.number - 1]?.name ?? "";
-  }
+function said(h: Handle, shown: Shown): string {
+  const n = h.number;
+  return { joint: t("joint {n}", { n }), bearing: t("centre bearing {n}", { n }), gearbox: t("gearbox slope"), pinion: t("pinion slope"), obstacle: shown.live.obstacles[n - 1]?.name ?? "" }[h.kind];
 }

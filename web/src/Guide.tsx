@@ -5,6 +5,7 @@ import { fixed, number, percent } from "./format";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Guided } from "./types";
+import { useKept } from "./use";
 
 type Cells = Record<string, string>;
 interface Form {
@@ -22,8 +23,8 @@ interface Form {
 const EMPTY: Form = { title: "", speed: "", torque: "", limits: "protractor", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}], shafts: [{}] };
 
 export function Guide({ known }: { known: Known }) {
-  const [form, set] = useState<Form>(EMPTY);
-  const [pasting, paste] = useState(false);
+  const [form, set] = useKept<Form>("guide", EMPTY);
+  const [pasting, paste] = useKept("guide/pasting", false);
   useEffect(() => {
     const timer = setTimeout(() => store.work("guided", { ...form, points: pasting ? form.points : "" }, ""), 200);
     return () => clearTimeout(timer);
@@ -38,14 +39,16 @@ export function Guide({ known }: { known: Known }) {
     const members = [...form.members.slice(0, -1), ...Array<Cells>(Math.max(0, n + 1 - (form.members.length - 1))).fill({})];
     change({ shafts, members: [...members.slice(0, n + 1), form.members.at(-1) ?? {}] });
   };
-  const field = (key: string, name: string, value: string, put: (v: string) => void) => (
+  const fields: Record<string, string> = {};
+  const field = (key: string, name: string, value: string, put: (v: string) => void) => (fields[key] = name) && (
     <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} onInput={(e) => put((e.currentTarget as HTMLInputElement).value)} />
   );
   const n = form.shafts.length;
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
   const of = job?.problems ? null : job?.answer;
-  // What is empty yet is no mistake.
-  const typed = (job?.problems ?? []).filter((p) => p.value && (p.key !== "points" || form.points));
+  // What is empty yet is no mistake: it is asked for by its name.
+  const typed = () => (job?.problems ?? []).filter((p) => !(p.key in fields && !p.value) && (p.key !== "points" || form.points));
+  const missing = (): string => (job?.problems ?? []).filter((p) => !p.value).map((p) => fields[p.key]).filter(Boolean).join("; ");
   return (
     <div class="columns">
       <div class="left"><section class="card guide" aria-labelledby="guide">
@@ -106,12 +109,13 @@ export function Guide({ known }: { known: Known }) {
           <h2 id="comes">{t("What it comes to")}</h2>
           {of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}
         </header>
-        {!of && <ul class="problems">{typed.map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
-        {!of && typed.length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")}</p>}
+        {!of && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
+        {!of && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
           <>
             <p class="facts">{of.angles.map((a, k) => <span key={k}>{t("joint {n}", { n: k + 1 })} <b>{fixed(a, 2)}°</b></span>)}<span>{t("equivalent angle")} <b>{fixed(of.equivalent, 2)}°</b></span></p>
             <ul class="others">
+              {of.unanswered.map((u) => <li key={u}>{u}</li>)}
               {of.checks.map((c, k) => <li key={k} class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.sense === "<=" ? "≤" : "≥"} {number(c.bound)} {c.unit} ({percent(c.margin)} %)</li>)}
             </ul>
             <button class="make" onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>

@@ -71,12 +71,15 @@ const StillRow = still<Of>(HeatRow, ({ row, known, several }) => [
 function HeatRow({ row, known, several }: Of) {
   const states = known.live?.states ?? [];
   const late = "points" in row && !known.settled;
+  // Rows of one name may be of different parts.
+  const asked = row.values ? row.parts.filter((_, p) => row.grades.some((of) => (of[p] ?? null) !== null)) : [];
   return (
     <tr class={`${row.values ? "" : "coming"} ${late ? "late" : ""}`}>
       <th scope="row" title={row.name}>
         {several && <i>{row.line}: </i>}
         {row.name}
-        <small>{bound(row)}</small>
+        <small>{bound(row)}{row.values && asked.length > 0 && asked.length < row.parts.length && `, ${asked.join(", ")}`}</small>
+        {row.values && asked.length === 0 && <small>{t("Without an answer")}</small>}
       </th>
       {states.map((s, k) => {
         if (!row.values) return <td key={s.name}><span class="cell none">…</span></td>;
@@ -135,18 +138,9 @@ function Others({ full }: { full: Full | null }) {
           </ul>
         </details>
       )}
-      {full.unanswered.length > 0 && (
-        <details class="more">
-          <summary>{t("Without an answer")} ({full.unanswered.length})</summary>
-          <ul>{full.unanswered.map((u) => <li key={u}>{u}</li>)}</ul>
-        </details>
-      )}
-      {full.notes.length > 0 && (
-        <details class="more">
-          <summary>{t("Notes")} ({full.notes.length})</summary>
-          <ul>{full.notes.map((n) => <li key={n}>{n}</li>)}</ul>
-        </details>
-      )}
+      {([[t("Without an answer"), full.unanswered], [t("Notes"), full.notes]] as const).map(([said, of]) => of.length > 0 && (
+        <details key={said} class="more"><summary>{said} ({of.length})</summary><ul>{of.map((u) => <li key={u}>{u}</li>)}</ul></details>
+      ))}
     </>
   );
 }
@@ -167,12 +161,7 @@ export function Detail({ known }: { known: Known }) {
       </header>
       <table class="rows">
         <thead>
-          <tr>
-            <th scope="col">{t("part")}</th>
-            <th scope="col" class="n">{t("value")}</th>
-            <th scope="col" class="n">{t("limit")}</th>
-            <th scope="col" class="n">{t("margin")}</th>
-          </tr>
+          <tr>{[t("part"), t("value"), t("limit"), t("margin")].map((h, k) => <th key={h} scope="col" class={k > 0 ? "n" : ""}>{h}</th>)}</tr>
         </thead>
         <tbody>
           {row.parts.map((part, p) => {

@@ -24,14 +24,14 @@ export function Library({ known }: { known: Known }) {
           <h2 id="library">{t("Files")}</h2>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want((e.currentTarget as HTMLInputElement).value)} />
           <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
-          {job?.running && <span class="note" role="status">{t("asking …")}</span>}
+          {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </header>
         {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
         <ul>
           {shown.map((r) => (
             <li key={r.file}>
               <input type="checkbox" aria-label={t("compare {file}", { file: r.name })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
-              <b class={r.verdict ?? "fail"}>{r.verdict ? t(r.verdict) : t("unreadable")}</b>
+              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
               <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{r.name}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
             </li>

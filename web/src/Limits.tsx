@@ -12,7 +12,8 @@ export function Limits({ known }: { known: Known }) {
   const [at, open] = useState<number | null>(null);
   const [form, set] = useState(EMPTY);
   useEffect(() => { if (!known.held) store.work("limits"); }, [known.history?.text, known.held, known.lang]);
-  const of = (known.jobs.limits as Job<LimitsOf> | undefined)?.answer;
+  const asked = known.jobs.limits as Job<LimitsOf> | undefined;
+  const of = asked?.answer;
   const job = known.jobs.deviate as Job<{ draft: string }> | undefined;
   useEffect(() => {
     if (!job?.answer || job.running) return;
@@ -20,7 +21,7 @@ export function Limits({ known }: { known: Known }) {
     store.type(job.answer.draft, false);
     open(null);
   }, [job?.answer]);
-  if (!of) return <p class="card note">…</p>;
+  if (!of) return <p class="card note">{asked?.why || "…"}</p>;
   const wrong = new Set((job?.problems ?? []).map((p) => p.key));
   const field = (key: keyof typeof EMPTY, name: string) => (
     <label>{name}<input data-field={key} value={form[key]} aria-invalid={wrong.has(key)} maxLength={key === "reason" ? 1000 : 40} onInput={(e) => set({ ...form, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>

@@ -20,13 +20,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
       <div class="scroll" tabindex={0} role="region" aria-label={t("Parts")}>
         <table class="rows">
           <thead>
-            <tr>
-              <th scope="col">{t("part")}</th>
-              <th scope="col">{t("size")}</th>
-              <th scope="col" class="n">{t("elastic limit")}</th>
-              <th scope="col" class="n">{t("fatigue")}</th>
-              <th scope="col" class="n">{t("bearings")}</th>
-            </tr>
+            <tr>{[t("part"), t("size"), t("elastic limit"), t("fatigue"), t("bearings")].map((h, k) => <th key={h} scope="col" class={k > 1 ? "n" : ""}>{h}</th>)}</tr>
           </thead>
           <tbody>
             {listed.map((name, k) => {

@@ -12,7 +12,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
   const at = shown.free ? known.pose?.at : undefined;
   const ends = at?.phasors ?? line.phasors[state] ?? [];
   const sum = at ? at.equivalent : line.equivalent[state];
-  const rings = (line.rings[state] ?? []).filter((r) => r.radius !== null);
+  const rings = (line.rings[state] ?? []).filter((r) => (r.radius ?? 0) > 0);
   const far = Math.max(0.05, ...ends.map(([x, y]) => Math.hypot(x, y)));
   const reach = 1.18 * Math.max(far, ...rings.map((r) => r.radius ?? 0).filter((r) => r < 3 * far));
   const s = (v: number): number => SIZE / 2 + (v / reach) * (SIZE / 2 - 8);

@@ -8,6 +8,7 @@ import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Channel, Heard, Lived } from "./types";
+import { useKept } from "./use";
 
 type Rule = "mask" | "accept" | "";
 
@@ -48,9 +49,10 @@ const guessed = (of: Heard): Record<string, Channel["role"]> => {
 };
 
 function Asked({ of, known }: { of: Heard; known: Known }) {
-  const [roles, setRoles] = useState(() => guessed(of));
-  const [rules, setRules] = useState<Record<string, Rule>>({});
-  const [typed, type] = useState<Record<string, string>>({});
+  const mine = `recording/${known.parcel?.id}`;
+  const [roles, setRoles] = useKept(`${mine}/roles`, guessed(of));
+  const [rules, setRules] = useKept<Record<string, Rule>>(`${mine}/rules`, {});
+  const [typed, type] = useKept<Record<string, string>>(`${mine}/typed`, {});
   const value = (key: string): string => (typed[key] ?? "").trim().replace(",", ".");
   const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
   const gauges = of.channels.filter((c) => roles[c.name] === "gauge");

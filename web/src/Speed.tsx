@@ -19,7 +19,8 @@ export function Speed({ known, shown }: { known: Known; shown: Shown }) {
     <div class="columns">
       <div class="left">
         {job?.why && <p class="notice fail">{job.why}</p>}
-        {of ? <Forces of={of} known={known} shown={shown} /> : <p class="card note">…</p>}
+        {job?.running && of && <p class="note" role="status">{t("asking …")}</p>}
+        {of ? <Forces of={of} known={known} shown={shown} /> : !job?.why && <p class="card note">…</p>}
         <Launches known={known} />
       </div>
       <div class="right">
@@ -208,7 +209,7 @@ export function Asking(of: { job: Job<unknown, unknown> | undefined; ask: () => 
           <button onClick={() => store.stop(of.name)}>{t("stop")}</button>
         </>
       ) : (<button disabled={of.disabled || (!of.stale && of.job?.answer !== null)} onClick={of.ask}>{of.word ?? t("ask")}</button>)}
-      {of.job?.why && <span class="note fail">{of.job.why === "cancelled" ? t("stopped") : of.job.why}</span>}
+      {of.job?.why && <span class="note fail">{of.job.why}</span>}
       {of.stale && of.job?.answer !== null && of.job !== undefined && !of.job.running && <span class="note">{t("of the file as it was")}</span>}
     </span>
   );

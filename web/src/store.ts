@@ -4,7 +4,7 @@ import * as History from "./history";
 import { speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
-import { learn } from "./text";
+import { learn, t } from "./text";
 import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
 export interface Selected { row: string; state: number; part: number }
@@ -59,8 +59,9 @@ export type View = (typeof VIEWS)[number];
 /** What takes long: its answer, or what of it is known so far. */
 export interface Job<Answer = unknown, Part = unknown> {
   id: number;
-  /** What it was asked about: the text and the arguments. */
+  /** What it was asked about, the text and the arguments; of what its answer is where it ended without one. */
   of: string;
+  was: string;
   running: boolean;
   part: Part | null;
   answer: Answer | null;
@@ -84,10 +85,10 @@ interface Gesture {
   want: "turn"[];
 }
 
-interface Sent { id: number; commit: boolean; part: boolean; since: number; shown: boolean }
-
 /** `shown` says whether what was asked for is on the page before the answer. */
 interface Waiting { kind: "ask" | "pose"; question: Question; commit: boolean; since: number; shown?: boolean }
+
+interface Sent extends Waiting { id: number }
 
 /** How long a slider rests before the curves beside it are asked for, in ms. */
 const REST = 200;
@@ -143,6 +144,7 @@ export class Store {
     const connected = (c: Connection): void => this.connected(c);
     this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
     this.set({ fixed: Boolean(kept) });
+    addEventListener("pagehide", () => { if (this.known.history && History.unsaved(this.known.history)) this.keepNow(); });
     this.link.open();
   }
 
@@ -157,6 +159,8 @@ export class Store {
   }
 
   private told(m: Told): void {
+    // What is told of a file that was left meanwhile is not of this one.
+    if ((m.type === "saved" || m.type === "disk" || m.type === "frozen") && m.file !== this.known.file) return;
     switch (m.type) {
       case "welcome":
         learn(m.texts);
@@ -184,7 +188,7 @@ export class Store {
         }
         break;
       case "helped":
-        this.set({ helping: false, helps: m.helps ?? this.known.helps });
+        if (m.id === this.latest) this.set({ helping: false, helps: m.helps ?? this.known.helps });
         break;
       case "saved": {
         const history = this.known.history;
@@ -195,7 +199,9 @@ export class Store {
         this.disk(m.text, m.mark, m.conflict);
         break;
       case "refused":
-        this.set({ notice: { kind: "refused", why: m.why }, parcel: m.what === "bring" ? null : this.known.parcel });
+        // What is gone from the disk is as good as never saved.
+        if (m.what === "read" && this.known.history) this.set({ history: { ...this.known.history, saved: "" } });
+        this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel });
         break;
       case "brought":
         this.brought(m.id, m.got);
@@ -212,8 +218,8 @@ export class Store {
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
         break;
       case "done": {
-        const why = m.fault ?? m.problems?.[0]?.message ?? "";
-        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems } : { running: false, answer: m, why });
+        const why = m.fault ? faulty(m.fault) : (m.problems?.[0]?.message ?? "");
+        this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems, of: this.known.jobs[m.job]?.was ?? "" } : { running: false, answer: m, why });
         break;
       }
     }
@@ -228,7 +234,7 @@ export class Store {
     if (now?.of === of && (now.running || now.answer)) return;
     if (now?.running) this.link?.say({ type: "cancel", id: now.id });
     this.ids += 1;
-    const next: Job = { id: this.ids, of, running: true, part: null, answer: now?.answer ?? null, why: "" };
+    const next: Job = { id: this.ids, of, was: now?.running ? now.was : (now?.of ?? ""), running: true, part: null, answer: now?.answer ?? null, why: "" };
     this.set({ jobs: { ...this.known.jobs, [job]: next } });
     this.link?.say({ type: "job", id: this.ids, job, text, args, ...(file === undefined ? {} : { file }) });
   }
@@ -359,6 +365,7 @@ export class Store {
     const found = History.onDisk(history, text, mark);
     if (found.conflict || (conflict && text !== history.text)) {
       this.set({ notice: { kind: "conflict", text, mark } });
+      this.keep(); // who saved it, in another tab, threw the draft away
     } else if (found.now.text !== history.text) {
       this.set({ history: found.now, notice: { kind: "reloaded" } });
       this.ask({ text: found.now.text });
@@ -381,10 +388,11 @@ export class Store {
 
   private send(waiting: Waiting): void {
     this.ids += 1;
-    const { kind, commit, since } = waiting;
+    const { kind, since } = waiting;
     const now = this.known.history?.text;
-    const question = commit && now !== undefined ? { ...waiting.question, text: now } : waiting.question;
-    this.sent = { id: this.ids, commit, since, part: question.want !== undefined, shown: waiting.shown ?? false };
+    // A hand goes from where it took hold; all else is about the document as it is.
+    const question = waiting.question.held || now === undefined ? waiting.question : { ...waiting.question, text: now };
+    this.sent = { ...waiting, question, id: this.ids };
     if (kind === "ask") {
       this.latest = this.ids;
       if (question.held) this.moves.set(this.ids, since);
@@ -419,16 +427,18 @@ export class Store {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
     if (m.type === "posed") {
-      if (m.pose) this.set({ pose: sent.part ? posed(this.known.pose, m.pose) : m.pose });
+      if (m.pose) this.set({ pose: sent.question.want ? posed(this.known.pose, m.pose) : m.pose });
     } else if (m.problems) {
       this.set({ problems: m.problems });
       if (sent.commit) this.back();
     } else if (m.type === "moved" && m.lines) {
       this.moved(m);
+    } else if (sent.commit && sent.question.text !== this.known.history?.text) {
+      this.commits.unshift(sent); // of another text by now: made again, of that one
     } else if (m.type === "live" && m.fault === undefined && m.lines) {
       this.took(m as Extract<Told, { type: "live" }> & Live, sent);
     }
-    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: m.fault } });
+    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: faulty(m.fault) } });
     if (!sent.shown) painted(sent.since, m.type === "moved" ? "cardan:moved" : undefined);
     this.onward();
   }
@@ -532,7 +542,13 @@ export class Store {
 
   undo(): void {
     this.pending?.();
-    if (this.known.history) this.now(History.undone(this.known.history));
+    const history = this.known.history;
+    if (!history) return;
+    // The last change may not be made yet: then it is not made at all.
+    if (this.commits.pop()) return;
+    if (!this.sent?.commit) return this.now(History.undone(history));
+    this.sent.commit = false;
+    this.ask({ text: history.text });
   }
 
   redo(): void {
@@ -659,6 +675,10 @@ export class Store {
     if (this.known.full) this.set({ order: this.sorted(this.known.full) });
   }
 }
+
+/** Why nobody answered, in words. */
+const faulty = (of: string): string =>
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again") })[of] ?? of;
 
 /** What a row is sorted by: failures first, then warnings, each by margin. */
 export function worst(row: Row): number {

@@ -18,6 +18,14 @@ export function still<P extends object>(of: ComponentType<P>, depends: (props: P
   return (props) => useMemo(() => h(of as ComponentType, props) as JSX.Element, depends(props));
 }
 
+const kept = new Map<string, unknown>();
+
+/** What a form holds: it is there again where its view comes back. */
+export function useKept<T>(key: string, first: T): [T, (now: T) => void] {
+  const [value, set] = useState<T>((kept.get(key) as T | undefined) ?? first);
+  return [value, (now) => { kept.set(key, now); set(now); }];
+}
+
 /** The width of an element, as it changes. */
 export function useWidth(first: number): [(element: HTMLElement | null) => void, number] {
   const [width, set] = useState(first);

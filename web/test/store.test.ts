@@ -48,6 +48,7 @@ const box = { getItem: (k: string) => kept.get(k) ?? null, setItem: (k: string, 
 
 let store: Store;
 let socket: Socket;
+let leave: () => void;
 const by = (z: number) => ({ drag: { kind: "bearing" as const, number: 1, line: "main", by_mm: [0, 0, z] as [number, number, number] } });
 
 beforeEach(async () => {
@@ -62,6 +63,7 @@ beforeEach(async () => {
   vi.stubGlobal("navigator", { language: "en" });
   vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" }, getElementById: () => null });
   vi.stubGlobal("requestAnimationFrame", () => 0);
+  vi.stubGlobal("addEventListener", (kind: string, heard: () => void) => { if (kind === "pagehide") leave = heard; });
   store = new (await import("../src/store")).Store();
   store.connect();
   socket = Socket.last;
@@ -177,6 +179,44 @@ describe("the document", () => {
     expect(socket.said.at(-1)).toMatchObject({ type: "save", text: "a*", mark: "n" });
   });
 
+  it("stays a draft where another tab saved its own and threw it away, and where the page is left at once", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    leave();
+    expect(socket.said.at(-1)).toMatchObject({ type: "keep", text: "a*", mark: "m" });
+    socket.said = [];
+    socket.tell({ type: "disk", file: 0, text: "z", mark: "n", conflict: false });
+    vi.advanceTimersByTime(400);
+    expect(socket.said.at(-1)).toMatchObject({ type: "keep", text: "a*", mark: "m" });
+  });
+
+  it("is without a change that is undone before it is made, and shown so", () => {
+    store.type("b", false);
+    socket.answer();
+    store.apply({ x: 1 });
+    store.apply({ y: 1 });
+    store.undo();
+    store.undo();
+    for (let k = 0; k < 3; k++) socket.answer();
+    expect(store.known.history).toMatchObject({ text: "b", past: ["a"] });
+    expect(socket.asked().at(-1)).toMatchObject({ text: "b" });
+    expect(socket.asked().at(-1)?.edits).toBeUndefined();
+  });
+
+  it("loses neither what was typed nor a change that was on its way then, and is what is shown", () => {
+    store.apply({ x: 1 });
+    store.type("typed", false);
+    for (let k = 0; k < 3; k++) socket.answer();
+    expect(store.known.history?.text).toBe("typed*");
+    expect(socket.asked().at(-1)?.text).toBe("typed*");
+  });
+
+  it("can be saved again where it is gone from the disk", () => {
+    socket.tell({ type: "refused", what: "read", file: 0, why: "is no longer there" });
+    expect(store.known.notice).toMatchObject({ kind: "refused", why: expect.stringContaining("Save writes it again") });
+    expect(store.known.history).toMatchObject({ text: "a", saved: "" });
+  });
+
   it("is asked about again after the connection was lost, with what is on the page", () => {
     store.apply({ x: 1 });
     socket.answer();
@@ -216,11 +256,46 @@ describe("the document", () => {
     expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*" }, { type: "open" }]);
   });
 
+  it("is not taken for another one that the disk tells of after it was left", () => {
+    socket.tell({ type: "disk", file: 1, text: "another", mark: "n", conflict: false });
+    socket.tell({ type: "saved", file: 1, text: "another", mark: "n" });
+    expect(store.known.history).toMatchObject({ text: "a", saved: "a", mark: "m" });
+  });
+
+  it("is helped by what was asked of it, not of what it was", () => {
+    store.help();
+    const late = socket.said.at(-1) as Said;
+    store.type("b", false);
+    socket.tell({ type: "helped", id: late.id, helps: [{ name: "old" }] });
+    expect(store.known.helps).toBeNull();
+    socket.answer();
+    store.help();
+    socket.tell({ type: "helped", id: socket.said.at(-1)?.id, helps: [{ name: "new" }] });
+    expect(store.known).toMatchObject({ helping: false, helps: [{ name: "new" }] });
+  });
+
   it("takes the verdict of the latest question alone", () => {
     const first = store.known;
     socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
     expect(store.known.settled).toBe(first.settled);
     socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
     expect(store.known.settled).toBe(true);
+  });
+});
+
+describe("a job", () => {
+  const tell = (what: object): void => socket.tell({ type: "done", id: socket.said.at(-1)?.id, job: "map", ...what });
+
+  it("that was stopped can be asked again; an answer of before is still of what it was", () => {
+    store.work("map", { x: 1 });
+    tell({ found: 1 });
+    store.type("b", false);
+    store.work("map", { x: 1 });
+    tell({ fault: "cancelled" });
+    expect(store.known.jobs.map).toMatchObject({ running: false, why: "stopped", answer: { found: 1 } });
+    expect(store.known.jobs.map?.of).toBe(store.about({ x: 1 }, "a"));
+    socket.said = [];
+    store.work("map", { x: 1 });
+    expect(socket.said).toMatchObject([{ type: "job", text: "b" }]);
   });
 });

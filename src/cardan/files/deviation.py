@@ -72,6 +72,13 @@ def deviated(
         limit that can be.
     """
     was = limits[which]
+    if all(b > 0 for b in (was.normal, was.maximum) if b is not None):
+        problems = tuple(
+            Problem(message="must be above 0, as what it deviates from", key=k, value=f"{b:g}")
+            for k, b in (("normal", to.normal), ("maximum", to.maximum)) if b is not None and b <= 0
+        )  # fmt: skip
+        if problems:
+            raise BadFile(NAME, problems)
     source = _source(was, to, profile)
     alike = [k for k, m in enumerate(limits) if m.quantity == was.quantity]
     place = alike.index(which)

@@ -73,7 +73,7 @@ class _Reader:
         pasted = str(self.form.get("points") or "").strip()
         count = len(shafts)
         if pasted:
-            yield from self.points(pasted, members)
+            yield from self.points(pasted, members, count)
             count = self.joints - 1
         else:
             if not 1 <= count <= MOST or len(members) != count + 2:
@@ -93,13 +93,16 @@ class _Reader:
 
     joints = 0
 
-    def points(self, pasted: str, members: list[Form]) -> Iterator[str]:
+    def points(self, pasted: str, members: list[Form], shafts: int) -> Iterator[str]:
         try:
             rows = hardpoints(pasted)
         except BadFile as error:
             self.problems += error.problems
             return
         self.joints = len(rows)
+        if self.joints != shafts + 1:
+            message = f"the line has {shafts + 1} joints; choose another number of shafts"
+            self.wrong("points", message, f"{self.joints} rows")
         if self.form.get("axes") == "front":
             rows = tuple((-x, -y, z) for x, y, z in rows)
         said = ", ".join(f"[{', '.join(f'{v + 0.0:.10g}' for v in row)}]" for row in rows)

@@ -7,7 +7,7 @@ from cardan.base.errors import BadFile, Problem
 _GROUPED = re.compile(r"(?<=\d)[\s'\u00a0\u202f](?=\d{3}(?!\d))")
 _NUMBER = re.compile(r"[-+\u2212]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d{1,2})?")
 _CELLS = re.compile(r"\t|;|\|")
-_WIDE = re.compile(r"\s{1,}")
+_AXIS = re.compile(r"([xyz])(?:[\W_].*)?")
 
 NAME = "points"
 
@@ -36,37 +36,76 @@ def number(said: str) -> float | None:
 def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:
     """Return the rows of a table of points as a spreadsheet copies it, x, y and z of each.
 
-    The last three cells of a row are its numbers; a name may stand before them. Rows without
-    a number are headings.
+    Rows without a number are headings. Where one names x, y and z, they are its columns; else
+    they are the last three, and a name may stand before them. A cell that is empty in one row
+    alone is a number that is missing: nothing moves up into its place.
 
     Raises
     ------
     BadFile
         With every row that is neither, by its line and column.
     """
+    rows = pasted.splitlines()[: 10 * MOST]
+    table = _columns([_cells(row) for row in rows])
     found: list[tuple[float, float, float]] = []
     problems: list[Problem] = []
-    for line, row in enumerate(pasted.splitlines()[: 10 * MOST], 1):
-        cells = [c.strip() for c in (_CELLS if _CELLS.search(row) else _WIDE).split(row.strip())]
-        cells = [c for c in cells if c]
-        values = [number(c) for c in cells]
-        known = [v for v in values if v is not None]
-        if not known:
+    at = (-3, -2, -1)
+    for line, (row, cells) in enumerate(zip(rows, table, strict=True), 1):
+        said = " ".join(row.split())[:40]
+        if not _numbered(cells):
+            axes = {axis: k for k, c in enumerate(cells) if (axis := _axis(c))}
+            if axes and (len(axes) != 3 or sum(map(bool, map(_axis, cells))) != 3):
+                message = "a heading names x, y and z, each once"
+                problem = Problem(message=message, key=f"row {line}", value=said, line=line)
+                raise BadFile(NAME, (problem,))
+            if axes:
+                at = (axes["x"], axes["y"], axes["z"])
             continue
-        last = [v for v in values[-3:] if v is not None]
-        if len(last) < 3:
-            bad = next((c for c, v in zip(cells[-3:], values[-3:], strict=True) if v is None), "")
+        three = [cells[k] for k in at] if len(cells) >= 3 else ["", "", ""]
+        bad = next((c for c in three if number(c) is None), None)
+        if bad is not None:
             problems.append(
                 Problem(
                     message="a row needs x, y and z as its last three cells", key=f"row {line}",
-                    value=bad or row.strip()[:40], line=line, column=max(row.find(bad), 0) + 1,
+                    value=bad or said, line=line, column=max(row.find(bad), 0) + 1,
                 )
             )  # fmt: skip
             continue
-        found.append((last[0], last[1], last[2]))
+        x, y, z = (v for c in three if (v := number(c)) is not None)
+        found.append((x, y, z))
     if not problems and not 2 <= len(found) <= MOST:
         message = "give a row of x, y and z for each joint, gearbox first"
         problems.append(Problem(message=message, key=NAME, value=f"{len(found)} rows"))
     if problems:
         raise BadFile(NAME, tuple(problems))
     return tuple(found)
+
+
+def _axis(cell: str) -> str | None:
+    """Return the axis that a cell of a heading names: x [mm] is x."""
+    found = _AXIS.fullmatch(cell.lower())
+    return found[1] if found else None
+
+
+def _numbered(cells: list[str]) -> bool:
+    return any(number(c) is not None for c in cells)
+
+
+def _cells(row: str) -> tuple[list[str], bool]:
+    """Return the cells of a row, and whether signs divide them: empty ones count then."""
+    if _CELLS.search(row):
+        return [c.strip() for c in _CELLS.split(row)], True
+    cells = row.split()
+    named = [c for c in cells if _axis(c)]
+    return (named if named and not _numbered(cells) else cells), False
+
+
+def _columns(rows: list[tuple[list[str], bool]]) -> list[list[str]]:
+    """Return the rows in common columns, without those that no row of numbers fills."""
+    width = max((len(cells) for cells, _ in rows), default=0)
+    whole = [
+        cells + [""] * (width - len(cells)) if divided else [""] * (width - len(cells)) + cells
+        for cells, divided in rows
+    ]
+    filled = [k for k in range(width) if any(cells[k] for cells in whole if _numbered(cells))]
+    return [[cells[k] for k in filled] for cells in whole]

@@ -78,6 +78,7 @@ def name(a: Adjustable, say: Language) -> str:
         "bearing_side": say("side of bearing {part}", part=a.part),
         "shim": say("shim of the axle"),
         "phase": say("phase of shaft {part}", part=a.part),
+        "twist": say("weld of the rear yoke of shaft {part}", part=a.part),
         "bearing_stiffness": say("stiffness of all rubber"),
         "bearing_loss": say("loss factor of all rubber"),
         "bearing_place": say("place of all bearings"),

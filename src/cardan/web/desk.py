@@ -47,6 +47,8 @@ class Paper:
         BadFile
             If it cannot be read.
         """
+        if not self.path.exists():
+            raise BadFile(self.name, (Problem(message="is no longer there"),))
         text = text_of(self.path)
         with suppress(OSError), self.path.open("rb") as file:
             self.marked = file.read(3) == b"\xef\xbb\xbf"
@@ -209,7 +211,7 @@ class Desk:
             If it cannot be written.
         """
         paper = self.papers[number]
-        if mark(paper.read()) != base:
+        if paper.path.exists() and mark(paper.read()) != base:  # what is gone is written anew
             msg = f"{paper.name} was changed on disk meanwhile"
             raise Conflict(msg)
         head = "\ufeff" if paper.marked else ""

@@ -9,7 +9,7 @@ from cardan.files.pasted import hardpoints
 from cardan.files.placing import placed
 from cardan.model.layout import from_points
 from cardan.report.language import Language
-from cardan.report.wording import badness
+from cardan.report.wording import badness, unanswered
 from cardan.study.approval import assess
 from cardan.web.document import Document, Json, Tell, document, fs, g, other
 
@@ -28,6 +28,7 @@ def guided(_: Document, args: Json, say: Language, __: Tell) -> Json:
         "verdict": found.verdict,
         "angles": fs(r.angles[0] / deg, 3),
         "equivalent": g(float(r.excitation.torsional.angle[0] / deg)),
+        "unanswered": unanswered(found, say),
         "checks": [other(c, found, say) for c in sorted(found.checks, key=badness)[:8]],
     }
 

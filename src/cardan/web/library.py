@@ -1,5 +1,6 @@
 """A folder of applications as a library: what each comes to; reports to take away."""
 
+import re
 from base64 import b64encode
 from collections import OrderedDict
 from datetime import date
@@ -21,6 +22,9 @@ KINDS = {
 
 KEPT = 500
 """Texts whose status is not asked again."""
+
+_CAMPAIGN = re.compile(r"""^campaign:[ \t]*["']?(.*?)["']?[ \t]*(?:#.*)?$""", re.MULTILINE)
+"""What a file of recordings begins with: it is no application, and no broken one."""
 
 _STATUS: OrderedDict[tuple[str, str], Json] = OrderedDict()
 
@@ -46,6 +50,9 @@ def _status(one: Json, folder: str | None, say: Language) -> Json:
         read = document(one["text"], one["name"], Path(folder) if folder else None)
         found = approve(read.application)
     except CardanError as error:
+        if campaign := _CAMPAIGN.search(one["text"]):
+            why = say("recordings, asked by cardan life {file}", file=one["name"])
+            return {"title": campaign[1], "verdict": None, "why": why}
         return {"title": "", "verdict": None, "why": str(error).splitlines()[0][:300]}
     worst = min(found.checks, key=badness, default=None)
     return {

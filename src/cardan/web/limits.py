@@ -6,6 +6,7 @@ from cardan.base.errors import BadFile, Problem
 from cardan.base.verdict import Limit
 from cardan.files.deviation import SIGNED, Deviation, deviated
 from cardan.files.pasted import number
+from cardan.model.application import GIVEN
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.report.wording import cited
@@ -33,7 +34,9 @@ def _row(limit: Limit, say: Language) -> Json:
         "normal": None if limit.normal is None else g(limit.normal / q.factor),
         "maximum": None if limit.maximum is None else g(limit.maximum / q.factor),
         "band": [g(b / q.factor) for b in limit.band] if limit.band else None,
-        "states": sorted(say(s) for s in limit.states) if limit.states else [],
+        "states": sorted(say("as given" if s == GIVEN else s) for s in limit.states)
+        if limit.states
+        else [],
         "required": limit.required,
         "source": cited(limit.source, say),
         "signed": SIGNED in str(limit.source),
