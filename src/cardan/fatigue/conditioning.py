@@ -357,7 +357,7 @@ class _Survey:
     def _short(self, x: FloatArray) -> None:
         """Enter what crests lose between samples, the fifth power of their height their weight."""
         before, at, behind = x[:-2], x[1:-1], x[2:]
-        crest = (at - before) * (at - behind) > 0
+        crest = np.flatnonzero((at - before) * (at - behind) > 0)
         y, a, b = at[crest], before[crest], behind[crest]
         height = np.abs(y - np.median(x))
         tall = height > 0.5 * height.max(initial=0.0)
