@@ -333,7 +333,7 @@ def look(
     """
     names = tuple(channels)
     pieces = _told(recording.pieces(names), name="look", rate=recording.rate, progress=progress)
-    found = survey(pieces, rate=recording.rate)
+    found = survey(pieces, rate=recording.rate, names=names)
     if not found:
         msg = f"{recording.name} holds no samples"
         raise DesignError(msg)

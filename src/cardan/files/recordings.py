@@ -32,6 +32,25 @@ def bad(path: Path, message: str, *, hint: str = "", line: int = 0, value: str =
     return BadFile(str(path), (Problem(message=message, hint=hint, line=line, value=value),))
 
 
+DAY = 86400.0
+
+
+class Days:
+    """Carries times of day on past midnight, as pieces pass; what has a date goes on as it is."""
+
+    def __init__(self) -> None:
+        self.last, self.midnights = np.nan, 0
+
+    def on(self, time: FloatArray) -> FloatArray:
+        """Return times (n,) s with the days before them."""
+        step = np.diff(time, prepend=self.last)
+        # Nobody's clock goes back by half a day.
+        midnights = self.midnights + np.cumsum((step < -DAY / 2) & (time < DAY))
+        if time.size:
+            self.last, self.midnights = float(time[-1]), int(midnights[-1])
+        return time + DAY * midnights
+
+
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """What a reader found: columns of equal length, time perhaps among them.
