@@ -492,6 +492,8 @@ FATIGUE = (
            "unit/test_campaign_file.py::test_the_mix_is_the_sum_of_what_is_driven"),
     mutant("files/recording_csv.py", "    if not form.signed:", "    if False:", "what may be 1.234 or 1234 is 1234",
            "unit/test_recordings.py::test_hostile_csv_is_refused"),
+    mutant("files/recordings.py", "np.diff(time) > LOST * np.median", "np.diff(time) > 1e9 * np.median", "a silent bus goes on straight",
+           "unit/test_recordings.py::test_a_bus_that_falls_silent_leaves_its_speed_unknown"),
     mutant("files/recordings.py", "(step < -DAY / 2)", "(step < -2 * DAY)", "no clock passes midnight",
            "unit/test_recordings.py::test_a_clock_passes_midnight"),
     mutant("files/recording_tables.py", "Days() if pa.types.is_time(kind) else None", "Days()",

@@ -395,3 +395,22 @@ def test_what_is_no_number_of_a_sensor_is_told_by_its_place(tmp_path):
     recording = open_recording(write(tmp_path / "a.csv", text))
     with pytest.raises(DesignError, match=r"S2: samples must be .* 1e\+300 at sample 6, 0.01 s"):
         look(recording, channels=["S1", "S2"])
+
+
+def test_a_bus_that_falls_silent_leaves_its_speed_unknown(tmp_path):
+    """From its last message on to the next; one that comes late by three is no hole."""
+    asammdf = pytest.importorskip("asammdf")
+    fast, slow = np.arange(0, 30, 0.002), np.arange(0, 30, 0.01)
+    silent, late = (slow > 12.0) & (slow < 18.0), (slow > 5.0) & (slow < 5.035)
+    said = slow[~(silent | late)]
+    file = asammdf.MDF(version="4.10")
+    file.append([asammdf.Signal(np.sin(fast), fast, name="S1", unit="MPa")])
+    file.append([asammdf.Signal(60 * said, said, name="n", unit="rpm")])
+    file.save(tmp_path / "a.mf4")
+    file.close()
+    recording = open_recording(tmp_path / "a.mf4")
+    n = recording.whole(["n"])[0]
+    unknown = (fast > 12.001) & (fast < 17.999)
+    np.testing.assert_array_equal(np.isnan(n[fast < 29.9]), unknown[fast < 29.9])
+    np.testing.assert_allclose(n[~np.isnan(n)], 60 * fast[~np.isnan(n)], rtol=1e-9)
+    assert "n: no value for 6 s, longest hole 6 s, the first at 12 s" in recording.notes
