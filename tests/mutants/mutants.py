@@ -494,6 +494,8 @@ FATIGUE = (
            "unit/test_recordings.py::test_hostile_csv_is_refused"),
     mutant("files/recordings.py", "np.diff(time) > LOST * np.median", "np.diff(time) > 1e9 * np.median", "a silent bus goes on straight",
            "unit/test_recordings.py::test_a_bus_that_falls_silent_leaves_its_speed_unknown"),
+    mutant("fatigue/angle.py", "of.first > FAR_OFF * np.quantile(usual, 0.99)", "True", "a torque that reaches far is none",
+           "verify/test_bus.py::test_a_torque_that_was_there_is_one"),
     mutant("files/recordings.py", "(step < -DAY / 2)", "(step < -2 * DAY)", "no clock passes midnight",
            "unit/test_recordings.py::test_a_clock_passes_midnight"),
     mutant("files/recording_tables.py", "Days() if pa.types.is_time(kind) else None", "Days()",
