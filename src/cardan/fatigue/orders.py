@@ -520,9 +520,11 @@ class Splitter:
             made, speed = known[id(tone.rotation)]
             turning = wave(tone.order * made)
             # Let a tone in smoothly over a quarter above the slowest frequency.
-            gate = np.clip((tone.order * speed / self.slowest - 1) * 4, 0, 1)
-            gate = gate * gate * (3 - 2 * gate)
-            rows += [gate * turning.real, gate * turning.imag]
+            risen = (tone.order * speed / self.slowest - 1) * 4
+            if (risen < 1).any():
+                gate = np.clip(risen, 0, 1)
+                turning *= gate * gate * (3 - 2 * gate)
+            rows += [turning.real, turning.imag]
         return np.stack(rows).reshape(len(rows), spans, -1)
 
     def _fit(
