@@ -74,7 +74,7 @@ HOSTILE = {
     "late infinity": ("time,S1,S2\n" + LONG + "18,1,-inf\n", "a.csv:9002: column 'S2' .*'-inf'"),
     "short row": ("time,S1,S2\n" + LONG + "18,5\n" + LONG, "3 columns"),
     "thousands or not": ("time;S1\n1'234;1.234\n2'345;1,234\n", "sets its thousands apart"),
-    "thousands late": ("time;S1\n" + WHOLE + "20000;1,234\n", "a.csv:20002: column 'S1'.*'1,234'"),
+    "thousands late": ("time;S1\n" + WHOLE + "20000;1,234\n", "a.csv:20002: 'S1' .* in two ways.*'1,234'"),
     "holed": ("time,S1,S2\n" + LONG[:40000] + "\0" * 64 + LONG[40000:], "a.csv:.*: NUL bytes"),
     "holed late": ("time,S1,S2\n" + LONG + "\0" * 64 + LONG, "a.csv:9002: NUL bytes"),
     "backwards": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.001,3\n", "not even at row 4"),
@@ -304,6 +304,12 @@ def test_thousands_set_apart_are_read(tmp_path, point, apart, late):
     recording = open_recording(write(tmp_path / "a.csv", text))
     assert recording.rate == pytest.approx(RATE)
     np.testing.assert_array_equal(recording.whole(["S1"])[0], big)
+
+
+def test_a_million_shows_that_its_signs_are_of_thousands(tmp_path):
+    text = "time [ms];S1\n" + "".join(f"{k};{1234567 + k:,d}\n" for k in range(100))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    np.testing.assert_array_equal(recording.whole(["S1"])[0], 1234567 + np.arange(100))
 
 
 def test_three_decimals_are_no_thousands(tmp_path):

@@ -440,10 +440,11 @@ def _numbers(path: Path, form: Dialect, column: Any, k: int, row: int) -> FloatA
             raise bad(path, "a value is infinite")  # where, with care
         return x
     text = pc.utf8_trim_whitespace(column)
-    # What is set apart without both signs is no thousand where the first lines show neither.
+    # What is set apart once, and by what may be a decimal sign, is a thousand only where the first
+    # lines show another one.
     apart = pc.match_substring_regex(text, f"^(?:{_GROUPED[form.decimal].pattern})$")
     if not form.signed:
-        apart = pc.and_(apart, pc.match_substring_regex(text, f"[{_SIGNS}]|[.].*,|,.*[.]"))
+        apart = pc.and_(apart, pc.match_substring_regex(text, f"[{_SIGNS}]|[.,].*[.,]"))
     other = "," if form.decimal == "." else "."
     whole = pc.replace_substring_regex(text, pattern=f"[{other}{_SIGNS}]", replacement="")
     text = pc.if_else(apart, whole, text)
@@ -461,6 +462,11 @@ def _numbers(path: Path, form: Dialect, column: Any, k: int, row: int) -> FloatA
 def _no_number(path: Path, form: Dialect, column: str, line: int, cell: str) -> BadFile:
     if "\x00" in cell:
         return bad(path, NUL, line=line, hint="repair or remove them")
+    if _GROUPED[form.decimal].fullmatch(cell):
+        return bad(
+            path, f"column {column!r} holds a number that may be read in two ways", line=line,
+            value=repr(cell), hint="write thousands without a sign: none shows which is decimal",
+        )  # fmt: skip
     return bad(
         path, f"column {column!r} holds no number", line=line, value=repr(cell[:60]),
         hint=_allowed(form),
