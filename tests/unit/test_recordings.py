@@ -66,12 +66,17 @@ def refused(path, match, **how):
         open_recording(path, **how).whole()
 
 
+WHOLE = "".join(f"{k};5\n" for k in range(20000))
 LONG = "".join(f"{k / 500},1,2\n" for k in range(9000))
 HOSTILE = {
     "a word": ("time,S1\n0,1\n0.002,2\n0.004,three\n0.006,4\n", "then a row is not numbers"),
-    "late word": ("time,S1,S2\n" + LONG + "18,x,1\n", "not a number.*'x'"),
+    "late word": ("time,S1,S2\n\n" + LONG + "18,x,1\n", "a.csv:9003: column .S1. .*x"),
+    "late infinity": ("time,S1,S2\n" + LONG + "18,1,-inf\n", "a.csv:9002: column 'S2' .*'-inf'"),
     "short row": ("time,S1,S2\n" + LONG + "18,5\n" + LONG, "3 columns"),
-    "thousands": ("time;S1\n0;1.234,5\n1;2.345,6\n", "no rows of numbers"),
+    "thousands or not": ("time;S1\n1'234;1.234\n2'345;1,234\n", "sets its thousands apart"),
+    "thousands late": ("time;S1\n" + WHOLE + "20000;1,234\n", "a.csv:20002: .* two ways.*'1,234'"),
+    "holed": ("time,S1,S2\n" + LONG[:40000] + "\0" * 64 + LONG[40000:], "a.csv:.*: NUL bytes"),
+    "holed late": ("time,S1,S2\n" + LONG + "\0" * 64 + LONG, "a.csv:9002: NUL bytes"),
     "backwards": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.001,3\n", "not even at row 4"),
     "jitter": ("time,S1\n0,1\n0.002,2\n0.004,2\n0.0069,3\n0.009,1\n", "not even at row 4"),
     "no time": ("S1,S2\n1,2\n3,4\n5,6\n", "how fast"),
@@ -278,3 +283,140 @@ def test_pieces_are_of_one_size():
     np.testing.assert_array_equal(np.concatenate(parts, -1), x)
     recording = in_memory(x, rate=1.0, names=["a", "b"], units=["m", "N"])
     np.testing.assert_array_equal(recording.whole(["b"]), x[1:])
+
+
+@pytest.mark.parametrize(
+    ("point", "apart"),
+    [(".", ","), (",", "."), (".", "'"), (",", " "), (".", "\N{NO-BREAK SPACE}")],
+)
+@pytest.mark.parametrize("late", [False, True])
+def test_thousands_set_apart_are_read(tmp_path, point, apart, late):
+    """In the first lines, or only where the fast way has already gone on for 64 kB."""
+    many = 8000
+
+    def show(x):
+        return f"{x:,.2f}".replace(",", "_").replace(".", point).replace("_", apart)
+
+    big = np.where(np.arange(many) >= (7000 if late else 0), 1234567.25, 7.5)
+    text = "time;S1\n" + "".join(
+        f"{k / 500:.3f}".replace(".", point) + f";{show(x)}\n" for k, x in enumerate(big)
+    )
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    assert recording.rate == pytest.approx(RATE)
+    np.testing.assert_array_equal(recording.whole(["S1"])[0], big)
+
+
+def test_a_million_shows_that_its_signs_are_of_thousands(tmp_path):
+    text = "time [ms];S1\n" + "".join(f"{k};{1234567 + k:,d}\n" for k in range(100))
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    np.testing.assert_array_equal(recording.whole(["S1"])[0], 1234567 + np.arange(100))
+
+
+def test_three_decimals_are_no_thousands(tmp_path):
+    text = "time;S1\n1,001;1,234\n1,002;2,345\n1,003;3,456\n"
+    np.testing.assert_array_equal(
+        open_recording(write(tmp_path / "a.csv", text)).whole(["S1"])[0], [1.234, 2.345, 3.456]
+    )
+
+
+def test_wide_letters_are_read_without_their_mark(tmp_path):
+    text = "time,S1,S2\n" + rows(",", ".")
+    recording = open_recording(write(tmp_path / "a.csv", text, "utf-16-le"))
+    np.testing.assert_allclose(recording.whole(), [S1, S2], atol=1e-12)
+
+
+def test_columns_apart_by_spaces_name_what_is_no_number(tmp_path):
+    text = "time S1 S2\n" + LONG.replace(",", " ") + "18 1 inf\n"
+    refused(write(tmp_path / "a.txt", text), "a.txt:9002: column 'S2' holds no number.*'inf'")
+
+
+def ticks(kind, *, start=0):
+    """S1 with a clock of one of Arrow's types, past midnight and longer than a batch."""
+    import pyarrow as pa
+
+    many = (1 << 18) + 5000
+    each = {"s": 1, "ms": 2, "us": 2000, "ns": 2_000_000}[kind.unit]
+    count = start + each * np.arange(many)
+    if pa.types.is_time(kind):
+        count %= DAYS_TICKS[kind.unit]
+    return pa.array(count.astype(f"int{kind.bit_width}")).cast(kind), np.arange(many) % 977.0
+
+
+DAYS_TICKS = {"ms": 86_400_000, "us": 86_400_000_000, "ns": 86_400_000_000_000}
+
+
+@pytest.mark.parametrize("name", ["time", "recorded_at"])
+@pytest.mark.parametrize(
+    "kind",
+    ["timestamp[ms]", "timestamp[us, tz=Europe/Berlin]", "timestamp[ns, tz=UTC]", "duration[ns]",
+     "duration[us]", "time32[ms]", "time64[us]", "time64[ns]"],
+)  # fmt: skip
+def test_a_parquet_clock_of_any_type(tmp_path, kind, name):
+    """Instants since 1970, times passed from nought, and times of day past midnight."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    head, _, zone = kind.partition(", tz=")
+    what, unit = head.rstrip("]").split("[")
+    of = pa.timestamp(unit, tz=zone.rstrip("]")) if zone else getattr(pa, what)(unit)
+    day = DAYS_TICKS[unit]
+    start = {"timestamp": 20_000 * day, "duration": 0}.get(what, day - day // 864)
+    clock, x = ticks(of, start=start)
+    pq.write_table(pa.table({name: clock, "S1": x}), tmp_path / "a.parquet")
+    recording = open_recording(tmp_path / "a.parquet")
+    assert (recording.rate, recording.names) == (RATE, ("S1",))
+    np.testing.assert_array_equal(recording.whole()[0], x)
+
+
+def test_a_parquet_clock_that_goes_back_is_refused(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    count = 2 * np.arange(4000)
+    count[2000:] -= 50_000_000
+    table = pa.table({"time": pa.array(count).cast(pa.timestamp("ms")), "S1": count / 1.0})
+    pq.write_table(table, tmp_path / "a.parquet")
+    refused(tmp_path / "a.parquet", "not even at row 2001")
+
+
+@pytest.mark.parametrize("hole", [0, 300])
+def test_a_clock_passes_midnight(tmp_path, hole):
+    many = 12000
+    k = np.arange(many) + np.where(np.arange(many) >= 5000, hole, 0)
+    seconds = (86400 - 10 + k / 500) % 86400
+    lines = (
+        f"{int(t // 3600):02d}:{int(t % 3600 // 60):02d}:{t % 60:06.3f};{x}"
+        for t, x in zip(seconds, k, strict=True)
+    )
+    recording = open_recording(write(tmp_path / "a.csv", "clock;S1\n" + "\n".join(lines)))
+    x = recording.whole()[0]
+    np.testing.assert_array_equal(x[~np.isnan(x)], k)
+    assert np.isnan(x).sum() == hole
+
+
+def test_what_is_no_number_of_a_sensor_is_told_by_its_place(tmp_path):
+    from cardan.fatigue.life import look
+
+    text = "time,S1,S2\n" + LONG.replace("0.01,1,2\n", "0.01,1,1e300\n", 1)
+    recording = open_recording(write(tmp_path / "a.csv", text))
+    with pytest.raises(DesignError, match=r"S2: samples must be .* 1e\+300 at sample 6, 0.01 s"):
+        look(recording, channels=["S1", "S2"])
+
+
+def test_a_bus_that_falls_silent_leaves_its_speed_unknown(tmp_path):
+    """From its last message on to the next; one that comes late by three is no hole."""
+    asammdf = pytest.importorskip("asammdf")
+    fast, slow = np.arange(0, 30, 0.002), np.arange(0, 30, 0.01)
+    silent, late = (slow > 12.0) & (slow < 18.0), (slow > 5.0) & (slow < 5.035)
+    said = slow[~(silent | late)]
+    file = asammdf.MDF(version="4.10")
+    file.append([asammdf.Signal(np.sin(fast), fast, name="S1", unit="MPa")])
+    file.append([asammdf.Signal(60 * said, said, name="n", unit="rpm")])
+    file.save(tmp_path / "a.mf4")
+    file.close()
+    recording = open_recording(tmp_path / "a.mf4")
+    n = recording.whole(["n"])[0]
+    unknown = (fast > 12.001) & (fast < 17.999)
+    np.testing.assert_array_equal(np.isnan(n[fast < 29.9]), unknown[fast < 29.9])
+    np.testing.assert_allclose(n[~np.isnan(n)], 60 * fast[~np.isnan(n)], rtol=1e-9)
+    assert "n: no value for 6 s, longest hole 6 s, the first at 12 s" in recording.notes

@@ -13,7 +13,7 @@ from adversarial import made
 from click.testing import CliRunner
 
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import SHAFTS, VEHICLES, no_value
+from cardan.fatigue.angle import SHAFTS, VEHICLES, no_torque, no_value
 from cardan.fatigue.evidence import GUILTY
 from cardan.fatigue.recording import in_memory
 from cardan.report.contract_schema import schema
@@ -92,15 +92,17 @@ def spoiled(tmp_path_factory):
     rpm = case.speed * 60
     lost = rpm.copy()
     lost[round(12 * case.rate) : round(13.5 * case.rate)] = 8191.875
-    rows = np.stack([t, case.stress, rpm, lost, case.torque / 1e3], -1)
+    gone = case.torque / 1e3
+    gone[round(30 * case.rate) : round(32 * case.rate)] = 65535 * 5e-4
+    rows = np.stack([t, case.stress, rpm, lost, case.torque / 1e3, gone], -1)
     path = tmp_path_factory.mktemp("bus") / "a.csv"
-    head = "time [s],S1 [MPa],n [rpm],lost [rpm],torque [kNm]"
+    head = "time [s],S1 [MPa],n [rpm],lost [rpm],torque [kNm],gone [kNm]"
     np.savetxt(path, rows, "%.9g", delimiter=",", header=head, comments="")
     return path
 
 
-def asked(path, speed, *more):
-    asks = [str(path), "--gauge", "S1", "--sn", "30,2e6,5", "--speed", speed, "--torque", "torque",
+def asked(path, speed, *more, torque="torque"):
+    asks = [str(path), "--gauge", "S1", "--sn", "30,2e6,5", "--speed", speed, "--torque", torque,
             "--engine-orders", "3,6", "-q", *more]  # fmt: skip
     done = CliRunner().invoke(command, [*asks, "--json"])
     assert done.exit_code == 0, done.output
@@ -144,6 +146,50 @@ def test_whoever_knows_better_accepts_it(spoiled):
     other = first["misread"][0]["gauges_otherwise"]["S1"]
     assert found["gauges"][0]["removed"] == pytest.approx(other["removed"], abs=1e-6)
     assert "accepted as a speed" in text
+
+
+@pytest.mark.parametrize("code", [0xFFFF, 0xFE00, 0xFF00])
+@pytest.mark.parametrize("bit", [1.0, 0.5, 0.125, 0.1, 2.0, 1e-3])
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_a_torque_of_no_value_is_found_whatever_its_bit_is_worth(code, bit, kind):
+    usual = np.rint(1500 + 900 * np.sin(np.arange(6000) / 300)) * bit
+    usual[2000:2300] = code * bit
+    assert no_torque(usual.astype(kind).astype(float), rate=RATE).tolist() == [[2000, 2300]]
+
+
+def test_a_torque_that_was_there_is_one():
+    """A clunk, one that a transducer cut off, and a channel that reaches as far all the time."""
+    t = np.arange(6000) / RATE
+    usual = 400 + 200 * np.sin(t)
+    clunk = usual + 8000 * np.exp(-(((t - 15) / 0.02) ** 2))
+    cut = np.minimum(usual + 9000 * np.exp(-((t - 15) ** 2)), 6553.5)
+    strong = np.where(np.sin(t) > 0, 65535 * 0.1, 2500.0)
+    for x in (usual, clunk, cut, strong):
+        assert not no_torque(x, rate=RATE).size
+
+
+def test_of_a_torque_that_a_bus_did_not_have_it_is_said(spoiled):
+    found, text = asked(spoiled, "n", torque="gone")
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(found, contract, jsonschema.Draft202012Validator)
+    (of,) = found["misread"]
+    assert (of["channel"], of["kind"], of["count"], of["accepted"]) == ("gone", "sentinel", 1, 0)
+    assert of["torque_Nm"] == pytest.approx(32767.5)
+    assert of["seconds"] == pytest.approx(2.0, abs=0.02)
+    assert of["places"][0]["from_s"] == pytest.approx(30, abs=0.01)
+    sound, _ = asked(spoiled, "n")
+    (gauge,), (true,) = found["gauges"], sound["gauges"]
+    assert gauge["removed"] == pytest.approx(true["removed"], abs=0.05)
+    assert true["finding"] == gauge["finding"] == GUILTY
+    other = of["gauges_otherwise"]["S1"]
+    # What is locked follows the torque: as one of 32767 N m it hides nearly all of that.
+    assert other["strength"] < 0.1 * true["strength"]
+    assert gauge["strength"] > 0.9 * true["strength"]
+    assert "no torque for" in text
+    accepted, text = asked(spoiled, "n", "--accept", "gone=sentinel", torque="gone")
+    assert accepted["misread"][0]["accepted"] == 1
+    assert accepted["gauges"][0]["removed"] == pytest.approx(other["removed"], abs=1e-6)
+    assert "accepted as a torque" in text
 
 
 def test_a_day_is_met_less_often_and_comes_to_the_same(monkeypatch):

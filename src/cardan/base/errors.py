@@ -97,7 +97,8 @@ class Problem:
 
     def located(self, file: str) -> str:
         """Return the problem as one line a user can click on and act on."""
-        place = f"{file}:{self.line}:{self.column}" if self.line else file
+        at = f"{self.line}:{self.column}" if self.column else f"{self.line}"
+        place = f"{file}:{at}" if self.line else file
         key = f"{self.key}: " if self.key else ""
         value = f" (got {self.value})" if self.value else ""
         hint = f"; {self.hint}" if self.hint else ""

@@ -202,6 +202,42 @@ def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
     return union([np.array([run], np.intp) for run in found])
 
 
+BITS = (*(10.0**n * k for n in range(-4, 2) for k in (1, 2, 5)), *(2.0**-n for n in range(1, 11)))
+"""What a bit of a bus' torque may be worth, in the unit it is written in."""
+FAR_OFF = 3.0
+"""Of what a torque seldom passes, from which a bus' number for no value is none of its own."""
+
+
+def no_torque(x: FloatArray, *, rate: float) -> IntArray:
+    """Return runs (k, 2) of samples where a bus wrote that it had no torque, flanks included.
+
+    A bit is worth what whoever laid out the bus says, so the number alone tells nothing: it is
+    one of no value (`no_value`) for some worth of a bit, held, and far beyond all other torque.
+
+    Parameters
+    ----------
+    x : (n,)
+        A channel of torque, in the unit of its file; nan where nothing was written.
+    rate : Hz
+        Of its samples.
+    """
+    top = float(np.nanmax(x, initial=0.0))
+    for bit in BITS:
+        of = Scale((0xFE00 - 0.01) * bit, 0xFFFF * bit, bit)
+        if not of.first <= top <= of.last + 0.01 * bit:
+            continue
+        runs = no_value(x, rate=rate, of=of)
+        cores = [own[own >= of.first] for own in (x[a:b] for a, b in runs)]
+        runs = runs[[bool(np.ptp(core) < 0.01 * bit) for core in cores]]
+        others = np.ones(x.size, bool)
+        for a, b in runs:
+            others[a:b] = False
+        usual = np.abs(x[others & ~np.isnan(x)])
+        if len(runs) and usual.size and of.first > FAR_OFF * np.quantile(usual, 0.99):
+            return runs
+    return np.empty((0, 2), np.intp)
+
+
 def shaft_angle(
     speed: FloatArray, *, rate: float, engine: FloatArray | None = None, step: float = 0.01
 ) -> Angle:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
-from cardan.fatigue.locked import SLOWEST, Scene, levelled
-from cardan.fatigue.orders import Rotation
+from cardan.fatigue.locked import SLOWEST, Scene, levelled, running_mean
+from cardan.fatigue.orders import Rotation, wave
 
 STRONG = 0.5
 """Of the largest torque, from which it is strong."""
@@ -98,9 +98,7 @@ def above_idle(scene: Scene) -> BoolArray:
 
 def softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
     """Return a share (n,) that goes over a second from one value to the next."""
-    half = max(round(0.5 * rate), 1)
-    total = np.cumsum(np.concatenate([[0], np.pad(share, (half, half), mode="edge")]))
-    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    return running_mean(np.asarray(share, float), max(round(0.5 * rate), 1))
 
 
 def surely(may: BoolArray, wave: ComplexArray, y: FloatArray) -> FloatArray:
@@ -140,12 +138,9 @@ def near(
 
     Of it, or of what is so many Hz `beside` it.
     """
-    wave = np.exp(2j * np.pi * (2 * scene.turns + beside / rate * np.arange(x.size)))
+    order = wave(2 * scene.turns + beside / rate * np.arange(x.size))
     half = max(round(span / 2 * rate), 1)
-    z = np.pad(levelled(x, rate) * np.conj(wave), (half, half), mode="edge")
-    total = np.cumsum(np.concatenate([[0], z]))
-    mean = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
-    return 2 * (mean * wave).real
+    return 2 * (running_mean(levelled(x, rate) * np.conj(order), half) * order).real
 
 
 def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None = None) -> float:

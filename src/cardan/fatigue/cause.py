@@ -12,15 +12,24 @@ Source: Shapley, A value for n-person games (1953).
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
-from cardan.fatigue.conditioning import low_pass
+from cardan.fatigue.conditioning import Filter, low_pass
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.damage import miner
+from cardan.fatigue.damage import damages, miner
 from cardan.fatigue.orders import Rotation, Split, Splitter, Tone
-from cardan.fatigue.rainflow import NONE, ResidueRule, four_point, half_cycles, without_small
+from cardan.fatigue.rainflow import (
+    NONE,
+    Cycles,
+    ResidueRule,
+    four_point,
+    half_cycles,
+    join,
+    without_small,
+)
 from cardan.fatigue.strength import SNCurve
 
 LOAD, EVENTS, ROAD, REST = "load", "events", "road and wheel", "rest"
@@ -115,6 +124,14 @@ class Separation:
     splitter: Splitter
     road: float = 30.0
 
+    @cached_property
+    def _below(self) -> Filter | None:
+        return (
+            low_pass(self.road, rate=self.splitter.rate)
+            if self.road < self.splitter.rate / 2
+            else None
+        )
+
     @property
     def causes(self) -> tuple[str, ...]:
         """Names of the causes, in the order of `parts`."""
@@ -140,8 +157,7 @@ class Separation:
         events = stretch.padded_rest * stretch.padded_event
         quiet = stretch.padded_rest - events
         out[names.index(EVENTS)] = events[:, margin : margin + n]
-        if self.road < self.splitter.rate / 2:
-            road = low_pass(self.road, rate=self.splitter.rate)
+        if (road := self._below) is not None:
             if road.reach > margin:
                 msg = f"telling the road below {self.road:g} Hz needs a longer span"
                 raise ValueError(msg)
@@ -224,14 +240,19 @@ class _Choices:
                 for book in (self.damage, self.residue):
                     book |= {choice | 1 << k: value for choice, value in book.items()}
         x, choice = np.zeros(parts.shape[1]), 0
+        closed = {0: Cycles(NONE, NONE, NONE)}
         # Gray's order: from one choice to the next a single cause comes or goes.
         for step in range(1, 1 << len(self.acting)):
             k = self.acting[(step & -step).bit_length() - 1]
             choice ^= 1 << k
             (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
             kept = without_small(x, gate=gate)
-            cycles, self.residue[choice] = four_point(kept, residue=self.residue[choice])
-            self.damage[choice] += miner(cycles, curve=self.curve, correction=self.correction)
+            closed[choice], self.residue[choice] = four_point(kept, residue=self.residue[choice])
+        # All at once: few cycles are left of each, and none costs as much as a call.
+        done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
+        last = np.cumsum([cycles.count.size for cycles in closed.values()])
+        for choice, own in zip(closed, np.split(done, last[:-1]), strict=True):
+            self.damage[choice] += float(own.sum())
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
         """Return the damage of every choice (2^causes,), with that of all causes known."""

@@ -316,8 +316,8 @@ BEYOND = 1e30
 class _Survey:
     """One channel's findings as its pieces pass."""
 
-    def __init__(self, span: int, rate: float) -> None:
-        self.span, self.reach = span, reach(rate)
+    def __init__(self, span: int, rate: float, name: str) -> None:
+        self.span, self.rate, self.name, self.reach = span, rate, name, reach(rate)
         self.finder, self.listener = Finder(rate), Listener(rate)
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
@@ -330,14 +330,17 @@ class _Survey:
     def add(self, padded: FloatArray) -> None:
         x = padded[self.reach : padded.size - self.reach]
         known = x[~np.isnan(x)]
-        size = np.nan_to_num(np.abs(padded), nan=0.0, posinf=np.inf)
-        if not size.max(initial=0.0) < BEYOND:
-            where = int(np.argmax(size >= BEYOND))
-            place = max(self.samples - self.reach + where, 0) + 1
+        # Not before it: that is a mirror's, or of a piece that was looked at.
+        ahead = padded[self.reach :]
+        beyond = np.abs(ahead) >= BEYOND
+        if beyond.any():
+            where = int(np.argmax(beyond))
+            place = self.samples + where
             msg = (
-                f"samples must be finite or missing (nan), got {padded[where]:g} at sample {place}"
+                f"samples must be finite or missing (nan), got {ahead[where]:g} at sample "
+                f"{place + 1}, {place / self.rate:.6g} s"
             )
-            raise DesignError(msg)
+            raise DesignError(f"{self.name}: {msg}" if self.name else msg)
         self.samples += x.size
         self.missing += x.size - known.size
         filled = bridged(padded)
@@ -357,7 +360,7 @@ class _Survey:
     def _short(self, x: FloatArray) -> None:
         """Enter what crests lose between samples, the fifth power of their height their weight."""
         before, at, behind = x[:-2], x[1:-1], x[2:]
-        crest = (at - before) * (at - behind) > 0
+        crest = np.flatnonzero((at - before) * (at - behind) > 0)
         y, a, b = at[crest], before[crest], behind[crest]
         height = np.abs(y - np.median(x))
         tall = height > 0.5 * height.max(initial=0.0)
@@ -409,7 +412,9 @@ class _Survey:
         )  # fmt: skip
 
 
-def survey(pieces: Iterable[FloatArray], *, rate: float, span: float = 10.0) -> list[Health]:
+def survey(
+    pieces: Iterable[FloatArray], *, rate: float, span: float = 10.0, names: Sequence[str] = ()
+) -> list[Health]:
     """Look through a recording once and say what each channel is like.
 
     Parameters
@@ -420,11 +425,14 @@ def survey(pieces: Iterable[FloatArray], *, rate: float, span: float = 10.0) -> 
         Of its samples.
     span : s
         Of the medians that show zero and drift.
+    names
+        Of the channels, for messages.
     """
     found: list[_Survey] = []
     for padded in overlapping(pieces, reach=reach(rate), mirrored=True):
         if not found:
-            found = [_Survey(max(round(span * rate), 1), rate) for _ in padded]
+            called = names or [""] * len(padded)
+            found = [_Survey(max(round(span * rate), 1), rate, name) for name in called]
         for channel, x in zip(found, padded, strict=True):
             channel.add(x)
     return [channel.health() for channel in found]

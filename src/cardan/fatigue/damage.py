@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cardan.base.arrays import FloatArray
 from cardan.base.units import hour
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.rainflow import Cycles
@@ -17,9 +18,13 @@ def miner(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrecte
     Which Miner is the curve's choice: `curve.original()`, `.elementary()`, `.modified()`.
     Source: Palmgren, Z. VDI 68 (1924); Miner, J. Appl. Mech. 12 (1945).
     """
-    amplitude = correction(cycles.amplitude, cycles.mean)
     # Not a dot product: BLAS would start threads for it, one set in each of ours.
-    return float((cycles.count * curve.damage(amplitude)).sum())
+    return float(damages(cycles, curve=curve, correction=correction).sum())
+
+
+def damages(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrected) -> FloatArray:
+    """Damage n/N of each of some cycles, (n,)."""
+    return cycles.count * curve.damage(correction(cycles.amplitude, cycles.mean))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

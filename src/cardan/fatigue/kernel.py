@@ -110,6 +110,44 @@ def followed(force: ComplexArray, stays: complex, out: ComplexArray) -> None:
             out[row, i] = y
 
 
+def turned(
+    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: complex, stays: complex,
+    share: float, out: ComplexArray,
+) -> None:  # fmt: skip
+    """Write to `out` what `answered` returns."""
+    for i in range(spin.size):
+        d = p - spin[i]
+        gain = (stays * back[i] - 1) * d.conjugate() * (share / (d.real * d.real + d.imag * d.imag))
+        for row in range(forces.shape[0]):
+            before = out[row, i - 1] if i else 0j
+            out[row, i] = forces[row, i] * gain + stays * before
+
+
+def answered(
+    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: complex, stays: complex,
+    share: float,
+) -> ComplexArray:  # fmt: skip
+    """Return what forces (rows, n) that spin do to a mode, a steady one exactly followed.
+
+    Parameters
+    ----------
+    forces : (rows, n)
+        As they turn.
+    spin : (n,) 1/s
+        Their i times rad/s; `back` (n,) turns them back by a step.
+    p : 1/s
+        Of the mode, that keeps `stays` of itself each step.
+    share
+        The response's scale.
+    """
+    compiled = _compiled(turned)
+    if compiled is None:
+        return remembered(forces * ((stays * back - 1) * (share / (p - spin))), stays)
+    out = np.empty_like(forces)
+    compiled(forces, spin, back, p, stays, share, out)
+    return out
+
+
 def remembered(force: ComplexArray, stays: complex) -> ComplexArray:
     """Return what forces (rows, n) do to something that keeps a share of itself each sample."""
     compiled = _compiled(followed)

@@ -333,7 +333,7 @@ def look(
     """
     names = tuple(channels)
     pieces = _told(recording.pieces(names), name="look", rate=recording.rate, progress=progress)
-    found = survey(pieces, rate=recording.rate)
+    found = survey(pieces, rate=recording.rate, names=names)
     if not found:
         msg = f"{recording.name} holds no samples"
         raise DesignError(msg)
@@ -834,8 +834,8 @@ class _Joints:
         self, start: int, piece: FloatArray, answers: list[Identified]
     ) -> Iterator[FloatArray]:
         """Take a stretch's answers in, and yield what is left of it without their part."""
-        for told, answer, x in zip(self.told, answers, piece, strict=True):
-            told.append((answer.evidence, self.damage(x)))
+        for told, answer in zip(self.told, answers, strict=True):
+            told.append((answer.evidence, answer.damage))
         # Held until the stretches that follow have passed: seven digits of it are taken off.
         theirs = np.stack([a.stress.astype(np.float32) for a in answers])
         theirs[np.isnan(piece)] = 0.0

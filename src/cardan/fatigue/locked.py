@@ -18,7 +18,8 @@ import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.fatigue.angle import Angle
-from cardan.fatigue.kernel import remembered
+from cardan.fatigue.kernel import answered, remembered
+from cardan.fatigue.orders import wave
 
 OFF = 0.05
 """Largest error of a speed's scale that is looked for, relative."""
@@ -81,7 +82,7 @@ def aligned(
     if m < 100:
         return []
     y, torque = y[: m * every], torque[: m * every]
-    back = np.exp(-4j * np.pi * angle.rotation.at(start + np.arange(y.size) / rate))
+    back = wave(-2 * angle.rotation.at(start + np.arange(y.size) / rate))
     moved = (y * torque * back).reshape(m, every).mean(-1)
     square = (torque**2).reshape(m, every).mean(-1)
     step = every / rate
@@ -98,7 +99,7 @@ def aligned(
     many = len(angle.lost) + 1
     band, bands = stretch * bands + band, bands * many
     fast = f2 > SLOWEST
-    ahead = np.exp(-4j * np.pi * (turns % 1.0))
+    ahead = wave(-2 * turns)
     moved = moved * np.conj(ahead[most : most + m])
     size = next_fast_len(3 * count)
     # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
@@ -125,7 +126,8 @@ def aligned(
         lag = float(shift * step)
         here = cell[own][used]
         z = moved[used] * ahead[own][used]
-        grid = np.bincount(here, z.real, wide) + 1j * np.bincount(here, z.imag, wide)
+        grid = np.empty(wide, complex)
+        grid.real, grid.imag = (np.bincount(here, part, wide) for part in (z.real, z.imag))
         slot = band[own][used]
         weight = np.asarray(np.bincount(slot, square[used], bands), float)
         busy = weight > 1e-3 * weight.sum()
@@ -134,11 +136,11 @@ def aligned(
         middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
         which = np.divmod(np.flatnonzero(busy), bands // many)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
-        spectra = fft(grid[:, stands].astype(np.complex64), size)[:, near]
-        energy = (np.abs(spectra) ** 2 / weight[:, None]).sum(0)
+        spectra = fft(grid.astype(np.complex64).take(stands, axis=1), size)[:, near]
+        energy = (1 / weight) @ np.abs(spectra) ** 2
         energy /= np.sinc(2 * TURNS * off[near]) ** 2
         peaks = off[near[_peaks(energy)[:4]]]
-        near_line = np.exp(-4j * np.pi * TURNS * place[..., None] * peaks)
+        near_line = wave(-2 * TURNS * place[..., None] * peaks)
         summed = grid.reshape(-1, *place.shape).swapaxes(0, 1) @ near_line
         for peak, met in zip(peaks, summed.T, strict=True):
             lines: ComplexArray = met @ turned
@@ -257,9 +259,9 @@ class Scene:
 
     def inputs(self, order: int) -> list[ComplexArray]:
         """Return forces locked to an order: by torque, and the second by speed squared too."""
-        wave = np.asarray(np.exp(2j * np.pi * order * self.turns), np.complex128)
-        by_torque = [self.torque * wave]
-        return [*by_torque, (self.speed / 40) ** 2 * wave] if order == 2 else by_torque
+        turning = wave(order * self.turns)
+        by_torque = [self.torque * turning]
+        return [*by_torque, (self.speed / 40) ** 2 * turning] if order == 2 else by_torque
 
     def columns(self, order: int, poles: Sequence[tuple[float, float]] = ()) -> ComplexArray:
         """Each force of an order, plain and through each mode, (columns, n)."""
@@ -271,19 +273,22 @@ class Scene:
 def levelled(x: np.ndarray, rate: float) -> np.ndarray:
     """Take the running mean of a second off, as linear in x as it is: (n,)."""
     half = max(round(0.5 * rate), 1)
-    total = np.cumsum(np.concatenate([[0], np.pad(x, (half, half), mode="edge")]))
-    mean = total[2 * half + 1 :] - total[: -2 * half - 1]
-    mean /= 2 * half + 1
+    mean = running_mean(x, half)
     return np.subtract(x, mean, out=mean)
+
+
+def running_mean(x: np.ndarray, half: int) -> np.ndarray:
+    """Mean (n,) of each value and those up to `half` places from it, level at the ends."""
+    from scipy.ndimage import uniform_filter1d
+
+    return uniform_filter1d(x, 2 * half + 1, mode="nearest")
 
 
 def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
     """Response of one mode (Hz, damping) to a turning force (n,), scaled to about one."""
-    from scipy.signal import lfilter
-
     w = 2 * np.pi * pole[0]
     p = np.exp(w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2)) / rate)
-    return lfilter([1 - abs(p)], [1, -p], u)
+    return remembered((1 - abs(p)) * u[None], p)[0]
 
 
 def _real(columns: ComplexArray) -> FloatArray:
@@ -343,7 +348,7 @@ class _Slow:
     def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
         """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
         time = np.arange(self.speed.size) / self.rate
-        beside = np.exp(2j * np.pi * shift * time)
+        beside = wave(shift * time)
         turning = self.turning.by(beside, shift)
         back = np.conj(self.turn)
         each = [self.loads * beside, *(turning.through(p) * back for p in poles)]
@@ -379,13 +384,9 @@ class _Turning:
         """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
         w = 2 * np.pi * pole[0]
         p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
-        stays = np.exp(p / self.rate)
-        # A steady force is followed exactly.
-        gain = stays * self.step_back
-        gain -= 1
-        gain *= w * pole[1]
-        gain /= p - self.spin
-        return remembered(self.forces * gain, stays)
+        return answered(
+            self.forces, self.spin, self.step_back, p, np.exp(p / self.rate), w * pole[1]
+        )
 
 
 def _slow(scene: Scene, order: int) -> _Slow:
@@ -393,10 +394,10 @@ def _slow(scene: Scene, order: int) -> _Slow:
     every = max(int(scene.rate / SLOW), 1)
     m = scene.turns.size // every
     middle = slice(every // 2, m * every, every)
-    angle = 2 * np.pi * order * scene.turns[: m * every]
+    turning = wave(order * scene.turns[: m * every])
     loads = [scene.torque, (scene.speed / 40) ** 2] if order == 2 else [scene.torque]
     return _Slow(
-        every, scene.rate / every, np.exp(-1j * angle), np.exp(1j * angle[middle]),
+        every, scene.rate / every, np.conj(turning), turning[middle],
         2 * np.pi * order * scene.speed[middle], np.stack(loads)[:, middle],
     )  # fmt: skip
 
@@ -411,7 +412,8 @@ def _fitted(
 def _explained(gram: np.ndarray, right: np.ndarray, *, ridge: float) -> tuple[np.ndarray, float]:
     """Solve normal equations: coefficients, and the energy explained."""
     scale = np.sqrt(np.maximum(np.real(gram.diagonal()), 1e-300))
-    gram = gram / np.outer(scale, scale) + ridge * np.eye(scale.size)
+    gram = gram / (scale * scale[:, None])
+    gram[np.diag_indices(scale.size)] += ridge
     c = np.linalg.solve(gram, right / scale) / scale
     return c, float(np.real(np.conj(c) @ right))
 
@@ -442,16 +444,17 @@ def _searched(
         left = z - q @ (np.conj(q.T) @ z)
         whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
         # What is known already and what is left, as they turn.
-        known = np.conj(np.concatenate([q, left[:, None]], axis=1) * slow.turn[:, None])
+        known = np.conj(np.stack([*q.T, left]) * slow.turn)
 
         @cache
         def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:
             """Energy that the order through one more mode explains of what is left."""
             rows = slow.turning.through(pole)
-            met = rows @ known
+            # One by one: of a few long rows BLAS makes copies first.
+            met = np.array([[row @ one for one in known] for row in rows])
+            own = np.array([[np.vdot(one, row) for one in rows] for row in rows])
             theirs, right = met[:, :-1], np.conj(met[:, -1])
-            gram = np.conj(rows @ np.conj(rows.T) - theirs @ np.conj(theirs.T))
-            return _explained(gram, right, ridge=1e-6)[1]
+            return _explained(np.conj(own - theirs @ np.conj(theirs.T)), right, ridge=1e-6)[1]
 
         best, f, d = max((gain(pole), *pole) for pole in _likely(slow, left, within))
         log_step, damp_step, steps = 0.03, 0.5, 0
@@ -590,9 +593,14 @@ def _foretold(columns: ComplexArray, y: FloatArray, rate: float) -> float:
 
     What is locked goes on; a ring that happened to be in phase does not come again.
     """
-    half = np.arange(y.size) // max(round(FORETOLD * rate), 1) % 2 == 0
+    size = max(round(FORETOLD * rate), 1)
+    stretches = [slice(k, k + size) for k in range(0, y.size, size)]
     rows = _real(columns)
-    halves = [(some @ rows.T, some @ y) for some in (rows * half, rows * ~half)]
+    halves = [(np.zeros((len(rows), len(rows))), np.zeros(len(rows))) for _ in range(2)]
+    for k, here in enumerate(stretches):
+        gram, right = halves[k % 2]
+        gram += rows[:, here] @ rows[:, here].T
+        right += rows[:, here] @ y[here]
     total = 0.0
     for one, (gram, right) in (halves, halves[::-1]):
         c, _ = _explained(*one, ridge=3e-3)

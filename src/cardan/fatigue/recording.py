@@ -153,6 +153,26 @@ def between(recording: Recording, first: float, last: float, *, name: str = "") 
     return replace(recording, name=name or recording.name, read=read, samples=samples)
 
 
+def holed(recording: Recording, name: str, runs: FloatArray) -> Recording:
+    """Return a recording with one channel missing from when to when, (k, 2) s."""
+    place = recording.place(name)
+    first, last = np.rint(runs * recording.rate).astype(np.int64).T
+
+    def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
+        done = 0
+        for piece in recording.read(places):
+            at = done + np.arange(piece.shape[-1])
+            done += piece.shape[-1]
+            inside = np.searchsorted(first, at, "right") > np.searchsorted(last, at, "right")
+            if inside.any() and place in places:
+                hidden = inside & (np.array(places) == place)[:, None]
+                yield np.where(hidden, np.nan, piece)
+            else:
+                yield piece
+
+    return replace(recording, read=read)
+
+
 def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recording:
     """Return a recording with the channels of another, straight between their samples.
 

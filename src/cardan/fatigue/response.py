@@ -108,11 +108,14 @@ class Identified:
         Theirs; nought where nothing locked was found.
     order2 : (n,) Pa
         0-to-peak amplitude of their order 2, as fitted, found or not.
+    damage
+        Of all of it.
     """
 
     evidence: Evidence
     stress: FloatArray
     order2: FloatArray
+    damage: float
 
 
 @dataclass(frozen=True)
@@ -430,7 +433,7 @@ def identified(
     )  # fmt: skip
     if not case.options:
         nothing = Evidence(removed=0.0, interval=(0.0, 0.0), strength=0.0)
-        return Identified(nothing, np.zeros(stress.size), np.zeros(stress.size))
+        return Identified(nothing, np.zeros(stress.size), np.zeros(stress.size), case.whole)
     return _not_locked(case) if case.line.strength < FOUND else _locked(case, seed)
 
 
@@ -470,7 +473,9 @@ def _not_locked(case: _Case) -> Identified:
         if low >= CONVICTED and case.steady:
             low, span = 0.0, span.doubting(STEADY)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high) - 0.01, high, span.doubts)
-    return Identified(found, np.zeros(case.stress.size), case.size(case.line.wave))
+    return Identified(
+        found, np.zeros(case.stress.size), case.size(case.line.wave), case.whole
+    )  # fmt: skip
 
 
 def _locked(case: _Case, seed: int) -> Identified:
@@ -529,6 +534,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     found = _told(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return Identified(
         replace(found, modes=line.poles), case.at_all(mean), case.size(theirs.second()),
+        case.whole,
     )  # fmt: skip
 
 

@@ -17,13 +17,22 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import BadFile
 from cardan.fatigue.recording import Channel
-from cardan.files.recordings import Table, bad
+from cardan.files.recordings import Days, Table, bad
 
-MISSING = ("", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "n/a", "null", "NULL", "-", "--")
+MISSING = (
+    "", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "n/a", "#N/A", "null", "NULL", "None", "-", "--",
+    "---", "----",
+)  # fmt: skip
 _NUMBER = {
     ".": re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"),
     ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
 }
+_SIGNS = "'\N{RIGHT SINGLE QUOTATION MARK} \N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
+_GROUPED = {
+    point: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:[{other}{_SIGNS}]\d{{3}})+(?:[{point}]\d*)?")
+    for point, other in (".,", ",.")
+}
+"""A number whose thousands are set apart."""
 _DELIMITERS = (";", "\t", ",", "|", " ")
 _UNIT = re.compile(r"^(.*?)\s*(?:\[(.*)\]|\((.*)\)|\s/\s*(\S+))$")
 _HEAD = 1 << 16
@@ -43,6 +52,10 @@ class Dialect:
     """Columns that hold no numbers."""
     clock: int | None = None
     """The one of them that holds dates or times of day."""
+    signed: bool = True
+    """Whether a number showed the decimal sign: else `1,234` may be either."""
+    grouped: bool = False
+    """Whether some have their thousands set apart."""
 
 
 def _fields(line: str, delimiter: str) -> list[str]:
@@ -51,20 +64,27 @@ def _fields(line: str, delimiter: str) -> list[str]:
     return [f.strip() for f in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def _numeric(fields: list[str], decimal: str) -> bool:
-    number = _NUMBER[decimal]
+def _is_number(field: str, decimal: str, *, grouped: bool = False) -> bool:
+    """Whether a field is a number or says that there is none."""
+    how = (_NUMBER, _GROUPED) if grouped else (_NUMBER,)
+    return field in MISSING or any(of[decimal].fullmatch(field) for of in how)
+
+
+def _numeric(fields: list[str], decimal: str, *, grouped: bool = False) -> bool:
     said = [f for f in fields if f not in MISSING]
-    return bool(said) and all(number.fullmatch(f) for f in said)
+    return bool(said) and all(_is_number(f, decimal, grouped=grouped) for f in said)
 
 
-def _first_row(lines: list[str], delimiter: str, decimal: str) -> tuple[int, int] | None:
+def _first_row(
+    lines: list[str], delimiter: str, decimal: str, *, grouped: bool
+) -> tuple[int, int] | None:
     """First line from which all are numbers, and their count; None if there is none."""
     first, width = None, 0
     for k, line in enumerate(lines):
         if not line.strip():
             continue
         fields = _fields(line, delimiter)
-        if not _numeric(fields, decimal):
+        if not _numeric(fields, decimal, grouped=grouped):
             first = None
         elif first is None or len(fields) != width:
             # A last line cut short belongs to the rows before it.
@@ -82,7 +102,7 @@ _STAMP = re.compile(
 
 
 def _mixed_row(
-    lines: list[str], delimiter: str, decimal: str
+    lines: list[str], delimiter: str, decimal: str, *, grouped: bool
 ) -> tuple[int, tuple[int, ...], int | None] | None:
     """First line of rows in which some columns are never numbers, those, and a clock of them.
 
@@ -92,13 +112,12 @@ def _mixed_row(
     if len(rows) < 3:
         return None
     width = len(rows[-2][1])
-    number = _NUMBER[decimal]
     last = [f for _, f in rows[-50:] if len(f) == width][:-1]
     if width < 2 or len(last) < 1:
         return None
 
     def numeric(field: str) -> bool:
-        return field in MISSING or number.fullmatch(field) is not None
+        return _is_number(field, decimal, grouped=grouped)
 
     texts = tuple(c for c in range(width) if not all(numeric(f[c]) for f in last))
     said = [c for c in range(width) if c not in texts and any(f[c] not in MISSING for f in last)]
@@ -139,9 +158,7 @@ def dialect(path: Path) -> Dialect:
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
-    if b"\x00" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise bad(path, "it is not text", hint="is the ending of its name right?")
-    encoding = "utf-16" if head.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8"
+    encoding = _encoding(path, head)
     text = head.decode(encoding, errors="replace")
     if "\ufffd" in text[:-1]:  # the very last letter may have been cut in two by us
         encoding, text = "latin-1", head.decode("latin-1")
@@ -150,19 +167,12 @@ def dialect(path: Path) -> Dialect:
         raise bad(path, f"its first line does not end within {_HEAD >> 10} kB")
     if len(head) == _HEAD:
         lines = lines[:-1]  # cut by us, not by the writer
-    found: list[tuple[int, Dialect]] = []
-    for delimiter in _DELIMITERS:
-        for decimal in ".,":
-            start = None if delimiter == decimal else _first_row(lines, delimiter, decimal)
-            if start is None:
-                continue
-            first, width = start
-            columns, named = _header(lines[:first], delimiter, width)
-            # Names rarely hold commas; a line of names that does was meant to be cut there.
-            sure = 0 if not named else 1 if any("," in c.name for c in columns) else 2
-            found.append((sure, Dialect(delimiter, decimal, columns, first, encoding)))
+    # Thousands set apart only where nothing is read without: `1,234` is a decimal comma's, too.
+    found = list(_of_numbers(lines, encoding)) or list(_of_numbers(lines, encoding, grouped=True))
     if not found:
-        found = list(_with_texts(lines, encoding))
+        plain, found = (list(_with_texts(lines, encoding, grouped=g)) for g in (False, True))
+        if max((sure for sure, _ in found), default=0) <= max((s for s, _ in plain), default=0):
+            found = plain
     if not found:
         raise bad(
             path, "no rows of numbers found in its first lines",
@@ -177,6 +187,11 @@ def dialect(path: Path) -> Dialect:
         raise bad(
             path, "its rows can be read in more than one way", value=ways, hint="add a header"
         )
+    if best[0].grouped and len({d.decimal for d in best}) > 1:
+        raise bad(
+            path, "nothing says which sign sets its thousands apart, and which its decimals",
+            hint="write it without thousands' signs",
+        )  # fmt: skip
     chosen = best[0]
     if chosen.texts:
         return chosen
@@ -184,18 +199,77 @@ def dialect(path: Path) -> Dialect:
         fields = _fields(line, chosen.delimiter)
         if len(fields) == len(chosen.columns) and _numeric(fields, chosen.decimal):
             wrong = lines[chosen.first - 1]
+            cells = enumerate(_fields(wrong, chosen.delimiter), 1)
+            cell = next((c for c in cells if not _is_number(c[1], chosen.decimal)), None)
             raise bad(
                 path, f"numbers begin at line {k + 1} and then a row is not numbers",
-                line=chosen.first, value=repr(wrong[:60]),
+                line=chosen.first,
+                value=f"{cell[1]!r} in column {cell[0]}" if cell else repr(wrong[:60]),
+                hint=_allowed(chosen),
             )  # fmt: skip
     return chosen
 
 
-def _with_texts(lines: list[str], encoding: str) -> Iterator[tuple[int, Dialect]]:
+def _allowed(form: Dialect) -> str:
+    return (
+        f"allowed are numbers with the decimal sign {form.decimal!r}, by its first lines, and for "
+        "no value nothing, nan, NA, n/a, null, - or --"
+    )
+
+
+NUL = "NUL bytes, as a write that was cut off leaves them"
+
+
+def _encoding(path: Path, head: bytes) -> str:
+    """Return how the bytes of a text are letters, by the first of them."""
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if b"\x00" not in head:
+        return "utf-8"
+    even, odd = (half.count(0) / max(len(half), 1) for half in (head[::2], head[1::2]))
+    if max(even, odd) > 0.9 and min(even, odd) < 0.1:
+        return "utf-16-le" if odd > even else "utf-16-be"
+    before = head[: head.index(0)]
+    if len(before) > 1 and all(letter > 31 or letter in b"\t\r\n" for letter in before):
+        raise bad(path, NUL, line=before.count(b"\n") + 1, hint="repair or remove them")
+    raise bad(path, "it is not text", hint="is the ending of its name right?")
+
+
+def _shows(lines: list[str], delimiter: str, decimal: str) -> bool:
+    """Whether a number of some rows shows its decimal sign."""
+    return any(
+        decimal in f and _is_number(f, decimal) for s in lines for f in _fields(s, delimiter)
+    )
+
+
+def _of_numbers(
+    lines: list[str], encoding: str, *, grouped: bool = False
+) -> Iterator[tuple[int, Dialect]]:
+    """Yield the ways to read rows of numbers, and how sure each is."""
+    for delimiter in _DELIMITERS:
+        for decimal in ".,":
+            if delimiter == decimal or (grouped and delimiter == " "):
+                continue
+            start = _first_row(lines, delimiter, decimal, grouped=grouped)
+            if start is None:
+                continue
+            first, width = start
+            columns, named = _header(lines[:first], delimiter, width)
+            # Names rarely hold commas; a line of names that does was meant to be cut there.
+            sure = 0 if not named else 1 if any("," in c.name for c in columns) else 2
+            yield sure, Dialect(
+                delimiter, decimal, columns, first, encoding,
+                signed=_shows(lines[first:], delimiter, decimal), grouped=grouped,
+            )  # fmt: skip
+
+
+def _with_texts(lines: list[str], encoding: str, *, grouped: bool) -> Iterator[tuple[int, Dialect]]:
     """Yield the ways to read rows of which some columns are words or times."""
     for delimiter in (";", "\t", ",", "|"):
         for decimal in ".,":
-            found = None if delimiter == decimal else _mixed_row(lines, delimiter, decimal)
+            if delimiter == decimal:
+                continue
+            found = _mixed_row(lines, delimiter, decimal, grouped=grouped)
             if found is None:
                 continue
             first, texts, clock = found
@@ -203,7 +277,10 @@ def _with_texts(lines: list[str], encoding: str) -> Iterator[tuple[int, Dialect]
             columns, named = _header(lines[:first], delimiter, width)
             if named:
                 sure = width - len(texts)
-                yield sure, Dialect(delimiter, decimal, columns, first, encoding, texts, clock)
+                yield sure, Dialect(
+                    delimiter, decimal, columns, first, encoding, texts, clock,
+                    signed=_shows(lines[first:], delimiter, decimal), grouped=grouped,
+                )  # fmt: skip
 
 
 _UNITS = {
@@ -276,23 +353,28 @@ def table(path: Path) -> Table:
 
 
 def _arrow(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray]:
-    """Yield the rows of a file, its last passed over where it was cut short."""
+    """Yield the rows of a file: fast, and where that does not go on, with care."""
     given = 0
-    try:
-        for part in _read(path, form, wanted):
-            yield part
-            given += 1
-    except BadFile:
-        yield from islice(_read(path, form, wanted, all_but_short=True), given, None)
+    if not form.grouped:
+        try:
+            for part in _read(path, form, wanted):
+                yield part
+                given += 1
+        except BadFile:
+            pass
+        else:
+            return
+    yield from islice(_read(path, form, wanted, careful=True), given, None)
 
 
 def _read(
-    path: Path, form: Dialect, wanted: list[int], *, all_but_short: bool = False
+    path: Path, form: Dialect, wanted: list[int], *, careful: bool = False
 ) -> Iterator[FloatArray]:
-    """Yield the rows of a file, with a last one cut short only where that is asked for.
+    """Yield the rows of a file.
 
-    Who asks for it is called from a thread of Arrow's: one that still ran as Python ended took
-    the whole process with it.
+    With care a last row cut short is passed over, thousands may be set apart, and what is no
+    number is told by its place. That is called from a thread of Arrow's: one that still ran as
+    Python ended took the whole process with it.
     """
     import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
     from pyarrow import csv as pacsv  # pyright: ignore[reportMissingTypeStubs]
@@ -313,38 +395,89 @@ def _read(
             ),
             parse_options=pacsv.ParseOptions(
                 delimiter=form.delimiter,
-                invalid_row_handler=cut_short if all_but_short else None,
+                invalid_row_handler=cut_short if careful else None,
             ),
             convert_options=pacsv.ConvertOptions(
                 column_types={
-                    n: pa.string() if k in form.texts else pa.float64()
+                    n: pa.string() if careful or k in form.texts else pa.float64()
                     for k, n in enumerate(names)
                 }, decimal_point=form.decimal,
                 null_values=list(MISSING), include_columns=[names[k] for k in wanted],
+                strings_can_be_null=True,
             ),
         )  # fmt: skip
+        row, days = 0, Days()
         for batch in reader:
             if short and not _ends_with(path, short[0], form.encoding):
                 break
             yield np.stack(
                 [
-                    np.array([_seconds(str(v)) for v in c.to_pylist()])
+                    days.on(np.array([_seconds(str(v)) for v in c.to_pylist()]))
                     if k in form.texts
-                    else c.to_numpy(zero_copy_only=False)
+                    else _numbers(path, form, c, k, row)
                     for k, c in zip(wanted, batch.columns, strict=True)
                 ]
             )
+            row += batch.num_rows
     except pa.ArrowInvalid as error:
-        said = str(error).replace("CSV conversion error to double: ", "")
-        raise bad(
-            path, f"a value is not a number: {said}",
-            hint=f"by its first lines the decimal sign is {form.decimal!r}",
-        ) from error  # fmt: skip
+        raise bad(path, str(error)) from error
     if short and not _ends_with(path, short[0], form.encoding):
         raise bad(
             path, f"a row does not have its {len(form.columns)} columns", value=repr(short[0][:60]),
             hint="repair or remove it; only a last row cut short is passed over",
         )  # fmt: skip
+
+
+def _numbers(path: Path, form: Dialect, column: Any, k: int, row: int) -> FloatArray:
+    """Return a column as numbers (n,), if it is not that yet; refuse what is none by its place."""
+    import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+    from pyarrow import compute  # pyright: ignore[reportMissingTypeStubs]
+
+    pc: Any = compute
+    if pa.types.is_floating(column.type):
+        x = column.to_numpy(zero_copy_only=False)
+        if np.isinf(x).any():
+            raise bad(path, "a value is infinite")  # where, with care
+        return x
+    text = pc.utf8_trim_whitespace(column)
+    # What is set apart once, and by what may be a decimal sign, is a thousand only where the first
+    # lines show another one.
+    apart = pc.match_substring_regex(text, f"^(?:{_GROUPED[form.decimal].pattern})$")
+    if not form.signed:
+        apart = pc.and_(apart, pc.match_substring_regex(text, f"[{_SIGNS}]|[.,].*[.,]"))
+    other = "," if form.decimal == "." else "."
+    whole = pc.replace_substring_regex(text, pattern=f"[{other}{_SIGNS}]", replacement="")
+    text = pc.if_else(apart, whole, text)
+    good = pc.match_substring_regex(text, f"^(?:{_NUMBER[form.decimal].pattern})$")
+    wrong = np.flatnonzero(~pc.fill_null(good, fill_value=True).to_numpy(zero_copy_only=False))
+    if wrong.size:
+        at = int(wrong[0])
+        line = _line(path, form, row + at)
+        raise _no_number(path, form, form.columns[k].name, line, column[at].as_py())
+    return pc.cast(pc.replace_substring(text, ",", "."), pa.float64()).to_numpy(
+        zero_copy_only=False
+    )
+
+
+def _no_number(path: Path, form: Dialect, column: str, line: int, cell: str) -> BadFile:
+    if "\x00" in cell:
+        return bad(path, NUL, line=line, hint="repair or remove them")
+    if _GROUPED[form.decimal].fullmatch(cell):
+        return bad(
+            path, f"column {column!r} holds a number that may be read in two ways", line=line,
+            value=repr(cell), hint="write thousands without a sign: none shows which is decimal",
+        )  # fmt: skip
+    return bad(
+        path, f"column {column!r} holds no number", line=line, value=repr(cell[:60]),
+        hint=_allowed(form),
+    )  # fmt: skip
+
+
+def _line(path: Path, form: Dialect, row: int) -> int:
+    """Return the line, from 1, that a row of numbers stands in: empty lines are none."""
+    with path.open(encoding=form.encoding, errors="replace") as file:
+        lines = (n for n, line in enumerate(file, 1) if n > form.first and line.strip("\r\n"))
+        return next(islice(lines, row, None), 0)
 
 
 def _ends_with(path: Path, row: str, encoding: str) -> bool:
@@ -392,9 +525,29 @@ def _spaced(path: Path, form: Dialect, wanted: list[int]) -> Iterator[FloatArray
                         value=repr(line[:60]),
                     )  # fmt: skip
                 fields = fields[: -len(line.split())]
-            try:
-                numbers = np.array(["nan" if f in MISSING else f for f in fields], dtype=float)
-            except ValueError as error:
-                raise bad(path, f"a value is not a number: {error}", line=row + 1) from error
+            numbers = _spelled(fields)
+            if numbers is None:
+                raise _unspelled(path, form, lines, row)
             row += len(lines)
             yield numbers.reshape(-1, width).T[wanted]
+
+
+def _spelled(fields: list[str]) -> FloatArray | None:
+    """Return fields as numbers (n,); None where one is none."""
+    try:
+        x = np.array(["nan" if f in MISSING else f for f in fields], dtype=float)
+    except ValueError:
+        return None
+    return None if np.isinf(x).any() else x
+
+
+def _unspelled(path: Path, form: Dialect, lines: list[str], row: int) -> BadFile:
+    """Return the error of the first field of some lines, `row` lines into a file, that is none."""
+    cells = (
+        (n, name.name, field)
+        for n, line in enumerate(lines, row + 1)
+        for name, field in zip(form.columns, line.split(), strict=False)
+        if not _is_number(field, form.decimal)
+    )
+    n, name, field = next(cells)
+    return _no_number(path, form, name, n, field)

@@ -11,7 +11,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.fatigue.recording import SIZE, Channel, cut
-from cardan.files.recordings import Table, bad, budget, joined
+from cardan.files.recordings import Days, Table, bad, budget, joined
 
 _RATES = ("rate_Hz", "rate", "sample_rate", "sampling_rate", "samplerate", "fs")
 _UNITS = ("unit", "units", "Unit", "unit_string")
@@ -48,7 +48,9 @@ def parquet(path: Path) -> Table:
         ) from error
     budget(path, file.metadata.num_rows, file.metadata.num_columns)
     schema = file.schema_arrow
-    fields = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
+    clocks = [f for f in schema if _ticks(f.type)]
+    numbers = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
+    fields = [f for f in schema if f in numbers or f in clocks]
     left = [f.name for f in schema if f not in fields]
     notes = (f"not numbers, left out: {', '.join(left)}",) if left else ()
     if b"note" in (schema.metadata or {}):
@@ -56,21 +58,60 @@ def parquet(path: Path) -> Table:
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         names = [fields[k].name for k in places]
+        begun: dict[str, _Clock] = {f.name: _Clock(f.type) for f in clocks}
         try:
             for batch in file.iter_batches(batch_size=SIZE, columns=names):
-                columns = [batch.column(n).to_numpy(zero_copy_only=False) for n in names]
+                columns = [
+                    begun[n].seconds(batch.column(n))
+                    if n in begun
+                    else batch.column(n).to_numpy(zero_copy_only=False)
+                    for n in names
+                ]
                 kind = np.result_type(np.float32, *columns)
                 yield np.stack([c.astype(kind, copy=False) for c in columns])
         except (pa.ArrowInvalid, OSError) as error:
             raise bad(path, f"it is damaged: {error}") from error
 
+    def channel(f: Any) -> Channel:
+        if f in clocks:  # the only one is the clock, whatever its name
+            alone = len(clocks) == 1 and "time" not in schema.names
+            return Channel("time" if alone else f.name, "s")
+        return Channel(f.name, _text((f.metadata or {}).get(b"unit", b"")))
+
     return Table(
-        columns=tuple(
-            Channel(f.name, _text((f.metadata or {}).get(b"unit", b""))) for f in fields
-        ),
+        columns=tuple(channel(f) for f in fields),
         rows=rows, rate=_said(path, schema.metadata or {}), samples=file.metadata.num_rows,
         notes=notes,
     )  # fmt: skip
+
+
+def _ticks(kind: Any) -> bool:
+    """Whether values of an Arrow type are instants, times of day or times that have passed."""
+    import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+
+    return pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
+
+
+class _Clock:
+    """Seconds of a clock in Arrow's types, as pieces pass: an instant has one in every zone."""
+
+    def __init__(self, kind: Any) -> None:
+        import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+
+        self.unit = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[kind.unit]
+        self.wide, self.days = f"int{kind.bit_width}", Days() if pa.types.is_time(kind) else None
+        self.first: int | None = None
+
+    def seconds(self, column: Any) -> FloatArray:
+        """Return seconds (n,) since the first that is written; nan where none is."""
+        ticks = column.cast(self.wide)
+        whole = ticks.fill_null(0).to_numpy(zero_copy_only=False).astype(np.int64)
+        known = ~column.is_null().to_numpy(zero_copy_only=False)
+        # Of nanoseconds since 1970 a float keeps a quarter of a microsecond.
+        if self.first is None and known.any():
+            self.first = int(whole[known][0])
+        time = np.where(known, (whole - (self.first or 0)) * self.unit, np.nan)
+        return time if self.days is None else self.days.on(time)
 
 
 def hdf5(path: Path, *, group: str = "") -> Table:

@@ -32,6 +32,25 @@ def bad(path: Path, message: str, *, hint: str = "", line: int = 0, value: str =
     return BadFile(str(path), (Problem(message=message, hint=hint, line=line, value=value),))
 
 
+DAY = 86400.0
+
+
+class Days:
+    """Carries times of day on past midnight, as pieces pass; what has a date goes on as it is."""
+
+    def __init__(self) -> None:
+        self.last, self.midnights = np.nan, 0
+
+    def on(self, time: FloatArray) -> FloatArray:
+        """Return times (n,) s with the days before them."""
+        step = np.diff(time, prepend=self.last)
+        # Nobody's clock goes back by half a day.
+        midnights = self.midnights + np.cumsum((step < -DAY / 2) & (time < DAY))
+        if time.size:
+            self.last, self.midnights = float(time[-1]), int(midnights[-1])
+        return time + DAY * midnights
+
+
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """What a reader found: columns of equal length, time perhaps among them.
@@ -53,6 +72,9 @@ class Table:
 
 LIVELY = 50
 """Samples a byte of a file that it may hold at most: a real one holds less than one."""
+LOST = 5
+"""Usual steps of a slower channel without a value from which there is none: so many times a message
+of a bus may fail to come before who listens gives it up. House practice, assumed."""
 BESIDE = 1 << 26
 """Samples of slower channels that are held in memory, beside the fastest."""
 
@@ -215,6 +237,7 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
     channels = list(own.channels)
     laid: list[tuple[FloatArray, FloatArray]] = []
     said: list[str] = []
+    lost: list[str] = []
     for table in others:
         clock = _clock(path, table, None)
         assert table.rate is not None
@@ -225,6 +248,11 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
             time = whole[clock] * _second(path, table.columns[clock])
         if not (np.diff(time) > 0).all():
             raise bad(path, f"the time of group {table.group!r} stands still or runs backwards")
+        # Half way through a hole nobody knows, so nothing goes straight across it.
+        after = np.flatnonzero(np.diff(time) > LOST * np.median(np.diff(time))) + 1
+        begun, holes = time[after - 1] - start, time[after] - time[after - 1]
+        amid = (time[after - 1] + time[after]) / 2
+        time, whole = np.insert(time, after, amid), np.insert(whole, after, np.nan, axis=1)
         names: list[str] = []
         for k, column in enumerate(table.columns):
             if k != clock:
@@ -232,6 +260,11 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
                 names.append(column.name)
                 laid.append((time - start, whole[k]))
         said.append(f"{', '.join(names)} ({table.rate:.6g} Hz)")
+        if after.size:
+            lost.append(
+                f"{', '.join(names)}: no value for {holes.sum():.6g} s, longest hole "
+                f"{holes.max():.6g} s, the first at {begun[0]:.6g} s"
+            )
     count = len(own.channels)
 
     def read(wanted: tuple[int, ...]) -> Iterator[FloatArray]:
@@ -249,7 +282,7 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
             yield np.stack(rows)
 
     note = f"laid on one clock of {own.rate:g} Hz, straight between samples: {'; '.join(said)}"
-    found = replace(own, channels=tuple(channels), read=read, notes=(*own.notes, note))
+    found = replace(own, channels=tuple(channels), read=read, notes=(*own.notes, note, *lost))
     for name in found.names:
         if found.names.count(name) > 1:
             raise bad(path, "two channels have one name", value=repr(name), hint="name the group")

@@ -176,12 +176,13 @@ def _more(of: Heard) -> dict[str, Any]:
 
 
 def _misread(of: OtherWay) -> dict[str, Any]:
-    """Return where a bus wrote no value into a speed, and the answer with that taken otherwise."""
+    """Return where a bus wrote no value, and the answer with that taken otherwise."""
     own = of.misread
+    size = {"rpm": own.speed * 60} if math.isnan(own.torque) else {"torque_Nm": own.torque}
     return {
         "channel": own.channel,
         "kind": SENTINEL,
-        "rpm": own.speed * 60,
+        **size,
         "count": len(own.runs),
         "seconds": float((own.runs[:, 1] - own.runs[:, 0]).sum()),
         "places": [{"from_s": a, "to_s": b} for a, b in own.runs[:MOST].tolist()],
@@ -486,14 +487,29 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
 
 
 def misread(of: OtherWay, say: Language) -> Iterator[str]:
-    """Yield where a speed is a bus' number for no value, and what the other reading would do."""
+    """Yield where a bus' number for no value stands, and what the other reading would do."""
     own = of.misread
     places = {
         "channel": own.channel, "seconds": say.short(float(np.diff(own.runs).sum()), 3),
         "count": len(own.runs), "first": say.short(float(own.runs[0, 0]), 6),
         "speed": f"{say.short(own.speed * 60, 7)} rpm", "turns": say.short(abs(of.turns), 3),
     }  # fmt: skip
-    if own.accepted:
+    if not math.isnan(own.torque):
+        torque = {"torque": f"{say.short(own.torque, 7)} N m"}
+        if own.accepted:
+            yield say(
+                "{channel}: accepted as a torque for {seconds} s in {count} places, the first at "
+                "{first} s: {torque}, which a bus (SAE J1939) writes for an error or no value",
+                **places | torque,
+            )  # fmt: skip
+        else:
+            yield say(
+                "{channel}: no torque for {seconds} s in {count} places, the first at {first} s: "
+                "{torque}, which a bus (SAE J1939) writes for an error or no value, taken for "
+                "holes (--accept {channel}=sentinel)",
+                **places | torque,
+            )  # fmt: skip
+    elif own.accepted:
         yield say(
             "{channel}: accepted as a speed for {seconds} s in {count} places, the first at "
             "{first} s: {speed}, which a bus (SAE J1939) writes for an error or no value; as "

@@ -22,13 +22,21 @@ from cardan.base.units import GPa, MPa, deg, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, local, rainflow, strain
-from cardan.fatigue.angle import MOST, SHAFTS, VEHICLES, Angle, no_value, shaft_angle
+from cardan.fatigue.angle import (
+    MOST,
+    SHAFTS,
+    VEHICLES,
+    Angle,
+    no_torque,
+    no_value,
+    shaft_angle,
+)
 from cardan.fatigue.correction import Correction
 from cardan.fatigue.fault import DRIFT, IMPOSSIBLE, KINDS, REMOVABLE, SENTINEL
 from cardan.fatigue.life import Plan
 from cardan.fatigue.orders import Rotation, estimated_rotation, rotation_from_pulses
 from cardan.fatigue.quality import NAMED_STRAIN, NAMED_STRESS, Rule
-from cardan.fatigue.recording import Channel, Recording
+from cardan.fatigue.recording import Channel, Recording, holed
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
 from cardan.files.limit import limits as profile
@@ -522,7 +530,8 @@ class Campaign:
             )
             raise DesignError(msg)
         channels = {c for g in gauges for c in g.channels}
-        channels |= {_named(text)[0] for text in (self.speed, self.engine) if text is not None}
+        turning = (self.speed, self.engine, self.torque)
+        channels |= {_named(text)[0] for text in turning if text is not None}
         ruled = [r.channel for r in self.rules if r.channel]
         self._held("mask and --accept", ruled, channels, "gauge's channel")
         if self.low_pass_Hz is not None:
@@ -599,7 +608,7 @@ class Campaign:
         return runs[open_]
 
     def misread(self, recording: Recording) -> "tuple[Misread, ...]":
-        """Return the channels of speed in which a bus wrote that it had no value, and where."""
+        """Return the channels in which a bus wrote that it had no value, and where."""
         found: list[Misread] = []
         for text in (self.speed, self.engine):
             if text is None or (self.tacho is not None and text == self.speed):
@@ -614,7 +623,26 @@ class Campaign:
                         accepted=len(runs) - len(taken),
                     )
                 )  # fmt: skip
+        if (named := self.torque_of(recording)) is not None:
+            values, rate = _every(recording, named[0])
+            runs = no_torque(values, rate=rate)
+            if len(runs):
+                found.append(
+                    Misread(
+                        channel=named[0], runs=runs / rate,
+                        torque=float(np.nanmax(values)) * named[1],
+                        accepted=len(runs) - len(self._taken(self.torque or "", runs, rate)),
+                    )
+                )  # fmt: skip
         return tuple(found)
+
+    def without_torque(self, recording: Recording) -> Recording:
+        """Return a recording whose torque is missing where a bus wrote that it had none."""
+        if (named := self.torque_of(recording)) is None:
+            return recording
+        values, rate = _every(recording, named[0])
+        taken = self._taken(self.torque or "", no_torque(values, rate=rate), rate)
+        return holed(recording, named[0], taken / rate) if len(taken) else recording
 
     def other_way(self, of: "Misread") -> "Campaign":
         """Return the campaign with what a bus wrote taken the other way: as speeds, or as none."""
@@ -644,7 +672,7 @@ class Campaign:
         return channel, _unit(recording, channel, given, TORQUE)
 
     def read_torque(self, recording: Recording) -> tuple[FloatArray, float]:
-        """Return the shaft torque (m,) N m as it was written, and how often it was looked at.
+        """Return the shaft torque (m,) N m, nan where it has none, and how often it was looked at.
 
         Raises
         ------
@@ -655,7 +683,7 @@ class Campaign:
         if named is None:
             msg = "no channel of the shaft's torque is named: --torque"
             raise DesignError(msg)
-        values, rate = _every(recording, named[0])
+        values, rate = _every(self.without_torque(recording), named[0])
         return values * named[1], rate
 
     def _singles(self, recording: Recording) -> list[Gauge]:
@@ -741,7 +769,7 @@ class Campaign:
 
 @dataclass(frozen=True, kw_only=True)
 class Misread:
-    """A channel of speed in which a bus wrote that it had no value.
+    """A channel of speed or torque in which a bus wrote that it had no value.
 
     Attributes
     ----------
@@ -750,15 +778,18 @@ class Misread:
     runs : (k, 2) s
         From when to when, flanks that a faster clock laid between readings among them.
     speed : turns/s
-        What it would be as a speed.
+        What it would be as a speed; nan of a torque.
     accepted
-        How many of them are taken for speeds all the same, as a rule has it.
+        How many of them are taken for values all the same, as a rule has it.
+    torque : N m
+        What it would be as a torque; nan of a speed.
     """
 
     channel: str
     runs: FloatArray
-    speed: float
+    speed: float = math.nan
     accepted: int = 0
+    torque: float = math.nan
 
 
 _TIMES = re.compile(r"([0-9.eE+-]*?)\.\.([0-9.eE+-]*)")

@@ -89,7 +89,7 @@ class Pictures:
 
 @dataclass(frozen=True, kw_only=True)
 class OtherWay:
-    """A channel of speed with numbers that are none, and the answer with these taken otherwise.
+    """A channel with numbers that are none, and the answer with these taken otherwise.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class Heard:
     otherwise
         Its gauges judged by strain, by a crack, by odds; none where it was not asked.
     misread
-        Channels of speed in which a bus wrote that it had no value.
+        Channels of speed and torque in which a bus wrote that it had no value.
     """
 
     recording: Recording
@@ -629,7 +629,8 @@ def _causes(
         wheel=None if ratio is None else shaft.geared(1 / ratio),
     )  # fmt: skip
     return room.causes(
-        recording, plan=plan, healths=healths, how=separation(named, rate=recording.rate),
+        campaign.without_torque(recording), plan=plan, healths=healths,
+        how=separation(named, rate=recording.rate),
         angle=angle, torque=campaign.torque_of(recording), predicted=predicted,
         engine_orders=orders, progress=progress,
     )  # fmt: skip

@@ -1,0 +1,49 @@
+"""What turns, and what it does to a mode: shortcuts that are to equal the long way."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from cardan.fatigue import kernel
+from cardan.fatigue.locked import levelled, running_mean
+from cardan.fatigue.orders import wave
+
+
+def test_a_wave_is_its_sine_and_cosine():
+    """Turns that double precision holds exactly, so that nothing but the wave itself is off."""
+    turns = np.arange(-(2**20), 2**20) / 2**15 + 2.0**20
+    exact = np.exp(2j * np.pi * (turns % 1))
+    assert np.abs(wave(turns) - exact).max() < 1e-15
+
+
+@pytest.mark.parametrize("half", [1, 7, 60])
+def test_a_running_mean_is_level_at_the_ends(half):
+    x = np.random.default_rng(1).normal(size=50) + 1j
+    padded = np.pad(x, half, mode="edge")
+    plain = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).mean(-1)
+    np.testing.assert_allclose(running_mean(x, half), plain, atol=1e-14)
+    np.testing.assert_allclose(levelled(x, 2 * half), x - plain, atol=1e-14)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_mode_follows_a_steady_force_exactly(compiled, monkeypatch):
+    """A force that turns steadily meets the mode's response 1/(s - p) once what began is gone."""
+    if not compiled:
+        monkeypatch.setattr(kernel, "_compiled", lambda _: None)
+    rate, w, p = 50.0, 70.0, -6.0 + 80.0j
+    forces = np.exp(1j * w * np.arange(600) / rate) * np.array([[1.0], [2.0j]])
+    spin = np.full(600, 1j * w)
+    answer = kernel.answered(forces, spin, np.exp(-spin / rate), p, np.exp(p / rate), 3.0)
+    ahead = (
+        np.array([[1.0], [2.0j]]) * np.exp(-1j * w / rate) * np.exp(p / rate) ** np.arange(1, 601)
+    )
+    expected = 3.0 / (p - 1j * w) * (ahead - forces)
+    np.testing.assert_allclose(answer, expected, rtol=1e-9)
+
+
+def test_what_is_remembered_is_a_filter(monkeypatch):
+    force = np.random.default_rng(2).normal(size=(2, 100)) + 0j
+    compiled = kernel.remembered(force, 0.9 - 0.2j)
+    np.testing.assert_allclose(compiled, lfilter([1], [1, -0.9 + 0.2j], force), rtol=1e-9)
+    monkeypatch.setattr(kernel, "_compiled", lambda _: None)
+    np.testing.assert_allclose(kernel.remembered(force, 0.9 - 0.2j), compiled, rtol=1e-9)
