@@ -58,7 +58,8 @@ def test_sheet_volume_of_a_u():
     assert solid(U).volume == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("part", [U, replace(U, gusset=6 * mm, gusset_height=60 * mm), L,
+@pytest.mark.parametrize("part", [U, replace(U, height=40 * mm), replace(U, height=16 * mm),
+                                  replace(U, gusset=6 * mm, gusset_height=60 * mm), L,
                                   replace(L, gusset=8 * mm, gusset_height=50 * mm)])  # fmt: skip
 def test_faces_have_their_areas(part):
     made = solid(part)
@@ -458,3 +459,17 @@ def test_the_command_judges_a_file(tmp_path):
     arrays = {a.get("Name"): a for a in grid.iter("DataArray")}
     stress = [n for n in arrays if n.endswith(": stress")]
     assert arrays[stress[0]].get("NumberOfComponents") == "6"
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"depth": 62 * mm}, "two rows of washers"),  # their rings would overlap
+        ({"bolt_edge": 30 * mm, "width": 80 * mm, "wall_width": 78 * mm, "depth": 120 * mm},
+         "two washers"),
+        ({"gusset": 8 * mm, "gusset_height": 5 * mm}, "gusset's end"),  # ended the kernel
+    ],
+)  # fmt: skip
+def test_an_l_whose_washers_or_gusset_find_no_room_is_refused(changed, said):
+    with pytest.raises(DesignError, match=said):
+        replace(L, **changed)

@@ -128,7 +128,9 @@ def _u(part: UShape) -> Any:
         return occ.Pnt(-w / 2, y, z)
 
     def line(*points: tuple[float, float]) -> list[Any]:
-        return [occ.Segment(at(*a), at(*b)) for a, b in itertools.pairwise(points)]
+        # Where the bend ends at the seat there is no leg, and a line of no length ends the kernel.
+        pairs = [p for p in itertools.pairwise(points) if np.hypot(*np.subtract(*p)) > _NEAR]
+        return [occ.Segment(at(*a), at(*b)) for a, b in pairs]
 
     def arc(centre: tuple[float, float], radius: float, start: float, end: float) -> Any:
         angles = np.radians([start, (start + end) / 2, end])
@@ -262,10 +264,12 @@ def _named(face: Any, part: UShape | LShape) -> str:
     if low[2] > part.height / mm - _NEAR * 100:
         return MOUNT
     bore = part.seat_diameter / 2 / mm
-    half = (part.width if isinstance(part, UShape) else part.thickness) / 2 / mm
+    u = isinstance(part, UShape)
+    half, top = (part.width if u else part.thickness) / 2 / mm, 0.0 if u else bore
     reach = np.abs(np.stack([low, high])).max(axis=0)
-    # The kernel's boxes are a little loose, so the seat is told by a tenth of a millimetre.
-    if reach[0] < half + 0.1 and max(reach[1], reach[2]) < bore + 0.1:
+    # The kernel's boxes are a little loose, so the seat is told by a tenth of a millimetre. A
+    # U's ends at the axis: the legs of a low one reach no farther than its round.
+    if reach[0] < half + 0.1 and max(reach[1], -low[2]) < bore + 0.1 and high[2] < top + 0.1:
         return SEAT
     return FREE
 

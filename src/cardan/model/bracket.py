@@ -141,14 +141,19 @@ class LShape:
                  "the wall below the root's fillet, above the centre,")  # fmt: skip
         _at_most(part, "bolt_diameter", 1.1 * self.bolt_diameter, self.bolt_edge,
                  "the edge, for a washer")  # fmt: skip
-        _at_most(part, "bolt_edge", 2 * self.bolt_edge + t + self.fillet + self.bolt_diameter,
-                 self.depth, "the plate's depth, for two rows of bolts,")  # fmt: skip
+        washer = 2.2 * self.bolt_diameter
+        _at_most(part, "bolt_edge", self.bolt_edge, self.depth - t - self.fillet - 1.5 * washer,
+                 "the plate's depth, for two rows of washers,")  # fmt: skip
+        _at_most(part, "bolt_edge", self.bolt_edge, (self.width - washer) / 2,
+                 "the plate's width, for two washers,")  # fmt: skip
         if self.gusset:
             _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
             room = self.brace - self.seat_diameter / 2
             _at_most(part, "gusset", self.gusset, room, "the room between the bore and the bolts")
             room = self.height - t
             _at_most(part, "gusset_height", self.gusset_height, room, "the wall above the bearing")
+            room = self.gusset_height - t / 2
+            _at_most(part, "fillet", self.fillet, room, "the gusset's end below the plate")
 
     @property
     def brace(self) -> Metre:
