@@ -1,7 +1,9 @@
 """What takes long on the workbench: asked, told part by part, stopped; and what it answers."""
 
 import json
+import os
 import shlex
+import signal
 import subprocess
 import sys
 from base64 import b64decode
@@ -42,6 +44,29 @@ def job(name, text=TRUCK, parts=None, lang="en", **args):
 
 
 # ------------------------------------------------------------------ how they run
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="holds a process still")
+def test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes(house):
+    """The limits had come 17 s after they were asked for, behind a bracket."""
+    with page(house) as one:
+        one.hello()
+        text = one.open()["saved"]
+        one.say("ask", id=1, text=text)
+        one.hear("full")
+        one.say("job", id=2, job="torsion", text=text, args={})
+        one.hear("part")
+        pid = house.lanes.work.pid
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            for number in (3, 4):
+                one.say("job", id=number, job="limits", text=text, args={})
+            one.say("cancel", id=3)
+            assert {one.hear("done")["id"] for _ in range(2)} == {3, 4}
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        one.say("cancel", id=2)
+        assert one.hear("done")["fault"] == "cancelled"
 
 
 @pytest.mark.slow

@@ -8,6 +8,9 @@ from cardan.border.document import LONGEST
 MOST = 4
 """Jobs of one page at a time; they are done one after another."""
 
+LIGHT = frozenset({"limits", "deviate", "script", "moved", "ghost", "guided", "pasted"})
+"""Jobs that are done at once: they do not wait behind those that take minutes."""
+
 VARIANTS = 12
 """Variants of a file that are kept."""
 

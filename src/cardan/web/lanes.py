@@ -121,7 +121,8 @@ class Lanes(NamedTuple):
     quick: Lane
     """A change, a hand's line, a slider."""
     limits: Lane
-    """What a hand's move makes of the limits, while the line moves on. It starts after `quick`."""
+    """What a hand's move makes of the limits, while the line moves on; light jobs. It starts after
+    `quick`."""
     slow: Lane
     """The verdict, and what would help."""
     work: Lane

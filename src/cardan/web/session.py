@@ -220,6 +220,7 @@ class Session:
             raise Wrong
         task = self._jobs[number] = asyncio.create_task(self._work(question))
         task.add_done_callback(lambda _: self._jobs.pop(number, None))
+        await asyncio.sleep(0)  # it begins: who is cancelled before would tell nobody
 
     async def _bring(self, said: Json) -> None:
         why = await asyncio.to_thread(self.parcel.begin, said)
@@ -257,14 +258,17 @@ class Session:
             task.cancel()
 
     async def _work(self, question: Json) -> None:
-        """Answer what takes long, part by part; who cancels it ends the process it is done in."""
+        """Answer a job, part by part; who cancels one that takes long ends the process it is in."""
         which = {"id": question["id"], "job": question["job"]}
 
         async def part(told: Json) -> None:
             await self._tell("part", **which, part=told)
 
         try:
-            answer = await self.lanes.work.ask(question, part)
+            if question["job"] in jobs.LIGHT:
+                answer = await asyncio.shield(self.lanes.limits.ask(question, part))
+            else:
+                answer = await self.lanes.work.ask(question, part)
         except asyncio.CancelledError:
             await self._tell("done", **which, fault="cancelled")
             return
