@@ -23,7 +23,7 @@ def angle(*, thickness, fillet, depth=70.0):
     sizes = {
         "seat_diameter": 80, "width": 190, "wall_width": 170, "depth": depth,
         "thickness": thickness, "height": 90, "rim": 15, "fillet": fillet, "bolt_diameter": 11,
-        "bolt_edge": 20,
+        "bolt_edge": 17,
     }  # fmt: skip
     return LShape(**{name: value * mm for name, value in sizes.items()})
 
