@@ -618,6 +618,8 @@ RECORDED = (
 )  # fmt: skip
 
 BRACKET = (
+    mutant("bracket/gauges.py", "steps = np.diff(grid.of(nodes, nodes.points), axis=0)", "steps = np.diff(grid.points, axis=0)",
+           "a gauge on a round is as long as its facets", "unit/test_bracket_units.py"),
     mutant("bracket/stress.py", "+ 3 * (xy**2 + yz**2 + zx**2)\n    )",
            "+ 6 * (xy**2 + yz**2 + zx**2)\n    )", "shear counts twice in von Mises",
            "unit/test_bracket_arrays.py::test_von_mises_from_principal_stresses"),

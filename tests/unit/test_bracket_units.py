@@ -115,6 +115,21 @@ def test_a_mirrored_bracket_has_mirrored_gauges(units):
     assert B[0, 2] == pytest.approx(B[1, 2], abs=0.01 * B[0, 1])
 
 
+@pytest.mark.parametrize(
+    ("at", "along"),
+    [((0, 56, 20), (0, 0, 1)), ((0, 0, -56), (0, 1, 0)), ((20, -40, -39), (1, 1, 0))],
+)
+def test_a_gauge_reads_straight_fields_exactly_on_flat_and_round(units, at, along):
+    """Swollen by a thousandth it reads that, turned as a whole nothing, wherever it lies."""
+    from cardan.bracket.gauges import _reading
+
+    points = units.elastic.nodes.points
+    turn = 1e-3 * np.cross([1.0, 2.0, 3.0], points)
+    motion = np.stack([1e-3 * points, turn], axis=1)
+    gauge = Gauge(name="S", point=tuple(v * mm for v in at), direction=along, length=6 * mm)
+    assert _reading(units, motion, gauge) == pytest.approx([1e-3, 0], abs=1e-12)
+
+
 def test_a_gauge_reads_the_mean_along_its_grid():
     """A bar in bending has strain linear along it, so the length of the grid does not matter."""
     occ = engine().occ
