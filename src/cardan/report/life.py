@@ -178,11 +178,12 @@ def _more(of: Heard) -> dict[str, Any]:
 def _misread(of: OtherWay) -> dict[str, Any]:
     """Return where a bus wrote no value, and the answer with that taken otherwise."""
     own = of.misread
-    size = {"rpm": own.speed * 60} if math.isnan(own.torque) else {"torque_Nm": own.torque}
+    torque = {} if math.isnan(own.torque) else {"torque_Nm": own.torque}
     return {
         "channel": own.channel,
         "kind": SENTINEL,
-        **size,
+        "rpm": None if torque else own.speed * 60,
+        **torque,
         "count": len(own.runs),
         "seconds": float((own.runs[:, 1] - own.runs[:, 0]).sum()),
         "places": [{"from_s": a, "to_s": b} for a, b in own.runs[:MOST].tolist()],
