@@ -33,7 +33,7 @@ from cardan.study.approval import Approval
 from cardan.study.breed import bred
 from cardan.study.draw import Drawing, Points
 from cardan.study.foretell import Foretold, foretold
-from cardan.study.rare import FAR, Rare, rare
+from cardan.study.rare import Rare, rare
 from cardan.study.reduce import (
     Map,
     Reduction,
@@ -102,6 +102,8 @@ class Studied:
         Each variant, where they were kept.
     rare
         How often limits fail that variants hardly ever did, where that was asked.
+    beyond
+        Those of them of which no failure was found that is near enough to count.
     foretold
         The yield of many more, foretold from those asked, where that was asked.
     seconds
@@ -114,6 +116,7 @@ class Studied:
     states: Mapping[str, State]
     rows: Sweep | None = None
     rare: tuple[Rare, ...] = ()
+    beyond: tuple[Rare, ...] = ()
     foretold: Foretold | None = None
     seconds: float = 0.0
 
@@ -327,10 +330,11 @@ def study(
             )  # fmt: skip
         except KeyboardInterrupt:
             stopped = True
+    hardly = () if stopped or not asked.rare else tuple(_rare(bench, told["counts"]))
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
-        rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
+        rare=tuple(r for r in hardly if not r.far), beyond=tuple(r for r in hardly if r.far),
         foretold=None if stopped or not asked.foretold else foretold(
             bench.drawing, told["taught"], count=asked.foretold, start=count,
             confidence=asked.confidence, workers=workers,
@@ -414,15 +418,11 @@ def _told(
 
 
 def _rare(bench: Bench, counts: State) -> Iterator[Rare]:
-    """Yield how often limits fail that hardly ever did: those that stand nearest to failure."""
+    """Yield how often limits fail that hardly ever did."""
     fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
-    hardly = [
-        k
-        for k, (_, limit) in enumerate(bench.limits)
-        if limit.maximum is not None and answered[k] and fails[k] < HARDLY
-    ]
-    found = (rare(bench, k) for k in hardly)
-    yield from (one for one in found if one.first_order and one.first_order.beta < FAR)
+    for k, (_, limit) in enumerate(bench.limits):
+        if limit.maximum is not None and answered[k] and fails[k] < HARDLY:
+            yield rare(bench, k)
 
 
 # --------------------------------------------------------------------------- rows
