@@ -18,6 +18,9 @@ from cardan.base.errors import DesignError, NotConverged
 Limit: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
+STUCK = 4
+"""Steps one after the other that lead nowhere: there the limit state jumps."""
+
 NEVER = 38.0
 """Standard deviations beyond which a chance is below the smallest number there is."""
 
@@ -169,6 +172,7 @@ def form(
     if start is not None:
         u = start
         g, slope = gradient(u)
+    stuck = 0
     for _ in range(steps):
         size2 = float(slope @ slope)
         if not (math.isfinite(size2) and size2 > 0) or u @ u > beyond**2:
@@ -188,9 +192,12 @@ def form(
             if math.isfinite(value) and 0.5 * trial @ trial + price * abs(value) < merit:
                 break
             step /= 2
+        stuck = stuck + 1 if step <= 1e-4 else 0
+        if stuck == STUCK:
+            break
         u = u + step * towards
         g, slope = gradient(u)
-    msg = f"no design point after {steps} steps; the limit state is {g:g} at u = {u}"
+    msg = f"no design point within {steps} steps; the limit state is {g:g} at u = {u}"
     raise NotConverged(msg)
 
 
@@ -244,7 +251,7 @@ def ways(
             )
         except NotConverged:
             return
-        if start is None or 0 <= one.beta < far and _apart(one.u, found) and lowest(one):
+        if start is None or (0 <= one.beta < far and _apart(one.u, found) and lowest(one)):
             found.append(one)
 
     def lowest(one: Form) -> bool:

@@ -88,7 +88,8 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
     if of.beyond:
         names = dict.fromkeys(say.name(r.limit.quantity) for r in of.beyond)
         yield say(
-            "No failure was found nearer than {far} σ, with what is chosen in the middle, of: {names}.",
+            "No failure was found nearer than {far} σ, with what is chosen in the middle, of: "
+            "{names}.",
             far=say.short(FAR), names=say.list(*names),
         )  # fmt: skip
     if of.own < of.count:
@@ -809,7 +810,9 @@ def document(of: Studied) -> dict[str, Any]:
                 "failure": r.failure,
                 "ways": len(r.ways),
                 "beta": r.first_order.beta if r.first_order else None,
-                "first_order": r.first_order.failure if r.first_order and not r.first_order.met else None,
+                "first_order": r.first_order.failure
+                if r.first_order and not r.first_order.met
+                else None,
                 "second_order": r.second_order.failure if r.second_order else None,
                 "standard_error": r.sampled.error if r.sampled else None,
                 "most_likely": dict(zip(drawn.names, r.inputs.tolist(), strict=True)),

@@ -117,9 +117,7 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
     if not every:
         return Rare(line=line, limit=limit, ways=(), inputs=scatter.centre)
     nearest = every[0]
-    found = Rare(
-        line=line, limit=limit, ways=every, inputs=scatter.at_normal(nearest.u[None])[0]
-    )
+    found = Rare(line=line, limit=limit, ways=every, inputs=scatter.at_normal(nearest.u[None])[0])
     if abs(nearest.beta) >= FAR:
         return found
     around = every if nearest.beta > NEAR else ()
