@@ -149,6 +149,14 @@ def test_correlations_that_contradict_each_other_are_refused():
         drawing(Variants(tolerances=tolerances, correlated=pairs[:1], ask=Ask(sobol=True)), known)
 
 
+def test_tolerances_that_go_together_are_told():
+    pair = ("driveline.slopes.side_deg[1]", "driveline.slopes.side_deg[2]")
+    asked = replace(variants_of({}, TOLERANCES), correlated=((*pair, 0.5),))
+    found = study(application(), asked, count=20)
+    assert f"{pair[0]} with {pair[1]} 0.5" in "\n".join(report.terminal(found))
+    assert report.document(found)["correlated"] == [{"between": list(pair), "correlation": 0.5}]
+
+
 @pytest.mark.parametrize("signs", [(-0.5, -0.5, -0.5), (0.6, 0.8, 0.0)])
 def test_correlations_that_tie_a_number_to_others_are_told_as_that(signs):
     """Three that add up to nothing: no contradiction, but what weighs them divides by nothing."""

@@ -92,6 +92,14 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "{names}.",
             far=say.short(FAR), names=say.list(*names),
         )  # fmt: skip
+    if of.variants.correlated:
+        pairs = [
+            say("{one} with {other} {r}", one=one, other=other, r=say.short(r))
+            for one, other, r in of.variants.correlated
+        ]
+        yield say(
+            "Tolerances that go together, by their correlation: {pairs}.", pairs=say.list(*pairs)
+        )
     if of.own < of.count:
         yield say(
             "Shares are of the {own} variants drawn by themselves; the others share the variance "
@@ -770,6 +778,9 @@ def document(of: Studied) -> dict[str, Any]:
                 "tolerance": f.tolerance,
             }
             for f in (*drawn.grids, *drawn.factors)
+        ],
+        "correlated": [
+            {"between": [one, other], "correlation": r} for one, other, r in of.variants.correlated
         ],
         "read_anew": list(of.bench.single),
         "shares": of.shares,
