@@ -251,16 +251,8 @@ def ways(
             )
         except NotConverged:
             return
-        if start is None or (0 <= one.beta < far and _apart(one.u, found) and lowest(one)):
+        if start is None or (0 <= one.beta < far and _apart(one.u, found)):
             found.append(one)
-
-    def lowest(one: Form) -> bool:
-        """Return whether nothing fails nearer on the way to others: no edge between two of them."""
-        if not found:
-            return True
-        towards = np.stack([one.u + 0.25 * (f.u - one.u) for f in found])
-        size = 0.99 * one.beta / np.linalg.norm(towards, axis=-1, keepdims=True)
-        return bool((limit(_values(size * towards, variables)) > 0).all())
 
     seek(None, 100)
     if found and found[0].beta <= 0:
