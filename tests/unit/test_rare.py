@@ -1,11 +1,16 @@
 """Rare failures by the first order and by dice about them, against plain dice."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import ndtr
 from scipy.stats import ncx2
 
 from cardan import files
+from cardan.base.errors import CardanError
+from cardan.fatigue.reliability import Normal, monte_carlo, ways
+from cardan.files.study import read as read_study
 from cardan.model.variants import Ask
 from cardan.report import study as report
 from cardan.study.rare import rare
@@ -69,6 +74,92 @@ def test_a_round_failure_is_known_in_closed_form():
     assert abs(found.sampled.failure - second.failure) < 4 * found.sampled.error + 0.03 * exact
 
 
+STRAIGHT, TWO = "[0.0, 0.0, 0.0, 0.0]", 0.1 * 2**0.5
+ONE = {"driveline.slopes.side_deg[1]": {"normal": 0.1}}
+
+
+@pytest.mark.parametrize(
+    ("slopes", "limit", "scatter", "exact", "ways"),
+    [
+        # A straight line bends either way, at each of its three joints.
+        (STRAIGHT, 4 * TWO, SIDE, 6 * ndtr(-4), 6),
+        # Three joints with the same angle.
+        ("[3.0, 0.0, 3.0, 0.0]", 3 + 4 * TWO, SIDE, 3 * ndtr(-4), 3),
+        # One joint, nearly straight: either way, one a little farther.
+        ("[0.02, 0.0, 0.0, 0.0]", 0.4, ONE, ndtr(-3.8) + ndtr(-4.2), 2),
+        # Only one joint is near.
+        ("[3.0, 1.0, 4.5, 2.0]", 3.5 + 4 * TWO, SIDE, ndtr(-4), 1),
+    ],
+)
+def test_several_ways_to_fail_are_told_together(slopes, limit, scatter, exact, ways):
+    """The nearest alone told a sixth, a third and five sixths; of a straight line nothing."""
+    text = LINE.replace("LIMIT", str(limit)).replace("[3.0, 1.0, 4.5, 2.0]", slopes)
+    found = rare(Bench.of(files.loads(text), variants_of({}, scatter)), 0, draws=4096)
+    assert len(found.ways) == ways
+    assert abs(found.sampled.failure - exact) < 4 * found.sampled.error
+    assert found.sampled.error < 0.1 * exact
+
+
+def test_without_dice_all_ways_are_summed():
+    text = LINE.replace("LIMIT", str(4 * TWO)).replace("[3.0, 1.0, 4.5, 2.0]", STRAIGHT)
+    found = rare(Bench.of(files.loads(text), variants_of({}, SIDE)), 0, draws=0)
+    # That two joints bend at once, far too much both, is rarer by far.
+    assert found.failure == pytest.approx(6 * ndtr(-4), rel=1e-3)
+
+
+def test_a_failure_all_around_is_known_in_closed_form():
+    """A straight joint in two views: Rayleigh, exp(-r²/2)."""
+    both = {f"driveline.slopes.{view}_deg[1]": {"normal": 0.1} for view in ("side", "top")}
+    text = LINE.replace("LIMIT", "0.4").replace("[3.0, 1.0, 4.5, 2.0]", STRAIGHT)
+    found = rare(Bench.of(files.loads(text), variants_of({}, both)), 0, draws=8192)
+    assert abs(found.sampled.failure - np.exp(-8)) < 4 * found.sampled.error
+    assert found.sampled.error < 0.1 * np.exp(-8)
+
+
+def test_where_no_search_ends_what_dice_meet_is_sampled():
+    """Stairs: they lead nowhere, but the share that lies beyond the last is known."""
+    steps = [Normal(mean=0.0, deviation=1.0)] * 2
+
+    def stairs(x):
+        return np.where(x[..., 0] + x[..., 1] > 3.0 * 2**0.5, -1.0, 1.0)
+
+    (one,) = ways(stairs, steps)
+    assert one.met
+    assert 3.0 <= one.beta < 4.0
+    sampled = monte_carlo(stairs, steps, samples=4096, seed=1, around=[one])
+    assert abs(sampled.failure - ndtr(-3)) < 4 * sampled.error < 0.5 * ndtr(-3)
+    assert ways(lambda x: np.ones(x.shape[:-1]), steps) == ()
+
+
+@pytest.mark.parametrize(("beyond", "exact"), [(0.0, 0.5), (-2.0, ndtr(2))])
+def test_a_nominal_that_fails_or_just_does_is_sampled_plainly(beyond, exact):
+    found = rare(bench(3.5 + beyond * TWO), 0)
+    assert found.first_order.beta == pytest.approx(beyond, abs=1e-3)
+    assert abs(found.sampled.failure - exact) < 4 * found.sampled.error < 0.07
+
+
+def test_tolerances_that_go_together_count():
+    """Slopes that go up together leave the angle between them narrower."""
+    pair = ("driveline.slopes.side_deg[2]", "driveline.slopes.side_deg[3]")
+    wide = 0.1 * (2 * (1 - 0.8)) ** 0.5
+    variants = replace(variants_of({}, SIDE), correlated=((*pair, 0.8),))
+    text = LINE.replace("LIMIT", str(3.5 + 4 * wide))
+    found = rare(Bench.of(files.loads(text), variants), 0)
+    assert found.first_order.beta == pytest.approx(4, abs=1e-3)
+    assert abs(found.sampled.failure - ndtr(-4)) < 4 * found.sampled.error
+
+
+def test_what_nothing_scatters_has_no_odds(tmp_path):
+    application = files.loads(LINE.replace("LIMIT", "4.1"))
+    for vary in ({"shim_deg": [-1, 1]}, {"shim_deg": {"normal": 0.1}}):
+        with pytest.raises(ValueError, match="rare: needs tolerances"):
+            study(application, variants_of(vary, ask=Ask(rare=True)), count=20)
+    path = tmp_path / "study.yaml"
+    path.write_text("vary: {shim_deg: [-1, 1]}\nask: {rare: true}\n")
+    with pytest.raises(CardanError, match=r"study.yaml:2:1: ask: rare: needs tolerances"):
+        read_study(path, application)
+
+
 def test_without_dice_the_second_order_tells():
     found = rare(bench(4.1), 0, draws=0)
     assert found.sampled is None
@@ -100,5 +191,8 @@ def test_a_study_tells_what_it_hardly_ever_saw():
     (listed,) = report.document(found)["rare"]
     assert listed["failure"] == pytest.approx(one.failure)
     assert listed["second_order"] == pytest.approx(exact, rel=0.02)
+    # The joint's own angle is far.
+    assert "No failure was found nearer than 6 σ" in said
+    assert report.document(found)["rare_beyond"] == ["joint_speed"]
     (told,) = (t for t in report.tables(found) if "second order" in t.head)
     assert told.rows[0][told.head.index("second order")].startswith("1 in ")

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from itertools import pairwise
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +147,24 @@ def test_correlations_that_contradict_each_other_are_refused():
         drawing(Variants(tolerances=tolerances, correlated=pairs), known)
     with pytest.raises(ValueError, match="independent"):
         drawing(Variants(tolerances=tolerances, correlated=pairs[:1], ask=Ask(sobol=True)), known)
+
+
+def test_tolerances_that_go_together_are_told():
+    pair = ("driveline.slopes.side_deg[1]", "driveline.slopes.side_deg[2]")
+    asked = replace(variants_of({}, TOLERANCES), correlated=((*pair, 0.5),))
+    found = study(application(), asked, count=20)
+    assert f"{pair[0]} with {pair[1]} 0.5" in "\n".join(report.terminal(found))
+    assert report.document(found)["correlated"] == [{"between": list(pair), "correlation": 0.5}]
+
+
+@pytest.mark.parametrize("signs", [(-0.5, -0.5, -0.5), (0.6, 0.8, 0.0)])
+def test_correlations_that_tie_a_number_to_others_are_told_as_that(signs):
+    """Three that add up to nothing: no contradiction, but what weighs them divides by nothing."""
+    known = dict.fromkeys("abc", 0.0)
+    tolerances = {name: Spread(kind="normal", values=(1.0,)) for name in known}
+    pairs = tuple((*p, r) for p, r in zip(("ab", "ac", "bc"), signs, strict=True))
+    with pytest.raises(ValueError, match="leave one number no freedom of its own"):
+        drawing(Variants(tolerances=tolerances, correlated=pairs), known)
 
 
 # --------------------------------------------------------------------------- against NumPy
@@ -453,6 +471,25 @@ def test_threads_and_processes_come_to_the_same_bits():
         same(alone, study(application(), variants, count=300, shard=60, executor=pool, workers=2))
 
 
+@pytest.mark.skipif(os.name == "nt", reason="has no such signal")
+def test_a_killed_process_is_told_and_what_is_done_is_kept(tmp_path):
+    variants = variants_of(VARY, TOLERANCES, ask=ASK)
+    whole = study(application(), variants, count=600, shard=60)
+
+    def kill(progress):
+        if progress.done == 60:
+            active_children()[0].kill()
+
+    with (
+        pytest.raises(CardanError, match=r"a process that asked a shard was killed; .*--resume"),
+        shards.workers_of("processes", 1) as pool,
+    ):
+        study(
+            application(), variants, count=600, shard=60, folder=tmp_path, executor=pool, hear=kill
+        )
+    same(whole, study(application(), variants, count=600, shard=60, folder=tmp_path, resume=True))
+
+
 def test_what_was_stopped_goes_on_to_the_same_bits(tmp_path):
     variants = variants_of(VARY, TOLERANCES, ask=ASK)
     whole = study(application(), variants, count=600, shard=60, folder=tmp_path / "whole")
@@ -489,8 +526,99 @@ def test_a_folder_is_of_one_study(tmp_path):
     with pytest.raises(CardanError, match=r"holds another study, with other .*seed"):
         study(application(), variants, count=20, folder=tmp_path, resume=True, seed=1)
     other = files.loads(LINE.replace("3000", "3001"))
-    with pytest.raises(CardanError, match="holds another study, with other the application"):
+    with pytest.raises(CardanError, match="with other application: name another folder"):
         study(other, variants, count=20, folder=tmp_path, resume=True)
+    other = files.loads(LINE.replace("maximum: 500", "maximum: 501"))
+    with pytest.raises(CardanError, match="with other application, limits: name another"):
+        study(other, variants, count=20, folder=tmp_path, resume=True)
+    asked = replace(variants, ask=Ask(quantiles=(0.5,)))
+    with pytest.raises(CardanError, match="with other vary, tolerances or ask: name another"):
+        study(application(), asked, count=20, folder=tmp_path, resume=True)
+    # Fewer would leave variants lying there that nothing is told of.
+    with pytest.raises(CardanError, match=r"holds 20 variants, more than 19: .*\(--n 20\)"):
+        study(application(), variants, count=19, folder=tmp_path, resume=True)
+    for broken in ("", "[]", "{}"):
+        (tmp_path / MANIFEST).write_text(broken)
+        with pytest.raises(CardanError, match=r"manifest\.json is none of this version's"):
+            study(application(), variants, count=20, folder=tmp_path, resume=True)
+
+
+@pytest.mark.parametrize("bytes_", [0, 300])
+def test_half_a_shard_and_lost_rows_are_asked_again(tmp_path, bytes_):
+    variants = variants_of({}, TOLERANCES, ask=Ask(rows="float64"))
+    study(application(), variants, count=60, shard=20, folder=tmp_path)
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    (tmp_path / "shard-000001.npz").write_bytes(before["shard-000001.npz"][:bytes_])
+    (rows,) = tmp_path.glob("rows-000002.*")
+    rows.unlink()
+    study(application(), variants, count=60, shard=20, folder=tmp_path, resume=True)
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+OURS = """
+profile: ours
+limits:
+  - {quantity: joint_angle, unit: deg, maximum: 3.7, source: ours}
+"""
+
+
+def test_a_limits_file_that_changes_while_a_study_runs_stops_it(tmp_path):
+    (tmp_path / "ours.yaml").write_text(OURS)
+    (tmp_path / "line.yaml").write_text(LINE[: LINE.index("limits:")] + "limits: ours.yaml\n")
+    truck, variants = files.read(tmp_path / "line.yaml"), variants_of({}, TOLERANCES)
+
+    def meddle(progress):
+        if progress.done:
+            (tmp_path / "ours.yaml").write_text(OURS.replace("3.7", "3.75"))
+
+    with pytest.raises(CardanError, match="files that it names changed while the study ran"):
+        study(truck, variants, count=60, shard=20, folder=tmp_path / "o", hear=meddle)
+    changed = files.read(tmp_path / "line.yaml")
+    with pytest.raises(CardanError, match="with other limits, files that it names: name"):
+        study(changed, variants, count=60, shard=20, folder=tmp_path / "o", resume=True)
+
+
+def test_a_worker_elsewhere_finds_the_files_and_says_where_it_has_others(tmp_path, monkeypatch):
+    """As in another folder of a cluster: a path that goes from here leads nowhere there."""
+    (tmp_path / "ours.yaml").write_text(OURS)
+    (tmp_path / "line.yaml").write_text(LINE[: LINE.index("limits:")] + "limits: ours.yaml\n")
+    monkeypatch.chdir(tmp_path)
+    job = Job.of(files.read(Path("line.yaml")), variants_of({}, TOLERANCES))
+    here = job.shard(0, 20)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    shards._bench.cache_clear()
+    there = job.shard(0, 20)
+    np.testing.assert_array_equal(here.states["counts"]["grades"], there.states["counts"]["grades"])
+    assert not there.states["counts"]["refused"]
+    shards._bench.cache_clear()
+    (tmp_path / "ours.yaml").write_text(OURS.replace("3.7", "3.75"))
+    with pytest.raises(CardanError, match="a worker has other files that it names than where"):
+        job.shard(0, 20)
+    (tmp_path / "ours.yaml").unlink()
+    with pytest.raises(
+        CardanError, match=r"ours.yaml, which the application names, cannot be read"
+    ):
+        job.shard(0, 20)
+
+
+def test_a_grid_by_itself_is_asked_once():
+    grid = {"driveline.slopes.side_deg[1]": {"grid": [2.0, 4.0, 5]}}
+    found = study(application(), variants_of({**grid}), count=1000)
+    assert (found.count, found.drawing.period) == (5, 5)
+    # With something drawn each round of the grid is another.
+    assert study(application(), variants_of({**grid, "shim_deg": [-1, 1]}), count=12).count == 15
+
+
+def test_what_cannot_exist_is_not_among_the_worst():
+    """Nothing decides it: it named the first limit, with an infinite margin."""
+    wild = {"driveline.shafts[1].centre_bearing.from_rear_joint_mm": {"normal": 900.0}}
+    found = study(application(), variants_of({}, wild, ask=Ask(worst=40)), count=40)
+    refused = int(found.states["counts"]["refused"])
+    assert 0 < refused < 40
+    told = report.document(found)["worst"]
+    assert len(told) == 40 - refused
+    assert all(np.isfinite(one["margin"]) for one in told)
 
 
 def test_rows_are_kept_as_asked(tmp_path):
@@ -510,11 +638,11 @@ PRINTS = """
 import sys
 from pathlib import Path
 from cardan import files
-from cardan.study.shards import Job, _print
+from cardan.study.shards import Job
 from cardan.study.sweep import variants_of
 for path in map(Path, sys.argv[1:]):
     variants = variants_of({}, {"driveline.points_mm[*]": {"normal": 1.0}})
-    print(_print(Job(application=files.read(path), variants=variants, seed=0, points=None)))
+    print(Job.of(files.read(path), variants).prints)
 """
 
 
@@ -530,7 +658,7 @@ def test_another_process_knows_the_study_again():
         for seed in ("1", "2")
     }  # fmt: skip
     assert len(prints) == 1
-    assert len(set(prints.pop().split())) == len(trucks)
+    assert len(set(prints.pop().splitlines())) == len(trucks)
 
 
 KILLED = """
@@ -574,7 +702,7 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bits(tmp_path, shards_befor
 def test_a_job_crosses_to_another_process_whole():
     import pickle
 
-    job = Job(application=application(), variants=variants_of({}, TOLERANCES), seed=1, points=None)
+    job = Job.of(application(), variants_of({}, TOLERANCES), seed=1)
     there = pickle.loads(pickle.dumps(job))
     a, b = job.shard(0, 30), there.shard(0, 30)
     np.testing.assert_array_equal(a.states["counts"]["grades"], b.states["counts"]["grades"])
@@ -743,6 +871,7 @@ def test_the_command_goes_on_in_its_folder(tmp_path):
         (("--resume",), STUDY, "name it with --out"),
         ((), "", "has no study: say what varies"),
         (("--executor", "tcp://localhost:1"), STUDY, "cardan[cluster]"),
+        (("--executor", "thread"), STUDY, "threads, processes or the address of a Dask cluster"),
         ((), STUDY.replace("rows: float32", "sobol: true"), "independent inputs"),
     ],
 )

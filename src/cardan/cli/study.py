@@ -103,6 +103,12 @@ def study(
     if resume and folder is None:
         msg = "--resume goes on with a folder: name it with --out"
         raise DesignError(msg)
+    if executor not in ("threads", "processes") and ":" not in executor:
+        msg = (
+            f"--executor must be threads, processes or the address of a Dask cluster, as "
+            f"tcp://host:8786 (got {executor})"
+        )
+        raise DesignError(msg)
     outputs = claim(file, beside, limits, json_out=json_out, html=html, pdf=pdf)
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     variants = application.variants

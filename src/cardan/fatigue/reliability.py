@@ -18,6 +18,13 @@ from cardan.base.errors import DesignError, NotConverged
 Limit: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
+STUCK = 4
+"""Steps one after the other that lead nowhere: there the limit state jumps."""
+
+NEVER = 38.0
+"""Standard deviations beyond which a chance is below the smallest number there is."""
+
+
 class Variable(Protocol):
     """A scattered quantity: its value (...) where a standard normal number is u (...)."""
 
@@ -101,12 +108,15 @@ class Form:
         The same in standard normal space.
     importance : (n,) 1
         Share of β² each quantity carries; sums to 1.
+    met
+        Whether dice met it, and it is no design point: then Φ(-β) tells nothing.
     """
 
     beta: float
     point: FloatArray
     u: FloatArray
     importance: FloatArray
+    met: bool = False
 
     @property
     def failure(self) -> float:
@@ -115,7 +125,13 @@ class Form:
 
 
 def form(
-    limit: Limit, variables: Sequence[Variable], *, tolerance: float = 1e-10, steps: int = 200
+    limit: Limit,
+    variables: Sequence[Variable],
+    *,
+    start: FloatArray | None = None,
+    tolerance: float = 1e-10,
+    steps: int = 200,
+    beyond: float = NEVER,
 ) -> Form:
     """First-order reliability method: the nearest point of failure.
 
@@ -125,10 +141,13 @@ def form(
         g(x) of x (..., n); fails below 0. Smooth near the design point.
     variables
         The n scattered quantities, independent.
+    start : (n,) 1
+        Where the search begins in standard normal space; in the middle by default. From
+        elsewhere it may find another way to fail (`ways`).
     tolerance
         Of the design point, in standard deviations.
-    steps
-        Before giving up.
+    steps, beyond
+        Before giving up; and standard deviations, where no failure counts.
 
     Raises
     ------
@@ -141,26 +160,27 @@ def form(
     Kiureghian (1995). Exact where the limit state is linear in standard normal space, as it
     is for logarithms of lognormals. Central differences, evaluated together.
     """
-    n = len(variables)
-    h = 1e-5
 
     def gradient(u: FloatArray) -> tuple[float, FloatArray]:
-        around = np.concatenate([u[None], u + h * np.eye(n), u - h * np.eye(n)])
-        g = limit(_values(around, variables))
-        return float(g[0]), (g[1 : n + 1] - g[n + 1 :]) / (2 * h)
+        g, slope = _slopes(limit, variables, u[None])
+        return float(g[0]), slope[0]
 
-    u = np.zeros(n)
+    u = np.zeros(len(variables))
     g, slope = gradient(u)
-    scale = abs(g) or 1.0
+    scale = max(abs(g), float(np.linalg.norm(slope))) or 1.0  # g is 0 where the median just fails
     sign = 1.0 if g >= 0 else -1.0
+    if start is not None:
+        u = start
+        g, slope = gradient(u)
+    stuck = 0
     for _ in range(steps):
         size2 = float(slope @ slope)
-        if not (math.isfinite(size2) and size2 > 0):
+        if not (math.isfinite(size2) and size2 > 0) or u @ u > beyond**2:
             break
         towards = (slope @ u - g) / size2 * slope - u
         if np.linalg.norm(towards) < tolerance and abs(g) < 1e-8 * scale:
             beta = sign * float(np.linalg.norm(u))
-            share = u**2 / (u @ u) if beta else np.zeros(n)
+            share = u**2 / (u @ u) if beta else np.zeros(u.size)
             return Form(beta, _values(u, variables), u, share)
         # Shorten the step until distance plus a price for missing the surface gets less.
         price = 2 * np.linalg.norm(u) / math.sqrt(size2) + 10 / scale
@@ -172,10 +192,105 @@ def form(
             if math.isfinite(value) and 0.5 * trial @ trial + price * abs(value) < merit:
                 break
             step /= 2
+        stuck = stuck + 1 if step <= 1e-4 else 0
+        if stuck == STUCK:
+            break
         u = u + step * towards
         g, slope = gradient(u)
-    msg = f"no design point after {steps} steps; the limit state is {g:g} at u = {u}"
+    msg = f"no design point within {steps} steps; the limit state is {g:g} at u = {u}"
     raise NotConverged(msg)
+
+
+def _slopes(
+    limit: Limit, variables: Sequence[Variable], u: FloatArray, *, h: float = 1e-5
+) -> tuple[FloatArray, FloatArray]:
+    """Return g (P,) and its slopes (P, n) at points (P, n), by central differences, at once."""
+    n = u.shape[-1]
+    steps = h * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
+    g = limit(_values((u[:, None] + steps).reshape(-1, n), variables)).reshape(len(u), -1)
+    return g[:, 0], (g[:, 1 : n + 1] - g[:, n + 1 :]) / (2 * h)
+
+
+def ways(
+    limit: Limit,
+    variables: Sequence[Variable],
+    *,
+    reach: float = 4.0,
+    far: float = 6.0,
+    most: int = 8,
+    tolerance: float = 1e-10,
+) -> tuple[Form, ...]:
+    """Return the ways to fail, nearest first: a limit that is the worst of several has several.
+
+    Parameters
+    ----------
+    limit, variables, tolerance
+        As of `form`.
+    reach
+        How far out the search begins, in standard deviations, besides from the middle.
+    far
+        What lies farther away is found from the middle alone, and at twice that not at all.
+    most
+        Ways that are sought, at most.
+
+    Notes
+    -----
+    The search of `form` begins in the middle, and where planes through the ends of the axes
+    say that failure is nearest: those `2 most` ends where least is left. One way is another
+    where it lies a standard deviation from it. What no end of an axis leads to is not found.
+    Where the limit state jumps, and no search ends, the nearest of 512 draws twice as wide that
+    fail stands for a design point: samples about it are weighted back as well.
+    Where the median fails already, the nearest edge of that is all.
+    """
+    found: list[Form] = []
+
+    def seek(start: FloatArray | None, steps: int) -> None:
+        try:
+            one = form(
+                limit, variables, start=start, tolerance=tolerance, steps=steps, beyond=2 * far
+            )
+        except NotConverged:
+            return
+        if start is None or (0 <= one.beta < far and _apart(one.u, found)):
+            found.append(one)
+
+    seek(None, 100)
+    if found and found[0].beta <= 0:
+        return tuple(found)
+    axes = np.eye(len(variables))
+    # A little off the axes: on them two parts of a line often stand alike.
+    aside = np.random.default_rng(0).normal(scale=0.1, size=(2 * len(axes), len(axes)))
+    ends = reach * (np.concatenate([axes, -axes]) + aside)
+    left = limit(_values(ends, variables))
+    ends = ends[np.argsort(left, kind="stable")[: 2 * most]]
+    g, slope = _slopes(limit, variables, ends)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        planes = (((slope * ends).sum(-1) - g) / (slope**2).sum(-1))[:, None] * slope
+    away = np.linalg.norm(planes, axis=-1)
+    for k in np.argsort(away, kind="stable"):
+        if away[k] < far and len(found) < most and _apart(planes[k], found):
+            seek(planes[k], 30)  # such a plane is near, or between two ways and tells neither
+    if found:
+        return tuple(sorted(found, key=lambda f: f.beta))
+    return tuple(o for o in (_seen(limit, variables),) if o and o.beta < far)
+
+
+def _seen(limit: Limit, variables: Sequence[Variable], *, draws: int = 512) -> Form | None:
+    """Return the nearest failure that dice twice as wide meet; None where they meet none."""
+    u = 2 * np.random.default_rng(0).standard_normal((draws, len(variables)))
+    fails = u[limit(_values(u, variables)) < 0]
+    if not len(fails):
+        return None
+    nearest = fails[np.linalg.norm(fails, axis=-1).argmin()]
+    way = np.linspace(0, 1, 65)[1:, None] * nearest
+    nearest = way[(limit(_values(way, variables)) < 0).argmax()]
+    beta = float(np.linalg.norm(nearest))
+    return Form(beta, _values(nearest, variables), nearest, (nearest / beta) ** 2, met=True)
+
+
+def _apart(u: FloatArray, found: Sequence[Form]) -> bool:
+    """Return whether a point is no way to fail that was found."""
+    return all(np.linalg.norm(u - f.u) > 1.0 for f in found)
 
 
 @dataclass(frozen=True)
@@ -259,21 +374,22 @@ def monte_carlo(
     *,
     samples: int,
     seed: int,
-    around: Form | None = None,
+    around: Form | Sequence[Form] = (),
 ) -> Estimate:
     """Probability of failure by sampling, whatever the limit state's shape.
 
-    With `around`, samples are drawn about FORM's design point and weighted back (importance
-    sampling): a thousand do the work of millions when failure is rare.
+    With `around`, samples are drawn about FORM's design points in turn and weighted back
+    (importance sampling of a mixture): a thousand do the work of millions when failure is rare.
     """
+    about = (around,) if isinstance(around, Form) else around
+    centres = np.stack([f.u for f in about]) if about else np.zeros((1, len(variables)))
     rng = np.random.default_rng(seed)
-    shift = np.zeros(len(variables)) if around is None else around.u
     total = squares = 0.0
     left = samples
     while left:
         n = min(left, 1 << 17)
-        u = rng.standard_normal((n, len(variables))) + shift
-        weight = np.exp(0.5 * shift @ shift - u @ shift)
+        u = rng.standard_normal((n, len(variables))) + centres[np.arange(n) % len(centres)]
+        weight = 1 / np.exp(u @ centres.T - 0.5 * (centres**2).sum(-1)).mean(-1)
         fails = np.where(limit(_values(u, variables)) <= 0, weight, 0.0)
         total, squares, left = total + fails.sum(), squares + (fails**2).sum(), left - n
     mean = total / samples

@@ -208,6 +208,8 @@ class StudyTable(Table):
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
         if self.ask.search and self.tolerances:
             self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
+        if self.ask.rare and not self.tolerances:
+            self.at("ask").note("rare: needs tolerances", "say there what scatters, and how far")
         drawn = self.tolerances and not self.ask.sobol
         if self.ask.foretold and (not drawn or any(s.kind == "grid" for s in self.vary.values())):
             self.at("ask").note(

@@ -17,8 +17,10 @@ from cardan.report.story import signs
 from cardan.report.svg import FAINT, GRADED, INK, PALETTE, Figure
 from cardan.report.terminal import block
 from cardan.study.draw import Factor
+from cardan.study.rare import FAR
 from cardan.study.reduce import Indices, Map, State, cells, quantile, sobol, tighter
 from cardan.study.shards import Progress, Studied
+from cardan.study.sweep import NOTHING
 
 SHOWN = 6
 """Limits that figures and tables of the most telling ones show."""
@@ -82,6 +84,21 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
             "tolerances for one of variants drawn by chance."
+        )
+    if of.beyond:
+        names = dict.fromkeys(say.name(r.limit.quantity) for r in of.beyond)
+        yield say(
+            "No failure was found nearer than {far} σ, with what is chosen in the middle, of: "
+            "{names}.",
+            far=say.short(FAR), names=say.list(*names),
+        )  # fmt: skip
+    if of.variants.correlated:
+        pairs = [
+            say("{one} with {other} {r}", one=one, other=other, r=say.short(r))
+            for one, other, r in of.variants.correlated
+        ]
+        yield say(
+            "Tolerances that go together, by their correlation: {pairs}.", pairs=say.list(*pairs)
         )
     if of.own < of.count:
         yield say(
@@ -353,8 +370,9 @@ def _rare(of: Studied, say: Language) -> Table:
         rows.append(
             (
                 limit_name(one.limit, say),
+                str(len(one.ways)),
                 say.pointed(f"{first.beta:.2f}"),
-                once(first.failure),
+                "-" if first.met else once(first.failure),
                 once(second.failure) if second else "-",
                 once(sampled.failure) if sampled else "-",
                 say.pointed(f"± {200 * sampled.error / sampled.failure:.0f} %")
@@ -366,12 +384,16 @@ def _rare(of: Studied, say: Language) -> Table:
     return Table(
         caption=say("Limits that fail hardly ever: how often, and where most likely"),
         head=(
-            say("limit"), say("distance [σ]"), say("first order"), say("second order"),
-            say("sampled about it"),
+            say("limit"), say("ways to fail"), say("distance of the nearest [σ]"),
+            say("first order"), say("second order"), say("sampled about all"),
             say("two standard errors"), say("what has most to do with it, there"),
         ),
         rows=tuple(rows),
     )  # fmt: skip
+
+
+def _decides(of: Studied, k: int, say: Language) -> str:
+    return say.name(of.limits[k][1].quantity) if k != NOTHING else "-"
 
 
 def _worst(of: Studied, say: Language) -> Table:
@@ -380,7 +402,7 @@ def _worst(of: Studied, say: Language) -> Table:
     rows = [
         (say("verdict"), *(say(VERDICTS[int(state["verdict"][k])]) for k in many)),
         (say("smallest margin"), *(say.percent(float(state["margin"][k])) for k in many)),
-        (say("limit"), *(say.name(of.limits[int(state["limit"][k])][1].quantity) for k in many)),
+        (say("limit"), *(_decides(of, int(state["limit"][k]), say) for k in many)),
         *(
             (name, *(say.short(float(state["inputs"][k, i]), 5) for k in many))
             for i, name in enumerate(of.drawing.names)
@@ -757,6 +779,9 @@ def document(of: Studied) -> dict[str, Any]:
             }
             for f in (*drawn.grids, *drawn.factors)
         ],
+        "correlated": [
+            {"between": [one, other], "correlation": r} for one, other, r in of.variants.correlated
+        ],
         "read_anew": list(of.bench.single),
         "shares": of.shares,
         "cannot_exist": int(counts["refused"]),
@@ -766,7 +791,7 @@ def document(of: Studied) -> dict[str, Any]:
                 "variant": int(place),
                 "verdict": VERDICTS[int(v)],
                 "margin": float(m),
-                "limit": of.called[int(k)],
+                "limit": of.called[int(k)] if k != NOTHING else None,
                 "inputs": dict(zip(drawn.names, inputs.tolist(), strict=True)),
             }
             for place, v, m, k, inputs in _rows(
@@ -794,14 +819,18 @@ def document(of: Studied) -> dict[str, Any]:
             {
                 "limit": of.called[of.limits.index((r.line, r.limit))],
                 "failure": r.failure,
+                "ways": len(r.ways),
                 "beta": r.first_order.beta if r.first_order else None,
-                "first_order": r.first_order.failure if r.first_order else None,
+                "first_order": r.first_order.failure
+                if r.first_order and not r.first_order.met
+                else None,
                 "second_order": r.second_order.failure if r.second_order else None,
                 "standard_error": r.sampled.error if r.sampled else None,
                 "most_likely": dict(zip(drawn.names, r.inputs.tolist(), strict=True)),
             }
             for r in of.rare
         ]
+        found["rare_beyond"] = [of.called[of.limits.index((r.line, r.limit))] for r in of.beyond]
     if of.foretold:
         f = of.foretold
         found["foretold"] = {

@@ -23,6 +23,9 @@ Points: TypeAlias = Literal["even", "random", "saltelli"]
 HALF = 2.0**-54
 """Half the step of the dice: no number lies on the edge of (0, 1)."""
 
+FREE = 1e-9
+"""Share of the variance that correlations leave free, at least: weights divide by it."""
+
 EDGE = 2.0**-32
 """How near to the edge evenly spread points may lie."""
 
@@ -238,12 +241,13 @@ def _mixed(of: Drawing, variants: Variants) -> tuple[tuple[float, ...], ...] | N
                 if a != b:
                     i, j = names.index(a), names.index(b)
                     whole[i, j] = whole[j, i] = r
-    try:
-        lower = np.linalg.cholesky(whole)
-    except np.linalg.LinAlgError:
-        msg = "correlated: these correlations contradict each other"
-        raise ValueError(msg) from None
-    return tuple(map(tuple, lower.tolist()))
+    if (least := np.linalg.eigvalsh(whole)[0]) < FREE:
+        what = (
+            "contradict each other" if least < -FREE else "leave one number no freedom of its own"
+        )
+        msg = f"correlated: these correlations {what}; make them smaller"
+        raise ValueError(msg)
+    return tuple(map(tuple, np.linalg.cholesky(whole).tolist()))
 
 
 def _each(

@@ -2,8 +2,9 @@
 
 A limit that one truck in a million fails is met by no study of ten thousand. The nearest
 point at which it fails, in standard deviations of what scatters, tells how often by the
-first-order method; how the surface of failure bends there, by the second; variants drawn about
-that point and weighted back tell without either's shape of it.
+first-order method; how the surface of failure bends there, by the second. A limit is the worst of
+many parts and states, and turning either way an angle grows: it has several ways to fail. Variants
+drawn about all of them and weighted back tell without any shape of it.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,12 +15,15 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
 from cardan.base.verdict import Limit
-from cardan.fatigue.reliability import Estimate, Form, Normal, Sorm, form, monte_carlo, sorm
+from cardan.fatigue.reliability import Estimate, Form, Normal, Sorm, monte_carlo, sorm, ways
 from cardan.study.draw import Drawing
 from cardan.study.sweep import CHUNK, Bench
 
 DRAWS = 1024
-"""Variants about the most likely failure."""
+"""Variants about the most likely failures."""
+
+NEAR = 1.0
+"""Failure that lies nearer, in standard deviations, is met often enough by plain dice."""
 
 BEND = 0.05
 """Standard deviations over which the surface's bend is taken: limits are exact to far less of it,
@@ -37,30 +41,42 @@ class Rare:
     ----------
     line, limit
         Which.
-    first_order
-        The nearest failure: its distance, and what each input has to do with it; None where
-        none was found.
+    ways
+        Each way to fail, the nearest first: its distance, and what each input has to do with
+        it; empty where none was found.
     second_order
-        How the surface bends there, and how often by that; None where it closes about the
-        nominal, as at an edge between two ways to fail, or was not asked.
+        How the surface bends at the nearest, and how often by that; None where it closes about
+        the nominal, as at an edge between two ways to fail, or was not asked.
     sampled
-        How often, by variants drawn about that point; None where it was not asked.
+        How often, by variants drawn about all of them; None where it was not asked.
     inputs : (names,)
         What varies, where it fails most likely.
     """
 
     line: str
     limit: Limit
-    first_order: Form | None
+    ways: tuple[Form, ...]
     second_order: Sorm | None = None
     sampled: Estimate | None = None
     inputs: FloatArray
 
     @property
+    def first_order(self) -> Form | None:
+        """The nearest failure; None where none was found."""
+        return self.ways[0] if self.ways else None
+
+    @property
+    def far(self) -> bool:
+        """Whether no failure is near enough to count."""
+        return not self.ways or self.ways[0].beta >= FAR
+
+    @property
     def failure(self) -> float:
         """Share of variants that fail; nan where nobody knows."""
-        best = self.sampled or self.second_order or self.first_order
-        return best.failure if best else float("nan")
+        if self.sampled:
+            return self.sampled.failure
+        best = self.second_order or self.first_order
+        return best.failure + sum(f.failure for f in self.ways[1:]) if best else float("nan")
 
 
 def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
@@ -71,9 +87,16 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
     Notes
     -----
     FORM after Hasofer & Lind (1974); SORM after Breitung (1984), as `fatigue.reliability` has
-    it; importance sampling about the design point. A limit that fails in several separate ways
-    is failed more often than by the nearest alone: sampling tells what of that lies about it.
+    it; importance sampling about every way to fail that was found (`ways`).
+
+    Raises
+    ------
+    ValueError
+        If nothing scatters.
     """
+    if not tolerances(bench.drawing).count:
+        msg = "rare: needs tolerances: what is chosen fails by choice"
+        raise ValueError(msg)
     line, limit = bench.limits[k]
     narrow = replace(bench, quantities=(limit.quantity,))
     which = narrow.limits.index((line, limit))
@@ -90,22 +113,18 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
         return np.concatenate(found)
 
     variables = [Normal(mean=0.0, deviation=1.0)] * scatter.count
-    try:
-        nearest = form(left, variables, tolerance=1e-3)
-    except NotConverged:
-        return Rare(line=line, limit=limit, first_order=None, inputs=scatter.centre)
-    found = Rare(
-        line=line,
-        limit=limit,
-        first_order=nearest,
-        inputs=scatter.at_normal(nearest.u[None])[0],
-    )
+    every = ways(left, variables, far=FAR, tolerance=1e-3)
+    if not every:
+        return Rare(line=line, limit=limit, ways=(), inputs=scatter.centre)
+    nearest = every[0]
+    found = Rare(line=line, limit=limit, ways=every, inputs=scatter.at_normal(nearest.u[None])[0])
     if abs(nearest.beta) >= FAR:
         return found
+    around = every if nearest.beta > NEAR else ()
     return replace(
         found,
-        second_order=_bent(left, variables, nearest),
-        sampled=monte_carlo(left, variables, samples=draws, seed=seed, around=nearest)
+        second_order=None if nearest.met else _bent(left, variables, nearest),
+        sampled=monte_carlo(left, variables, samples=draws, seed=seed, around=around)
         if draws
         else None,
     )

@@ -220,22 +220,25 @@ def quantile(state: State, column: int, share: float) -> float:
 
 @dataclass(frozen=True)
 class Worst:
-    """The worst variants with all that varied in them, and the first that cannot exist."""
+    """The worst variants with all that varied in them, and the first that cannot exist.
+
+    `limit` is the one that decides, `NOTHING` where none has an answer.
+    """
 
     most: int
 
     def of(self, rows: Sweep, start: int) -> State:
         """Return the worst of a shard."""
         a = rows.answers
-        left = a.deciding
-        refused = np.flatnonzero(a.refused)[:1]
+        refused, there = np.flatnonzero(a.refused)[:1], np.flatnonzero(~a.refused)
+        first = np.where(np.isnan(rows.margins), NOTHING, a.deciding.argmin(axis=0))
         return self._least(
             {
-                "place": start + np.arange(rows.count),
-                "margin": np.where(a.refused, np.inf, rows.margins),
-                "verdict": np.where(a.refused, -1, rows.grades),
-                "limit": left.argmin(axis=0),
-                "inputs": rows.inputs,
+                "place": start + there,
+                "margin": rows.margins[there],
+                "verdict": rows.grades[there],
+                "limit": first[there],
+                "inputs": rows.inputs[there],
                 "refused": rows.inputs[refused],
                 "why": np.array([a.why] if refused.size else [], dtype=str),
             }

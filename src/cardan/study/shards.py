@@ -7,9 +7,17 @@ computed: at once, by many, or in pieces after the computer went down.
 
 import json
 from collections.abc import Callable, Generator, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from hashlib import sha256
 from importlib import import_module
@@ -17,7 +25,8 @@ from io import BytesIO
 from pathlib import Path
 from threading import Event
 from time import perf_counter
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -33,7 +42,7 @@ from cardan.study.approval import Approval
 from cardan.study.breed import bred
 from cardan.study.draw import Drawing, Points
 from cardan.study.foretell import Foretold, foretold
-from cardan.study.rare import FAR, Rare, rare
+from cardan.study.rare import Rare, rare
 from cardan.study.reduce import (
     Map,
     Reduction,
@@ -102,6 +111,8 @@ class Studied:
         Each variant, where they were kept.
     rare
         How often limits fail that variants hardly ever did, where that was asked.
+    beyond
+        Those of them of which no failure was found that is near enough to count.
     foretold
         The yield of many more, foretold from those asked, where that was asked.
     seconds
@@ -114,6 +125,7 @@ class Studied:
     states: Mapping[str, State]
     rows: Sweep | None = None
     rare: tuple[Rare, ...] = ()
+    beyond: tuple[Rare, ...] = ()
     foretold: Foretold | None = None
     seconds: float = 0.0
 
@@ -181,17 +193,54 @@ class Studied:
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """What a worker has to know to ask any shard."""
+    """What a worker has to know to ask any shard; `prints` tell it from another."""
 
     application: Application
     variants: Variants
     seed: int
     points: Points | None
+    prints: Mapping[str, str]
+
+    @classmethod
+    def of(
+        cls, application: Application, variants: Variants, *, seed: int = 0,
+        points: Points | None = None,
+    ) -> "Job":  # fmt: skip
+        """Return the job of a study; the files that the application names by their whole paths.
+
+        Raises
+        ------
+        DesignError
+            If the application was not read from a file.
+        """
+        written = application.written
+        if written is None:
+            msg = f"application {application.title} was not read from a file: it has no variants"
+            raise DesignError(msg)
+        written = replace(
+            written,
+            folder=written.folder and written.folder.absolute(),
+            beside=tuple(p.absolute() for p in written.beside),
+        )
+        return cls(
+            application=replace(application, written=written), variants=variants, seed=seed,
+            points=points, prints=_prints(application, variants),
+        )  # fmt: skip
 
     @property
     def bench(self) -> Bench:
         """The bench; a worker makes it once."""
         return _bench(_Once(self))
+
+    @property
+    def rows(self) -> str | None:
+        """In which precision variants are kept, if at all."""
+        return self.variants.ask.rows
+
+    @property
+    def changed(self) -> list[str]:
+        """What is not here, or not now, as it was where the study began."""
+        return _other(self.prints, _prints(self.application, self.variants))
 
     def shard(self, start: int, stop: int, stopped: Event | None = None) -> "Shard":
         """Return what is told of a stretch of variants, and the rows where they are kept."""
@@ -200,7 +249,7 @@ class Job:
         found = reductions(self.bench, self.variants.ask)
         return Shard(
             states={name: r.of(rows, start) for name, r in found.items()},
-            rows=(rows.inputs, rows.answers) if self.variants.ask.rows else None,
+            rows=(rows.inputs, rows.answers) if self.rows else None,
         )
 
 
@@ -217,17 +266,25 @@ class _Once:
 
     def __init__(self, job: Job) -> None:
         self.job = job
+        written = job.application.written
+        # Files beside it are read again with each change: the same text elsewhere is another job.
+        self.known = (
+            tuple(job.prints.items()), job.seed, job.points, written and written.folder,
+        )  # fmt: skip
 
     def __hash__(self) -> int:
-        return hash(_print(self.job))
+        return hash(self.known)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Once) and _print(self.job) == _print(other.job)
+        return isinstance(other, _Once) and self.known == other.known
 
 
 @cache
 def _bench(of: _Once) -> Bench:
     job = of.job
+    if other := job.changed:
+        msg = f"a worker has other {_listed(other)} than where the study began"
+        raise DesignError(msg)
     return Bench.of(job.application, job.variants, seed=job.seed, points=job.points)
 
 
@@ -282,14 +339,11 @@ def study(
     Stopped
         If it was stopped from the keyboard; it holds what is told of the shards done.
     """
-    job, asked = (
-        Job(application=application, variants=variants, seed=seed, points=points),
-        variants.ask,
-    )
-    bench = job.bench
+    job, asked = Job.of(application, variants, seed=seed, points=points), variants.ask
+    bench, stamps = job.bench, _stamps(job)
     count, size = bench.whole(count), -(-shard // bench.drawing.period) * bench.drawing.period
     spans = [(k, min(k + size, count)) for k in range(0, count, size)]
-    store = Store.of(folder, job, size, resume=resume) if folder else None
+    store = Store.of(folder, job, size, count=count, resume=resume) if folder else None
     found: dict[int, Shard] = {}
     done = {k for k, span in enumerate(spans) if store and store.has(k, span)}
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
@@ -300,7 +354,10 @@ def study(
         hear(Progress(before=before, done=done, count=count + asked.search, seconds=seconds))
 
     def keep(k: int, got: Shard) -> None:
-        nonlocal finished
+        nonlocal finished, stamps
+        if stamps != (stamps := _stamps(job)) and (other := job.changed):
+            msg = f"{_listed(other)} changed while the study ran: begin it anew"
+            raise DesignError(msg)
         if store:
             store.keep(k, spans[k], got, job)
         else:
@@ -327,10 +384,11 @@ def study(
             )  # fmt: skip
         except KeyboardInterrupt:
             stopped = True
+    hardly = () if stopped or not asked.rare else tuple(_rare(bench, told["counts"]))
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
-        rare=() if stopped or not variants.ask.rare else tuple(_rare(bench, told["counts"])),
+        rare=tuple(r for r in hardly if not r.far), beyond=tuple(r for r in hardly if r.far),
         foretold=None if stopped or not asked.foretold else foretold(
             bench.drawing, told["taught"], count=asked.foretold, start=count,
             confidence=asked.confidence, workers=workers,
@@ -414,15 +472,11 @@ def _told(
 
 
 def _rare(bench: Bench, counts: State) -> Iterator[Rare]:
-    """Yield how often limits fail that hardly ever did: those that stand nearest to failure."""
+    """Yield how often limits fail that hardly ever did."""
     fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
-    hardly = [
-        k
-        for k, (_, limit) in enumerate(bench.limits)
-        if limit.maximum is not None and answered[k] and fails[k] < HARDLY
-    ]
-    found = (rare(bench, k) for k in hardly)
-    yield from (one for one in found if one.first_order and one.first_order.beta < FAR)
+    for k, (_, limit) in enumerate(bench.limits):
+        if limit.maximum is not None and answered[k] and fails[k] < HARDLY:
+            yield rare(bench, k)
 
 
 # --------------------------------------------------------------------------- rows
@@ -478,79 +532,137 @@ def _tables() -> Any:
     return pa, pq
 
 
-def _print(job: Job) -> str:
-    """Return what tells a study from another: the same print, the same variants and limits."""
-    application = job.application
+def _prints(application: Application, variants: Variants) -> dict[str, str]:
+    """Return what tells a study from another: the same prints, the same answers."""
     written = application.written
-    if written is None:
-        msg = f"application {application.title} was not read from a file: it has no variants"
-        raise DesignError(msg)
-    beside = [sha256(p.read_bytes()).hexdigest() for p in written.beside]
+    assert written is not None  # `Job.of` has looked
     changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
     # A set has another order in another process.
     limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)
-    said = (
-        written.text, beside, changes, limits, repr(job.variants), job.seed, job.points,
-        __version__, np.__version__,
-    )  # fmt: skip
-    return sha256(repr(said).encode()).hexdigest()
+    said = {
+        "application": repr((written.text, changes)), "limits": limits, "study": repr(variants),
+        "files": repr([sha256(_contents(p)).hexdigest() for p in written.beside]),
+    }  # fmt: skip
+    prints = {name: sha256(text.encode()).hexdigest() for name, text in said.items()}
+    return {"cardan": __version__, "numpy": np.__version__, **prints}
+
+
+def _contents(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        msg = f"{path}, which the application names, cannot be read where the study is asked: "
+        raise DesignError(msg + (error.strerror or "lost")) from None
+
+
+def _stamps(job: Job) -> list[tuple[int, int] | None]:
+    """Return when each file beside it was written, and its size; None of a lost one."""
+    written = job.application.written
+    paths = written.beside if written else ()
+    found = (p.stat() if p.exists() else None for p in paths)
+    return [s and (s.st_mtime_ns, s.st_size) for s in found]
+
+
+TOLD = {
+    "cardan": "version of cardan", "numpy": "version of NumPy", "application": "application",
+    "files": "files that it names", "limits": "limits", "study": "vary, tolerances or ask",
+}  # fmt: skip
+"""What a print is of."""
+
+
+def _manifest(path: Path) -> dict[str, Any]:
+    """Return what a folder says that it holds."""
+    with suppress(ValueError, OSError):
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if isinstance(found, dict) and TOLD.keys() <= found.keys():
+            return cast("dict[str, Any]", found)
+    msg = f"{path} is none of this version's: name another folder"
+    raise DesignError(msg)
+
+
+def _other(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return what differs, by its name."""
+    return [TOLD.get(name, name) for name in now if was.get(name) != now[name]]
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Store:
-    """A folder with a study's shards: each there whole, or not at all."""
+    """A folder with a study's shards: each there whole, or not at all; its `rows` before it."""
 
     folder: Path
     size: int
+    rows: bool
 
     @classmethod
-    def of(cls, folder: Path, job: Job, size: int, *, resume: bool) -> "Store":
+    def of(cls, folder: Path, job: Job, size: int, *, count: int, resume: bool) -> "Store":
         """Return the store of a study; begin one, or go on with what is there.
 
         Raises
         ------
         DesignError
-            If the folder holds another study, or one without `resume`.
+            If the folder holds another study, more than `count` variants of this one, or one
+            without `resume`.
         """
         folder.mkdir(parents=True, exist_ok=True)
-        manifest = folder / MANIFEST
+        manifest, found = folder / MANIFEST, cls(folder=folder, size=size, rows=bool(job.rows))
         now = {
-            "cardan": __version__, "numpy": np.__version__, "print": _print(job),
-            "title": job.application.title, "seed": job.seed, "shard": size,
+            **job.prints, "title": job.application.title, "seed": job.seed, "shard": size,
             "inputs": list(job.bench.drawing.names), "points": job.bench.drawing.points,
         }  # fmt: skip
         if not manifest.exists():
             writer.write(manifest, json.dumps(now, indent=1, ensure_ascii=False) + "\n")
-            return cls(folder=folder, size=size)
+            return found
         if not resume:
             msg = (
                 f"{folder} holds a study already: go on with it (--resume), or name another folder"
             )
             raise DesignError(msg)
-        was = json.loads(manifest.read_text(encoding="utf-8"))
-        if other := [name for name in now if was.get(name) != now[name]]:
-            what = {"print": "the application, what varies, or the limits"}
-            told = ", ".join(what.get(name, name) for name in other)
-            msg = f"{folder} holds another study, with other {told}: name another folder"
+        if other := _other(_manifest(manifest), now):
+            msg = f"{folder} holds another study, with other {_listed(other)}: name another folder"
             raise DesignError(msg)
-        return cls(folder=folder, size=size)
+        if (reach := found.reach) > count:
+            msg = (
+                f"{folder} holds {reach} variants, more than {count}: ask for as many (--n "
+                f"{reach}) or more, or name another folder"
+            )
+            raise DesignError(msg)
+        return found
+
+    @property
+    def reach(self) -> int:
+        """Behind which place no variant is there."""
+        spans = (self._span(path) for path in self.folder.glob("shard-*.npz"))
+        return max((stop for _, stop in filter(None, spans)), default=0)
 
     def has(self, k: int, span: tuple[int, int]) -> bool:
-        """Return whether a shard of this stretch is there; one that was shorter is not."""
-        path = self._path(k)
-        if not path.exists():
-            return False
-        with np.load(path) as file:
-            return tuple(file["span"].tolist()) == span
+        """Return whether a shard of this stretch is there, with its rows; no shorter one."""
+        rows = not self.rows or any(
+            (self.folder / f"rows-{k:06d}{kind}").exists() for kind in (".parquet", ".npz")
+        )
+        return rows and self._span(self._path(k)) == span
+
+    @staticmethod
+    def _span(path: Path) -> tuple[int, int] | None:
+        """Return the stretch of a shard; None where none can be read, as of half a file."""
+        try:
+            with path.open("rb") as whole, np.load(whole) as file:
+                start, stop = file["span"].tolist()
+                return start, stop
+        except (OSError, ValueError, EOFError, KeyError, BadZipFile):
+            return None
 
     def keep(self, k: int, span: tuple[int, int], shard: Shard, job: Job) -> None:
         """Keep a shard: its rows first, so that where the rest is they are too."""
-        if shard.rows and job.variants.ask.rows:
+        if shard.rows and job.rows:
             inputs, answers = shard.rows
             rows = job.bench.sweep(
                 inputs, answers, job.bench.drawing.unit(*span), job.bench.drawing.own(*span)
             )
-            self._write_rows(k, _columns(rows, job.variants.ask.rows))
+            self._write_rows(k, _columns(rows, job.rows))
         arrays = {f"{n}/{a}": v for n, state in shard.states.items() for a, v in state.items()}
         writer.write(self._path(k), _packed({"span": np.array(span), **arrays}), replace=True)
 
@@ -595,7 +707,10 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
     ------
     NotInstalled
         If a cluster is named and Dask is not there.
+    DesignError
+        If who asks them is gone for good.
     """
+    gone = "; what was done is kept where --out names a folder: --resume goes on"
     if kind == "threads":
         yield None
     elif kind == "processes":
@@ -604,15 +719,23 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
 
         context = get_context("spawn")  # a fork of a process with threads may never wake
         with ProcessPoolExecutor(count, mp_context=context, initializer=_deaf) as pool:
-            yield pool
+            try:
+                yield pool
+            except BrokenExecutor as error:
+                msg = f"a process that asked a shard was killed{gone}"
+                raise DesignError(msg) from error
     else:
         try:
-            client_of: Any = import_module("distributed").Client
+            dask: Any = import_module("distributed")
         except ModuleNotFoundError as error:
             msg = "a Dask cluster needs its package: pip install 'cardan[cluster]'"
             raise NotInstalled(msg) from error
-        with client_of(kind) as client:
-            yield client.get_executor()
+        with dask.Client(kind) as client:
+            try:
+                yield client.get_executor()
+            except (CancelledError, dask.KilledWorker) as error:
+                msg = f"the cluster at {kind} is gone, or loses every worker{gone}"
+                raise DesignError(msg) from error
 
 
 def _deaf() -> None:

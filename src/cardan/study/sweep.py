@@ -390,12 +390,15 @@ class Bench:
         return self.installed.application
 
     def whole(self, count: int) -> int:
-        """Return how many variants there are if so many are asked for: whole grids."""
+        """Return how many variants there are if so many are asked for: whole grids.
+
+        One grid where nothing is drawn: a second would be the same.
+        """
         if count < 1:
             msg = f"a study needs at least one variant, got {count}"
             raise ValueError(msg)
         period = self.drawing.period
-        return -(-count // period) * period
+        return -(-count // period) * period if self.drawing.factors else period
 
     @cached_property
     def limits(self) -> tuple[tuple[str, Limit], ...]:
