@@ -59,7 +59,7 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     assert static.life is None
     assert worst.case.point is not None
     # Order 2 has no mean; above the knee the slope is 5, below it 9. At a feature's place of the
-    # highest stress; another may swing an eighth more, by 5 and 9 up to 1.8, and does not count for less.
+    # highest stress; another may swing an eighth more, 1.8 by a slope of 5, and counts for it.
     sheet = np.array([f.zone == "sheet" for f in v.features])
     swing = second.amplitude / 2e6
     expected = (swing ** np.where(swing >= 1, 5, 9) / 1e6)[sheet]
