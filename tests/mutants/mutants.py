@@ -625,8 +625,13 @@ RECORDED = (
 )  # fmt: skip
 
 BRACKET = (
-    mutant("bracket/gauges.py", "steps = np.diff(grid.of(nodes, nodes.points), axis=0)", "steps = np.diff(grid.points, axis=0)",
+    mutant("bracket/gauges.py", "np.diff([at.of(nodes, nodes.points) for at in grid], axis=0)",
+           "np.diff([at.points for at in grid], axis=0)",
            "a gauge on a round is as long as its facets", "unit/test_bracket_units.py"),
+    mutant("bracket/gauges.py", "ways = ways - (ways * here.normals).sum(-1, keepdims=True) * here.normals", "pass",
+           "a gauge in a bend hangs over an edge", "unit/test_bracket_units.py::test_a_gauge_reads_straight_fields_exactly_on_flat_and_round"),
+    mutant("files/bracket.py", "beside=[part.name for part in self.cases]", "beside=[]",
+           "a recording goes by the name of a case", "unit/test_bracket_file.py::test_what_cannot_be_is_refused_with_its_place"),
     mutant("bracket/stress.py", "+ 3 * (xy**2 + yz**2 + zx**2)\n    )",
            "+ 6 * (xy**2 + yz**2 + zx**2)\n    )", "shear counts twice in von Mises",
            "unit/test_bracket_arrays.py::test_von_mises_from_principal_stresses"),
@@ -1133,6 +1138,12 @@ STUDY = (
     mutant("bracket/elastic.py", "found[node] = found[near].max(axis=0)", "pass",
            "elements pressed flat agree with each other",
            "verify/test_bracket_elasticity.py::test_a_stress_is_not_read_where_elements_are_pressed_flat"),
+    mutant("bracket/refine.py", "return np.where(plain >= _PLAIN, np.maximum(plain, used), used)", "return used",
+           "where stress is highest nobody looks twice",
+           "unit/test_bracket_arrays.py::test_the_highest_plain_stress_is_among_the_worst_whatever_fatigue_says"),
+    mutant("bracket/elastic.py", "if self.degree > 2:", "if self.degree > 1:",
+           "stress is read where a bent element knows least",
+           "verify/test_bracket_elasticity.py::test_a_bend_is_read_right_by_elements_as_coarse_as_a_bracket_s"),
     mutant("bracket/refine.py", "wanted += map(_rounded, more)", "wanted += more",
            "a bracket's mesh depends on which thread was first",
            "unit/test_bracket_units.py::test_the_same_bracket_is_told_the_same"),

@@ -13,6 +13,7 @@ from cardan.base.units import mm
 from cardan.bracket import stress
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import recover
+from cardan.bracket.refine import _share_of_worst
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
@@ -183,3 +184,19 @@ def test_what_to_install_is_said(monkeypatch, error, says):
         engine()
     with pytest.raises(NotInstalled, match=says):  # and not blamed on the shape
         solid(UShape(**U))
+
+
+def test_the_highest_plain_stress_is_among_the_worst_whatever_fatigue_says():
+    """A toe that bears a fifth of what the sheet does is the worst of three under either load.
+
+    The sheet at 600 MPa beside 200 counts for a third by its weight, and yields first all the same:
+    it, and what is within a tenth of it, is followed too; at 450 it is not.
+    """
+    high = np.array([[200.0, 50.0], [600.0, 600.0], [550.0, 450.0]])
+    share = _share_of_worst(high, np.array([9.0, 1.0, 1.0]))
+    assert share[:, 0] == pytest.approx([1, 1, 550 / 600])
+    assert share[:, 1] == pytest.approx([450 / 600, 1, 450 / 600])
+    plain = _share_of_worst(high, np.ones(3))
+    np.testing.assert_allclose(plain, high / 600)
+    heavy = _share_of_worst(high, np.array([90.0, 1.0, 1.0]))
+    assert heavy[2] == pytest.approx([550 / 600, 450 / 4500])

@@ -59,14 +59,14 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     assert static.life is None
     assert worst.case.point is not None
     # Order 2 has no mean; above the knee the slope is 5, below it 9. At a feature's place of the
-    # highest stress; another may swing a little more, and does not count for less.
+    # highest stress; another may swing an eighth more, 1.8 by a slope of 5, and counts for it.
     sheet = np.array([f.zone == "sheet" for f in v.features])
     swing = second.amplitude / 2e6
     expected = (swing ** np.where(swing >= 1, 5, 9) / 1e6)[sheet]
     damage = second.life.spots[sheet]
     told = expected > 1e-3 * expected.max()
     assert np.all(damage[told] > 0.8 * expected[told])
-    assert np.all(damage[told] < 1.6 * expected[told])
+    assert np.all(damage[told] < 1.8 * expected[told])
     # Of two ways of holding the worse: by stress for what is shown, by swing for its use.
     assert np.all(second.used[sheet] >= swing[sheet] * (1 - 1e-9))
     assert second.used[sheet] == pytest.approx(swing[sheet], rel=0.1)

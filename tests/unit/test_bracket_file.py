@@ -50,6 +50,8 @@ def test_a_bracket_is_read_in_si():
         (("reinforced: {thickness_mm: 8}", "reinforced: {}"), "nothing that is different"),
         (("force_kN: [0, 0, -1]", "force_kN: [0, 0, 0]"), "loads nothing"),
         (("direction: [0, 0, 1]", "direction: [0, 0, 0]"), "direction that is not zero"),
+        (("reinforced: {thickness_mm: 8}", "recordings: [{name: down, file: down.csv}]"),
+         r"recordings\[1\].*name is above already"),
         (("u_shape:", "step: {file: a.step, centre_mm: [0, 0, 0], seat: [{name: bore}], "
           "bolts: [{name: b}], thickness_mm: 8}\n  u_shape:"), "exclude each other"),
     ],

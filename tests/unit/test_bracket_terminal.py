@@ -142,7 +142,7 @@ def test_what_the_brackets_terminal_says():
         "original: seat is a bore of 30.00 mm radius, 2 faces, 5655 mm²",
         "and 1 milder cases",
         "original, microstrain",
-        "Refining changes the gauges' influence by 1.2 % at most.",
+        "Refining changes the gauges' influence by 1.2 % of the largest at most, 1.2",
         "original, damage",
         "duty cycle, gvw",
         "What the reinforcement changes",

@@ -12,11 +12,12 @@ from click.testing import CliRunner
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import mm
-from cardan.bracket.elastic import elastic, hooke, mesh
+from cardan.bracket.elastic import elastic, hooke, mesh, silent
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import influence
 from cardan.bracket.refine import Problem, refined
 from cardan.bracket.shape import Solid, solid
+from cardan.bracket.solve import Task, solve
 from cardan.bracket.surface import nearest, sharp_edges
 from cardan.bracket.unit import unit_loads, unit_solutions
 from cardan.bracket.zones import CUT, SHEET, TOE
@@ -117,7 +118,12 @@ def test_a_mirrored_bracket_has_mirrored_gauges(units):
 
 @pytest.mark.parametrize(
     ("at", "along"),
-    [((0, 56, 20), (0, 0, 1)), ((0, 0, -56), (0, 1, 0)), ((20, -40, -39), (1, 1, 0))],
+    [
+        ((0, 56, 20), (0, 0, 1)),
+        ((0, 0, -56), (0, 1, 0)),
+        ((20, -40, -39), (1, 1, 0)),
+        ((0, 58.9, 81.1), (0, 1, 1)),  # in a bend
+    ],
 )
 def test_a_gauge_reads_straight_fields_exactly_on_flat_and_round(units, at, along):
     """Swollen by a thousandth it reads that, turned as a whole nothing, wherever it lies."""
@@ -128,6 +134,26 @@ def test_a_gauge_reads_straight_fields_exactly_on_flat_and_round(units, at, alon
     motion = np.stack([1e-3 * points, turn], axis=1)
     gauge = Gauge(name="S", point=tuple(v * mm for v in at), direction=along, length=6 * mm)
     assert _reading(units, motion, gauge) == pytest.approx([1e-3, 0], abs=1e-12)
+
+
+def test_a_gauge_that_a_force_cannot_strain_reads_less_than_is_told():
+    """On planes of symmetry no force across them strains a gauge; what it reads is the mesh's."""
+    on_planes = (
+        (Gauge(name="T", point=(0, 56 * mm, 50 * mm), direction=(0, 0, 1)), [0]),
+        (Gauge(name="B", point=(15 * mm, 0, -56 * mm), direction=(0, 1, 0)), [1]),
+        (GAUGES[2], [0, 1]),
+    )
+    cases = tuple(1e3 * np.eye(3, 9)[[k]] for k in range(3))
+    gauges = tuple(gauge for gauge, _ in on_planes)
+    made = solve(
+        Task(shape=U, material=STEEL, cases=cases, gauges=gauges, element=12 * mm, levels=2),
+        silent,
+    )  # fmt: skip
+    read = np.abs(made.sliding.influence[:, :3])
+    floor = made.influence_change * read.max()
+    assert floor < 0.2 * read.max()
+    for row, (gauge, nothing) in zip(read, on_planes, strict=True):
+        assert np.all(row[nothing] <= floor), gauge.name
 
 
 def test_a_gauge_reads_the_mean_along_its_grid():

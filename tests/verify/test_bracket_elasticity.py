@@ -209,3 +209,31 @@ def test_a_stress_is_not_read_where_elements_are_pressed_flat():
     assert len(flat) > 10
     assert doubt[flat].min() > 0.05 * scale
     assert doubt.max() < 0.2 * scale
+
+
+def test_a_bend_is_read_right_by_elements_as_coarse_as_a_bracket_s():
+    """Lamé inside a quarter bend of 8 mm in 5 mm sheet, by two elements round it.
+
+    Read at the nodes themselves elements bent so far miss the hoop stress by a tenth in the mean,
+    the best of what they know by a fortieth.
+    """
+    occ, ngs = engine().occ, engine().ngs
+    a, b, h, p = 8 * mm, 13 * mm, 64 * mm, 1e6
+    ring = occ.WorkPlane().Circle(b).Face() - occ.WorkPlane().Circle(a).Face()
+    shape = (ring * occ.MoveTo(0, 0).Rectangle(1, 1).Face()).Extrude(h * occ.Z)
+    for face in shape.faces:
+        c = face.center
+        known = {"x0": c.x, "y0": c.y, "ends": c.z * (c.z - h)}
+        name = next((n for n, v in known.items() if abs(v) < 1e-8), None)
+        face.name = name or ("inside" if np.hypot(c.x, c.y) < (a + b) / 2 else "outside")
+    held = {"x0": "x", "y0": "y", "ends": "z"}
+    body = elastic(mesh(shape, size=12 * mm), STEEL, held=held)
+    u = body.solve(body.traction("inside", -p * ngs.specialcf.normal(3)))
+    nodes = body.nodes
+    inner = np.unique(nodes.faces[nodes.face_names == "inside"])
+    xx, yy, _, xy, _, _ = body.stress_at_nodes(u[None])[inner, 0].T
+    x, y = nodes.points[inner, :2].T / np.hypot(*nodes.points[inner, :2].T)
+    hoop = xx * y**2 + yy * x**2 - 2 * xy * x * y
+    off = hoop / (p * (a**2 + b**2) / (b**2 - a**2)) - 1
+    assert len(inner) > 60
+    assert np.sqrt((off**2).mean()) < 0.04

@@ -113,7 +113,7 @@ def solid_sheet():
     return solids()
 
 
-# At the place of the crack a tenth is missing, more than any error that is told there; a fifth
+# At the place of the crack an eighth is missing, more than any error that is told there; a fifth
 # by elements that are integrated reduced.
 @pytest.mark.parametrize(("kind", "inside_MPa"), [("S8", 136), ("S8R", 122)])
 def test_shells_miss_the_stress_inside_a_bend(tmp_path, solid_sheet, kind, inside_MPa):
@@ -123,5 +123,6 @@ def test_shells_miss_the_stress_inside_a_bend(tmp_path, solid_sheet, kind, insid
     assert moved[below, 1] == pytest.approx(1.346 * mm, rel=2e-3)
     assert shell_moved[below, 1] == pytest.approx(moved[below, 1], rel=0.02)
     assert shell_stress[leg] == pytest.approx(stress[leg], rel=0.06)
-    assert stress[inside] == pytest.approx(151 * MPa, rel=0.02)
+    # 155.5 MPa by six elements to the radius; two, as here, leave it within a twelfth.
+    assert stress[inside] == pytest.approx(155.5 * MPa, rel=0.085)
     assert shell_stress[inside] == pytest.approx(inside_MPa * MPa, rel=0.02)

@@ -622,12 +622,13 @@ class Table:
         """Whether the file gives an entry."""
         return name in self._place[1]
 
-    def differ(self, name: str, called: Iterable[str]) -> None:
+    def differ(self, name: str, called: Iterable[str], *, beside: Iterable[str] = ()) -> None:
         """Note items of an entry that have the name of one above them; `called` are all.
 
-        Names are one where they are one in print: an é may be one character or two.
+        Those `beside` them, of another entry, are taken too. Names are one where they are one in
+        print: an é may be one character or two.
         """
-        seen: set[str] = set()
+        seen = {normalize("NFC", one) for one in beside}
         for k, one in enumerate(called, 1):
             printed = normalize("NFC", one)
             if printed in seen:

@@ -12,8 +12,10 @@ from cardan.bracket.surface import nearest
 from cardan.bracket.unit import Units
 from cardan.model.bracket import Gauge
 
-_STEPS = 8
-"""Steps that a grid is followed in, along a surface that may be bent."""
+_STEPS = 4
+"""Steps to either side that a grid is followed in, along a surface that may be bent."""
+_OFF = 0.5
+"""Of a step, how far off the surface it may end: over an edge it ends a whole one off."""
 
 
 def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
@@ -36,7 +38,7 @@ def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
 def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
     """Strain (9,) one gauge reads as the nodes move, (n, 9, 3) m."""
     nodes = units.elastic.nodes
-    middle = nearest(nodes, gauge.point)
+    middle = nearest(nodes, [gauge.point, gauge.point])  # from where it goes both ways
     if middle.distances[0] > units.solid.thickness / 2:
         where = ", ".join(f"{v / mm:.2f}" for v in middle.points[0])
         msg = (
@@ -44,19 +46,27 @@ def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
             f"point of its surface is ({where}) mm"
         )
         raise DesignError(msg, about="bracket.gauges")
-    along = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
-    along = along * gauge.length / 2
-    grid = nearest(nodes, middle.points + np.outer(np.linspace(-1, 1, _STEPS + 1), along))
-    if grid.distances.max() > gauge.length / 10:
-        msg = (
-            f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an edge: "
-            "move or shorten it"
-        )
-        raise DesignError(msg, about="bracket.gauges")
-    steps = np.diff(grid.of(nodes, nodes.points), axis=0)
-    sizes = np.linalg.norm(steps, axis=1)
-    longer = np.einsum("kx,kcx->c", steps / sizes[:, None], np.diff(grid.of(nodes, motion), axis=0))
-    return np.asarray(longer / sizes.sum(), dtype=float)
+    heading = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
+    ways, step = np.stack([heading, -heading]), gauge.length / (2 * _STEPS)
+    grid = [middle]
+    for _ in range(_STEPS):
+        here = grid[-1]
+        # Each step lies in the surface where it starts.
+        ways = ways - (ways * here.normals).sum(-1, keepdims=True) * here.normals
+        size = np.linalg.norm(ways, axis=-1, keepdims=True)
+        ways /= np.maximum(size, 1e-300)
+        grid.append(nearest(nodes, here.points + step * ways))
+        if grid[-1].distances.max() > _OFF * step or size.min() < _OFF:
+            msg = (
+                f"the grid of gauge {gauge.name}, {gauge.length / mm:g} mm long, hangs over an "
+                "edge: move or shorten it"
+            )
+            raise DesignError(msg, about="bracket.gauges")
+    steps = np.diff([at.of(nodes, nodes.points) for at in grid], axis=0)
+    sizes = np.linalg.norm(steps, axis=-1)
+    longer = np.diff([at.of(nodes, motion) for at in grid], axis=0)
+    grown = np.einsum("skx,skcx->c", steps / sizes[..., None], longer)
+    return np.asarray(grown / sizes.sum(), dtype=float)
 
 
 def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray:

@@ -30,6 +30,9 @@ _STILL = 0.03
 """A maximum that moved by less from one mesh to the next has settled."""
 _HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
+_PLAIN = 0.9
+"""Share of the highest plain stress above which a feature is among the worst too: fatigue may have
+the worst elsewhere, and yield asks where stress itself is highest."""
 UNSETTLED, _ANYWHERE = 0.25, 0.02
 """Share of its stress by which a feature may be off that was not looked at twice, and share of the
 highest of all by which any may be: of a hundred such on five brackets one in fourteen was."""
@@ -292,6 +295,20 @@ def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS
     return np.stack([loads[k] / high[k] for k in kept]) * max(high)
 
 
+def _weight_of(features: Sequence[tuple[int, int]], weight: FloatArray) -> FloatArray:
+    """Return how much stress weighs (f,) in each feature."""
+    return weight[[kind for kind, _ in features]]
+
+
+def _share_of_worst(high: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return how near tops (f, k) Pa come to the worst of all under each load, (f, k) 1.
+
+    By what they weigh; and where the plain stress is nearly the highest, by that.
+    """
+    plain, used = (v / np.maximum(v.max(axis=0), 1e-300) for v in (high, high * weight[:, None]))
+    return np.where(plain >= _PLAIN, np.maximum(plain, used), used)
+
+
 class _Goal(NamedTuple):
     """A stress whose error from afar is asked: of a feature or a watched point, at a node."""
 
@@ -307,9 +324,7 @@ def _goals(
 ) -> list[_Goal]:
     """Return the tops of the worst features, each under the load that is worst for it."""
     zones, nodes = found.zones, found.elastic.nodes
-    kinds = np.array([kind for kind, _ in zones.features])
-    used = highest * weight[kinds][:, None]
-    share = used / np.maximum(used.max(axis=0), 1e-300)
+    share = _share_of_worst(highest, _weight_of(zones.features, weight))
     load = share.argmax(axis=1)
     best = share.max(axis=1)
     near = zones.lines.near
@@ -398,10 +413,10 @@ def _worst_places(
 ) -> Iterator[tuple[FloatArray, Metre]]:
     """Yield where the next mesh is to be finer, with the edge wanted there."""
     zones, nodes = found.zones, found.elastic.nodes
-    used = level * weight[zones.kind][:, None]
-    all_over = used.max(axis=0)
-    feature = _tops(zones, used)[0][zones.feature]
-    among = (used >= _HIGH * feature) & (feature >= _AMONG * all_over)
+    highest, _ = _tops(zones, level)
+    share = _share_of_worst(highest, _weight_of(zones.features, weight))
+    worst, feature = (share >= _AMONG)[zones.feature], highest[zones.feature]
+    among = worst & (level >= _HIGH * feature)
     rough = np.where(among, off / np.maximum(level, 1e-300), 0.0).max(axis=1)
     edge = _edge(nodes)
     near = zones.lines.near
@@ -409,14 +424,14 @@ def _worst_places(
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
     if first:
         # That elements agree is no proof, at a face least of all: tops are looked at twice.
-        tops = among.any(axis=1) & (used >= _TOP * feature).any(axis=1)
+        tops = among.any(axis=1) & (level >= _TOP * feature).any(axis=1)
         finer = np.where(tops, np.minimum(finer, _HALF * here), finer)
     # Where structural stress is read, elements are to be no larger than the distance between;
     # from a toe half of it, by the thickness of its own plate, along all of it that may be worst.
     own = len(zones.own)
     fit = np.where(among.any(axis=1), 0.4 * thickness, np.inf)[own:]
-    worst = ((used >= _ALONG * feature) & (feature >= _AMONG * all_over)).any(axis=1)
-    toe = (worst & (zones.kind == TOE))[own:] & zones.lines.room
+    along = (worst & (level >= _ALONG * feature)).any(axis=1)
+    toe = (along & (zones.kind == TOE))[own:] & zones.lines.room
     reach = np.linalg.norm(near.points - zones.lines.points, axis=1)
     fit = np.where(toe, np.minimum(fit, _READ * reach), fit)
     finer = np.minimum(finer, np.concatenate([np.full(own, np.inf), fit]))
@@ -455,12 +470,10 @@ def _moved(watched: list[FloatArray], level: int) -> FloatArray:
 def _settled(tops: list[Tops], weight: FloatArray) -> bool:
     """Whether the last mesh moved no top that is among the worst by more than it may."""
     last, before = tops[-1], tops[-2]
-    all_over = np.max([weight[kind] * top for (kind, _), top in last.items()], axis=0)
-    for key, top in last.items():
-        counts = weight[key[0]] * top >= _AMONG * all_over
-        if (np.abs(top - before.get(key, 0.0)) > _STILL * top)[counts].any():
-            return False
-    return True
+    high = np.stack([*last.values()])
+    step = np.abs(high - np.stack([before.get(key, 0.0 * top) for key, top in last.items()]))
+    counts = _share_of_worst(high, _weight_of(tuple(last), weight)) >= _AMONG
+    return not (step > _STILL * high)[counts].any()
 
 
 def _of_features(
@@ -477,8 +490,7 @@ def _of_features(
     # They add up: maxima rise as elements shrink, so what was gained and what is still to come
     # lie on one side.
     error, high = _share(_drift(highs) + off, highs), highs[-1]
-    used = high * weight[[kind for kind, _ in features]][:, None]
-    settled = (used >= _AMONG * used.max(axis=0)).any(axis=1)
+    settled = (_share_of_worst(high, _weight_of(features, weight)) >= _AMONG).any(axis=1)
     anywhere = _ANYWHERE * high.max() / np.maximum(high.max(axis=1), 1e-300)
     return np.maximum(np.where(settled, error, np.maximum(error, UNSETTLED)), anywhere)
 

@@ -127,7 +127,8 @@ class Solved:
     error
         Share of the highest stress of each feature (kind, number) that its error may be.
     influence_change : float
-        Largest change of a gauge's influence since the first mesh, over the largest of them.
+        Largest change since the first mesh of what a gauge reads of a force, over the largest of
+        all such readings.
     unknowns, meshes
         Of the last mesh; how many were made.
     fillet : (m, m)
@@ -273,7 +274,7 @@ def solve(task: Task, tell: Progress) -> Solved:
     tell("the flange clamped")
     stiff = held_anew(replace(problem, held=firm, clamps=tuple(firm)), done.last, tell=tell)
     clamped = _held("clamped", body, stiff, task, size)
-    change = np.abs(sliding.influence - first[0]).max() if len(task.gauges) else 0.0
+    read, before = sliding.influence[:, :3], first[0][:, :3]
     return Solved(
         nodes=done.last.elastic.nodes,
         thickness=body.thickness,
@@ -283,7 +284,9 @@ def solve(task: Task, tell: Progress) -> Solved:
         sliding=sliding,
         clamped=clamped,
         error=_errors(done, clamped),
-        influence_change=float(change / np.abs(sliding.influence).max()) if change else 0.0,
+        influence_change=float(np.abs(read - before).max() / np.abs(read).max())
+        if read.size
+        else 0.0,
         unknowns=done.last.elastic.unknowns,
         meshes=len(done.tops),
         expected=expected,

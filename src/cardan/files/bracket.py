@@ -404,8 +404,10 @@ class BracketTable(Table):
         """Return the bracket in SI."""
         for what, parts in (("gauges", self.gauges), ("cases", self.cases)):
             self.differ(what, [part.name for part in parts])
-        taken = [part.name for part in (*self.cases, *self.recordings)]
-        self.differ("recordings", taken if self.recordings else [])
+        self.differ(
+            "recordings", [part.name for part in self.recordings],
+            beside=[part.name for part in self.cases],
+        )  # fmt: skip
         for k, case in enumerate(self.cases, 1):
             if case.state and case.state not in states:
                 hint = nearest(case.state, list(states))

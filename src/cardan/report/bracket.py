@@ -294,8 +294,13 @@ def _readings(v: Judged, names: list[str], say: Language, width: int) -> Iterato
         spans = (say.pointed(span(low / MICRO, high / MICRO)) for low, high in o.strain.tolist())
         rows.append((say.occasion(o.case.when), *spans))
     yield from _numbers(("", *names), rows, width)
-    change = say.pointed(f"{100 * v.solved.influence_change:.1f}")
-    said = say("Refining changes the gauges' influence by {change} % at most.", change=change)
+    change = v.solved.influence_change
+    floor = change * float(np.abs(v.influence[:, :3]).max()) * kN / MICRO
+    said = say(
+        "Refining changes the gauges' influence by {change} % of the largest at most, {floor} "
+        "microstrain per kN: what reads less than that may be nothing.",
+        change=say.pointed(f"{100 * change:.1f}"), floor=say.pointed(f"{floor:.2g}"),
+    )  # fmt: skip
     yield from folded([f"  {said}"], width)
 
 
