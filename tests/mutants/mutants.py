@@ -475,7 +475,7 @@ FATIGUE = (
            "a frozen gauge lives on", "unit/test_quality.py::test_half_a_recording_is_no_longer_life"),
     mutant("fatigue/fault.py", "np.ptp(x[a + 1 : b + 1]) <= 0.25 * s", "np.ptp(x[a + 1 : b + 1]) <= 25 * s",
            "a blow is a spike", "unit/test_conditioning.py::test_what_is_quick_or_slow_and_real_is_no_fault"),
-    mutant("fatigue/orders.py", "on.real = 1 - square * (0.5 - square / 24)", "on.real = 1 - square * 0.5",
+    mutant("fatigue/kernel.py", "on, up = 1 - square * (0.5 - square / 24)", "on, up = 1 - square * 0.5",
            "a wave's cosine is a parabola", "unit/test_turning.py"),
     mutant("fatigue/kernel.py", "gain = (stays * back[i] - 1) * d.conjugate()", "gain = (stays - 1) * d.conjugate()",
            "a mode follows every force as one that stands", "unit/test_turning.py"),

@@ -9,11 +9,16 @@ from cardan.fatigue.locked import levelled, running_mean
 from cardan.fatigue.orders import wave
 
 
-def test_a_wave_is_its_sine_and_cosine():
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_wave_is_its_sine_and_cosine(compiled, monkeypatch):
     """Turns that double precision holds exactly, so that nothing but the wave itself is off."""
+    if not compiled:
+        monkeypatch.setattr(kernel, "_compiled", lambda _: None)
     turns = np.arange(-(2**20), 2**20) / 2**15 + 2.0**20
     exact = np.exp(2j * np.pi * (turns % 1))
     assert np.abs(wave(turns) - exact).max() < 1e-15
+    rows = turns[: 2**20].reshape(4, -1)[:, ::2]
+    np.testing.assert_array_equal(wave(rows), wave(rows.ravel()).reshape(rows.shape))
 
 
 @pytest.mark.parametrize("half", [1, 7, 60])

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.fatigue.conditioning import bridged, low_pass, overlapping
+from cardan.fatigue.kernel import on_circle
 from cardan.fatigue.recording import cut
 from cardan.fatigue.spectral import periodograms
 
@@ -76,32 +77,15 @@ class Rotation:
         return Rotation(self.time, ratio * self.turns)
 
 
-_MARKS = 4096
-_MARK = np.exp(2j * np.pi * np.arange(_MARKS) / _MARKS)
-
-
 def wave(turns: FloatArray) -> ComplexArray:
     r"""Return $e^{2\pi i n}$: where what began at 1 stands after so many turns.
-
-    From the nearest of some marks on the circle on by the series of what is left: as near as
-    rounding, at a third of the cost of a sine and a cosine.
 
     Parameters
     ----------
     turns : (...) 1
-        Turns n, whole ones included.
+        Turns n, whole ones included: as near as rounding of them allows.
     """
-    place = _MARKS * turns
-    near = np.rint(place)
-    left = (place - near) * (2 * np.pi / _MARKS)
-    square = left * left
-    found = _MARK[near.astype(np.int64) & (_MARKS - 1)]
-    on = np.empty(found.shape, complex)
-    # What the series leave out is (1e-3)⁵ / 120 and less.
-    on.real = 1 - square * (0.5 - square / 24)
-    on.imag = left * (1 - square / 6)
-    found *= on
-    return found
+    return on_circle(turns)
 
 
 def rotation_from_speed(
