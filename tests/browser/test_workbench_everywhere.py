@@ -13,7 +13,18 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from brackets import BRACKET, LINE
-from browsing import CHAIN, SETTLED, browsing, clean, opened, serious, wait, workbench
+from browsing import (
+    CHAIN,
+    SETTLED,
+    arrived,
+    browsing,
+    clean,
+    opened,
+    serious,
+    text_of,
+    wait,
+    workbench,
+)  # fmt: skip
 
 from cardan.base.units import MPa
 from cardan.fatigue.synthetic import Gains, synthetic
@@ -185,7 +196,8 @@ def test_a_bracket_is_solved_turned_and_its_zones_marked(tmp_path):
         clean(driver)
 
 
-def test_a_campaign_is_opened_decided_and_asked(tmp_path, run):
+@pytest.mark.usefixtures("run")
+def test_a_campaign_is_opened_decided_and_asked(tmp_path):
     from selenium.webdriver.support.ui import Select
 
     text = (

@@ -461,7 +461,7 @@ def test_a_library_is_what_each_file_comes_to(tmp_path):
         first, second, third, fourth, fifth = one.hear("done")["rows"]
         # A campaign is no application that broke; what is wrong in one is said.
         assert [(r["title"], r["verdict"]) for r in (fourth, fifth)] == [("A day", None)] * 2
-        assert fourth["why"].startswith("d.yaml:1:1: strength: ")
+        assert fourth["why"].startswith("d.yaml:1:1: strength is missing")
         assert fifth["why"] == "1 recording"
         assert (first["verdict"], first["draft"]) == ("pass", True)  # what is not saved counts
         assert (second["title"], second["verdict"]) == ("", None)

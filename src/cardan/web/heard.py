@@ -177,7 +177,8 @@ _TURNING = {"speed": "shaft speed", "tacho": "tacho", "torque": "shaft torque",
 
 def _campaign(read: Document) -> Campaigned:
     if read.recordings is None:
-        raise CardanError(f"{read.name} is no campaign of recordings")
+        msg = f"{read.name} is no campaign of recordings"
+        raise CardanError(msg)
     return read.recordings
 
 
