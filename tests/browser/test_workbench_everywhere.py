@@ -13,7 +13,18 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from brackets import BRACKET, LINE
-from browsing import CHAIN, SETTLED, browsing, clean, opened, serious, wait, workbench
+from browsing import (
+    CHAIN,
+    SETTLED,
+    arrived,
+    browsing,
+    clean,
+    opened,
+    serious,
+    text_of,
+    wait,
+    workbench,
+)  # fmt: skip
 
 from cardan.base.units import MPa
 from cardan.fatigue.synthetic import Gains, synthetic
@@ -126,7 +137,7 @@ def test_a_recording_is_dropped_its_suspects_decided_and_its_causes_told(tmp_pat
         assert "vetoed" in first
         # Each of the two by itself: the other decides as long as nobody has said what it is.
         driver.execute_script("document.querySelector('.channels details').open = true")
-        places = driver.find_elements("css selector", "[data-rule^='S1/spike@']")
+        places = driver.find_elements("css selector", "[data-rule^='S1=spike@']")
         assert len(places) == 2
         told = [first]
         for k, place in enumerate(places, 1):
@@ -182,4 +193,31 @@ def test_a_bracket_is_solved_turned_and_its_zones_marked(tmp_path):
         driver.execute_script("arguments[0].click()", chips[-1])
         wait(driver, "return document.querySelector('[data-top]').innerText !== arguments[0]", top)
         assert serious(driver) == []
+        clean(driver)
+
+
+@pytest.mark.usefixtures("run")
+def test_a_campaign_is_opened_decided_and_asked(tmp_path):
+    from selenium.webdriver.support.ui import Select
+
+    text = (
+        "campaign: Twice\nrecordings: [{file: run.csv, times: 2}]\ngauges: [S1]\n"
+        "strength: {amplitude_MPa: 80, cycles: 2e6, slope: 5}\nspeed: shaft_speed\n"
+    )
+    with browsing(width=390) as driver, workbench(tmp_path, text, "twice.yaml") as (house, _):
+        arrived(driver, house)
+        wait(driver, "return document.querySelector('.drives')")
+        press(driver, "[data-drive='0']")
+        wait(driver, "return document.querySelectorAll('.channels li').length === 2")
+        Select(driver.find_element("css selector", "[data-rule='S1=spike']")).select_by_value(
+            "mask"
+        )
+        wait(driver, "return document.querySelector('textarea').value.includes('S1=spike')")
+        press(driver, ".asks .asking button")
+        wait(driver, "return document.querySelector('.removed rect')")
+        assert driver.execute_script("return document.querySelector('.more[open] table')")
+        assert serious(driver) == []
+        press(driver, "[aria-label=undo]")
+        wait(driver, "return document.querySelector('.trace .open')")
+        assert text_of(driver) == text
         clean(driver)

@@ -347,3 +347,18 @@ def test_a_segment_by_place_is_the_time_it_was_driven_in(tmp_path):
     assert both.exit_code == 2
     assert "by time or by place" in both.output
     assert "without an end" in asked("{name: a, from_s: 5}").output
+
+
+def test_a_profile_of_a_campaign_lies_beside_it(folder, monkeypatch):
+    """It was looked for where the command was started, wherever that is."""
+    (folder / "mine.yaml").write_text(
+        "name: mine\nlimits:\n"
+        "- {quantity: fatigue_life, unit: h, maximum: 9, sense: '>=', source: us}\n"
+    )
+    path = folder / "c.yaml"
+    path.write_text(CAMPAIGN + "limits: mine.yaml\n")
+    monkeypatch.chdir(folder.parent)
+    assert read(path).options["limits"] == str(folder / "mine.yaml")
+    path.write_text(CAMPAIGN + "limits: ../mine.yaml\n")
+    with pytest.raises(BadFile, match="limits: lies outside the folder"):
+        read(path)

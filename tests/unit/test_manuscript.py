@@ -74,9 +74,13 @@ def test_items_are_put_before_a_lists_others():
     assert Manuscript(text).with_({"a[+]": rows, "b[+]": rows}) == (
         "a:\n  - {x: 0}\n  - {x: 1}\n  - {x: 2}  # two\n  - {x: 3}\nb: [{x: 0}, {x: 1}, {x: 2}]\n"
     )
-    for at in ("c[+]", "a[1][+]"):
-        with pytest.raises(BadFile, match="no list"):
-            Manuscript(text).with_({at: rows})
+    assert Manuscript("c: []\n").with_({"c[+]": rows}) == "c: [{x: 0}, {x: 1}]\n"
+    # A list that is not there yet is made; its table has to be there.
+    assert Manuscript(text).with_({"c[+]": rows}) == f"c: [{{x: 0}}, {{x: 1}}]\n{text}"
+    with pytest.raises(BadFile, match="no list"):
+        Manuscript(text).with_({"a[1][+]": rows})
+    with pytest.raises(BadFile, match="nor does the table"):
+        Manuscript(text).with_({"d.c[+]": rows})
 
 
 def test_a_key_that_is_not_there_is_put_into_its_table():

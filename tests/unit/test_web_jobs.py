@@ -448,7 +448,9 @@ def test_a_share_of_none_or_all_is_not_certain():
 @pytest.mark.slow
 def test_a_library_is_what_each_file_comes_to(tmp_path):
     day = 'campaign: "A day"  # of two\nrecordings: [{file: a.csv}]\n'
-    texts = (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK), ("d.yaml", day))
+    strong = f"{day}gauges: [S1]\nstrength: {{amplitude_MPa: 30, cycles: 2e6, slope: 5}}\n"
+    texts = (("a.yaml", CHAIN), ("b.yaml", "title: ["), ("c.yaml", TRUCK), ("d.yaml", day),
+             ("e.yaml", strong))  # fmt: skip
     for name, text in texts:
         (tmp_path / name).write_text(text, "utf-8")
     with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
@@ -456,9 +458,11 @@ def test_a_library_is_what_each_file_comes_to(tmp_path):
         one.say("keep", file=0, text=CHAIN.replace("2800", "1400"), mark="x")
         one.hear("kept")
         one.say("job", id=1, job="library", text="", args={})
-        first, second, third, fourth = one.hear("done")["rows"]
-        assert (fourth["title"], fourth["verdict"]) == ("A day", None)
-        assert fourth["why"].endswith("cardan life d.yaml")  # no application, and none that broke
+        first, second, third, fourth, fifth = one.hear("done")["rows"]
+        # A campaign is no application that broke; what is wrong in one is said.
+        assert [(r["title"], r["verdict"]) for r in (fourth, fifth)] == [("A day", None)] * 2
+        assert fourth["why"].startswith("d.yaml:1:1: strength is missing")
+        assert fifth["why"] == "1 recording"
         assert (first["verdict"], first["draft"]) == ("pass", True)  # what is not saved counts
         assert (second["title"], second["verdict"]) == ("", None)
         assert second["why"]

@@ -14,7 +14,7 @@ from workbench import page, running
 from cardan.base.units import MPa
 from cardan.fatigue.synthetic import Gains, synthetic
 from cardan.study.campaign import Campaign
-from cardan.study.recording import listen
+from cardan.study.recording import listen, listen_to_all
 from cardan.web import parcel
 from cardan.web.answer import answer
 
@@ -261,3 +261,103 @@ def test_a_speed_is_not_told_that_it_drifts_or_stands_still(tmp_path):
         assert kinds[name] == {"hole"}
         assert len(told[name]["said"]) == 1
         assert "missing" in told[name]["said"][0]
+
+
+# ------------------------------------------------------------------ a campaign
+
+CAMPAIGNED = """campaign: Two routes
+recordings:
+  - {file: run.csv, times: 3}
+  - file: run.csv
+    name: again
+    segments: [{name: up, to_s: 30}, {name: down, from_s: 0.01, to_s: 0.03, times: 2}]
+gauges: [S1, S2]  # both
+strength: {amplitude_MPa: 80, cycles: 2e6, slope: 5}
+speed: shaft_speed
+torque: torque
+axle_ratio: 3.5
+tyre_radius_m: 0.5
+target_hours: 10
+"""
+
+
+def of_campaign(name, text, folder, lang="en", **args):
+    question = {"job": name, "text": text, "name": "c.yaml", "folder": str(folder), "lang": lang}
+    return answer({**question, "args": args} | ({"edits": args} if name == "live" else {}))
+
+
+def test_a_campaign_is_told_by_what_it_names(run):
+    found = of_campaign("live", CAMPAIGNED, run.parent, lang="it")["campaign"]
+    assert wrong("Campaign", found) == []
+    assert [d["name"] for d in found["drives"]] == ["run.csv", "again"]
+    assert found["drives"][1]["more"] == ["up: 0 … 30 s × 1", "down: 0,01 … 0,03 s × 2"]
+    assert ["ore da durare", "10"] in found["asked"]
+    heard = of_campaign("drive", CAMPAIGNED, run.parent, drive=0)
+    assert wrong("Heard", heard) == []
+    roles = {c["name"]: c["role"] for c in heard["channels"]}
+    assert roles == {"S1": "gauge", "S2": "gauge", "shaft_speed": "speed", "torque": "torque"}
+
+
+def test_a_suspect_is_decided_in_the_file_of_a_campaign(run):
+    """A rule joins the list of its own recording, which need not be there yet; all else stays."""
+    told = of_campaign(
+        "live", CAMPAIGNED, run.parent,
+        **{"recordings[1].mask[+]": "S2=spike@49.9..50.1", "recordings[2].accept[+]": "S1=clip"},
+    )  # fmt: skip
+    text = told["text"]
+    assert '{mask: ["S2=spike@49.9..50.1"], file: run.csv, times: 3}' in text
+    assert '  - accept: ["S1=clip"]\n    file: run.csv\n' in text
+    more = of_campaign("live", text, run.parent, **{"recordings[1].mask[+]": "S2=spike@19..21"})
+    assert more["campaign"]["drives"][0]["mask"] == ["S2=spike@19..21", "S2=spike@49.9..50.1"]
+    assert "gauges: [S1, S2]  # both" in more["text"]
+
+
+@pytest.mark.slow
+def test_life_of_a_campaign_is_that_of_the_command(run):
+    text = CAMPAIGNED.replace("from_s: 0.01, to_s: 0.03", "from_s: 30, to_s: 60")
+    path = run.with_name("c.yaml")
+    path.write_text(text, "utf-8")
+    told, found = of_campaign("campaign", text, run.parent), listen_to_all(path)
+    assert wrong("Lived", told) == []
+    mix = found.answer
+    assert [c["gauge"] for c in told["causes"]] == ["S1", "S2"]
+    for mine in told["causes"]:
+        theirs = mix.evidence(mine["gauge"])
+        assert mine["finding"] == theirs.finding
+        assert mine["removed"] == pytest.approx(theirs.removed, abs=1e-4)
+        assert [mine["low"], mine["high"]] == pytest.approx(list(theirs.interval), abs=1e-4)
+    titles = [c["title"] for c in told["chapters"]]
+    assert titles == ["Verdict", "The mix", "run.csv", "again, up", "again, down"]
+    table = told["chapters"][1]["blocks"][0]
+    life = mix.lives[0].parts[0][0].life
+    per_km = table["rows"][0][table["head"].index("per km")]
+    assert float(per_km) == pytest.approx(life.damage / (life.distance / 1e3), rel=5e-3)
+    assert [o["gauge"] for o in told["orders"]][:2] == ["run.csv: S1", "run.csv: S2"]
+
+
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [
+        ("file: run.csv,", "file: ../run.csv,"),
+        ("file: run.csv,", "file: /etc/passwd,"),
+        ("times: 3}", "beside: [{file: ../x.csv}]}"),
+        ("speed: shaft", "application: ../a.yaml\nspeed: shaft"),
+        ("speed: shaft", "limits: ../mine.yaml\nspeed: shaft"),
+    ],
+)
+def test_a_campaign_of_a_page_names_no_file_outside_its_folder(run, was, now):
+    assert was in CAMPAIGNED
+    text = CAMPAIGNED.replace(was, now)
+    for job in ("live", "drive", "campaign"):
+        told = of_campaign(job, text, run.parent)
+        assert "lies outside the folder" in told["problems"][0]["message"], told
+        assert told["problems"][0]["line"] > 1
+
+
+def test_what_a_campaign_lacks_is_said_with_its_name(run):
+    text = CAMPAIGNED.replace("file: run.csv,", "file: gone.csv,")
+    assert "campaign" in of_campaign("live", text, run.parent)  # to be mended here
+    told = of_campaign("drive", text, run.parent)
+    assert told["problems"][0]["message"] == "gone.csv: no such file"
+    told = of_campaign("drive", TRUCK, run.parent)
+    assert told["problems"][0]["message"] == "c.yaml is no campaign of recordings"

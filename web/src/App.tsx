@@ -2,6 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
+import { Campaign } from "./Campaign";
 import { Change } from "./Change";
 import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
@@ -35,7 +36,7 @@ const StillPhasors = still<Both>(Phasors, drawn);
 const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
 const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
 const StillHeat = still<{ known: Known }>(Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
-const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, k.live?.title, k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
+const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
 /** What a hand that moves something does not change: drawn again once it lets go. */
 const rested = ({ known, shown }: Both): unknown[] => [known.held ? null : known.live, known.held ? null : known.full, known.pose, known.asked, known.theme, known.lang, shown.free, shown.state];
@@ -51,8 +52,8 @@ export function App() {
   useKeys();
   useEffect(() => {
     const dirty = known.history !== null && unsaved(known.history);
-    document.title = `${dirty ? "• " : ""}${known.live?.title ?? "cardan"}`;
-  }, [known.live?.title, known.history]);
+    document.title = `${dirty ? "• " : ""}${named(known)}`;
+  }, [named(known), known.history]);
   return (
     <>
       <StillHead known={known} />
@@ -64,7 +65,7 @@ export function App() {
         {shown && (
           <>
             {known.view !== "new" && <StillStrip known={known} />}
-            {!known.fixed && <Tabs known={known} />}
+            {!known.fixed && <Tabs known={known} views={VIEWS} />}
             {known.view === "new" && <Guide known={known} />}
             {known.view === "variants" && <Variants known={known} />}
             {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
@@ -91,7 +92,9 @@ export function App() {
             </div>}
           </>
         )}
-        {!shown && known.file !== null && known.history && (
+        {known.campaign && <Tabs known={known} views={["line", "library", "new"]} />}
+        {known.campaign && (known.view === "library" ? <Library known={known} /> : known.view === "new" ? <Guide known={known} /> : <Campaign known={known} of={known.campaign} />)}
+        {!shown && !known.campaign && known.file !== null && known.history && (
           <>
             {known.problems.length > 0 && <p class="card note fail">{t("The file cannot be read as it is: see what is wrong below.")}</p>}
             <StillEditor known={known} />
@@ -102,12 +105,15 @@ export function App() {
   );
 }
 
-/** The views of an application; the verdict stands above each. */
-function Tabs({ known }: { known: Known }) {
-  const names: Record<View, string> = { line: t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
+/** What is open, by its title. */
+const named = ({ live, campaign }: Known): string => (live ?? campaign)?.title ?? "cardan";
+
+/** The views of what is open; of an application the verdict stands above each. */
+function Tabs({ known, views }: { known: Known; views: readonly View[] }) {
+  const names: Record<View, string> = { line: known.campaign ? t("Campaign") : t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
-      {VIEWS.map((view) => (<button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>))}
+      {views.map((view) => (<button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>))}
     </nav>
   );
 }
@@ -145,7 +151,7 @@ function useKeys(): void {
 function Head({ known }: { known: Known }) {
   const history = known.history;
   const dirty = history !== null && unsaved(history);
-  const title = known.live?.title ?? "cardan";
+  const title = named(known);
   return (
     <header class="head">
       <a class="skip" href="#main">{t("to the page")}</a>
@@ -179,7 +185,7 @@ function Head({ known }: { known: Known }) {
 
 function Notices({ known }: { known: Known }) {
   const n = known.notice;
-  const unread = known.live !== null && known.problems.length > 0;
+  const unread = (known.live ?? known.campaign) !== null && known.problems.length > 0;
   const said = n && (n.kind === "refused" ? n.why : {
     restored: t("What was not saved last time is here again; undo goes back to the file."),
     reloaded: t("The file was changed on disk, and is shown as it is now."),

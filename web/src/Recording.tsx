@@ -1,5 +1,6 @@
 // A recording that was dropped here: its channels, what looks wrong in them, life and causes.
 
+import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Blocks } from "./Blocks";
 import { Field } from "./Field";
@@ -10,7 +11,7 @@ import { t } from "./text";
 import type { Channel, Heard, Lived } from "./types";
 import { useKept } from "./use";
 
-type Rule = "mask" | "accept" | "";
+export type Rule = "mask" | "accept" | "";
 
 export function Recording({ known }: { known: Known }) {
   const p = known.parcel;
@@ -56,18 +57,7 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   const value = (key: string): string => (typed[key] ?? "").trim().replace(",", ".");
   const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
   const gauges = of.channels.filter((c) => roles[c.name] === "gauge");
-  // A rule of one place is that of what begins there, to a microsecond.
-  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.flatMap((s) => [
-    ...(rules[`${c.name}/${s.kind}`] === rule ? [`${c.name}=${s.kind}`] : []),
-    ...s.places.flatMap(([a = 0]) => (rules[`${c.name}/${s.kind}@${a}`] === rule ? [`${c.name}=${s.kind}@${Math.max(0, a - 1e-6).toFixed(6)}..${(a + 1e-6).toFixed(6)}`] : [])),
-  ]));
-  const decide = (key: string, free: string, mask: boolean) => (
-    <select data-rule={key} value={rules[key] ?? ""} onChange={(e) => setRules({ ...rules, [key]: (e.currentTarget as HTMLSelectElement).value as Rule })}>
-      <option value="">{free}</option>
-      {mask && <option value="mask">{t("mask: no part felt it")}</option>}
-      <option value="accept">{t("accept: the part felt it")}</option>
-    </select>
-  );
+  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.flatMap((s) => [s.kind, ...s.places.map(([a = 0]) => at(s.kind, a))].map((of) => `${c.name}=${of}`))).filter((of) => rules[of] === rule);
   const sn = ["amplitude", "cycles", "slope"].map(value);
   const hours = Number(value("hours")) || null;
   const args = {
@@ -75,7 +65,7 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
     mask: ruled("mask"), accept: ruled("accept"), first: value("first"), last: value("last"), target_hours: hours,
   };
   const job = known.jobs.life as Job<Lived> | undefined;
-  const words: Record<Channel["role"], string> = { gauge: t("gauge"), speed: t("shaft speed"), torque: t("shaft torque"), engine: t("engine speed"), tacho: t("tacho"), "": "–" };
+  const words = roleNames();
   const box = (key: string, label: string, hint = "") => (
     <label>{label}<input data-field={key} inputMode="decimal" placeholder={hint} value={typed[key] ?? ""} onInput={(e) => type({ ...typed, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
   );
@@ -83,29 +73,13 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   return (
     <div class="columns">
       <div class="left">
-        <section class="card channels" aria-labelledby="channels">
-          <header><h2 id="channels">{t("Channels")}</h2>{of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}</header>
-          <ul>
-            {of.channels.map((c) => (
-              <li key={c.name}>
-                <p>
-                  <b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {number(c.low)} … {number(c.high)}</span>
-                  <select aria-label={t("what {channel} is", { channel: c.name })} value={roles[c.name]} onChange={(e) => setRoles({ ...roles, [c.name]: (e.currentTarget as HTMLSelectElement).value as Channel["role"] })}>
-                    {(Object.keys(words) as Channel["role"][]).map((r) => <option key={r} value={r}>{words[r]}</option>)}
-                  </select>
-                </p>
-                <Trace of={c} gauge={roles[c.name] === "gauge"} seconds={of.seconds} between={[first, last]} rules={rules} />
-                {roles[c.name] === "gauge" && c.suspects.map((s) => (
-                  <div key={s.kind}>
-                    <label class="suspect">{s.said} × {s.count} {decide(`${c.name}/${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${fixed(a, 2)} s`)}</label>
-                    {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{fixed(a, 3)} … {fixed(z, 3)} s {decide(`${c.name}/${s.kind}@${a}`, t("as the others"), s.mask)}</label>)}</details>}
-                  </div>
-                ))}
-                {c.said.map((said) => <small key={said} class="note">{said}</small>)}
-              </li>
-            ))}
-          </ul>
-        </section>
+        <Channels of={of} between={[first, last]} rules={rules} gauge={(c) => roles[c.name] === "gauge"} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
+          {(c) => (
+            <select aria-label={t("what {channel} is", { channel: c.name })} value={roles[c.name]} onChange={(e) => setRoles({ ...roles, [c.name]: (e.currentTarget as HTMLSelectElement).value as Channel["role"] })}>
+              {(Object.keys(words) as Channel["role"][]).map((r) => <option key={r} value={r}>{words[r]}</option>)}
+            </select>
+          )}
+        </Channels>
       </div>
       <div class="right">
         <section class="card asks" aria-labelledby="asks">
@@ -122,24 +96,62 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   );
 }
 
+export const roleNames = (): Record<Channel["role"], string> => ({ gauge: t("gauge"), speed: t("shaft speed"), torque: t("shaft torque"), engine: t("engine speed"), tacho: t("tacho"), "": "–" });
+
+/** A rule of one place is that of what begins there, to a microsecond. */
+const at = (kind: string, a: number): string => `${kind}@${Math.max(0, a - 1e-6).toFixed(6)}..${(a + 1e-6).toFixed(6)}`;
+
+/** Channels over time, and what looks wrong in those of gauges, to be decided. */
+export function Channels(p: { of: Heard; between: [number, number]; rules: Record<string, Rule>; gauge: (c: Channel) => boolean; decide: (of: string, rule: Rule) => void; children: (c: Channel) => ComponentChildren }) {
+  const { of, rules } = p;
+  const decide = (key: string, free: string, mask: boolean) => (
+    <select data-rule={key} value={rules[key] ?? ""} onChange={(e) => p.decide(key, (e.currentTarget as HTMLSelectElement).value as Rule)}>
+      <option value="">{free}</option>
+      {mask && <option value="mask">{t("mask: no part felt it")}</option>}
+      <option value="accept">{t("accept: the part felt it")}</option>
+    </select>
+  );
+  return (
+    <section class="card channels" aria-labelledby="channels">
+      <header><h2 id="channels">{t("Channels")}</h2>{of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}</header>
+      <ul>
+        {of.channels.map((c) => (
+          <li key={c.name}>
+            <p><b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {number(c.low)} … {number(c.high)}</span> {p.children(c)}</p>
+            <Trace of={c} gauge={p.gauge(c)} seconds={of.seconds} between={p.between} rules={rules} />
+            {p.gauge(c) && c.suspects.map((s) => (
+              <div key={s.kind}>
+                <label class="suspect">{s.said} × {s.count} {decide(`${c.name}=${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${fixed(a, 2)} s`)}</label>
+                {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{fixed(a, 3)} … {fixed(z, 3)} s {decide(`${c.name}=${at(s.kind, a)}`, t("as the others"), s.mask)}</label>)}</details>}
+              </div>
+            ))}
+            {c.said.map((said) => <small key={said} class="note">{said}</small>)}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
 /** Smallest and largest values over time, with what looks wrong, and what is left out. */
 function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boolean; seconds: number; between: [number, number]; rules: Record<string, Rule> }) {
   const n = of.highest.length;
   const [low, high] = [of.low ?? 0, of.high ?? 1];
   const y = (v: number | null | undefined): string => (38 - (36 * ((v ?? low) - low)) / (high - low || 1)).toFixed(1);
-  const at = (s: number): number => (400 * s) / (seconds || 1);
+  const x = (s: number): number => (400 * s) / (seconds || 1);
   const edge = (values: Channel["lowest"], k: number): string => `${((400 * (k + 0.5)) / n).toFixed(1)} ${y(values[k])}`;
   const path = `M${of.highest.map((_, k) => edge(of.highest, k)).join("L")}L${of.lowest.map((_, k) => edge(of.lowest, n - 1 - k)).join("L")}Z`;
   return (
     <svg class="trace" viewBox="0 0 400 40" preserveAspectRatio="none" role="img" aria-label={t("{channel} over time", { channel: of.name })}>
-      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}/${s.kind}@${a}`] || rules[`${of.name}/${s.kind}`] || "open"} x={at(a)} y={0} width={Math.max(1.5, at(b) - at(a))} height={40} />))}
+      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}=${at(s.kind, a)}`] || rules[`${of.name}=${s.kind}`] || "open"} x={x(a)} y={0} width={Math.max(1.5, x(b) - x(a))} height={40} />))}
       <path d={path} />
-      <rect class="out" x={0} y={0} width={at(Math.max(0, between[0]))} height={40} /><rect class="out" x={at(between[1])} y={0} width={Math.max(0, 400 - at(between[1]))} height={40} />
+      <rect class="out" x={0} y={0} width={x(Math.max(0, between[0]))} height={40} /><rect class="out" x={x(between[1])} y={0} width={Math.max(0, 400 - x(between[1]))} height={40} />
     </svg>
   );
 }
 
-function Answer({ of, known }: { of: Lived; known: Known }) {
+/** What was answered; of its chapters one may be open. */
+export function Answer({ of, known, open }: { of: Lived; known: Known; open?: number }) {
   const [gauge, choose] = useState(0);
   const [at, setAt] = useState<[number, number]>([0, 0]);
   const map = of.orders[Math.min(gauge, of.orders.length - 1)];
@@ -167,7 +179,7 @@ function Answer({ of, known }: { of: Lived; known: Known }) {
           <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
         </section>
       )}
-      {of.chapters.map((ch) => <details key={ch.title} class="card more"><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
+      {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={open === k}><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
     </>
   );
 }
@@ -183,7 +195,7 @@ function Removed({ of }: { of: Lived["causes"] }) {
           <svg viewBox="0 0 300 14" role="img" aria-label={`${fixed(100 * c.low, 0)} … ${fixed(100 * c.high, 0)} %`}>
             <path class="axes" d={`M${x(0)} 12H${x(1)}`} /><rect x={x(c.low)} y="3" width={Math.max(2, x(c.high) - x(c.low))} height="7" /><circle cx={x(c.removed)} cy="6.5" r="4" />
           </svg>
-          <p class="note">{c.shares.filter((s) => (s.share ?? 0) > 0.005).sort((a, b) => (b.share ?? 0) - (a.share ?? 0)).map((s) => `${s.said} ${fixed(100 * (s.share ?? 0), 0)} %`).join(" · ")}</p>
+          {c.shares.length > 0 && <p class="note">{c.shares.filter((s) => (s.share ?? 0) > 0.005).sort((a, b) => (b.share ?? 0) - (a.share ?? 0)).map((s) => `${s.said} ${fixed(100 * (s.share ?? 0), 0)} %`).join(" · ")}</p>}
         </li>
       ))}
     </ul>

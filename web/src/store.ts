@@ -5,7 +5,7 @@ import { speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn, t } from "./text";
-import type { Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
+import type { Campaign, Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
 
 export interface Selected { row: string; state: number; part: number }
 
@@ -27,6 +27,8 @@ export interface Known {
   file: number | null;
   history: History.History | null;
   live: Live | null;
+  /** What a file of recordings names: then nothing is live. */
+  campaign: Campaign | null;
   handles: Handle[];
   full: Full | null;
   /** Whether the verdict is of what is shown, or of what it was before. */
@@ -71,7 +73,7 @@ export interface Job<Answer = unknown, Part = unknown> {
 
 const start: Known = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
-  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, handles: [],
+  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
   order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [],
   behind: null,
@@ -344,7 +346,7 @@ export class Store {
     if (m.draft !== null) notice = { kind: "restored" };
     if (m.draft !== null && m.stale) notice = { kind: "conflict", text: m.saved, mark: m.mark };
     this.set({
-      file: m.file, history, notice, live: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
+      file: m.file, history, notice, live: null, campaign: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
       jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
       variants: m.variants, revisions: m.revisions,
     });
@@ -435,8 +437,8 @@ export class Store {
       this.moved(m);
     } else if (sent.commit && sent.question.text !== this.known.history?.text) {
       this.commits.unshift(sent); // of another text by now: made again, of that one
-    } else if (m.type === "live" && m.fault === undefined && m.lines) {
-      this.took(m as Extract<Told, { type: "live" }> & Live, sent);
+    } else if (m.type === "live" && m.fault === undefined && (m.lines || m.campaign)) {
+      this.took(m, sent);
     }
     if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: faulty(m.fault) } });
     if (!sent.shown) painted(sent.since, m.type === "moved" ? "cardan:moved" : undefined);
@@ -451,8 +453,8 @@ export class Store {
     if (next) this.send(next);
   }
 
-  private took(m: { text?: string; edits?: Edits } & Live, sent: Sent): void {
-    const change: Partial<Known> = { live: m, problems: [] };
+  private took(m: Extract<Told, { type: "live" }>, sent: Sent): void {
+    const change: Partial<Known> = { live: m.campaign ? null : (m as Live), campaign: m.campaign ?? null, problems: [] };
     if (m.handles) change.handles = m.handles;
     if (m.pose) change.pose = m.pose;
     if (sent.commit && this.known.history && m.text !== undefined) {

@@ -1,6 +1,6 @@
 // What the page is told and what it says; the shapes of answers are made from their schema.
 
-import type { Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row } from "../made/types";
+import type { Campaign, Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row } from "../made/types";
 
 export type * from "../made/types";
 
@@ -32,7 +32,7 @@ export type Told =
       variants: Named[];
       revisions: (Named & { said: string })[];
     }
-  | ({ type: "live"; edits?: Edits } & Answered & Partial<Live>)
+  | ({ type: "live"; edits?: Edits; campaign?: Campaign } & Answered & Partial<Live>)
   | ({ type: "moved"; lines?: (Pick<Line, "name"> & Partial<Line>)[]; obstacles?: Obstacle[]; pose?: Pose } & Answered)
   | ({ type: "graded"; limits?: Pick<Row, "id" | "values" | "margins" | "grades">[]; grade?: Live["grade"] } & Answered)
   | ({ type: "posed"; pose?: Pose } & Answered)

@@ -6,7 +6,7 @@ strong the part is. How often each recording or segment of one is driven makes t
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -28,6 +28,7 @@ from cardan.border.table import (
     key,
 )  # fmt: skip
 from cardan.files.application import read as application
+from cardan.files.manuscript import Manuscript
 from cardan.model.application import Application
 
 _TIME = Number(least=0, most=1e9)
@@ -81,6 +82,8 @@ class Campaigned:
     drives: tuple[Drive, ...]
     options: Mapping[str, Any]
     customer: float = 0.0
+    name: str = ""
+    """Of its file."""
 
 
 class SegmentTable(Table):
@@ -312,6 +315,8 @@ class CampaignTable(Table):
         for name in ("application", "changed"):
             if options[name] is not None:
                 options[name] = self._application(name)
+        if self.limits and self.limits.endswith((".yaml", ".yml")):
+            options["limits"] = str(self.at("limits").beside(self.limits))
         for name in ("strain_life", "crack"):
             options[name] = ",".join(f"{k!r}" for k in options[name]) or None
         options["engine_orders"] = ",".join(f"{k:g}" for k in self.engine_orders)
@@ -338,15 +343,30 @@ def read(path: Path, *, allow_outside: bool = False) -> Campaigned:
         With everything wrong in it, by line and column; also where it names a recording
         outside its own folder and that is not allowed.
     """
-    root, problems = parse(text_of(path), str(path))
-    reading = Reading(folder=path.parent, allow_outside=allow_outside, problems=problems)
+    return loads(text_of(path), name=str(path), folder=path.parent, allow_outside=allow_outside)
+
+
+def loads(
+    text: str, *, name: str = "campaign", folder: Path | None = None, allow_outside: bool = False
+) -> Campaigned:
+    """Return the campaign a text describes; `read` is the same for a file.
+
+    `name` is what errors call the text, and its recordings are files in `folder`.
+    """
+    root, problems = parse(text, name)
+    reading = Reading(folder=folder, allow_outside=allow_outside, problems=problems)
     try:
         found: Campaigned = TableRule(CampaignTable).read(Here(root, "", reading))
     except (Spoilt, Enough):
-        raise BadFile(str(path), tuple(problems)) from None
+        raise BadFile(name, tuple(problems)) from None
     if problems:
-        raise BadFile(str(path), tuple(problems))
-    return found
+        raise BadFile(name, tuple(problems))
+    return replace(found, name=Path(name).name)
+
+
+def title(text: Manuscript) -> str | None:
+    """Return what a text is called as a campaign; None where it is of something else."""
+    return text.written("campaign")
 
 
 def schema() -> dict[str, Any]:

@@ -82,7 +82,8 @@ class Manuscript:
     def _edit(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
         """Return from where to where a change goes, and what it puts there.
 
-        `[+]` at the end of an address is a new item of a list, or some, before its others.
+        `[+]` at the end of an address is a new item of a list, or some, before its others; the
+        list is there from then on.
         """
         if at.endswith("[+]"):
             return self._item(at.removesuffix("[+]"), to)
@@ -122,14 +123,17 @@ class Manuscript:
 
     def _item(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
         """Return the change that puts an item into a list, before the others."""
-        node = self._nodes.get(at)
-        if not isinstance(node, Sequence) or not node.items or id(node) in self._shared:
+        node, given = self._nodes.get(at), to if isinstance(to, list) else [to]
+        if node is None:
+            return self._insertion(at, given)
+        if not isinstance(node, Sequence) or id(node) in self._shared:
             problem = Problem(message="is no list that an item can be put into", key=at)
             raise BadFile(self.name, (problem,))
         start = self._offset(node)
-        items = [token(item, "") for item in (to if isinstance(to, list) else [to])]
+        items = [token(item, "") for item in given]
         if self._is(start, "["):
-            return start + 1, start + 1, "".join(f"{item}, " for item in items)
+            after = ", " if node.items else ""
+            return start + 1, start + 1, ", ".join(items) + after
         breaks = "\r\n" if "\r\n" in self.text else "\n"
         after = breaks + " " * (node.column - 1)
         return start, start, "".join(f"- {item}{after}" for item in items)

@@ -502,6 +502,14 @@ class Campaign:
                 msg = f"--{option}: no {kind} {name!r}; {nearest(name, names)}"
                 raise DesignError(msg)
 
+    def roles(self, recording: Recording) -> dict[str, str]:
+        """Return what each channel of a recording is that something is asked of."""
+        found = {c: "gauge" for g in self.plan(recording).gauges for c in g.channels}
+        for role in ("speed", "tacho", "torque", "engine"):
+            if (of := getattr(self, role)) is not None:
+                found.setdefault(recording.channel(_named(of)[0]).name, role)
+        return found
+
     def plan(self, recording: Recording) -> Plan:
         """Return what is counted of a recording, and held against which strength.
 

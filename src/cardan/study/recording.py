@@ -33,7 +33,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.usage import customer, usage
-from cardan.files.campaign import Segment
+from cardan.files.campaign import Campaigned, Drive, Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.model.application import Application
@@ -376,11 +376,13 @@ class Mix:
 
 
 def listen_to_all(
-    path: Path, *, limits: Sequence[Limit] = (), allow_outside: bool = False, tell: Tell = silent,
-    draw: bool = False, identified: bool = False, changed: bool = False,
+    of: Path | Campaigned, *, limits: Sequence[Limit] = (), allow_outside: bool = False,
+    tell: Tell = silent, draw: bool = False, identified: bool = False, changed: bool = False,
     checked: Application | None = None,
 ) -> Finding[Mix]:  # fmt: skip
-    """Ask every recording of a campaign's file, and hold the mix against its limits and others.
+    """Ask every recording of a campaign, and hold the mix against its limits and others.
+
+    It is a file, or was read already.
 
     `checked` is the application whose verdict they will be part of: the campaign's own, if it names
     one.
@@ -392,32 +394,25 @@ def listen_to_all(
     CardanError
         As `listen`, of the file and of each recording.
     """
-    written = campaigned(path, allow_outside=allow_outside)
+    written = campaigned(of, allow_outside=allow_outside) if isinstance(of, Path) else of
     asked = Campaign(**written.options)
     if asked.application is not None and checked is not None:
         _same_design(asked.application, checked)
     count = sum(len(drive.segments or (None,)) for drive in written.drives)
     if (identified or changed) and not (count == 1 and asked.identify):
         msg = (
-            f"--corrected and the histories are of one recording with identify: {path.name} has "
+            f"--corrected and the histories are of one recording with identify: {written.name} has "
             f"{count}" + ("" if count != 1 else " without it")
         )
         raise DesignError(msg)
     if changed and asked.changed is None:
-        msg = f"--changed-history needs an application to be driven: `changed` in {path.name}"
+        msg = f"--changed-history needs an application to be driven: `changed` in {written.name}"
         raise DesignError(msg)
     profile, own = asked.asked()
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
     for drive in written.drives:
-        own = {
-            k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
-            for k, v in drive.options.items()
-        }
-        campaign = replace(asked, limits=None, target_hours=None, **own)
-        whole = _opened(drive.file, campaign)
-        for file, late in drive.beside:
-            whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
+        campaign, whole = driven(asked, drive)
         segments = drive.segments or (None,)
         for segment in segments:
             name, times, recording, seconds = drive.name, drive.times, whole, 0.0
@@ -452,6 +447,19 @@ def listen_to_all(
         checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
         unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
     )
+
+
+def driven(asked: Campaign, drive: Drive) -> tuple[Campaign, Recording]:
+    """Return what is asked of one recording of a campaign, and that recording."""
+    own = {
+        k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
+        for k, v in drive.options.items()
+    }
+    campaign = replace(asked, limits=None, target_hours=None, **own)
+    whole = _opened(drive.file, campaign)
+    for file, late in drive.beside:
+        whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
+    return campaign, whole
 
 
 def _ended(answer: Heard, asked: float) -> Heard:

@@ -83,7 +83,12 @@ def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> 
     """Return what is wrong with a document, each with its place."""
     if isinstance(error, BadFile):
         keys = ("message", "key", "value", "hint", "line", "column")
-        return [{k: getattr(p, k) for k in keys} for p in error.problems]
+        of = Path(error.file)
+        beside = f"{of.name}: " if folder and of.is_relative_to(folder) else ""
+        return [
+            {k: getattr(p, k) for k in keys} | {"message": f"{beside}{p.message}"}
+            for p in error.problems
+        ]
     line = column = 0
     key = ""
     with suppress(CardanError):
@@ -109,7 +114,12 @@ def _edits(read: Document, question: Json) -> Changes:
 
 
 def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
-    """Return all that follows a change at once: lines, limits that need no operating points."""
+    """Return all that follows a change at once: lines, limits that need no operating points.
+
+    Of a campaign it is what that names.
+    """
+    if of := read.recordings:
+        return {"campaign": heard.listed(of, say)}
     app = read.application
     rows = [row for r in read.responses for row in _rows(r, say)]
     return {
@@ -261,6 +271,8 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 _LONG = {
     "recording": heard.brought,
     "life": heard.lived,
+    "drive": heard.driven,
+    "campaign": heard.mixed,
     "bracket": seated.seated,
     "library": library.status,
     "report": library.report,

@@ -14,6 +14,8 @@ from cardan import files
 from cardan.base.arrays import FloatArray
 from cardan.base.verdict import Check
 from cardan.demand.states import demand, resolve
+from cardan.files import campaign
+from cardan.files.campaign import Campaigned
 from cardan.files.manuscript import Manuscript, token
 from cardan.files.placing import Changes
 from cardan.model.application import Application
@@ -60,6 +62,13 @@ class Document:
         return files.loads(self.text, name=self.name, folder=self.folder)
 
     @cached_property
+    def recordings(self) -> Campaigned | None:
+        """What it says as a campaign of recordings; None where it is an application."""
+        if campaign.title(self.manuscript) is None:
+            return None
+        return campaign.loads(self.text, name=self.name, folder=self.folder)
+
+    @cached_property
     def stability(self) -> "Stability":
         """How its vehicle vibrates: a matter of seconds."""
         from cardan.study.stability import stability
@@ -80,8 +89,8 @@ class Document:
     def edited(self, edits: Changes, *, held: bool = False) -> "Document":
         """Return it with edits made; what a hand holds is told by numbers, and not read again."""
         text = self.manuscript.with_(edits)
-        written = self.application.written
-        if held and written and all(at in written.numbers for at in edits):
+        written = self.application.written if held else None
+        if written and all(at in written.numbers for at in edits):
             numbers = {at: float(token(to, "")) for at, to in edits.items()}
             return Document(text, self.name, self.folder, was=self, numbers=numbers)
         return document(text, self.name, self.folder)

@@ -1,9 +1,8 @@
-"""A recording that was brought: its channels and what looks wrong in them; life and causes."""
+"""A recording that was brought, or those of a campaign: channels, suspects, life and causes."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -12,12 +11,15 @@ from cardan.base.errors import CardanError, NotInstalled
 from cardan.base.units import MPa
 from cardan.fatigue import life as room
 from cardan.fatigue.conditioning import Health
+from cardan.fatigue.evidence import Evidence
 from cardan.fatigue.fault import KINDS, REMOVABLE
 from cardan.fatigue.recording import Channel, Recording, between
+from cardan.files.campaign import Campaigned, Segment
 from cardan.files.recordings import open_recording
-from cardan.report.blocks import Issue
+from cardan.report import recording_story as story
+from cardan.report.blocks import Issue, Story
 from cardan.report.language import Language
-from cardan.report.recording_story import recording as story
+from cardan.study import recording as study
 from cardan.study.campaign import SPEED, STRAIN, STRESS, TORQUE, Campaign
 from cardan.study.recording import Heard, RecordingStudy
 from cardan.web.document import Document, Json, Tell, f, fs, g
@@ -39,10 +41,27 @@ WORDS: Mapping[str, tuple[str, ...]] = {"engine": ("engine", "motor"), "tacho": 
 def brought(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return what a recording holds, channel by channel, and where it looks wrong."""
     recording = _opened(args)
-    names = recording.names[:DRAWN]
+    roles = {c.name: _role(c) for c in recording.channels[:DRAWN]}
+    return _looked(recording, roles, say, tell)
+
+
+def driven(read: Document, args: Json, say: Language, tell: Tell) -> Json:
+    """Return what a recording of a campaign holds in the channels that are asked about."""
+    of = _campaign(read)
+    drive = of.drives[min(int(args.get("drive", 0)), len(of.drives) - 1)]
+    try:
+        campaign, recording = study.driven(Campaign(**of.options), drive)
+    except ImportError as error:
+        raise _missing(error) from error
+    recording = replace(campaign.scaled(recording), name=drive.name)
+    return _looked(recording, campaign.roles(recording), say, tell)
+
+
+def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell: Tell) -> Json:
+    """Return channels of a recording, and where those of gauges look wrong."""
+    names = tuple(n for n in recording.names if n in roles)[:DRAWN]
     healths = room.look(recording, channels=names, progress=_progress(recording, say, tell))
     samples = max(h.samples for h in healths.values())
-    roles = {c.name: _role(c) for c in recording.channels if c.name in healths}
     healths = {n: h if roles[n] in ("gauge", "") else h.of_no_gauge() for n, h in healths.items()}
     low, high = _envelope(recording, names, samples=samples)
     return {
@@ -58,7 +77,9 @@ def brought(_: Document, args: Json, say: Language, tell: Tell) -> Json:
                 "suspects": _suspects(h, recording.rate, say),
                 "said": [say.said(s) for s in h.findings(rate=recording.rate, unit=c.unit)],
             }
-            for c, h, a, b in zip(recording.channels, healths.values(), low, high, strict=False)
+            for c, h, a, b in zip(
+                map(recording.channel, names), (healths[n] for n in names), low, high, strict=True
+            )
         ],
     }  # fmt: skip
 
@@ -72,14 +93,7 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
         first, last = (_seconds(args, k) for k in ("first", "last"))
         recording = between(recording, first or 0.0, last or 1e12)
     try:
-        found = RecordingStudy(campaign, draw=True).run(
-            recording,
-            lambda doing, _, __: (
-                tell({"doing": f"{say('reading')}: {doing.rpartition(' ')[2]}"})
-                if doing.endswith("%")
-                else tell({"doing": say("reading")})
-            ),
-        )
+        found = RecordingStudy(campaign, draw=True).run(recording, _reading(say, tell))
     except ImportError as error:
         raise _missing(error) from error
     heard = found.answer
@@ -88,8 +102,94 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
         "name": recording.name,
         "orders": _orders(heard),
         "causes": _causes(heard, say),
-        **_story(replace(found, answer=_undrawn(heard)), say),
+        **_story(story.recording(replace(found, answer=_undrawn(heard)), say=say, issue=Issue())),
     }
+
+
+def mixed(read: Document, _: Json, say: Language, tell: Tell) -> Json:
+    """Return what the recordings of a campaign did to its gauges, and who did it."""
+    try:
+        found = study.listen_to_all(_campaign(read), tell=_reading(say, tell), draw=True)
+    except ImportError as error:
+        raise _missing(error) from error
+    mix = found.answer
+    assert mix is not None
+    evidence = {one.name: mix.evidence(one.name) for one in mix.lives}
+    bare = tuple((name, times, _undrawn(heard)) for name, times, heard in mix.parts)
+    told = story.campaign(
+        replace(found, answer=replace(mix, parts=bare)), say=say, issue=Issue()
+    )  # fmt: skip
+    return {
+        "name": mix.title,
+        "orders": [
+            {**row, "gauge": f"{name}: {row['gauge']}"}
+            for name, _, heard in mix.parts
+            for row in _orders(heard)
+        ][:DRAWN],
+        "causes": [{**_removed(n, e, say), "shares": []} for n, e in evidence.items() if e],
+        **_story(told),
+    }
+
+
+def listed(of: Campaigned, say: Language) -> Json:
+    """Return what a campaign names, and what is asked of it."""
+    asked, profile = Campaign(**of.options), of.options["limits"]
+    amplitude, cycles, slope = map(float, asked.sn.split(","))
+    facts = (
+        (
+            say("S-N curve at the gauge, half failed, at its knee"),
+            f"{say.short(amplitude)} MPa, {cycles:.0f}, {say.short(slope)}",
+        ),
+        *((say(word), getattr(asked, key)) for key, word in _TURNING.items()),
+        (say("hours to live"), asked.target_hours and say.short(asked.target_hours)),
+        (say("Limits"), profile and Path(profile).name),
+    )
+    return {
+        "title": of.title,
+        "asked": [
+            [say("gauge"), ", ".join((*asked.gauges, *asked.rosettes))],
+            *([label, value] for label, value in facts if value),
+        ],
+        "drives": [
+            {
+                "name": d.name, "times": say.short(d.times),
+                "more": [
+                    *(f"+ {path.name}" for path, _ in d.beside),
+                    *(_segment(s, say) for s in d.segments),
+                ],
+                **{k: [*getattr(asked, k), *d.options[k]] for k in ("mask", "accept")},
+            }
+            for d in of.drives
+        ],
+    }  # fmt: skip
+
+
+def _segment(of: Segment, say: Language) -> str:
+    """Return a stretch in words: up: 0 … 30 s × 2."""
+    unit, scale = ("km", 1e3) if of.by_way else ("s", 1.0)
+    first, last, times = (say.short(v) for v in (of.first / scale, of.last / scale, of.times))
+    return f"{of.name}: {first} … {last} {unit} × {times}"
+
+
+_TURNING = {"speed": "shaft speed", "tacho": "tacho", "torque": "shaft torque",
+            "engine": "engine speed"}  # fmt: skip
+
+
+def _campaign(read: Document) -> Campaigned:
+    if read.recordings is None:
+        msg = f"{read.name} is no campaign of recordings"
+        raise CardanError(msg)
+    return read.recordings
+
+
+def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
+    """Return what tells the page how far a study has read, where that is known."""
+
+    def reading(doing: str, _: int, __: int) -> None:
+        share = f": {doing.rpartition(' ')[2]}" if doing.endswith("%") else ""
+        tell({"doing": f"{say('reading')}{share}"})
+
+    return reading
 
 
 ASKED = frozenset({
@@ -191,17 +291,20 @@ def _causes(of: Heard, say: Language) -> list[Json]:
     """Return what would go with the joints at each gauge with its interval, and all shares."""
     if of.causes is None:
         return []
-    return [
-        {
-            "gauge": name, "removed": f(e.removed, 4), "low": f(e.interval[0], 4),
-            "high": f(e.interval[1], 4), "finding": e.finding, "said": say(e.finding),
-            "shares": [
-                {"cause": c, "said": say(c), "share": f(a.share(c), 4)} for c in a.causes
-            ],
-        }
-        for name, e, a in zip(of.causes.gauges, of.causes.evidence, of.causes.attributions,
-                              strict=True)
-    ]  # fmt: skip
+    shares = [
+        [{"cause": c, "said": say(c), "share": f(a.share(c), 4)} for c in a.causes]
+        for a in of.causes.attributions
+    ]
+    rows = zip(of.causes.gauges, of.causes.evidence, shares, strict=True)
+    return [{**_removed(name, e, say), "shares": share} for name, e, share in rows]
+
+
+def _removed(gauge: str, of: Evidence, say: Language) -> Json:
+    """Return what would go with the joints at a gauge, with its interval."""
+    return {
+        "gauge": gauge, "removed": f(of.removed, 4), "low": f(of.interval[0], 4),
+        "high": f(of.interval[1], 4), "finding": of.finding, "said": say(of.finding),
+    }  # fmt: skip
 
 
 def _undrawn(of: Heard) -> Heard:
@@ -209,9 +312,8 @@ def _undrawn(of: Heard) -> Heard:
     return replace(of, pictures=of.pictures and replace(of.pictures, spectrograms=()))
 
 
-def _story(found: Any, say: Language) -> Json:
-    """Return what a report says of a recording."""
-    of = story(found, say=say, issue=Issue())
+def _story(of: Story) -> Json:
+    """Return what a report says of recordings."""
     return {
         "grade": of.grade,
         "verdict": of.verdict,

@@ -172,6 +172,8 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
         **{key: _typed(40) for key in ("sn", "mean_stress", "engine_orders")},
         **dict.fromkeys(("target_hours", "ultimate_MPa"), _positive),
     },
+    "drive": {"drive": _below(10_000)},
+    "campaign": {},
     "bracket": {},
     "compare": {"variants": texts, "files": _files},
     "pasted": {**PASTED, **LINE},

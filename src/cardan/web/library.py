@@ -1,6 +1,5 @@
 """A folder of applications as a library: what each comes to; reports to take away."""
 
-import re
 from base64 import b64encode
 from collections import OrderedDict
 from datetime import date
@@ -9,6 +8,7 @@ from pathlib import Path
 
 from cardan.base.errors import CardanError
 from cardan.base.verdict import GRADES
+from cardan.files import campaign
 from cardan.report.language import CODES, Language
 from cardan.report.wording import badness, place
 from cardan.study.approval import Approval, approve
@@ -22,9 +22,6 @@ KINDS = {
 
 KEPT = 500
 """Texts whose status is not asked again."""
-
-_CAMPAIGN = re.compile(r"""^campaign:[ \t]*["']?(.*?)["']?[ \t]*(?:#.*)?$""", re.MULTILINE)
-"""What a file of recordings begins with: it is no application, and no broken one."""
 
 _STATUS: OrderedDict[tuple[str, str], Json] = OrderedDict()
 
@@ -46,14 +43,16 @@ def status(_: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 def _status(one: Json, folder: str | None, say: Language) -> Json:
     """Return title, verdict, counts and the worst check of a text."""
+    read = document(one["text"], one["name"], Path(folder) if folder else None)
+    title = ""
     try:
-        read = document(one["text"], one["name"], Path(folder) if folder else None)
+        title = campaign.title(read.manuscript) or ""
+        if of := read.recordings:
+            count = say.count("{count} recording", "{count} recordings", len(of.drives))
+            return {"title": of.title, "verdict": None, "why": count}
         found = approve(read.application)
     except CardanError as error:
-        if campaign := _CAMPAIGN.search(one["text"]):
-            why = say("recordings, asked by cardan life {file}", file=one["name"])
-            return {"title": campaign[1], "verdict": None, "why": why}
-        return {"title": "", "verdict": None, "why": str(error).splitlines()[0][:300]}
+        return {"title": title, "verdict": None, "why": str(error).splitlines()[0][:300]}
     worst = min(found.checks, key=badness, default=None)
     return {
         "title": found.application.title,

@@ -308,7 +308,8 @@ class Session:
                 answer.pop("text", None)  # the page has one: no other is kept before it lets go
             if job in ANSWERS:
                 await self._tell(ANSWERS[job], id=question["id"], **answer)
-            whole = job in ("live", "graded") and not {"problems", "fault"} & answer.keys()
+            told = {"problems", "fault", "campaign"} & answer.keys()
+            whole = job in ("live", "graded") and not told
             if whole and question["id"] == self._asked:
                 later = {k: question[k] for k in ("id", "name", "folder", "lang")}
                 later |= {"job": "full", "text": text}

@@ -1,0 +1,50 @@
+// A campaign of recordings: what its file names, each recording looked at, life and causes of the mix.
+
+import { Editor } from "./Editor";
+import { Answer, Channels, roleNames, type Rule } from "./Recording";
+import { Asking } from "./Speed";
+import { store, type Job, type Known } from "./store";
+import { t } from "./text";
+import type { Campaign as Of, Heard, Lived } from "./types";
+import { useKept } from "./use";
+
+export function Campaign({ known, of }: { known: Known; of: Of }) {
+  const [chosen, choose] = useKept(`campaign/${known.file}`, 0);
+  const at = Math.min(chosen, of.drives.length - 1);
+  const drive = of.drives[at];
+  const look = known.jobs.drive as Job<Heard> | undefined;
+  const life = known.jobs.campaign as Job<Lived> | undefined;
+  const heard = look?.answer?.name === drive?.name ? look?.answer : null;
+  const rules = Object.fromEntries((["accept", "mask"] as const).flatMap((rule) => drive?.[rule].map((said): [string, Rule] => [said, rule]) ?? []));
+  return (
+    <div class="columns">
+      <div class="left">
+        <section class="card drives" aria-labelledby="drives">
+          <header><h2 id="drives">{t("Recordings")}</h2></header>
+          <ol>
+            {of.drives.map((d, k) => (
+              <li key={d.name}>
+                <button class="link" data-drive={k} aria-pressed={k === at} onClick={() => { choose(k); store.work("drive", { drive: k }); }}>{d.name}</button> × {d.times}
+                {d.more.map((said) => <small key={said} class="note">{said}</small>)}
+              </li>
+            ))}
+          </ol>
+          {look?.running && <p class="note" role="status">{t("reading …")}</p>}
+          {look?.why && <p class="fail">{look.why}</p>}
+        </section>
+        {heard && <Channels of={heard} between={[0, heard.seconds]} rules={rules} gauge={(c) => c.role === "gauge"} decide={(said, rule) => rule && store.apply({ [`recordings[${at + 1}].${rule}[+]`]: said })}>{(c) => <span class="note">{roleNames()[c.role]}</span>}</Channels>}
+        <Editor known={known} />
+      </div>
+      <div class="right">
+        <section class="card asks" aria-labelledby="asks">
+          <header>
+            <h2 id="asks">{t("Life and causes")}</h2>
+            <Asking job={life} name="campaign" word={t("ask")} stale={life?.of !== store.about({})} ask={() => store.work("campaign")} />
+          </header>
+          <dl class="asked">{of.asked.flatMap(([what, said]) => [<dt key={what}>{what}</dt>, <dd key={said}>{said}</dd>])}</dl>
+        </section>
+        {life?.answer && <Answer of={life.answer} known={known} open={1} />}
+      </div>
+    </div>
+  );
+}
