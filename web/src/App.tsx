@@ -3,6 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
 import { Campaign } from "./Campaign";
+import { Card } from "./Card";
 import { Change } from "./Change";
 import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
@@ -270,26 +271,21 @@ function Later<P extends object>({ load, ...props }: { load: () => Promise<{ def
 
 function Views({ known, shown }: { known: Known; shown: Shown }) {
   const [deep, go] = useState(false);
+  const where = shown.free ? t("where the sliders have it") : shown.live.states[shown.state]?.said;
   return (
-    <section class="card views" aria-labelledby="views">
-      <header>
-        <h2 id="views">{t("Drawing")}</h2>
-        <span class="note">
-          {shown.free ? t("where the sliders have it") : shown.live.states[shown.state]?.said}
-          {!deep && ` · ${t("light: the other states; dashed: as installed")}`}
-        </span>
-        <div class="chips" role="group" aria-label={t("Drawing")}>
-          {!known.fixed && <Pin known={known} />}
-          <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
-          <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
-        </div>
-      </header>
+    <Card id="views" title={t("Drawing")} note={<>{where}{!deep && ` · ${t("light: the other states; dashed: as installed")}`}</>} head={
+      <div class="chips" role="group" aria-label={t("Drawing")}>
+        {!known.fixed && <Pin known={known} />}
+        <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
+        <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
+      </div>
+    }>
       {deep ? (<Later load={() => import("./Scene")} known={known} shown={shown} />) : (
         <>
           <Drawing known={known} shown={shown} view="side" />
           <Drawing known={known} shown={shown} view="top" />
         </>
       )}
-    </section>
+    </Card>
   );
 }

@@ -3,6 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import * as THREE from "three";
 import { Blocks } from "./Blocks";
+import { Card } from "./Card";
 import { fixed, number, percent } from "./format";
 import { put, skin, useStage, type Stage } from "./stage";
 import { store, type Job, type Known } from "./store";
@@ -18,15 +19,10 @@ export default function Bracket({ known }: { known: Known }) {
   const of = job?.answer;
   return (
     <>
-      <section class="card bracket" aria-labelledby="bracket">
-        <header>
-          <h2 id="bracket">{t("The bracket")}</h2>
-          <Asking job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />
-          {of && <b class={of.verdict}>{t(of.verdict)}</b>}
-        </header>
+      <Card id="bracket" title={t("The bracket")} head={<><Asking job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. The file gives its shape.")}</p>}
         {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.unit} ({percent(c.margin)} %)</li>)}</ul>}
-      </section>
+      </Card>
       {of && <Shape key={job?.id} of={of} />}
       {of && <section class="card"><Blocks of={of.blocks} /></section>}
     </>
@@ -64,8 +60,7 @@ function Shape({ of }: { of: Seated }) {
   const { box, stage, missing } = useStage(t("The bracket in three dimensions"), (s) => { build(s, variant, shown, of, plenty, marked); s.look(ends(), [-0.8, -1, 0.6]); }, [v]);
   useEffect(() => { if (stage.current) build(stage.current, variant, shown, of, plenty, marked); }, [v, shown, plenty, marked]);
   return (
-    <section class="card" aria-labelledby="stress">
-      <header><h2 id="stress">{t("Stress where it peaks")}</h2><span class="note">{t("von Mises, each case when it stresses most")}</span></header>
+    <Card id="stress" kind="" title={t("Stress where it peaks")} note={t("von Mises, each case when it stresses most")}>
       {of.variants.length > 1 && <div class="chips" role="group" aria-label={t("shape")}>{of.variants.map((o, k) => <button key={o.name} aria-pressed={k === v} onClick={() => setV(k)}>{o.name}</button>)}</div>}
       <div class="chips" role="group" aria-label={t("case")}>{variant.cases.map((o, k) => <button key={o.name} aria-pressed={o === shown} onClick={() => setC(k)}>{o.name}</button>)}</div>
       {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas marks" ref={box} />}
@@ -76,7 +71,7 @@ function Shape({ of }: { of: Seated }) {
           <li key={z.said}><button class="link" aria-pressed={marked === k} onClick={() => mark(marked === k ? null : k)}>{z.mark} {z.said}</button>: {number(z.MPa)} MPa, {z.case} <span class="note">{z.at.map((x) => fixed(x, 0)).join(" ")} mm{z.used !== null && `, ${t("{share} % of its fatigue limit", { share: number(100 * z.used) })}`}</span></li>
         ))}
       </ol>
-    </section>
+    </Card>
   );
 }
 

@@ -1,5 +1,6 @@
 // A campaign of recordings: what its file names, each recording looked at, life and causes of the mix.
 
+import { Card } from "./Card";
 import { Editor } from "./Editor";
 import { Answer, Channels, roleNames, type Rule } from "./Recording";
 import { Asking } from "./Speed";
@@ -19,8 +20,7 @@ export function Campaign({ known, of }: { known: Known; of: Of }) {
   return (
     <div class="columns">
       <div class="left">
-        <section class="card drives" aria-labelledby="drives">
-          <header><h2 id="drives">{t("Recordings")}</h2></header>
+        <Card id="drives" title={t("Recordings")}>
           <ol>
             {of.drives.map((d, k) => (
               <li key={d.name}>
@@ -31,18 +31,14 @@ export function Campaign({ known, of }: { known: Known; of: Of }) {
           </ol>
           {look?.running && <p class="note" role="status">{t("reading …")}</p>}
           {look?.why && <p class="fail">{look.why}</p>}
-        </section>
+        </Card>
         {heard && <Channels of={heard} between={[0, heard.seconds]} rules={rules} gauge={(c) => c.role === "gauge"} decide={(said, rule) => rule && store.apply({ [`recordings[${at + 1}].${rule}[+]`]: said })}>{(c) => <span class="note">{roleNames()[c.role]}</span>}</Channels>}
         <Editor known={known} />
       </div>
       <div class="right">
-        <section class="card asks" aria-labelledby="asks">
-          <header>
-            <h2 id="asks">{t("Life and causes")}</h2>
-            <Asking job={life} name="campaign" word={t("ask")} stale={life?.of !== store.about({})} ask={() => store.work("campaign")} />
-          </header>
+        <Card id="asks" title={t("Life and causes")} head={<Asking job={life} name="campaign" word={t("ask")} stale={life?.of !== store.about({})} ask={() => store.work("campaign")} />}>
           <dl class="asked">{of.asked.flatMap(([what, said]) => [<dt key={what}>{what}</dt>, <dd key={said}>{said}</dd>])}</dl>
-        </section>
+        </Card>
         {life?.answer && <Answer of={life.answer} known={known} open={1} />}
       </div>
     </div>

@@ -1,6 +1,7 @@
 // What to change: corrections with holds, a map of two moves, what remains where moves scatter.
 
 import { useEffect, useState } from "preact/hooks";
+import { Card } from "./Card";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
 import { fixed, number, percent } from "./format";
@@ -28,11 +29,7 @@ function Fix({ known, shown }: Both) {
   const args = { line: shown.index, hold };
   const found = job?.answer?.proposals;
   return (
-    <section class="card fix" aria-labelledby="fix">
-      <header>
-        <h2 id="fix">{t("Corrections")}</h2>
-        <Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => { if (!known.helps) store.help(); store.work("fix", args); }} />
-      </header>
+    <Card id="fix" title={t("Corrections")} head={<Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => { if (!known.helps) store.help(); store.work("fix", args); }} />}>
       <fieldset>
         <legend class="note">{t("what may move")}</legend>
         {shown.line.movable.filter((m) => m.free).map((m) => (
@@ -60,7 +57,7 @@ function Fix({ known, shown }: Both) {
           </li>
         ))}
       </ol>
-    </section>
+    </Card>
   );
 }
 
@@ -113,11 +110,7 @@ function Map({ known, shown }: Both) {
   const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
   const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
   return (
-    <section class="card map" aria-labelledby="map">
-      <header>
-        <h2 id="map">{t("Map of two moves")}</h2>
-        <Asking job={job} name="map" stale={job?.of !== store.about(args)} ask={() => store.work("map", args)} />
-      </header>
+    <Card id="map" title={t("Map of two moves")} head={<Asking job={job} name="map" stale={job?.of !== store.about(args)} ask={() => store.work("map", args)} />}>
       <div class="fields">
         <label>{t("to the right")}<Choice of={every.filter((m) => m.id !== y)} value={x} set={setX} label={t("to the right")} /></label>
         <label>{t("up")}<Choice of={every.filter((m) => m.id !== x)} value={y} set={setY} label={t("up")} /></label>
@@ -146,7 +139,7 @@ function Map({ known, shown }: Both) {
         </>
       )}
       {of && !of.x && <p class="note">{t("There are no two things to move.")}</p>}
-    </section>
+    </Card>
   );
 }
 
@@ -164,11 +157,7 @@ function Scatter({ known, shown }: Both) {
   const cases = of?.cases ?? [];
   const most = Math.max(1, ...(cases[0] ?? []).map((_, k) => cases.reduce((sum, row) => sum + (row[k] ?? 0), 0)));
   return (
-    <section class="card scatter" aria-labelledby="scatter">
-      <header>
-        <h2 id="scatter">{t("What remains under tolerances")}</h2>
-        <Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />
-      </header>
+    <Card id="scatter" title={t("What remains under tolerances")} head={<Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />}>
       <div class="fields">
         {every.map((m) => <label key={m.id}>{m.said} ± [{unit(m.unit)}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
       </div>
@@ -187,6 +176,6 @@ function Scatter({ known, shown }: Both) {
           <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
         </>
       )}
-    </section>
+    </Card>
   );
 }

@@ -1,6 +1,7 @@
 // Yoke phases: a dial a shaft, the sum over its phase, and the speed round the turn.
 
 import { useState } from "preact/hooks";
+import { Card } from "./Card";
 import { fixed } from "./format";
 import { Plot } from "./Plot";
 import { store, type Known } from "./store";
@@ -17,11 +18,7 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
   const shaft = Math.min(chosen, line.phases.length - 1);
   const phase = line.phases[shaft] ?? 0;
   return (
-    <section class="card dials" aria-labelledby="dials">
-      <header>
-        <h2 id="dials">{t("Yoke phases")}</h2>
-        <span class="note">{t("seen from the gearbox")}</span>
-      </header>
+    <Card id="dials" title={t("Yoke phases")} note={t("seen from the gearbox")}>
       <div class="row">{line.phases.map((p, k) => (<Dial key={k} phase={p} address={line.phase_at[k] ?? ""} shaft={k} chosen={k === shaft} held={known.held} choose={() => choose(k)} />))}</div>
       {turn && (
         <div class="curves">
@@ -46,7 +43,7 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
           />
         </div>
       )}
-    </section>
+    </Card>
   );
 }
 

@@ -1,6 +1,7 @@
 // The file itself, to be typed in, with what is wrong in it and where.
 
 import { useEffect, useRef } from "preact/hooks";
+import { Card } from "./Card";
 import { unsaved } from "./history";
 import { store, type Known } from "./store";
 import { t } from "./text";
@@ -41,11 +42,7 @@ export function Editor({ known }: { known: Known }) {
   const wrong = known.problems;
   const odd = known.live?.warnings ?? [];
   return (
-    <section class="card editor" aria-labelledby="editor">
-      <header>
-        <h2 id="editor">{t("The file")}</h2>
-        <span class="note">{known.files[known.file ?? 0]}{unsaved(history) ? ` · ${t("not saved")}` : ""}</span>
-      </header>
+    <Card id="editor" title={t("The file")} note={<>{known.files[known.file ?? 0]}{unsaved(history) ? ` · ${t("not saved")}` : ""}</>}>
       <textarea
         ref={area}
         aria-labelledby="editor"
@@ -65,7 +62,7 @@ export function Editor({ known }: { known: Known }) {
           {odd.map((p, k) => <Wrong key={`o${k}`} of={p} kind="warn" go={go} />)}
         </ul>
       )}
-    </section>
+    </Card>
   );
 }
 

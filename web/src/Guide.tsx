@@ -1,6 +1,7 @@
 // From a protractor's readings, or a pasted table, to a file and its verdict.
 
 import { useEffect, useState } from "preact/hooks";
+import { Card } from "./Card";
 import { fixed, number, percent } from "./format";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -51,11 +52,7 @@ export function Guide({ known }: { known: Known }) {
   const missing = (): string => (job?.problems ?? []).filter((p) => !p.value).map((p) => fields[p.key]).filter(Boolean).join("; ");
   return (
     <div class="columns">
-      <div class="left"><section class="card guide" aria-labelledby="guide">
-        <header>
-          <h2 id="guide">{t("From a protractor's readings")}</h2>
-          <span class="note">{t("slopes down to the rear are positive, to the right too")}</span>
-        </header>
+      <div class="left"><Card id="guide" title={t("From a protractor's readings")} note={t("slopes down to the rear are positive, to the right too")}>
         <div class="fields">
           <label>{t("title")}<input value={form.title} data-field="title" onInput={(e) => change({ title: (e.currentTarget as HTMLInputElement).value })} /></label>
           <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
@@ -103,12 +100,8 @@ export function Guide({ known }: { known: Known }) {
             </tbody>
           </table>
         </div>
-      </section></div>
-      <div class="right"><section class={`card guided ${of?.verdict ?? ""}`} aria-labelledby="comes">
-        <header>
-          <h2 id="comes">{t("What it comes to")}</h2>
-          {of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}
-        </header>
+      </Card></div>
+      <div class="right"><Card id="comes" kind={`guided ${of?.verdict ?? ""}`} title={t("What it comes to")} head={of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}>
         {!of && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
         {!of && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
@@ -121,7 +114,7 @@ export function Guide({ known }: { known: Known }) {
             <button class="make" onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>
           </>
         )}
-      </section></div>
+      </Card></div>
     </div>
   );
 }

@@ -1,5 +1,6 @@
 // Limits by states: the margin as colour and number; a click shows what it is about.
 
+import { Card } from "./Card";
 import { number, percent } from "./format";
 import { GRADES } from "./marks";
 import { store, type Known } from "./store";
@@ -28,12 +29,7 @@ export function Heat({ known }: { known: Known }) {
   const rows = store.rows();
   const several = live.lines.length > 1;
   return (
-    <section class="card heat" aria-labelledby="heat">
-      <header>
-        <h2 id="heat">{t("Limits by state")}</h2>
-        <span class="note">{t("margin in %, where it is smallest")}</span>
-        <button class="plain" onClick={() => store.resort()}>{t("worst first")}</button>
-      </header>
+    <Card id="heat" title={t("Limits by state")} note={t("margin in %, where it is smallest")} head={<button class="plain" onClick={() => store.resort()}>{t("worst first")}</button>}>
       <div class="scroll" tabindex={0} role="region" aria-label={t("Limits by state")}>
         <table>
           <thead>
@@ -46,7 +42,7 @@ export function Heat({ known }: { known: Known }) {
         </table>
       </div>
       <Others full={known.full} />
-    </section>
+    </Card>
   );
 }
 
@@ -153,12 +149,7 @@ export function Detail({ known }: { known: Known }) {
   const q = known.quantities[row.quantity];
   const state = live.states[selected.state];
   return (
-    <section class="card detail" aria-labelledby="detail">
-      <header>
-        <h2 id="detail">{row.name}</h2>
-        <span class="note">{state?.said}</span>
-        <button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>
-      </header>
+    <Card id="detail" title={row.name} note={state?.said} head={<button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>}>
       <table class="rows">
         <thead>
           <tr>{[t("part"), t("value"), t("limit"), t("margin")].map((h, k) => <th key={h} scope="col" class={k > 0 ? "n" : ""}>{h}</th>)}</tr>
@@ -193,6 +184,6 @@ export function Detail({ known }: { known: Known }) {
           <dt>{t("Source of the limit")}</dt><dd>{row.source}</dd>
         </dl>
       )}
-    </section>
+    </Card>
   );
 }

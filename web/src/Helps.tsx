@@ -1,5 +1,6 @@
 // What moving one thing would do to each limit that does not pass; a click makes the move.
 
+import { Card } from "./Card";
 import { number, percent } from "./format";
 import { store, type Known } from "./store";
 import { t } from "./text";
@@ -10,14 +11,7 @@ export function Helps({ known }: { known: Known }) {
   const { helps, helping, full } = known;
   if (!full) return null;
   return (
-    <section class="card helps" aria-labelledby="helps">
-      <header>
-        <h2 id="helps">{t("What would help")}</h2>
-        <span class="note">{t("each move alone; a click makes it")}</span>
-        <button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>
-          {helping ? t("asking …") : t("ask")}
-        </button>
-      </header>
+    <Card id="helps" title={t("What would help")} note={t("each move alone; a click makes it")} head={<button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>{helping ? t("asking …") : t("ask")}</button>}>
       {helps?.length === 0 && <p class="note">{t("Everything passes.")}</p>}
       {helps?.map((h, k) => (
         <div key={k} class="help">
@@ -37,6 +31,6 @@ export function Helps({ known }: { known: Known }) {
           </ul>
         </div>
       ))}
-    </section>
+    </Card>
   );
 }

@@ -1,6 +1,7 @@
 // The folder as a library: what each file comes to; reports to take away; frozen revisions.
 
 import { useEffect, useState } from "preact/hooks";
+import { Card } from "./Card";
 import { percent } from "./format";
 import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
@@ -19,13 +20,13 @@ export function Library({ known }: { known: Known }) {
   const compare = known.jobs.compare as Job<Compared> | undefined;
   return (
     <>
-      <section class="card library" aria-labelledby="library">
-        <header>
-          <h2 id="library">{t("Files")}</h2>
+      <Card id="library" title={t("Files")} head={
+        <>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want((e.currentTarget as HTMLInputElement).value)} />
           <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
           {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
-        </header>
+        </>
+      }>
         {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
         <ul>
           {shown.map((r) => (
@@ -37,7 +38,7 @@ export function Library({ known }: { known: Known }) {
             </li>
           ))}
         </ul>
-      </section>
+      </Card>
       {ticked.length > 1 && compare?.answer && compare.answer.variants.length === ticked.length && (
         <section class="card" aria-label={t("Variants side by side")}>
           <Sides of={compare.answer} head={compare.answer.variants.map((v, k) => v.name || rows.find((r) => r.file === ticked[k])?.name || "")} />
@@ -54,12 +55,11 @@ function Script({ known }: { known: Known }) {
   const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
   if (!of) return null;
   return (
-    <section class="card script" aria-labelledby="script">
-      <header><h2 id="script">{t("What was done, as a script")}</h2></header>
+    <Card id="script" title={t("What was done, as a script")}>
       <pre tabindex={0} data-field="script">{of.script}</pre>
       <pre tabindex={0}>{of.commands.join("\n")}</pre>
       {of.other.length > 0 && <p class="note">{t("Changed too, and no number: save the file for it")}: {of.other.join(", ")}</p>}
-    </section>
+    </Card>
   );
 }
 
@@ -80,16 +80,14 @@ export function Reports({ known }: { known: Known }) {
   }, [job?.answer]);
   return (
     <div class="columns">
-      <div class="left"><section class="card reports" aria-labelledby="reports">
-        <header><h2 id="reports">{t("Reports")}</h2></header>
+      <div class="left"><Card id="reports" title={t("Reports")}>
         <div class="fields">
           <label>{t("Language")}<select value={lang} onChange={(e) => speak((e.currentTarget as HTMLSelectElement).value)}>{known.languages.map((l) => <option key={l}>{l}</option>)}</select></label>
           <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{["html", "pdf", "xlsx", "json"].map((k) => <option key={k}>{k}</option>)}</select></label>
         </div>
         <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
-      </section><Script known={known} /></div>
-      <div class="right"><section class="card revisions" aria-labelledby="revisions">
-        <header><h2 id="revisions">{t("Revisions")}</h2></header>
+      </Card><Script known={known} /></div>
+      <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign((e.currentTarget as HTMLInputElement).value)} /></label>
           <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say((e.currentTarget as HTMLInputElement).value)} /></label>
@@ -100,7 +98,7 @@ export function Reports({ known }: { known: Known }) {
             <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>
           ))}
         </ol>
-      </section></div>
+      </Card></div>
     </div>
   );
 }

@@ -1,6 +1,7 @@
 // The limits with their sources: another profile, or a deviation that somebody signs.
 
 import { useEffect, useState } from "preact/hooks";
+import { Card } from "./Card";
 import { number } from "./format";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -27,16 +28,11 @@ export function Limits({ known }: { known: Known }) {
     <label>{name}<input data-field={key} value={form[key]} aria-invalid={wrong.has(key)} maxLength={key === "reason" ? 1000 : 40} onInput={(e) => set({ ...form, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
   );
   return (
-    <section class="card limits" aria-labelledby="limits">
-      <header>
-        <h2 id="limits">{t("Limits and their sources")}</h2>
-        <span class="note">{of.profile}</span>
-        {of.plain && (
-          <select aria-label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} onChange={(e) => store.apply({ limits: (e.currentTarget as HTMLSelectElement).value })}>
-            {[...new Set([of.named, ...known.profiles])].filter(Boolean).map((p) => <option key={p} value={p}>{p}</option>)}
-          </select>
-        )}
-      </header>
+    <Card id="limits" title={t("Limits and their sources")} note={of.profile} head={of.plain && (
+      <select aria-label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} onChange={(e) => store.apply({ limits: (e.currentTarget as HTMLSelectElement).value })}>
+        {[...new Set([of.named, ...known.profiles])].filter(Boolean).map((p) => <option key={p} value={p}>{p}</option>)}
+      </select>
+    )}>
       {job?.why && <p class="note fail" role="status">{job.why}</p>}
       <div class="scroll" tabindex={0} role="region" aria-label={t("Limits and their sources")}>
         <table class="rows">
@@ -73,6 +69,6 @@ export function Limits({ known }: { known: Known }) {
           </tbody>
         </table>
       </div>
-    </section>
+    </Card>
   );
 }

@@ -1,5 +1,6 @@
 // Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
 
+import { Card } from "./Card";
 import { number } from "./format";
 import { store, type Known } from "./store";
 import { t } from "./text";
@@ -12,11 +13,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
   const alike = new Set(line.joint_at).size === 1;
   const listed = alike ? line.joints.slice(0, 1) : line.joints;
   return (
-    <section class="card parts" aria-labelledby="parts">
-      <header>
-        <h2 id="parts">{t("Parts")}</h2>
-        <span class="note">{t("of the catalogue, with their ratings")}</span>
-      </header>
+    <Card id="parts" title={t("Parts")} note={t("of the catalogue, with their ratings")}>
       <div class="scroll" tabindex={0} role="region" aria-label={t("Parts")}>
         <table class="rows">
           <thead>
@@ -49,7 +46,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
           </tbody>
         </table>
       </div>
-    </section>
+    </Card>
   );
 }
 

@@ -1,5 +1,6 @@
 // How the joints add up: squared angles head to tail, rings where the limits begin.
 
+import { Card } from "./Card";
 import { fixed } from "./format";
 import { t } from "./text";
 import type { Shown } from "./Drawing";
@@ -18,11 +19,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
   const s = (v: number): number => SIZE / 2 + (v / reach) * (SIZE / 2 - 8);
   const label = t("How the joints add up: equivalent angle {angle} deg", { angle: fixed(sum, 3) });
   return (
-    <section class="card phasors" aria-labelledby="phasors">
-      <header>
-        <h2 id="phasors">{t("Sum of the joints")}</h2>
-        <span class="note">{t("squared angles, deg²")}</span>
-      </header>
+    <Card id="phasors" title={t("Sum of the joints")} note={t("squared angles, deg²")}>
       <svg viewBox={`0 0 ${SIZE} ${SIZE}`} role="img" aria-label={label}>
         <defs>
           {["a", "sum"].map((id) => (
@@ -46,6 +43,6 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
         <line class="sum" x1={s(0)} y1={s(0)} x2={s(ends.at(-1)?.[0] ?? 0)} y2={s(-(ends.at(-1)?.[1] ?? 0))} marker-end="url(#tip-sum)" />
       </svg>
       <p class="figure"><b>{fixed(sum, 3)}°</b> {t("equivalent angle")}</p>
-    </section>
+    </Card>
   );
 }

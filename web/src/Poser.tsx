@@ -1,6 +1,7 @@
 // Where the line is shown: in one of its states, or where the sliders have it.
 
 import { useMemo } from "preact/hooks";
+import { Card } from "./Card";
 import { fixed, number, signed } from "./format";
 import { PasteInto } from "./Guide";
 import { Plot, type Series } from "./Plot";
@@ -19,12 +20,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
   const travel = known.asked.travel_mm ?? pose?.travel ?? 0;
   const torque = known.asked.torque_Nm ?? pose?.torque ?? 0;
   return (
-    <section class="card poser" aria-labelledby="poser">
-      <header>
-        <h2 id="poser">{t("State")}</h2>
-        {free && <span class="note">{t("where the sliders have it")}</span>}
-        {pose?.stuck && <span class="note fail">{pose.stuck}</span>}
-      </header>
+    <Card id="poser" title={t("State")} head={<>{free && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
       {live.lines.length > 1 && (
         <div class="chips" role="group" aria-label={t("Line")}>
           {live.lines.map((l, k) => (<button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>))}
@@ -32,9 +28,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
       )}
       <div class="chips" role="group" aria-label={t("State")}>
         {live.states.map((s, k) => (
-          <button key={s.name} class={gradeOf(k, shown)} aria-pressed={!free && k === shown.state} onClick={() => store.pose({ line: index, state: k })}>
-            {s.said}
-          </button>
+          <button key={s.name} class={gradeOf(k, shown)} aria-pressed={!free && k === shown.state} onClick={() => store.pose({ line: index, state: k })}>{s.said}</button>
         ))}
       </div>
       {moves && (
@@ -47,7 +41,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
           {winds && (
             <Slider
               name={t("Torque, winding the axle up")} low={turns[0]} high={turns[1]} step={10} value={torque}
-              said={`${number(torque)} N·m${pose?.at ? `, ${signed(pitch(known), 2)}°` : ""}`}
+              said={`${number(torque)} N·m${pose?.at ? `, ${signed(pose.at.pitch ?? 0, 2)}°` : ""}`}
               ends={[t("coast"), t("drive")]}
               set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
             />
@@ -59,12 +53,9 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
         {pose?.over_travel && <Curves curve={pose.over_travel} over={t("over the travel [mm]")} at={travel} known={known} />}
         {pose?.over_torque && <Curves curve={pose.over_torque} over={t("over the torque [N·m]")} at={torque} known={known} />}
       </div>
-    </section>
+    </Card>
   );
 }
-
-/** How far the pinion's nose has risen from where it was installed, deg. */
-function pitch(known: Known): number { return known.pose?.at?.pitch ?? 0; }
 
 function gradeOf(state: number, shown: Shown): string {
   let found = 0;
@@ -115,11 +106,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
   const plunge = at ? at.plunge : line.plunge[state];
   const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
   return (
-    <section class="card angles" aria-labelledby="angles">
-      <header>
-        <h2 id="angles">{t("Joints")}</h2>
-        <span class="note">{shown.free ? t("where the sliders have it") : shown.live.states[state]?.said}</span>
-      </header>
+    <Card id="angles" title={t("Joints")} note={shown.free ? t("where the sliders have it") : shown.live.states[state]?.said}>
       <div class="scroll" tabindex={0} role="region" aria-label={t("Joints")}>
         <table class="rows">
           <thead>
@@ -155,7 +142,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
         {!shown.free && line.speed[state] !== null && <span>{t("speed")} <b>{number(line.speed[state])} rpm</b></span>}
       </p>
       {!known.fixed && <PasteInto known={known} line={shown.index} />}
-    </section>
+    </Card>
   );
 }
 

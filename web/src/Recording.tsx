@@ -3,6 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Blocks } from "./Blocks";
+import { Card } from "./Card";
 import { Field } from "./Field";
 import { fixed, number } from "./format";
 import { Asking } from "./Speed";
@@ -82,14 +83,10 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
         </Channels>
       </div>
       <div class="right">
-        <section class="card asks" aria-labelledby="asks">
-          <header>
-            <h2 id="asks">{t("Life and causes")}</h2>
-            <Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || sn.some((v) => !v)} />
-          </header>
+        <Card id="asks" title={t("Life and causes")} head={<Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || sn.some((v) => !v)} />}>
           <fieldset class="fields"><legend class="note">{t("S-N curve at the gauge, half failed, at its knee")}</legend>{box("amplitude", t("amplitude [MPa]"))}{box("cycles", t("cycles"), "2e6")}{box("slope", t("slope"), "5")}</fieldset>
           <fieldset class="fields"><legend class="note">{t("Segment, and what is asked of the life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), fixed(of.seconds, 0))}{box("hours", t("hours to live"))}</fieldset>
-        </section>
+        </Card>
         {job?.answer && <Answer of={job.answer} known={known} />}
       </div>
     </div>
@@ -112,8 +109,7 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
     </select>
   );
   return (
-    <section class="card channels" aria-labelledby="channels">
-      <header><h2 id="channels">{t("Channels")}</h2>{of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}</header>
+    <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}>
       <ul>
         {of.channels.map((c) => (
           <li key={c.name}>
@@ -129,7 +125,7 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
           </li>
         ))}
       </ul>
-    </section>
+    </Card>
   );
 }
 
@@ -160,13 +156,11 @@ export function Answer({ of, known, open }: { of: Lived; known: Known; open?: nu
   const [r, c] = map && at[0] < map.MPa.length ? at : [0, 0];
   return (
     <>
-      <section class="card lived" aria-labelledby="lived">
-        <header><h2 id="lived">{of.name}</h2><b class={of.grade}>{of.verdict}</b><span class="note">{of.summary}</span></header>
+      <Card id="lived" title={of.name} head={<><b class={of.grade}>{of.verdict}</b><span class="note">{of.summary}</span></>}>
         {of.causes.length > 0 && <Removed of={of.causes} />}
-      </section>
+      </Card>
       {map && (
-        <section class="card" aria-labelledby="orders">
-          <header><h2 id="orders">{t("Amplitude over speed and order")}</h2></header>
+        <Card id="orders" kind="" title={t("Amplitude over speed and order")}>
           <div class="chips" role="group" aria-label={t("gauge")}>{of.orders.map((o, k) => <button key={o.gauge} aria-pressed={o === map} onClick={() => choose(k)}>{o.gauge}</button>)}</div>
           <Field
             label={t("Amplitude by order and speed: choose with the arrow keys")} x={map.order} y={map.rpm} up height={260} theme={known.theme}
@@ -177,7 +171,7 @@ export function Answer({ of, known, open }: { of: Lived; known: Known; open?: nu
           />
           <p class="ends note"><span>0</span><span>{t("order of the shaft")} →, ↑ {number(map.rpm[0])} … {number(map.rpm.at(-1))} rpm</span><span>{number(map.order.at(-1))}</span></p>
           <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
-        </section>
+        </Card>
       )}
       {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={open === k}><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
     </>

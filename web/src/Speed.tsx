@@ -1,6 +1,7 @@
 // What bearings carry over speed, gear by gear; where orders meet modes; the vehicle's torsion.
 
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { Card } from "./Card";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
 import { fixed, number } from "./format";
@@ -69,11 +70,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
     ...of.orders.map((n, o) => ({ name: t("order {order}", { order: n }), values: b.orders[o]?.[g] ?? [], colour: o + 1, dash: true })),
   ];
   return (
-    <section class="card" aria-labelledby="forces">
-      <header>
-        <h2 id="forces">{t("Force on bearings over speed")}</h2>
-        <span class="note">{of.said}</span>
-      </header>
+    <Card id="forces" kind="" title={t("Force on bearings over speed")} note={of.said}>
       <div class="chips" role="group" aria-label={t("State")}>
         {shown.live.states.map((s, i) => (<button key={s.name} aria-pressed={i === of.state} onClick={() => store.pose({ line: shown.index, state: i })}>{s.said}</button>))}
       </div>
@@ -109,7 +106,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
         label={t("Orders of the force over speed, {gear}", { gear: of.gears[g]?.said ?? "" })}
         beside={{ levels: bounds, top: 1.1 * Math.max(most, ...bounds.map((l) => l.value)) }}
       />
-    </section>
+    </Card>
   );
 }
 
@@ -148,13 +145,9 @@ function Vehicle({ known }: { known: Known }) {
   const d = of?.diagrams[Math.min(gear, of.diagrams.length - 1)];
   return (
     <>
-      <section class="card vehicle" aria-labelledby="vehicle">
-        <header>
-          <h2 id="vehicle">{t("The whole vehicle in torsion, and its launches")}</h2>
-          <Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={job?.of !== store.about({})} />
-        </header>
+      <Card id="vehicle" title={t("The whole vehicle in torsion, and its launches")} head={<Asking job={job} ask={() => store.work("torsion")} name="torsion" stale={job?.of !== store.about({})} />}>
         {of && (<div class="chips" role="group" aria-label={t("gear")}>{of.diagrams.map((o, k) => <button key={o.title} aria-pressed={o === d} onClick={() => setGear(k)}>{o.title}</button>)}</div>)}
-      </section>
+      </Card>
       {d && <Campbell of={d} known={known} />}
     </>
   );

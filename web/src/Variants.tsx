@@ -2,6 +2,7 @@
 
 import type { ComponentChild } from "preact";
 import { useEffect } from "preact/hooks";
+import { Card } from "./Card";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Compared } from "./types";
@@ -41,8 +42,7 @@ export function Variants({ known }: { known: Known }) {
   }
   const names = [t("as shown"), ...known.variants.map((v) => v.name)];
   return (
-    <section class="card variants" aria-labelledby="variants">
-      <header><h2 id="variants">{t("Variants side by side")}</h2><Pin known={known} /></header>
+    <Card id="variants" title={t("Variants side by side")} head={<Pin known={known} />}>
       {why && <p class="note fail">{why}</p>}
       <Sides
         of={of && of.variants.length === names.length ? of : null}
@@ -54,7 +54,7 @@ export function Variants({ known }: { known: Known }) {
           </>
         ))}
       />
-    </section>
+    </Card>
   );
 }
 
