@@ -63,6 +63,8 @@ def test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes(house):
                 one.say("job", id=number, job="limits", text=text, args={})
             one.say("cancel", id=3)
             assert {one.hear("done")["id"] for _ in range(2)} == {3, 4}
+            one.say("job", id=5, job="library", text="", args={})
+            assert [row["name"] for row in one.hear("done")["rows"]] == ["truck.yaml"]
         finally:
             os.kill(pid, signal.SIGCONT)
         one.say("cancel", id=2)

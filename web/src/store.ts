@@ -448,6 +448,7 @@ export class Store {
   private onward(): void {
     this.sent = null;
     const commit = this.commits.shift();
+    if (!commit && this.leaving !== null) return this.open(this.leaving);
     const next = commit ?? this.next;
     if (!commit) this.next = null;
     if (next) this.send(next);
@@ -529,9 +530,15 @@ export class Store {
     this.rejoining = false;
     this.pending?.();
     this.release();
+    // A change that is on its way would be lost with the document: it is made first.
+    const busy = this.sent?.commit || this.commits.length > 0;
+    this.leaving = busy ? file : null;
+    if (busy) return;
     if (this.keeping !== undefined) this.keepNow();
     this.link?.say({ type: "open", file });
   }
+
+  private leaving: number | null = null;
 
   private now(history: History.History): void {
     if (history === this.known.history) return;

@@ -256,6 +256,17 @@ describe("the document", () => {
     expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*" }, { type: "open" }]);
   });
 
+  it("takes along a change that is on its way where another one is opened at once", () => {
+    store.apply({ "a.b": 1 });
+    store.hold("h", by(2));
+    store.open(1);
+    expect(socket.said.filter((s) => s.type === "open")).toEqual([]);
+    socket.answer();
+    socket.answer();
+    expect(socket.said.slice(-2)).toMatchObject([{ type: "keep", file: 0, text: "a*+2" }, { type: "open", file: 1 }]);
+    expect(socket.said.filter((s) => s.type === "open")).toHaveLength(1);
+  });
+
   it("is not taken for another one that the disk tells of after it was left", () => {
     socket.tell({ type: "disk", file: 1, text: "another", mark: "n", conflict: false });
     socket.tell({ type: "saved", file: 1, text: "another", mark: "n" });

@@ -11,6 +11,9 @@ MOST = 4
 LIGHT = frozenset({"limits", "deviate", "script", "moved", "ghost", "guided", "pasted"})
 """Jobs that are done at once: they do not wait behind those that take minutes."""
 
+FOLDER = frozenset({"library", "compare"})
+"""Jobs of several files, which do not wait there either: who looks for a file wants it now."""
+
 VARIANTS = 12
 """Variants of a file that are kept."""
 

@@ -127,6 +127,8 @@ class Lanes(NamedTuple):
     """The verdict, and what would help."""
     work: Lane
     """Jobs. It starts once a page has its verdict."""
+    folder: Lane
+    """Files listed, or held side by side. It starts when it is first asked."""
 
 
 class Latest:

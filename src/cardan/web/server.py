@@ -143,7 +143,11 @@ class House:
         self.built = front() if built is None else built
         self.token = secrets.token_urlsafe(24)
         self.lanes = Lanes(
-            quick=Lane(), limits=Lane(), slow=Lane(patient=True), work=Lane(JOB, patient=True)
+            quick=Lane(),
+            limits=Lane(),
+            slow=Lane(patient=True),
+            work=Lane(JOB, patient=True),
+            folder=Lane(JOB, patient=True),
         )
         self.pages = 0
         self.transports: WeakSet[Any] = WeakSet()

@@ -268,7 +268,8 @@ class Session:
             if question["job"] in jobs.LIGHT:
                 answer = await asyncio.shield(self.lanes.limits.ask(question, part))
             else:
-                answer = await self.lanes.work.ask(question, part)
+                lane = self.lanes.folder if question["job"] in jobs.FOLDER else self.lanes.work
+                answer = await lane.ask(question, part)
         except asyncio.CancelledError:
             await self._tell("done", **which, fault="cancelled")
             return
