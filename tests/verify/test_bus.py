@@ -148,13 +148,23 @@ def test_whoever_knows_better_accepts_it(spoiled):
     assert "accepted as a speed" in text
 
 
-@pytest.mark.parametrize("code", [0xFFFF, 0xFE00, 0xFF00])
+@pytest.mark.parametrize("code", [0xFFFF, 0xFE00, 0xFF00, 0x7FFF, 0x7FFE, -0x8000, -0x7FFF])
 @pytest.mark.parametrize("bit", [1.0, 0.5, 0.125, 0.1, 2.0, 1e-3])
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 def test_a_torque_of_no_value_is_found_whatever_its_bit_is_worth(code, bit, kind):
     usual = np.rint(1500 + 900 * np.sin(np.arange(6000) / 300)) * bit
     usual[2000:2300] = code * bit
     assert no_torque(usual.astype(kind).astype(float), rate=RATE).tolist() == [[2000, 2300]]
+
+
+@pytest.mark.parametrize("code", [0xFFFF, 0x7FFF, -0x8000])
+def test_a_torque_of_no_value_is_found_on_a_faster_clock(code):
+    """Read ten times a second and laid on 200 Hz: from behind the reading at 9.9 s to 11.5 s."""
+    t = np.arange(0, 60, 0.1)
+    read = np.rint(1500 + 900 * np.sin(t / 3)) * 0.5
+    read[100:115] = code * 0.5
+    x = np.interp(np.arange(0, 59.8, 1 / RATE), t, read)
+    assert no_torque(x, rate=RATE).tolist() == [[1981, 2300]]
 
 
 def test_a_torque_that_was_there_is_one():
@@ -164,7 +174,9 @@ def test_a_torque_that_was_there_is_one():
     clunk = usual + 8000 * np.exp(-(((t - 15) / 0.02) ** 2))
     cut = np.minimum(usual + 9000 * np.exp(-((t - 15) ** 2)), 6553.5)
     strong = np.where(np.sin(t) > 0, 65535 * 0.1, 2500.0)
-    for x in (usual, clunk, cut, strong):
+    narrow = np.clip(usual + 9000 * np.exp(-((t - 15) ** 2)), None, 3276.7)
+    brake = np.where(np.sin(t) > 0, -3276.8, 2500.0)
+    for x in (usual, clunk, cut, strong, narrow, brake):
         assert not no_torque(x, rate=RATE).size
 
 

@@ -204,6 +204,9 @@ def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
 
 BITS = (*(10.0**n * k for n in range(-4, 2) for k in (1, 2, 5)), *(2.0**-n for n in range(1, 11)))
 """What a bit of a bus' torque may be worth, in the unit it is written in."""
+CODES = (1, 0xFE00, 0xFFFF), (1, 0x7FFE, 0x7FFF), (-1, 0x7FFF, 0x8000)
+"""Which way they lie, the first and the last of a bus' numbers for no torque: of two unsigned
+bytes as J1939 has them, and the ends of two signed ones."""
 FAR_OFF = 3.0
 """Of what a torque seldom passes, from which a bus' number for no value is none of its own."""
 
@@ -221,21 +224,34 @@ def no_torque(x: FloatArray, *, rate: float) -> IntArray:
     rate : Hz
         Of its samples.
     """
-    top = float(np.nanmax(x, initial=0.0))
-    for bit in BITS:
-        of = Scale((0xFE00 - 0.01) * bit, 0xFFFF * bit, bit)
-        if not of.first <= top <= of.last + 0.01 * bit:
-            continue
-        runs = no_value(x, rate=rate, of=of)
-        cores = [own[own >= of.first] for own in (x[a:b] for a, b in runs)]
-        runs = runs[[bool(np.ptp(core) < 0.01 * bit) for core in cores]]
-        others = np.ones(x.size, bool)
-        for a, b in runs:
-            others[a:b] = False
-        usual = np.abs(x[others & ~np.isnan(x)])
-        if len(runs) and usual.size and of.first > FAR_OFF * np.quantile(usual, 0.99):
-            return runs
+    for way, code, last in CODES:
+        out = way * x
+        top = float(np.nanmax(out, initial=0.0))
+        for bit in BITS:
+            of = Scale((code - 0.01) * bit, last * bit, bit)
+            if not of.first <= top <= of.last + 0.01 * bit:
+                continue
+            runs = no_value(out, rate=rate, of=of)
+            runs = runs[[_held(out[a:b], of) for a, b in runs]]
+            others = np.ones(x.size, bool)
+            for a, b in runs:
+                others[a:b] = False
+            usual = np.abs(x[others & ~np.isnan(x)])
+            if len(runs) and usual.size and of.first > FAR_OFF * np.quantile(usual, 0.99):
+                return runs
     return np.empty((0, 2), np.intp)
+
+
+def _held(x: FloatArray, of: Scale) -> bool:
+    """Return whether a run stands on one number, and its flanks are what a clock laid: straight.
+
+    What was cut off at the end of its range comes and goes in a curve.
+    """
+    there = np.flatnonzero(x >= of.first)
+    # Where a line begins and ends lies between two samples.
+    flanks = [np.diff(x[1 : there[0]]), np.diff(x[there[-1] + 1 : -1])]
+    straight = all(np.ptp(d) < 0.05 * np.abs(d).max() for d in flanks if d.size)
+    return straight and bool(np.ptp(x[there]) < 0.01 * of.step)
 
 
 def shaft_angle(
