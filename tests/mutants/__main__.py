@@ -112,6 +112,9 @@ def table(mutants: tuple[Mutant, ...], found: list[str]) -> Iterator[str]:
 
 
 def main(words: list[str]) -> int:
+    if any(word.startswith("-") for word in words):
+        say(__doc__ or "")
+        return 0
     begun, mutants = time.monotonic(), tuple(chosen(words))
     with TemporaryDirectory(prefix="cardan-mutants-") as folder:
         copies: SimpleQueue[Copy] = SimpleQueue()

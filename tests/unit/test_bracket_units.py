@@ -117,22 +117,23 @@ def test_a_mirrored_bracket_has_mirrored_gauges(units):
 
 
 @pytest.mark.parametrize(
-    ("at", "along"),
+    ("at", "along", "long"),
     [
-        ((0, 56, 20), (0, 0, 1)),
-        ((0, 0, -56), (0, 1, 0)),
-        ((20, -40, -39), (1, 1, 0)),
-        ((0, 58.9, 81.1), (0, 1, 1)),  # in a bend
+        ((0, 56, 20), (0, 0, 1), 6),
+        ((0, 0, -56), (0, 1, 0), 6),
+        ((20, -40, -39), (1, 1, 0), 6),
+        ((0, 58.9, 81.1), (0, 1, 1), 6),  # in a bend
+        ((0, 58.9, 81.1), (0, 1, 1), 24),  # and round all of it
     ],
 )
-def test_a_gauge_reads_straight_fields_exactly_on_flat_and_round(units, at, along):
+def test_a_gauge_reads_straight_fields_exactly_on_flat_and_round(units, at, along, long):
     """Swollen by a thousandth it reads that, turned as a whole nothing, wherever it lies."""
     from cardan.bracket.gauges import _reading
 
     points = units.elastic.nodes.points
     turn = 1e-3 * np.cross([1.0, 2.0, 3.0], points)
     motion = np.stack([1e-3 * points, turn], axis=1)
-    gauge = Gauge(name="S", point=tuple(v * mm for v in at), direction=along, length=6 * mm)
+    gauge = Gauge(name="S", point=tuple(v * mm for v in at), direction=along, length=long * mm)
     assert _reading(units, motion, gauge) == pytest.approx([1e-3, 0], abs=1e-12)
 
 
