@@ -351,6 +351,10 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
         solid(replace(named, centre=(0, 5 * mm, 0)))
     with pytest.raises(DesignError, match="far from its seat, which reaches from -35"):
         solid(replace(named, centre=(0.5, 0, 0)))
+    outside = (Pick(name="seat"), Pick(near=(0, 0, -56 * mm)))
+    for seat in (outside, outside[1:]):
+        with pytest.raises(DesignError, match=r"seat: .* outside of a round of 56 mm radius"):
+            solid(replace(named, seat=seat))
     (tmp_path / "bad.step").write_text("no STEP at all")
     with pytest.raises(DesignError, match="is not a STEP file"):
         solid(replace(named, path=str(tmp_path / "bad.step")))

@@ -171,6 +171,21 @@ def test_second_order_of_a_sphere(off, radius, inside):
     assert abs(math.log(first.failure / exact)) > 8 * abs(math.log(second.failure / exact))
 
 
+def test_a_point_is_found_as_near_as_differences_tell():
+    """It was given up as one where no step leads nearer, 1e-9 beside it."""
+
+    def limit(x):
+        u, v, w = x[..., 0], x[..., 1], x[..., 2]
+        return 3 - u + 0.2 * v**2 - 0.05 * w**2 + 0.1 * v * w + 0.01 * u * v
+
+    found = form(limit, (Normal(mean=0.0, deviation=1.0),) * 3)
+    u, v, w = found.u
+    slope = np.array([-1 + 0.01 * v, 0.4 * v + 0.1 * w + 0.01 * u, -0.1 * w + 0.1 * v])
+    assert limit(found.u) == pytest.approx(0, abs=1e-8)
+    # Nearest to the middle: there the surface stands across the way.
+    assert found.u / found.beta == pytest.approx(-slope / np.linalg.norm(slope), abs=1e-7)
+
+
 @pytest.mark.oracle
 @pytest.mark.filterwarnings("ignore")
 def test_second_order_is_openturns():

@@ -302,7 +302,14 @@ def _from_step(part: StepShape) -> Solid:
                 msg = f"the same face of {part.path} is picked as {taken[k]} and as {name}"
                 raise DesignError(msg, about="bracket.step")
             taken[k] = name
-        bore = next((c for k in sorted(mine) if (c := _cylinder(faces[k]))), None)
+        walls = {k: c for k in sorted(mine) if (c := _cylinder(faces[k]))}
+        if outside := [c for k, c in walls.items() if not _hollow(body, faces[k], c)]:
+            msg = (
+                f"{name}: a face picked of {part.path} is the outside of a round of "
+                f"{outside[0].radius:.4g} mm radius: pick its inside"
+            )
+            raise DesignError(msg, about=_about(name))
+        bore = next(iter(walls.values()), None)
         area = sum(faces[k].mass for k in mine) * mm**2
         found.append(
             Picked(name=name, faces=len(mine), area=float(area))
@@ -315,15 +322,14 @@ def _from_step(part: StepShape) -> Solid:
         if name == SEAT:
             seat = [faces[k] for k in mine], bore
             continue
-        walls = {k for k in mine if _cylinder(faces[k]) is not None}
-        flat = sorted(mine - walls)
+        flat = sorted(mine - walls.keys())
         if flat:  # a ring, or a pad, is drawn already
             rings.append((name, faces[flat[0]]))
         elif bore is not None and (ring := _ring(body, bore, part)) is not None:
             rings.append((name, ring))
             imprints.append(ring)
         if rings and rings[-1][0] == name:
-            round_ |= walls
+            round_ |= walls.keys()
     _centred(*seat, part)
     for k, face in enumerate(faces):
         face.name = taken.get(k, FREE) + (WALL if k in round_ else "")
@@ -360,8 +366,7 @@ def _chosen(body: Any, part: StepShape) -> Any:
 
 def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> Iterable[int]:
     """Places of the faces a pick means."""
-    kind, _, number = name.partition(" ")
-    about = f"bracket.step.{'seat' if kind == SEAT else 'bolts'}[{number or place + 1}]"
+    about = _about(name, place)
     if pick.name:
         # A bolt's name means its ring and its hole's wall, as this program writes them.
         found = [k for k, face in enumerate(faces) if face.name in (pick.name, pick.name + WALL)]
@@ -386,6 +391,14 @@ def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> I
         )
         raise DesignError(msg, about=about)
     return [best]
+
+
+def _about(name: str, place: int | None = None) -> str:
+    """Return where a file names a pick of a bolt, one of the seat, or all of it."""
+    kind, _, bolt = name.partition(" ")
+    key = "seat" if kind == SEAT else "bolts"
+    number = bolt or ("" if place is None else str(place + 1))
+    return f"bracket.step.{key}[{number}]" if number else f"bracket.step.{key}"
 
 
 class _Cylinder(NamedTuple):
@@ -432,6 +445,19 @@ def _cylinder(face: Any) -> _Cylinder | None:
     if np.abs(np.linalg.norm(off, axis=1) - radii[0]).max() > 1e-3 * radii[0]:
         return None
     return _Cylinder(centre, axis, float(radii[0]))
+
+
+def _hollow(body: Any, face: Any, bore: _Cylinder) -> bool:
+    """Whether a body lies outside a round face of it, seen from the axis: then it is a hole's."""
+    middle = np.array([face.center.x, face.center.y, face.center.z])
+    out = middle - bore.point
+    out = out - (out @ bore.axis) * bore.axis
+    if np.linalg.norm(out) < 1e-3 * bore.radius:  # a whole turn: any side will do
+        out = np.cross(bore.axis, np.eye(3)[np.abs(bore.axis).argmin()])
+    foot = bore.point + ((middle - bore.point) @ bore.axis) * bore.axis
+    behind = foot + (bore.radius + 0.05) * out / np.linalg.norm(out)
+    occ = engine().occ
+    return bool(body.Distance(occ.Vertex(occ.Pnt(*map(float, behind)))) < 1e-6)
 
 
 def _bore(faces: list[Any], picked: int) -> Iterable[int]:

@@ -21,6 +21,9 @@ Limit: TypeAlias = Callable[[FloatArray], FloatArray]
 STUCK = 4
 """Steps one after the other that lead nowhere: there the limit state jumps."""
 
+NOISE = 1e-8
+"""Standard deviations by which a design point is known at least, by central differences."""
+
 NEVER = 38.0
 """Standard deviations beyond which a chance is below the smallest number there is."""
 
@@ -178,7 +181,9 @@ def form(
         if not (math.isfinite(size2) and size2 > 0) or u @ u > beyond**2:
             break
         towards = (slope @ u - g) / size2 * slope - u
-        if np.linalg.norm(towards) < tolerance and abs(g) < 1e-8 * scale:
+        # Where no step leads nearer, this is all that differences tell.
+        near = max(tolerance, NOISE) if stuck else tolerance
+        if np.linalg.norm(towards) < near and abs(g) < 1e-8 * scale:
             beta = sign * float(np.linalg.norm(u))
             share = u**2 / (u @ u) if beta else np.zeros(u.size)
             return Form(beta, _values(u, variables), u, share)
