@@ -274,9 +274,11 @@ class _Search:
         """Yield of all settings (V, movable) the one of most margin, and the cheapest that do."""
         settings = settings[np.argsort(self.shares(settings), kind="stable")]
         asked = both(tried(self.response, self.movable, settings))
+        # What fails is no cure for a warning: its margin counts where nothing else is left.
+        stands = (asked["maximum"][:, self.changed] >= 0).all(-1)
         for bound in BOUNDS:
             margin = asked[bound][:, self.changed]
-            least = margin.min(-1)
+            least = np.where(stands | ~stands.any(), margin.min(-1), -np.inf)
             top = settings[(least >= least.max() - STILL).argmax()]
             yield top
             for needed in (0.0, self.reserve(top, to=bound)):
@@ -426,8 +428,8 @@ def fix(
     -------
     tuple of Proposal
         Best verdict first, then what most trucks survive as they scatter, then the cheapest.
-        None is beaten by another that costs less and leaves more margin, nor by the line as
-        installed.
+        None comes to a worse verdict than the line as installed, nor is it beaten by that or by
+        another that costs less and leaves more margin.
 
     Raises
     ------
@@ -465,7 +467,9 @@ def fix(
         )
         for t in unbeaten
     ]
-    return tuple(sorted(proposals, key=lambda p: p.rank)[:count])
+    # What comes to a worse verdict corrects nothing, whatever margin it wins elsewhere.
+    kept = (p for p in proposals if worst([p.verdict, standing.verdict]) == standing.verdict)
+    return tuple(sorted(kept, key=lambda p: p.rank)[:count])
 
 
 def _approval(before: Response, trial: _Trial) -> Approval:
