@@ -632,7 +632,7 @@ BRACKET = (
     mutant("bracket/gauges.py", "np.diff([at.of(nodes, nodes.points) for at in grid], axis=0)",
            "np.diff([at.points for at in grid], axis=0)",
            "a gauge on a round is as long as its facets", "unit/test_bracket_units.py"),
-    mutant("bracket/shape.py", "not _hollow(body, faces[k], c)", "_hollow(body, faces[k], c) is None",
+    mutant("bracket/shape.py", "if _outside(body, faces[k], c)]", "if k < 0]",
            "a bearing sits on the outside of a round", "unit/test_bracket_units.py::test_a_step_file_gives_the_same_bracket"),
     mutant("bracket/gauges.py", "ways = ways - (ways * here.normals).sum(-1, keepdims=True) * here.normals", "pass",
            "a gauge in a bend hangs over an edge", "unit/test_bracket_units.py::test_a_gauge_reads_straight_fields_exactly_on_flat_and_round"),

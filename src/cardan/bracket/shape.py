@@ -303,7 +303,7 @@ def _from_step(part: StepShape) -> Solid:
                 raise DesignError(msg, about="bracket.step")
             taken[k] = name
         walls = {k: c for k in sorted(mine) if (c := _cylinder(faces[k]))}
-        if outside := [c for k, c in walls.items() if not _hollow(body, faces[k], c)]:
+        if outside := [c for k, c in walls.items() if _outside(body, faces[k], c)]:
             msg = (
                 f"{name}: a face picked of {part.path} is the outside of a round of "
                 f"{outside[0].radius:.4g} mm radius: pick its inside"
@@ -447,17 +447,16 @@ def _cylinder(face: Any) -> _Cylinder | None:
     return _Cylinder(centre, axis, float(radii[0]))
 
 
-def _hollow(body: Any, face: Any, bore: _Cylinder) -> bool:
-    """Whether a body lies outside a round face of it, seen from the axis: then it is a hole's."""
+def _outside(body: Any, face: Any, of: _Cylinder) -> bool:
+    """Whether a body lies within a round face of it, on the side of the axis: no hole's does."""
     middle = np.array([face.center.x, face.center.y, face.center.z])
-    out = middle - bore.point
-    out = out - (out @ bore.axis) * bore.axis
-    if np.linalg.norm(out) < 1e-3 * bore.radius:  # a whole turn: any side will do
-        out = np.cross(bore.axis, np.eye(3)[np.abs(bore.axis).argmin()])
-    foot = bore.point + ((middle - bore.point) @ bore.axis) * bore.axis
-    behind = foot + (bore.radius + 0.05) * out / np.linalg.norm(out)
+    foot = of.point + ((middle - of.point) @ of.axis) * of.axis
+    out = middle - foot
+    if np.linalg.norm(out) < 1e-3 * of.radius:  # a whole turn: any side will do
+        out = np.cross(of.axis, np.eye(3)[np.abs(of.axis).argmin()])
+    within = foot + (of.radius - 0.05) * out / np.linalg.norm(out)
     occ = engine().occ
-    return bool(body.Distance(occ.Vertex(occ.Pnt(*map(float, behind)))) < 1e-6)
+    return bool(body.Distance(occ.Vertex(occ.Pnt(*map(float, within)))) < 1e-6)
 
 
 def _bore(faces: list[Any], picked: int) -> Iterable[int]:

@@ -76,7 +76,9 @@ class Rare:
         if self.sampled:
             return self.sampled.failure
         best = self.second_order or self.first_order
-        return best.failure + sum(f.failure for f in self.ways[1:]) if best else float("nan")
+        if best is None or self.ways[0].met:
+            return float("nan")
+        return best.failure + sum(f.failure for f in self.ways[1:])
 
 
 def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
