@@ -385,7 +385,7 @@ def test_fix_leaves_in_place_what_is_held(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n")
     result = run("fix", "--hold", "shim", file)
-    assert result.stdout.startswith("Nothing that may be moved changes any limit")
+    assert result.stdout.startswith("Nothing that may be moved, within `adjust`")
     assert result.exit_code == 1
 
 
@@ -425,7 +425,7 @@ def test_fix_leaves_in_place_what_the_file_holds(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     file = written(tmp_path, text + "adjust: {shim_deg: [-4, 4], hold: [shim]}\n")
     result = run("fix", file)
-    assert result.stdout.startswith("Nothing that may be moved changes any limit")
+    assert result.stdout.startswith("Nothing that may be moved, within `adjust`")
     assert result.exit_code == 1
 
 
@@ -702,6 +702,24 @@ def test_fix_ends_as_a_check_does_where_nothing_is_to_be_moved(tmp_path):
     for text, code in ((SMALL, 0), (SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]"), 1)):
         file = written(tmp_path, text.replace("2500", "3600") + held)
         assert run("check", "-q", file).exit_code == run("fix", file).exit_code == code
+
+
+def test_fix_says_why_nothing_is_proposed_where_a_move_would_help():
+    """The van's shim answers its joint angle, and passes what another joint may accelerate by."""
+    said = " ".join(run("fix", EXAMPLES / "van.yaml").stdout.split())
+    assert said.startswith("Nothing that may be moved, within `adjust`")
+    assert "pinion nose up 1 deg gives 1.826, but then fail: Acceleration of a joint" in said
+    told = " ".join(run("check", EXAMPLES / "van.yaml").stdout.split())
+    assert "pinion nose up 1 deg gives 1.826, but then fail: Acceleration of a joint" in told
+
+
+def test_a_proposal_tells_what_it_spoils():
+    said = " ".join(
+        run("fix", "--count", "1", EXAMPLES / "refuse-collector-6x2.yaml").stdout.split()
+    )
+    assert "but then fail: Acceleration of a joint by itself, joint 4 in empty" in said
+    assert "still fail: Clearance" in said
+    assert "still fail: Acceleration of a joint by itself" not in said
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from cardan import files
 from cardan.base.errors import DesignError
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
-from cardan.base.verdict import Limit
+from cardan.base.verdict import GRADES, Limit
 from cardan.demand.states import demand, resolve
 from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint
 from cardan.model.parts import JointSize
@@ -361,6 +361,47 @@ def test_sensitivities_are_those_of_a_slope(truck):
         moved = tried(response, (effect.adjustable,), half)
         low, high = moved.excitation.torsional.acceleration[:, state]
         assert high - low == pytest.approx((effect.forth - effect.back) / 2, rel=0.15)
+
+
+def test_what_would_help_tells_what_it_spoils():
+    """Each move by itself, every check of it: the refuse collector's bearing up fails a joint."""
+    collector = files.read(Path(__file__).parents[2] / "examples" / "refuse-collector-6x2.yaml")
+    found = assess(collector)
+    (response,) = found.responses
+
+    def worst(of):
+        """Return the worst grade and margin of each limit's part."""
+        grades = {}
+        for c in of:
+            grades.setdefault((c.quantity, c.part), []).append((GRADES.index(c.grade), -c.margin))
+        return {key: max(of) for key, of in grades.items()}
+
+    before, seen = worst(found.checks), {True: 0, False: 0}
+    for s in sensitivities(found):
+        grades = [GRADES.index(e.spoilt.grade) if e.spoilt else 0 for e in s.helpful]
+        assert grades == sorted(grades), s.check.quantity
+        for e in s.helpful:
+            moved, _ = s.better(e)
+            after = worst(checks_of(tried(response, (e.adjustable,), np.array([moved.amount]))))
+            spoilt = {k: v for k, v in after.items() if v[0] > before.get(k, (0, 0))[0]}
+            seen[bool(spoilt)] += 1
+            if e.spoilt is None:
+                assert not spoilt, (s.check.quantity, moved)
+            else:
+                key = max(spoilt, key=spoilt.__getitem__)
+                assert (e.spoilt.quantity, e.spoilt.part) == key, (s.check.quantity, moved)
+                assert -e.spoilt.margin == pytest.approx(spoilt[key][1], rel=1e-9)
+    assert min(seen.values()) > 5
+
+
+def test_the_line_to_correct_is_one_that_fails_before_one_that_warns_by_more():
+    """The tandem's inter-axle line has the larger angles, its main line the larger acceleration."""
+    tandem = files.read(Path(__file__).parents[2] / "examples" / "tandem-6x4.yaml")
+    by_far = Limit(quantity="torsional_acceleration", normal=1.0, source=HOUSE)
+    by_a_hair = Limit(quantity="joint_angle", maximum=10.9 * deg, source=HOUSE)
+    for limits, line in (((by_far,), "main"), ((by_far, by_a_hair), "inter-axle")):
+        found = fix(only(tandem, *limits), count=1)
+        assert {p.line for p in found} == {line}
 
 
 def test_reordering_states_changes_nothing(truck):

@@ -189,6 +189,20 @@ class Check:
         return 0.0 if abs(margin) <= EQUAL else margin
 
 
+def badness(c: Check) -> tuple[int, float]:
+    """Return what checks are sorted by: failures first, then by margin."""
+    return -GRADES.index(c.grade), c.margin
+
+
+def spoilt(before: Iterable[Check], after: Iterable[Check]) -> list[Check]:
+    """Return what of a part warns or fails after a change and was nowhere as bad before it."""
+    grades = dict[tuple[str, str, Part], int]()
+    for c in before:
+        key = c.line, c.quantity, c.part
+        grades[key] = max(GRADES.index(c.grade), grades.get(key, 0))
+    return [c for c in after if GRADES.index(c.grade) > grades.get((c.line, c.quantity, c.part), 0)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unanswered:
     """A limit that asked and got no number, and what the application would have to give."""

@@ -69,6 +69,7 @@ def fix(
     from cardan.report.screen import folded
     from cardan.study.approval import approve
     from cardan.study.fix import fix as search
+    from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
     outputs = claim(file, limits, json_out=json_out)
@@ -79,6 +80,10 @@ def fix(
         from cardan.report import contract
 
         write_json(contract.proposals(found), json_out)
+    installed = found[0].installed if found else approve(application)
     if json_out != "-":
-        put_lines(folded(terminal.proposals(found, say), screen()))
-    leave(found[0].verdict if found else approve(application).verdict)
+        helps = () if found or hold else sensitivities(installed, line=line)
+        several = len(installed.responses) > 1
+        shown = terminal.proposals(found, say, helps=helps, several=several)
+        put_lines(folded(shown, screen()))
+    leave((found[0].approval if found else installed).verdict)

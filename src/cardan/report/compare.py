@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cardan.base.verdict import Check, Grade
+from cardan.base.verdict import Check, Grade, badness
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
-from cardan.report.wording import badness
 from cardan.study.approval import Approval
 
 

@@ -14,7 +14,7 @@ from cardan.base.arrays import ComplexArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Part
 from cardan.base.units import deg, mm
-from cardan.base.verdict import Check
+from cardan.base.verdict import Check, badness
 from cardan.kinematics.equivalent import ae7_terms
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
@@ -23,7 +23,7 @@ from cardan.report import svg
 from cardan.report.chart import Chart, Series
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
-from cardan.report.wording import badness, occasion
+from cardan.report.wording import occasion
 from cardan.study.ride import under
 
 WIDTH = 1040.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.base.part import Occasion, Part
 from cardan.base.units import UNITS, rpm
-from cardan.base.verdict import GRADES, Check
+from cardan.base.verdict import GRADES, Check, badness
 from cardan.quantity.declared import WRITTEN
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import svg
@@ -746,7 +746,7 @@ def _most(shifts: Sequence[Shift], of: Stability) -> list[Shift]:
 def worst_of_parts(checks: Iterable[Check]) -> Iterator[Check]:
     """Yield the worst check of each part."""
     for _, same in groupby(sorted(checks, key=_part), key=_part):
-        yield min(same, key=lambda c: (-GRADES.index(c.grade), c.margin))
+        yield min(same, key=badness)
 
 
 def _part(c: Check) -> tuple[str, str, str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from cardan import __version__
 from cardan.base.part import Part
-from cardan.base.verdict import Check, Grade, Verdict, worst
+from cardan.base.verdict import Check, Grade, Verdict, badness, worst
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report import bracket_chapter, phased, vibration_chapter
@@ -35,7 +35,6 @@ from cardan.report.sheet import Row, line_title, sections, shown_as
 from cardan.report.terminal import instead
 from cardan.report.wording import (
     STUDY_TITLES,
-    badness,
     cited,
     counts,
     gaps,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.verdict import GRADES, VERDICTS, Limit
+from cardan.base.verdict import GRADES, VERDICTS, Limit, badness
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import contract, svg
 from cardan.report.blocks import Block, Chapter, Figures, Issue, Story, Table, Text
@@ -518,7 +518,7 @@ def _installed(of: Studied, k: int) -> float | None:
     mine = [c for c in of.installed.checks if c.limit == limit and c.line == line]
     if not mine:
         return None
-    return min(mine, key=lambda c: (-GRADES.index(c.grade), c.margin)).value
+    return min(mine, key=badness).value
 
 
 def _bands(limit: Limit, factor: float, x: tuple[float, float]) -> Iterator[Band]:

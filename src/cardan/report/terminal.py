@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from cardan.base.verdict import GRADES, Check, Unanswered, Verdict
+from cardan.base.verdict import GRADES, Check, Unanswered, Verdict, badness
 from cardan.quantity.declared import Quantity
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
@@ -19,7 +19,6 @@ from cardan.report.screen import WIDTH, beside, folded, headings, wrapped
 from cardan.report.screen import bare as bare  # for whoever prints
 from cardan.report.sheet import line_title, sections
 from cardan.report.wording import (
-    badness,
     cited,
     left,
     move,
@@ -239,13 +238,25 @@ def comparison(of: "Sequence[Variant]", say: Language = EN, *, width: int = WIDT
             yield ""
 
 
-def proposals(of: "tuple[Proposal, ...]", say: Language = EN) -> Iterator[str]:
-    """Yield corrections, best first, with what each moves, costs and wins."""
+def proposals(
+    of: "tuple[Proposal, ...]",
+    say: Language = EN,
+    *,
+    helps: Sequence[Sensitivity] = (),
+    several: bool = False,
+) -> Iterator[str]:
+    """Yield corrections, best first, with what each moves, costs and wins.
+
+    Where there is none, what each move `helps` and spoils says why.
+    """
     if not of:
         yield say(
-            "Nothing that may be moved changes any limit for the better: see `adjust` in the "
-            "application file."
+            "Nothing that may be moved, within `adjust` of the application file and in the steps "
+            "of a workshop, leaves the line better than it stands."
         )
+        if helps := [one for one in helps if one.helpful]:
+            yield say("Each move alone:")
+            yield from _moved(helps, {}, say, several=several)
         return
     yield say(
         "Line {line}; as installed: {standing}.",
@@ -432,6 +443,13 @@ def _helps(
         return
     yield ""
     yield _bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
+    yield from _moved(of, sizes, say, several=several)
+
+
+def _moved(
+    of: Iterable[Sensitivity], sizes: "Sizes", say: Language, *, several: bool
+) -> Iterator[str]:
+    """Yield what does not pass, each with the moves that help or what there is instead."""
     hopeless: set[tuple[str, str]] = set()
     for one in of:
         moves, what = moves_that_help(one, say), (one.check.line, one.check.quantity)
@@ -439,7 +457,7 @@ def _helps(
             continue  # said of the part that is worst
         hopeless |= set() if moves else {what}
         yield f"  {problem(one, say, several=several)}"
-        yield f"      {'; '.join(moves) or instead(one.check, sizes.get(what), say)}"
+        yield from (f"      {m}" for m in moves or [instead(one.check, sizes.get(what), say)])
 
 
 def instead(check: Check, remedy: "Remedy | None", say: Language) -> str:

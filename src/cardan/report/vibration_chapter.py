@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import isnan
 
-from cardan.base.verdict import Check
+from cardan.base.verdict import Check, badness
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.blocks import Block, Figures, Table, Text
 from cardan.report.language import Language
@@ -18,7 +18,7 @@ from cardan.report.stability import (
     tables,
     worst_of_parts,
 )
-from cardan.report.wording import badness, sense, tally
+from cardan.report.wording import sense, tally
 from cardan.study.approval import verdict_of
 from cardan.study.finding import Finding
 from cardan.study.stability import Stability

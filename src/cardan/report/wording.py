@@ -10,7 +10,7 @@ from cardan.base.errors import BadFile, Problem
 from cardan.base.part import LINE
 from cardan.base.source import Source
 from cardan.base.units import mm, rpm
-from cardan.base.verdict import GRADES, Check, Grade, Limit, Unanswered
+from cardan.base.verdict import Check, Grade, Limit, Unanswered, badness, spoilt
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import QUANTITIES
@@ -55,11 +55,6 @@ def worst_of_each(checks: Iterable[Check]) -> list[Check]:
     for c in sorted(checks, key=badness):
         worst.setdefault((c.quantity, c.line, c.limit), c)
     return sorted(worst.values(), key=badness)
-
-
-def badness(c: Check) -> tuple[int, float]:
-    """Return what checks are sorted by: failures first, then by margin."""
-    return -GRADES.index(c.grade), c.margin
 
 
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
@@ -131,21 +126,24 @@ def left(
     *,
     grade: Callable[[Grade, str], str] = lambda _, word: word,
 ) -> list[str]:
-    """Return what does not pass with a correction, the worst three, and what is unanswered.
+    """Return what does not pass with a correction, and what is unanswered.
 
-    `grade` puts a grade's word as a medium shows it.
+    Of what was as bad before the worst three, of what it spoils as many. `grade` puts a grade's
+    word as a medium shows it.
     """
     several = len(of.approval.responses) > 1
-    bad = worst_of_each(c for c in of.checks if c.grade != "pass")[:3]
-    still = [
-        say(
-            "still {grade}: {check}",
-            grade=grade(c.grade, say(c.grade)),
-            check=f"{c.line}: {sentence(c, say)}" if several else sentence(c, say),
-        )
-        for c in bad
+    new = spoilt(of.installed.checks, of.checks)
+    old = (c for c in of.checks if c.grade != "pass" and c not in new)
+
+    def told(c: Check) -> dict[str, str]:
+        check = f"{c.line}: {sentence(c, say)}" if several else sentence(c, say)
+        return {"grade": grade(c.grade, say(c.grade)), "check": check}
+
+    return [
+        *(say("but then {grade}: {check}", **told(c)) for c in worst_of_each(new)[:3]),
+        *(say("still {grade}: {check}", **told(c)) for c in worst_of_each(old)[:3]),
+        *gaps(of.approval.coverage.missed, say, several=several),
     ]
-    return still + gaps(of.approval.coverage.missed, say, several=several)
 
 
 def scattered(trucks: "Trucks | None", say: Language) -> str:
@@ -226,12 +224,16 @@ def out_of_reach(of: Iterable[Sensitivity]) -> list[Check]:
 
 
 def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
-    """Return what one move does, the better way of the two."""
+    """Return what one move does, the better way of the two, and what it spoils."""
     q = QUANTITIES[one.check.quantity]
-    limit = one.check.limit
-    amount, value = max(e.ways, key=lambda way: float(limit.margin(way[1], to="normal")))
-    moved = move(Move(adjustable=e.adjustable, amount=amount), say)
-    return say("{move} gives {value}", move=moved, value=say.number(value / q.factor))
+    moved, value = one.better(e)
+    said = say("{move} gives {value}", move=move(moved, say), value=say.number(value / q.factor))
+    if e.spoilt is None:
+        return said
+    return say(
+        "{gain}, but then {grade}: {check}", gain=said, grade=say(e.spoilt.grade),
+        check=sentence(e.spoilt, say),
+    )  # fmt: skip
 
 
 def unanswered(of: Approval, say: Language, *, required: bool = False) -> list[str]:

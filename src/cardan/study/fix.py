@@ -16,7 +16,7 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, worst
+from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, badness, worst
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES
@@ -497,7 +497,9 @@ def _line(application: Application, name: str | None) -> Response:
         for i in application.lines
     }
     if name is None:
-        return min(responses.values(), key=lambda r: float(margins(r, to="normal").min()))
+        return min(
+            responses.values(), key=lambda r: min(map(badness, checks_of(r)), default=(0, 0))
+        )
     if name not in responses:
         msg = f"there is no line {name}; the application has {', '.join(responses)}"
         raise DesignError(msg)

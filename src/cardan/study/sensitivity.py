@@ -1,20 +1,20 @@
 """What each thing that can be moved does to each check that does not pass."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.frozen import dataclass
-from cardan.base.verdict import Check
+from cardan.base.verdict import Check, badness
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
-from cardan.study.driveline import asked, check
-from cardan.study.moves import adjustables, fitted, in_states, tried
+from cardan.study.driveline import Asked, asked, check
+from cardan.study.moves import Move, adjustables, fitted, in_states, tried
 
 ON_RUBBER = {key for key, quantity in ANSWERED.items() if quantity.on_rubber}
 """What other mounts answer."""
@@ -28,7 +28,8 @@ class Effect:
     """What moving one thing back or forth does to the value of a check. SI.
 
     `low` and `high` are how far it is moved: by a step, or to the ends of its range where no
-    step of anything helps.
+    step of anything helps. `spoilt` is the worst of what the way that helps makes warn or fail
+    that did not before.
     """
 
     adjustable: Adjustable
@@ -36,6 +37,7 @@ class Effect:
     high: float
     back: float
     forth: float
+    spoilt: Check | None = None
 
     @property
     def ways(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -46,6 +48,8 @@ class Effect:
 @dataclass(frozen=True, kw_only=True)
 class Sensitivity:
     """A check that does not pass, and what could be moved about it, most helpful first.
+
+    What helps without harm elsewhere comes before what does not.
 
     `effects` are those in its own state, the worst of `states` in which it does not pass.
     """
@@ -60,6 +64,12 @@ class Sensitivity:
         to = "maximum" if now.grade == "fail" else "normal"
         return max(float(limit.margin(v, to=to)) for v in (effect.back, effect.forth)) - now.margin
 
+    def better(self, effect: Effect) -> tuple[Move, float]:
+        """Return the way of moving that leaves more margin, and the value it gives."""
+        limit = self.check.limit
+        amount, value = max(effect.ways, key=lambda w: float(limit.margin(w[1], to="normal")))
+        return Move(adjustable=effect.adjustable, amount=amount), value
+
     @property
     def helpful(self) -> tuple[Effect, ...]:
         """Those that close a part of the gap that is `WORTHWHILE`."""
@@ -67,13 +77,14 @@ class Sensitivity:
         return tuple(e for e in self.effects if self.gain(e) > WORTHWHILE * gap)
 
 
-def sensitivities(approval: Approval) -> tuple[Sensitivity, ...]:
+def sensitivities(approval: Approval, *, line: str | None = None) -> tuple[Sensitivity, ...]:
     """Return for every limit and part that does not pass what moving things would do.
 
-    Worst margin first. What nothing can move shows no effects.
+    Of every line, or of one. Worst margin first. What nothing can move shows no effects.
     """
-    found = [s for r in approval.responses for s in _of_line(r, approval.checks)]
-    return tuple(sorted(found, key=lambda s: (s.check.grade != "fail", s.check.margin)))
+    of = [r for r in approval.responses if line in (None, r.line.name)]
+    found = [s for r in of for s in _weighed(r, list(_of_line(r, approval.checks)))]
+    return tuple(sorted(found, key=lambda s: badness(s.check)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,6 +165,42 @@ def _asked(
     return found
 
 
+def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivity]:
+    """Yield the sensitivities of a line with what each move that helps would spoil."""
+    spoilt = _spoilt(response, {s.better(e)[0] for s in found for e in s.helpful})
+    for s in found:
+        helpful = [replace(e, spoilt=spoilt.get(s.better(e)[0])) for e in s.helpful]
+        helpful.sort(key=lambda e: badness(e.spoilt)[0] if e.spoilt else 0, reverse=True)
+        others = [e for e in s.effects if e not in s.helpful]
+        yield replace(s, effects=(*helpful, *others))
+
+
+def _spoilt(response: Response, moves: Collection[Move]) -> dict[Move, Check]:
+    """Return the worst check of each move that spoils what a line keeps as it stands.
+
+    A limit of a part is spoilt that warns or fails in some state, and was not as bad in any.
+    """
+    if not moves:
+        return {}
+    movable = tuple(dict.fromkeys(m.adjustable for m in moves))
+    amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
+    found: dict[Move, Check] = {}
+    after = asked(tried(response, movable, amounts))
+    for now, then in zip(asked(response), after, strict=True):
+        values = np.broadcast_to(then.values, (len(moves), *now.values.shape))
+        worse = _worst_grades(then, values) > _worst_grades(now, now.values)
+        for k, p in np.argwhere(worse).tolist():
+            one, move = replace(then, values=values[k], spots=None), list(moves)[k]
+            checks = (check(response, one, s, p) for s in range(values.shape[1]))
+            found[move] = min((c for c in (found.get(move), *checks) if c), key=badness)
+    return found
+
+
+def _worst_grades(question: Asked, values: FloatArray) -> IntArray:
+    """Return the worst grade of each part over the states, (..., parts)."""
+    return np.where(np.isnan(values), 0, question.limit.grades(values)).max(axis=-2)
+
+
 def _step(a: Adjustable) -> float:
     """Return how far something is moved to see what that does: other mounts as far as they go."""
     movable = MOVABLES[a.what]
@@ -174,7 +221,7 @@ def _missed(response: Response, quantities: set[str]) -> Iterator[_Missed]:
             checks = {s: check(response, question, s, p) for s in range(len(names))}
             bad = {s: c for s, c in checks.items() if c and c.grade != "pass"}
             if bad:
-                worst = min(bad, key=lambda s, bad=bad: (bad[s].grade != "fail", bad[s].margin))
+                worst = min(bad, key=lambda s, bad=bad: badness(bad[s]))
                 yield _Missed(
                     question=k,
                     part=p,

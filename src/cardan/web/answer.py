@@ -16,7 +16,7 @@ import numpy as np
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, DesignError
 from cardan.base.units import deg, mm, rpm
-from cardan.base.verdict import GRADES, Check, Limit, worst
+from cardan.base.verdict import GRADES, Check, Limit, badness, worst
 from cardan.files.manuscript import Manuscript
 from cardan.files.placing import Changes, name_address, phase_address
 from cardan.kinematics.chain import pin_phases, turn
@@ -29,7 +29,7 @@ from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
-from cardan.report.wording import badness, cited, move, notes, occasion, unanswered
+from cardan.report.wording import cited, move, notes, occasion, unanswered
 from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check

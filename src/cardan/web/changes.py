@@ -7,7 +7,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError
-from cardan.base.verdict import GRADES, VERDICTS, Unanswered
+from cardan.base.verdict import GRADES, VERDICTS, Unanswered, badness
 from cardan.files.placing import Changes, mounted, phased, placed
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
@@ -16,7 +16,7 @@ from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.report.wording import badness, movable, move, scattered, survives, won
+from cardan.report.wording import movable, move, scattered, survives, won
 from cardan.study.approval import Approval
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables

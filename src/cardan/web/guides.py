@@ -4,12 +4,13 @@ import numpy as np
 
 from cardan.base.errors import BadFile, Problem
 from cardan.base.units import UNITS, deg
+from cardan.base.verdict import badness
 from cardan.files.guided import drafted
 from cardan.files.pasted import hardpoints
 from cardan.files.placing import placed
 from cardan.model.layout import from_points
 from cardan.report.language import Language
-from cardan.report.wording import badness, unanswered
+from cardan.report.wording import unanswered
 from cardan.study.approval import assess
 from cardan.web.document import Document, Json, Tell, document, fs, g, other
 

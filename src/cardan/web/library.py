@@ -7,10 +7,10 @@ from hashlib import sha256
 from pathlib import Path
 
 from cardan.base.errors import CardanError
-from cardan.base.verdict import GRADES
+from cardan.base.verdict import GRADES, badness
 from cardan.files import campaign
 from cardan.report.language import CODES, Language
-from cardan.report.wording import badness, place
+from cardan.report.wording import place
 from cardan.study.approval import Approval, approve
 from cardan.web.document import Document, Json, Tell, document, g
 
