@@ -236,6 +236,15 @@ def test_what_would_help_can_be_applied():
     assert row["values"][0][0] == pytest.approx(best["value"], rel=1e-4)
 
 
+def test_what_a_move_spoils_stands_beside_it():
+    told = asked((ROOT / "examples" / "vecto-4x2.yaml").read_text("utf-8"), "help")["helps"]
+    static = next(h for h in told if h["quantity"] == "centre_bearing_static")
+    first, then, _ = static["bars"]
+    assert first["spoilt"] == ""
+    assert then["gain"] > first["gain"]
+    assert then["spoilt"].startswith("but then fail: Acceleration of a joint by itself")
+
+
 # ------------------------------------------------------------------ what it says
 
 

@@ -46,13 +46,13 @@ function Fix({ known, shown }: Both) {
           ))}
         </ul>
       )}
-      {found?.length === 0 && <p class="note">{t("Nothing that may move changes anything for the better.")}</p>}
+      {found?.length === 0 && <p class="note">{t("Nothing that may move leaves the line better than it stands.")}</p>}
       {found && found.length > 0 && <><Front of={found} /><p class="note">{job?.answer?.scatter}</p></>}
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
             <p><b class={p.verdict}>{t(p.verdict)}</b> {p.moves.join("; ")}</p>
-            <p class="note">{t("margin {margin} % after {before} %, cost {cost}", { margin: percent(p.margin), before: percent(p.before), cost: fixed(p.cost, 2) })}{p.survives.map((s) => <small key={s}>{s}</small>)}{p.left.map((c) => <small key={c.name + c.where}>{t("still")} {c.name}, {c.where}: {number(c.value)} {c.unit} ({percent(c.margin)} %)</small>)}</p>
+            <p class="note">{t("margin {margin} % after {before} %, cost {cost}", { margin: percent(p.margin), before: percent(p.before), cost: fixed(p.cost, 2) })}{p.survives.map((s) => <small key={s}>{s}</small>)}{p.left.map((s) => <small key={s}>{s}</small>)}</p>
             <button disabled={Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
           </li>
         ))}

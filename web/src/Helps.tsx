@@ -22,7 +22,7 @@ export function Helps({ known }: { known: Known }) {
               <li key={b.said}>
                 <button onClick={() => store.apply(b.edits)} disabled={!Object.keys(b.edits).length}>
                   <span class="bar"><svg viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width={Math.min(100, 100 * b.gain)} height={6} /></svg></span>
-                  <span>{b.said}</span>
+                  <span>{b.said}{b.spoilt && <small>{b.spoilt}</small>}</span>
                   <span class="n">{number(b.value)} {h.unit}</span>
                   <span class="n">{percent(b.gain)} %</span>
                 </button>

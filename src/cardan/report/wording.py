@@ -228,12 +228,13 @@ def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
     q = QUANTITIES[one.check.quantity]
     moved, value = one.better(e)
     said = say("{move} gives {value}", move=move(moved, say), value=say.number(value / q.factor))
-    if e.spoilt is None:
-        return said
-    return say(
-        "{gain}, but then {grade}: {check}", gain=said, grade=say(e.spoilt.grade),
-        check=sentence(e.spoilt, say),
-    )  # fmt: skip
+    return ", ".join(filter(None, (said, spoils(e, say))))
+
+
+def spoils(e: Effect, say: Language) -> str:
+    """Return the worst of what a move spoils; "" where that is nothing."""
+    c = e.spoilt
+    return say("but then {grade}: {check}", grade=say(c.grade), check=sentence(c, say)) if c else ""
 
 
 def unanswered(of: Approval, say: Language, *, required: bool = False) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, DesignError
 from cardan.base.units import deg, mm, rpm
-from cardan.base.verdict import GRADES, Check, Limit, badness, worst
+from cardan.base.verdict import GRADES, Limit, badness, worst
 from cardan.files.manuscript import Manuscript
 from cardan.files.placing import Changes, name_address, phase_address
 from cardan.kinematics.chain import pin_phases, turn
@@ -29,14 +29,13 @@ from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
-from cardan.report.wording import cited, move, notes, occasion, unanswered
+from cardan.report.wording import cited, move, notes, occasion, spoils, unanswered
 from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
-from cardan.study.moves import Move
 from cardan.study.ride import Reach, ride
-from cardan.study.sensitivity import sensitivities
+from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
@@ -204,14 +203,8 @@ def _help(read: Document, _: Json, say: Language, __: Tell) -> Json:
     helps: list[Json] = []
     for one in sensitivities(found):
         installed = next(i for i in read.application.lines if i.line.name == one.check.line)
-        bars = [
-            bar
-            for e in one.effects
-            for amount, value in e.ways
-            for moved in [Move(adjustable=e.adjustable, amount=amount)]
-            if (bar := _bar(read, installed, one.check, moved, value, say))
-        ]
-        bars.sort(key=lambda b: -b["gain"])
+        told = (e for e in one.helpful if isfinite(one.better(e)[1]))
+        bars = [_bar(read, installed, one, e, say) for e in told]
         helps.append({**other(one.check, found, say), "bars": bars})
     return {"helps": helps}
 
@@ -486,19 +479,16 @@ def _pending(r: Response, say: Language) -> Iterator[Json]:
 
 
 def _bar(
-    read: Document, installed: Installed, of: Check, moved: Move, value: float, say: Language
-) -> Json | None:
-    """Return what one move does to a check, and the edits that make it."""
-    limit = of.limit
-    to = "maximum" if of.grade == "fail" else "normal"
-    if not isfinite(value):
-        return None
-    edits = changes.edits(read, installed.line.name, [moved])
+    read: Document, installed: Installed, of: Sensitivity, effect: Effect, say: Language
+) -> Json:
+    """Return what one move does to a check, what it spoils, and the edits that make it."""
+    moved, value = of.better(effect)
     return {
         "said": move(moved, say),
-        "value": g(value / QUANTITIES[of.quantity].factor),
-        "gain": g(float(limit.margin(value, to=to)) - of.margin),  # type: ignore[arg-type]
-        "edits": edits,
+        "spoilt": spoils(effect, say),
+        "value": g(value / QUANTITIES[of.check.quantity].factor),
+        "gain": g(of.gain(effect)),
+        "edits": changes.edits(read, installed.line.name, [moved]),
     }
 
 

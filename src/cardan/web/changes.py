@@ -7,7 +7,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError
-from cardan.base.verdict import GRADES, VERDICTS, Unanswered, badness
+from cardan.base.verdict import GRADES, VERDICTS, Unanswered
 from cardan.files.placing import Changes, mounted, phased, placed
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
@@ -16,13 +16,13 @@ from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.report.wording import movable, move, scattered, survives, won
+from cardan.report.wording import left, movable, move, scattered, survives, won
 from cardan.study.approval import Approval
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, wilson
 from cardan.study.sweep import CHUNK, NOTHING, Answers, Bench, Spread, variants_of, verdicts
-from cardan.web.document import Document, Json, Tell, f, fs, g, other
+from cardan.web.document import Document, Json, Tell, f, fs, g
 
 SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
 """Quantities that are sought over all operating points: a later answer than the others."""
@@ -112,7 +112,6 @@ def _least(of: Approval) -> float | None:
 
 
 def _proposal(read: Document, p: Proposal, say: Language) -> Json:
-    bad = sorted((c for c in p.checks if c.grade != "pass"), key=badness)[:3]
     return {
         "verdict": p.verdict,
         "cost": f(p.cost, 4),
@@ -121,7 +120,7 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
         "moves": [move(m, say) for m in p.moves],
         "survives": [won(p, say), *survives(p.survival, say)],
         "counts": {grade: sum(c.grade == grade for c in p.checks) for grade in GRADES},
-        "left": [other(c, p.approval, say) for c in bad],
+        "left": left(p, say),
         "edits": edits(read, p.line, p.moves),
     }
 
