@@ -42,6 +42,7 @@ from cardan.report.wording import (
     move,
     moves_that_help,
     notes,
+    nothing_better,
     out_of_reach,
     place,
     problem,
@@ -362,6 +363,8 @@ def _changes(
         )
         if scatter := scattered(fixes[0].trucks, say):
             yield Text(paragraphs=(scatter,))
+    elif helps:
+        yield Text(paragraphs=(nothing_better(say),))
     if helps:
         yield Points(
             caption=say("What would help, each move alone"),

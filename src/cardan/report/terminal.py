@@ -24,6 +24,7 @@ from cardan.report.wording import (
     move,
     moves_that_help,
     notes,
+    nothing_better,
     place,
     problem,
     scattered,
@@ -250,10 +251,7 @@ def proposals(
     Where there is none, what each move `helps` and spoils says why.
     """
     if not of:
-        yield say(
-            "Nothing that may be moved, within `adjust` of the application file and in the steps "
-            "of a workshop, leaves the line better than it stands."
-        )
+        yield nothing_better(say)
         if helps := [one for one in helps if one.helpful]:
             yield say("Each move alone:")
             yield from _moved(helps, {}, say, several=several)

@@ -218,6 +218,14 @@ def moves_that_help(one: Sensitivity, say: Language) -> list[str]:
     return [_effect(one, e, say) for e in one.helpful[:3]]
 
 
+def nothing_better(say: Language) -> str:
+    """Say that no correction was found."""
+    return say(
+        "Nothing that may be moved, within `adjust` of the application file and in the steps of "
+        "a workshop, leaves the line better than it stands."
+    )
+
+
 def out_of_reach(of: Iterable[Sensitivity]) -> list[Check]:
     """Return the checks that no move helps."""
     return [one.check for one in of if not one.helpful]
