@@ -268,9 +268,20 @@ def test_no_warning_is_mended_by_what_fails(asked, monkeypatch):
         monkeypatch.setattr("cardan.study.fix.SETTINGS", 0)
     app = files.read(Path(__file__).parents[2] / "examples" / "vecto-4x2.yaml")
     found = fix(app)
-    assert found or asked == "some"
+    assert found
     assert all(p.verdict == p.installed.verdict == "warn" for p in found)
-    assert all(p.margin > p.before for p in found)
+    assert max(p.margin for p in found) > found[0].before + 0.03  # -53.5 to -49.7 %
+
+
+def test_a_band_is_no_maximum(truck):
+    """To the maximum a band counted as one: a line that met it was searched as if it failed."""
+    installed, *_ = truck.lines
+    band = Limit(quantity="torsional_acceleration", band=(1.0, 1e6), source=HOUSE)
+    asked = only(truck, band)
+    response = respond(asked, demand(resolve(asked, installed)))
+    assert min(c.margin for c in checks_of(response)) < 0
+    assert (margins(response, to="maximum") >= 0).all()
+    assert margins(response, to="normal").min() < 0
 
 
 def test_proposals_pay_for_what_they_cost(truck):
