@@ -82,6 +82,7 @@ class SpreadTable(ToleranceTable):
     grid: Annotated[tuple[float, ...], ListOf(_ANY, "lowest", "highest", "how many")] | None = key(
         "places at equal steps, crossed with every other grid", default=None
     )
+
     def build(self) -> Spread:
         """Return the spread."""
         if self.choice is not None:
