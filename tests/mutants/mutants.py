@@ -864,8 +864,6 @@ STUDY = (
     mutant("study/fix.py", "np.where(stands | ~stands.any(), asked[to].min(-1), -np.inf)",
            "asked[to].min(-1)",
            "only what fails is looked for", "unit/test_study.py::test_no_warning_is_mended_by_what_fails"),
-    mutant("study/fix.py", 'if to == "maximum" or not stands:', "if True:",
-           "the way down goes where it fails", "unit/test_study.py::test_no_warning_is_mended_by_what_fails"),
     mutant("base/arrays.py", "adjust(mapped, 2**25)", "pass",
            "large arrays are mapped anew in a cluster's workers",
            "unit/test_cluster.py::test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes"),

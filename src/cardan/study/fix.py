@@ -290,19 +290,13 @@ class _Search:
         """
         spread, found = _spread(len(self.free)), _least(self.spread, to=to)
         start = spread[np.argmax(found)]
-        stands = bool((self.spread["maximum"][found.argmax()] >= 0).all())
 
         def room(z: FloatArray) -> tuple[float, FloatArray]:
             return -z[-1], np.append(np.zeros(len(z) - 1), -1.0)
 
         def beyond(z: FloatArray) -> tuple[FloatArray, FloatArray]:
             margin, slope = self._smooth(z[:-1], to=to)
-            needed, by = margin - z[-1], np.column_stack([slope, -np.ones(len(margin))])
-            if to == "maximum" or not stands:
-                return needed, by
-            margin, slope = self._smooth(z[:-1], to="maximum")
-            slope = np.column_stack([slope, np.zeros(len(margin))])
-            return np.append(needed, margin), np.vstack([by, slope])
+            return margin - z[-1], np.column_stack([slope, -np.ones(len(margin))])
 
         top = self._solve(np.append(start, found.max()), cost=room, needed=beyond)[:-1]
         about = np.stack([start, top])
