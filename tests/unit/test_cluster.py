@@ -123,15 +123,19 @@ def test_killed_on_a_cluster_it_goes_on_to_the_same_bits(tmp_path, cluster):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of the GNU C library")
-def test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes():
-    """Dask's workers are told so, and each array then faults anew: twice the time."""
+@pytest.mark.parametrize("numbers", [10_000, 100_000])
+def test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes(numbers):
+    """Dask's workers are told so, and each array then faults anew: twice the time.
+
+    Arrays above 128 KiB, which are mapped one by one, did so while it computed as well.
+    """
     code = (
         "import resource, numpy as np\n"
         "from contextlib import nullcontext\n"
         "from cardan.base.arrays import memory_kept\n"
         "def faults(context):\n"
         "    with context:\n"
-        "        a = np.ones(10_000)\n"  # below what the system is asked for by itself
+        f"        a = np.ones({numbers})\n"
         "        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
         "        for _ in range(300): [a + k for k in range(8)]\n"
         "        return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before\n"

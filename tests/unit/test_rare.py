@@ -14,7 +14,7 @@ from cardan.files.study import read as read_study
 from cardan.model.variants import Ask
 from cardan.report import study as report
 from cardan.study.rare import rare
-from cardan.study.shards import study
+from cardan.study.shards import Progress, Stopped, study
 from cardan.study.sweep import Bench, variants_of
 
 LINE = """
@@ -196,3 +196,22 @@ def test_a_study_tells_what_it_hardly_ever_saw():
     assert report.document(found)["rare_beyond"] == ["joint_speed"]
     (told,) = (t for t in report.tables(found) if "second order" in t.head)
     assert told.rows[0][told.head.index("second order")].startswith("1 in ")
+
+
+def test_what_is_rare_is_told_while_it_is_asked_and_stopped_without_loss():
+    """Limits asked how often they fail took their time in silence, and lost the study to Ctrl-C."""
+    told: list[Progress] = []
+
+    def hear(progress: Progress) -> None:
+        told.append(progress)
+        if progress.rare == (1, 3):
+            raise KeyboardInterrupt
+
+    more = "  - {quantity: joint_angle, maximum: 4.3, source: ours}\n"
+    line = files.loads(LINE.replace("LIMIT", "4.2") + more)
+    with pytest.raises(Stopped) as stopped:
+        study(line, variants_of({}, SIDE, ask=Ask(rare=True)), count=20, hear=hear)
+    found = stopped.value.studied
+    assert found.states["counts"]["count"] == 20
+    assert len(found.rare) + len(found.beyond) == 1
+    assert "1 of 3 limits" in report.progress(told[-1])

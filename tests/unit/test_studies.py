@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -450,6 +451,33 @@ def test_ends_of_what_is_chosen_must_be_possible():
     told = r"length_mm: cannot be 120, up to where .*must sit on its shaft"
     with pytest.raises(BadFile, match=told):
         Bench.of(application(), variants_of({"driveline.shafts[1].length_mm": [120, 900]}))
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("tolerances: {shim_deg: 0.2}", ":1:24: .*must be a table with normal, uniform "),
+        ("tolerances: {shim_deg: {grid: [0, 1, 3]}}", ":1:25: .*there are: normal, uniform"),
+        ("vary: {shim_deg: [-1, 1]}\nask: {quantiles: 5}", ":2:18: .*above 0 and below 1 "),
+        ('vary:\n  "driveline.shafts[*].tube.wall_mm": [-1, 4]',
+         r":2:3: vary.driveline.shafts\[1\].tube.wall_mm: cannot be -1, up to where"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("inside", [False, True])
+def test_what_is_wrong_in_a_study_is_told_where_it_stands(tmp_path, written, told, inside):
+    """A range beyond what is allowed was told of the application's file, without a line."""
+    (tmp_path / "truck.yaml").write_text(LINE)
+    (tmp_path / "study.yaml").write_text(written + "\n")
+    arguments = ["--study", str(tmp_path / "study.yaml")]
+    if inside:
+        under = "".join(f"  {line}\n" for line in written.splitlines())
+        (tmp_path / "truck.yaml").write_text("study:\n" + under + LINE)
+        line, column = re.search(r"(\d+):(\d+)", told).groups()
+        told = told.replace(f"{line}:{column}", f"{int(line) + 1}:{int(column) + 2}", 1)
+        told, arguments = told.replace("vary.driveline", "(study.)?vary.driveline"), []
+    found = CliRunner().invoke(cli, ["study", str(tmp_path / "truck.yaml"), *arguments])
+    assert found.exit_code == 2
+    assert re.search(f"{'truck' if inside else 'study'}.yaml{told}", found.output), found.output
 
 
 # --------------------------------------------------------------------------- who computes

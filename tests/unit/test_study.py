@@ -261,16 +261,31 @@ def test_where_settings_are_few_none_is_better_or_cheaper(truck, hold):
     assert max(p.margin for p in found) == pytest.approx(max(least.values()), abs=NOTABLE)
 
 
-@pytest.mark.parametrize("asked", ["all settings", "some"])
+@pytest.mark.parametrize("asked", ["all settings", "some", "what fails too"])
 def test_no_warning_is_mended_by_what_fails(asked, monkeypatch):
     """A truck that warns was told three moves, each of which made it fail: -54 % to -31 %."""
     if asked == "some":
         monkeypatch.setattr("cardan.study.fix.SETTINGS", 0)
+    if asked == "what fails too":  # as where yokes are turned, and no setting stands
+        monkeypatch.setattr("cardan.study.fix._least", lambda of, *, to: of[to].min(-1))
     app = files.read(Path(__file__).parents[2] / "examples" / "vecto-4x2.yaml")
     found = fix(app)
-    assert found or asked == "some"
     assert all(p.verdict == p.installed.verdict == "warn" for p in found)
-    assert all(p.margin > p.before for p in found)
+    if asked == "what fails too":
+        return
+    assert found
+    assert max(p.margin for p in found) > found[0].before + 0.03  # -53.5 to -49.7 %
+
+
+def test_a_band_is_no_maximum(truck):
+    """To the maximum a band counted as one: a line that met it was searched as if it failed."""
+    installed, *_ = truck.lines
+    band = Limit(quantity="torsional_acceleration", band=(1.0, 1e6), source=HOUSE)
+    asked = only(truck, band)
+    response = respond(asked, demand(resolve(asked, installed)))
+    assert min(c.margin for c in checks_of(response)) < 0
+    assert (margins(response, to="maximum") >= 0).all()
+    assert margins(response, to="normal").min() < 0
 
 
 def test_proposals_pay_for_what_they_cost(truck):

@@ -112,7 +112,9 @@ TRIM = "MALLOC_TRIM_THRESHOLD_"
 def memory_kept() -> Generator[None, None, None]:
     """Keep what arrays give back, in a process that was told to hand it to the system at once.
 
-    Dask tells its workers so: then arrays, which come and go, cost twice their time.
+    Dask tells its workers so: then arrays, which come and go, cost twice their time. Told where to
+    trim, the C library no longer learns either from which size on memory is worth a mapping of its
+    own: every array of 128 KiB is one, whose pages are all faulted in anew.
     """
     told = os.environ.get(TRIM)
     if told is None or not sys.platform.startswith("linux"):
@@ -121,15 +123,17 @@ def memory_kept() -> Generator[None, None, None]:
     import ctypes
 
     adjust: Any = getattr(ctypes.CDLL(None), "mallopt", None)  # other C libraries have none
-    first = -1  # M_TRIM_THRESHOLD
+    trim, mapped = -1, -3  # M_TRIM_THRESHOLD, M_MMAP_THRESHOLD
     if adjust is None:
         yield
         return
-    adjust(first, 2**28)
+    adjust(trim, 2**28)
+    adjust(mapped, 2**25)  # as far as it would learn by itself
     try:
         yield
     finally:
-        adjust(first, int(told))
+        adjust(trim, int(told))
+        adjust(mapped, 2**17)  # where it begins
 
 
 @cache

@@ -163,6 +163,11 @@ class Here:
         node = self.node if written is None or isinstance(self.node, Scalar) else written
         self.reading.places[self.at] = Place(key=self.at, line=node.line, column=node.column)
 
+    @property
+    def place(self) -> tuple[int, int]:
+        """Its line and column."""
+        return self.node.line, self.node.column
+
     def note(self, message: str, hint: str = "", *, got: str = "") -> None:
         """Note what is wrong here, and go on."""
         self.reading.problems.append(self._problem(message, hint, got))
@@ -278,7 +283,9 @@ class Number(Rule):
 
     @property
     def _zero(self) -> str:
-        """What can be said of the bounds without a unit."""
+        """What can be said of the bounds without a unit, which is all where there is none."""
+        if not self.units and self._range(1.0):
+            return self._range(1.0)
         if self._least == 0:
             return " of 0 or more"
         return " above 0" if max(self._above or 0, self._least or 0) > 0 or self._above == 0 else ""

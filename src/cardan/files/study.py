@@ -10,6 +10,7 @@ key in `adjust`.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -49,10 +50,30 @@ _ANY = Number()
 _SHARE = Number(above=0, below=1)
 
 
-class SpreadTable(Table):
-    """How a number varies, in the unit of its key; [lowest, highest] is a range of it."""
+class ToleranceTable(Table):
+    """How a number scatters about what it is meant to be, in the unit of its key."""
 
     fixed = True
+    one_of = (("normal", "uniform"),)
+
+    normal: Annotated[float, Number(above=0)] | None = key(
+        "standard deviation about the number as it is", default=None
+    )
+    uniform: Annotated[float, Number(above=0)] | None = key(
+        "half width about the number as it is", default=None
+    )
+
+    def build(self) -> Spread:
+        """Return the spread."""
+        if self.normal is not None:
+            return Spread(kind="normal", values=(self.normal,))
+        assert self.uniform is not None  # one of them is there
+        return Spread(kind="uniform", values=(self.uniform,))
+
+
+class SpreadTable(ToleranceTable):
+    """How a number varies, in the unit of its key; [lowest, highest] is a range of it."""
+
     one_of = (("choice", "grid", "normal", "uniform"),)
 
     choice: Annotated[tuple[float, ...], ListOf(_ANY, least=1, most=LEVELS)] | None = key(
@@ -60,12 +81,6 @@ class SpreadTable(Table):
     )
     grid: Annotated[tuple[float, ...], ListOf(_ANY, "lowest", "highest", "how many")] | None = key(
         "places at equal steps, crossed with every other grid", default=None
-    )
-    normal: Annotated[float, Number(above=0)] | None = key(
-        "standard deviation about the number as it is", default=None
-    )
-    uniform: Annotated[float, Number(above=0)] | None = key(
-        "half width about the number as it is", default=None
     )
 
     def build(self) -> Spread:
@@ -77,22 +92,6 @@ class SpreadTable(Table):
             if not low < high or not 2 <= count <= LEVELS or count != int(count):
                 self.at("grid").refuse(f"must be [lowest, highest, how many], of 2 to {LEVELS}")
             return Spread(kind="grid", values=tuple(np.linspace(low, high, int(count)).tolist()))
-        if self.normal is not None:
-            return Spread(kind="normal", values=(self.normal,))
-        assert self.uniform is not None  # one of them is there
-        return Spread(kind="uniform", values=(self.uniform,))
-
-
-class ToleranceTable(SpreadTable):
-    """How a number scatters about what it is meant to be, in the unit of its key."""
-
-    one_of = (("normal", "uniform"),)
-
-    def build(self) -> Spread:
-        """Return the spread."""
-        for name in ("choice", "grid"):
-            if self.has(name):
-                self.at(name).refuse("is a decision, no tolerance", "give it in vary")
         return super().build()
 
 
@@ -220,8 +219,9 @@ class StudyTable(Table):
                 if name not in named:
                     self.at("ask").note("maps: this does not vary", nearest(name, named), got=name)
         return Variants(
-            vary=self.vary, tolerances=self.tolerances, correlated=self.correlated, ask=self.ask
-        )
+            vary=self.vary, tolerances=self.tolerances, correlated=self.correlated, ask=self.ask,
+            places={name: self._named("vary", name).place for name in self.vary},
+        )  # fmt: skip
 
     def _named(self, entry: str, name: str) -> Here:
         """Return the place of a name in an entry."""
@@ -280,4 +280,4 @@ def read(path: Path, application: Application) -> Variants:
         raise BadFile(str(path), tuple(problems)) from None
     if problems:
         raise BadFile(str(path), tuple(problems))
-    return found
+    return replace(found, file=str(path))

@@ -78,10 +78,15 @@ class Variants:
 
     `vary` and `tolerances` go by the address of a number, or the key of something that can
     be moved; `[*]` stands for every part. `correlated` are pairs of names of tolerances with
-    their correlation, of the normal numbers they are made of.
+    their correlation, of the normal numbers they are made of. Where it was read, errors name
+    the `file` (that of the application without) and the `places`, line and column, of what varies.
     """
 
     vary: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
     tolerances: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
     correlated: tuple[tuple[str, str, float], ...] = ()
     ask: Ask = field(default_factory=Ask)
+    file: str = field(default="", repr=False, compare=False)
+    places: Mapping[str, tuple[int, int]] = field(
+        default_factory=dict[str, tuple[int, int]], repr=False, compare=False
+    )

@@ -37,6 +37,8 @@ BINS = 40
 
 def progress(of: Progress, say: Language = EN) -> str:
     """Return how far a study has come, with rate and time left."""
+    if of.rare:
+        return say("rare failures: {done} of {count} limits", done=of.rare[0], count=of.rare[1])
     rate = say.short(float(f"{of.rate:.3g}")) if of.rate else "-"
     left = clock(of.left, say) if isfinite(of.left) else "-"
     return say(

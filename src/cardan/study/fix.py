@@ -213,8 +213,7 @@ class _Search:
         """The margins (V, ...) of trials spread over all ways, to either bound."""
         if self.known is not None:
             return self.known
-        found = tried(self.response, self.movable, self.amounts(_spread(len(self.free))))
-        return {bound: values[:, self.changed] for bound, values in both(found).items()}
+        return self.asked(self.amounts(_spread(len(self.free))))
 
     def reserve(self, amounts: FloatArray, *, to: Bound) -> FloatArray | None:
         """Return what each margin needs in reserve as trucks scatter; None where none does."""
@@ -233,11 +232,13 @@ class _Search:
 
     def margins(self, positions: FloatArray, *, to: Bound) -> FloatArray:
         """Return the margins (V, ...) that moving changes."""
-        return self._of_amounts(self.amounts(positions), to=to)
-
-    def _of_amounts(self, amounts: FloatArray, *, to: Bound) -> FloatArray:
-        response = tried(self.response, self.movable, amounts)
+        response = tried(self.response, self.movable, self.amounts(positions))
         return margins(response, to=to)[:, self.changed]
+
+    def asked(self, amounts: FloatArray) -> dict[Bound, FloatArray]:
+        """Return the margins (V, ...) that moving changes, to either bound."""
+        found = both(tried(self.response, self.movable, amounts))
+        return {bound: values[:, self.changed] for bound, values in found.items()}
 
     def settable(self, position: FloatArray, *, to: Bound, cheap: bool = False) -> FloatArray:
         """Return the amounts (movable) beside a position that a workshop can set.
@@ -257,11 +258,11 @@ class _Search:
         low, high = (np.array([getattr(a, n) for a in self.movable]) for n in ("low", "high"))
         free = list(self.free)
         every[:, free] = np.clip(every, low, high)[:, free]
-        margin = self._of_amounts(every, to=to).min(-1)
-        if cheap and (margin >= 0).any():
-            every = every[margin >= 0]
+        least = _least(self.asked(every), to=to)
+        if cheap and (least >= 0).any():
+            every = every[least >= 0]
             return every[self.shares(every).argmin()]
-        return every[margin.argmax()]
+        return every[least.argmax()]
 
     def shares(self, amounts: FloatArray) -> FloatArray:
         """Return the sums (V,) of the shares of their ranges that amounts (V, movable) use."""
@@ -273,12 +274,9 @@ class _Search:
     def exhausted(self, settings: FloatArray) -> Iterator[FloatArray]:
         """Yield of all settings (V, movable) the one of most margin, and the cheapest that do."""
         settings = settings[np.argsort(self.shares(settings), kind="stable")]
-        asked = both(tried(self.response, self.movable, settings))
-        # What fails is no cure for a warning: its margin counts where nothing else is left.
-        stands = (asked["maximum"][:, self.changed] >= 0).all(-1)
+        asked = self.asked(settings)
         for bound in BOUNDS:
-            margin = asked[bound][:, self.changed]
-            least = np.where(stands | ~stands.any(), margin.min(-1), -np.inf)
+            margin, least = asked[bound], _least(asked, to=bound)
             top = settings[(least >= least.max() - STILL).argmax()]
             yield top
             for needed in (0.0, self.reserve(top, to=bound)):
@@ -290,7 +288,7 @@ class _Search:
 
         And the trial nearest to 0 that keeps every margin in reserve, or that position again.
         """
-        spread, found = _spread(len(self.free)), self.spread[to].min(-1)
+        spread, found = _spread(len(self.free)), _least(self.spread, to=to)
         start = spread[np.argmax(found)]
 
         def room(z: FloatArray) -> tuple[float, FloatArray]:
@@ -301,11 +299,13 @@ class _Search:
             return margin - z[-1], np.column_stack([slope, -np.ones(len(margin))])
 
         top = self._solve(np.append(start, found.max()), cost=room, needed=beyond)[:-1]
-        reached = float(self.margins(top[None], to=to).min())
-        if reached <= found.max():
-            top, reached = self._nearby(start, to=to)
+        about = np.stack([start, top])
+        reached = _least(self.asked(self.amounts(about)), to=to)
+        top, margin = about[reached.argmax()], float(reached.max())
+        if margin <= found.max():
+            top, margin = self._nearby(start, to=to)
         kept = spread[found > RESERVE]
-        return top, reached, min(kept, key=lambda x: float(x @ x), default=top)
+        return top, margin, min(kept, key=lambda x: float(x @ x), default=top)
 
     def _nearby(self, start: FloatArray, *, to: Bound) -> tuple[FloatArray, float]:
         """Return the position of the largest smallest margin about another, and that margin.
@@ -316,7 +316,7 @@ class _Search:
         spread = _spread(len(self.free), trials=FEWER)
         for share in CLOSER:
             about = np.clip(top + share * spread, -1, 1)
-            found = self.margins(about, to=to).min(-1)
+            found = _least(self.asked(self.amounts(about)), to=to)
             top, reached = about[found.argmax()], float(found.max())
         return top, reached
 
@@ -379,6 +379,15 @@ class _Search:
             options={"maxiter": 40, "ftol": 1e-4},
         )
         return np.clip(found.x, *np.transpose(bounds))
+
+
+def _least(asked: dict[Bound, FloatArray], *, to: Bound) -> FloatArray:
+    """Return the least margin (V,) to a bound; of what fails none while anything else is left.
+
+    What fails is no cure for a warning, whatever margin it wins elsewhere.
+    """
+    stands = (asked["maximum"] >= 0).all(-1)
+    return np.where(stands | ~stands.any(), asked[to].min(-1), -np.inf)
 
 
 def _set(way: Adjustable) -> FloatArray:

@@ -34,7 +34,7 @@ def _margins(response: Response, questions: tuple[Asked, ...], *, to: Bound) -> 
     cases = response.layout.points.shape[:-3]
     each = [
         np.full_like(q.values, PLENTY)
-        if to == "maximum" and q.limit.maximum is None and q.limit.band is None
+        if to == "maximum" and q.limit.maximum is None
         else q.limit.margin(q.values, to=to)
         for q in questions
     ]

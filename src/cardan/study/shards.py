@@ -6,7 +6,7 @@ computed: at once, by many, or in pieces after the computer went down.
 """
 
 import json
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -71,12 +71,16 @@ Heard: TypeAlias = Callable[["Progress"], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Progress:
-    """How far a study has come: variants done before this run and in all, and how many to do."""
+    """How far a study has come: variants done before this run and in all, and how many to do.
+
+    With all of them done, how many limits have been asked how often they fail, and of how many.
+    """
 
     before: int
     done: int
     count: int
     seconds: float
+    rare: tuple[int, int] | None = None
 
     @property
     def rate(self) -> float:
@@ -349,9 +353,9 @@ def study(
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
-    def now(done: int) -> None:
-        seconds = perf_counter() - begun
-        hear(Progress(before=before, done=done, count=count + asked.search, seconds=seconds))
+    def now(done: int, rare: tuple[int, int] | None = None) -> None:
+        seconds, total = perf_counter() - begun, count + asked.search
+        hear(Progress(before=before, done=done, count=total, seconds=seconds, rare=rare))
 
     def keep(k: int, got: Shard) -> None:
         nonlocal finished, stamps
@@ -384,7 +388,15 @@ def study(
             )  # fmt: skip
         except KeyboardInterrupt:
             stopped = True
-    hardly = () if stopped or not asked.rare else tuple(_rare(bench, told["counts"]))
+    hardly: list[Rare] = []
+    if asked.rare and not stopped:
+        few = _hardly(bench, told["counts"])
+        try:
+            for at, k in enumerate(few):
+                now(count + asked.search, (at, len(few)))
+                hardly.append(rare(bench, k))
+        except KeyboardInterrupt:
+            stopped = True
     result = Studied(
         bench=bench, variants=variants, asked=count, states=told,
         rows=_kept(bench, found, dict(enumerate(spans))),
@@ -471,12 +483,14 @@ def _told(
     return total
 
 
-def _rare(bench: Bench, counts: State) -> Iterator[Rare]:
-    """Yield how often limits fail that hardly ever did."""
+def _hardly(bench: Bench, counts: State) -> list[int]:
+    """Return the places of the limits that hardly ever failed."""
     fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
-    for k, (_, limit) in enumerate(bench.limits):
-        if limit.maximum is not None and answered[k] and fails[k] < HARDLY:
-            yield rare(bench, k)
+    return [
+        k
+        for k, (_, limit) in enumerate(bench.limits)
+        if limit.maximum is not None and answered[k] and fails[k] < HARDLY
+    ]
 
 
 # --------------------------------------------------------------------------- rows

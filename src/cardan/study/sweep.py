@@ -21,7 +21,7 @@ from cardan.files.change import addresses, change
 from cardan.files.study import of_numbers
 from cardan.model import variants as model
 from cardan.model.application import Adjustable, Application
-from cardan.model.movable import MOVABLES, movable
+from cardan.model.movable import MOVABLES, meant, movable
 from cardan.model.variants import Ask, Variants
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
@@ -380,7 +380,7 @@ class Bench:
                 try:
                     with_numbers(application, {name: end})
                 except BadFile as error:
-                    raise _beyond(name, end, error) from error
+                    raise _beyond(variants, name, end, error) from error
         single = tuple(n for n in drawn.names if n not in bench._moves and not bench._holds(n))
         return replace(bench, single=single)
 
@@ -563,12 +563,15 @@ def names(application: Application) -> dict[str, float]:
     return found | dict.fromkeys(movable(i.line for i in application.lines), 0.0)
 
 
-def _beyond(name: str, end: float, error: BadFile) -> BadFile:
-    """Return the error of a number at an end of what it varies over, where its file has another."""
+def _beyond(of: Variants, name: str, end: float, error: BadFile) -> BadFile:
+    """Return the error of a number at an end of what it varies over, where the study says so."""
     first = error.problems[0]
     why = first.message if first.key == name else f"{first.key}: {first.message}"
+    written = next((w for w in of.places if name in meant(w, [name])), "")
+    line, column = of.places.get(written, (0, 0))
     told = f"cannot be {end:g}, up to where the study has it vary: {why}"
-    return BadFile(error.file, (Problem(message=told, key=name),))
+    problem = Problem(message=told, key=f"vary.{name}", line=line, column=column)
+    return BadFile(of.file or error.file, (problem,))
 
 
 def _ends(of: Drawing, k: int) -> tuple[float, ...]:
