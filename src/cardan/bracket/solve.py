@@ -19,7 +19,7 @@ from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, held_anew, refined
+from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, refined
 from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -254,7 +254,7 @@ def solve(task: Task, tell: Progress) -> Solved:
             face.maxh = min(size, 0.5 * body.thickness)
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
-        clamps=tuple(body.held("sliding")), loads=unit_loads, size=size,
+        clamps=tuple(body.held("sliding")), firm=body.held("clamped"), loads=unit_loads, size=size,
         thickness=body.thickness, degree=task.order,
     )  # fmt: skip
     first: list[FloatArray] = []
@@ -270,10 +270,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     )  # fmt: skip
     tell("natural frequencies")
     sliding = _held("sliding", body, done.last, task, size)
-    firm = body.held("clamped")
-    tell("the flange clamped")
-    stiff = held_anew(replace(problem, held=firm, clamps=tuple(firm)), done.last, tell=tell)
-    clamped = _held("clamped", body, stiff, task, size)
+    assert done.firm is not None
+    clamped = _held("clamped", body, done.firm, task, size)
     read, before = sliding.influence[:, :3], first[0][:, :3]
     return Solved(
         nodes=done.last.elastic.nodes,
@@ -345,10 +343,7 @@ def _swing(
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
-    """Return the error of each feature.
-
-    What the clamped flange alone has was not followed.
-    """
+    """Return the error of each feature; what was followed under neither way is not known."""
     shares: list[float] = done.error.tolist()
-    known: dict[tuple[int, int], float] = dict(zip(done.last.zones.features, shares, strict=True))
+    known: dict[tuple[int, int], float] = dict(zip(done.features, shares, strict=True))
     return dict.fromkeys(clamped.zones.features, UNSETTLED) | known
