@@ -13,7 +13,7 @@ from cardan.base.units import mm
 from cardan.bracket import stress
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import recover
-from cardan.bracket.refine import _share_of_worst
+from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
@@ -200,3 +200,23 @@ def test_the_highest_plain_stress_is_among_the_worst_whatever_fatigue_says():
     np.testing.assert_allclose(plain, high / 600)
     heavy = _share_of_worst(high, np.array([90.0, 1.0, 1.0]))
     assert heavy[2] == pytest.approx([550 / 600, 450 / 4500])
+
+
+def test_of_two_ways_to_be_held_the_worse_is_followed():
+    """Under the second load the clamped flange makes bend 2 the worst of all; bend 3 it has alone.
+
+    What is told of a feature is of the way whose top is higher, load by load.
+    """
+    sliding = {(0, 1): np.array([100.0, 50.0]), (0, 2): np.array([80.0, 60.0])}
+    clamped = {(0, 1): np.array([90.0, 50.0]), (0, 2): np.array([82.0, 90.0])}
+    alone = clamped | {(0, 3): np.array([10.0, 70.0])}
+    found = _worse([sliding, alone], [sliding, alone])
+    assert [*found] == [(0, 1), (0, 2), (0, 3)]
+    np.testing.assert_array_equal(np.stack([*found.values()]), [[100, 50], [82, 90], [10, 70]])
+    off = _worse([sliding, clamped], [{f: 0 * t for f, t in sliding.items()}, clamped])
+    np.testing.assert_array_equal(off[0, 2], [82, 90])
+    np.testing.assert_array_equal(off[0, 1], [0, 0])
+    assert _firm_matters(sliding, found, np.ones(5))
+    # Four per cent above the sliding one, or far below the worst: what slides tells enough.
+    near = {(0, 1): np.array([104.0, 52.0]), (0, 2): np.array([80.0, 60.0])}
+    assert not _firm_matters(sliding, near | {(0, 3): np.array([60.0, 40.0])}, np.ones(5))

@@ -95,7 +95,8 @@ class Held:
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
     too_high : (k,) 1
-        Share by which the natural frequencies by itself may be above those of finer elements.
+        Share by which the natural frequencies by itself may be above those of finer elements; of
+        the clamped flange nobody asks it.
     influence : (gauges, 9)
         Strain of each gauge.
     swing : Swing
@@ -314,7 +315,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
-        too_high=too_high(found.elastic, alone, shapes),
+        too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
         influence=read[:, : len(UNITS)],
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """What a bracket study shows: a terminal's table, the JSON contract, VTK files, a picture."""
 
 import base64
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, BinaryIO
@@ -220,11 +220,24 @@ def hours_of(v: Judged) -> FloatArray:
         return 1 / (rate * hour)
 
 
-def hours(value: float, say: Language) -> str:
-    """Return hours to failure; beyond a million nobody knows, and nobody drives."""
+def hours_within(v: Judged) -> FloatArray:
+    """Return between what hours (features, 2) each feature's life lies by its stress's error."""
+    each = [[e.at([k]).hours_within for k in range(len(v.features))] for e in v.duty]
+    return np.min(each, axis=0) if each else np.full((len(v.features), 2), np.nan)
+
+
+def hours(value: float, say: Language, within: Iterable[float] = (np.nan, np.nan)) -> str:
+    """Return hours to failure; beyond a million nobody knows, and nobody drives.
+
+    In brackets between what they lie, where that is known.
+    """
     if np.isnan(value):
         return "-"
-    return f"> {say.number(LONG)}" if value > LONG else _small(value, say)
+    told = f"> {say.number(LONG)}" if value > LONG else _small(value, say)
+    low, high = within
+    if np.isnan(low) or low > LONG:
+        return told
+    return f"{told} ({_small(low, say)} … {hours(high, say)})"
 
 
 def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
@@ -233,14 +246,15 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
     yield from _bold(say("{name}, where a crack may start", name=say(v.name)), width)
     head = ("", say("at x, y, z [mm]"), "MPa ", say("fatigue use"), say("hours"))
     stress, _ = highest(v)
-    share, lasts = used(v), hours_of(v)
+    share, lasts, within = used(v), hours_of(v), hours_within(v)
     rows: list[tuple[str, ...]] = []
     for k, f in enumerate(v.shown):
         at = "  ".join(say.pointed(f"{p / mm:.0f}") for p in f.point)
         error = f"{f.error * stress[k] / MPa:.1f}"
         told = f"{stress[k] / MPa:.1f} ±{error:>5}{' ' if f.error <= SETTLED else '!'}"
         use = "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %"
-        rows.append((say.part(f.part), at, say.pointed(told), use, hours(float(lasts[k]), say)))
+        life = hours(float(lasts[k]), say, within[k])
+        rows.append((say.part(f.part), at, say.pointed(told), use, life))
     yield from _numbers(head, rows, width)
     left = len(v.features) - v.listed
     if left:
@@ -324,7 +338,11 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
     rows: list[tuple[str, ...]] = []
     for e in worn(v):
         where = say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else ""
-        told = (_small(e.per_turn, say), _small(e.per_hour, say), hours(e.hours, say))
+        told = (
+            _small(e.per_turn, say),
+            _small(e.per_hour, say),
+            hours(e.hours, say, e.hours_within),
+        )
         rows.append((say.occasion(e.when), where, *told))
     yield from _numbers(
         (
@@ -386,7 +404,9 @@ def better(before: Judged, after: Judged, say: Language = EN) -> str:
     if not any(np.isnan(lives_)):
         gain = lives_[1] > lives_[0]
         what = say(
-            "{was} h before, {now} h after", was=hours(lives_[0], say), now=hours(lives_[1], say)
+            "{was} h before, {now} h after",
+            was=hours(lives_[0], say, before.life_within),
+            now=hours(lives_[1], say, after.life_within),
         )
     elif min(uses) > 0:
         gain = uses[1] < uses[0]
@@ -435,7 +455,7 @@ def contract(approval: Approval) -> dict[str, Any]:
 
 def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
     stress, _ = highest(v)
-    share, lasts = used(v), hours_of(v)
+    share, lasts, within = used(v), hours_of(v), hours_within(v)
     return {
         "name": v.name,
         "mass_kg": v.mass,
@@ -475,6 +495,7 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
                 "error_MPa": f.error * stress[k] / MPa,
                 "fatigue_utilisation": None if np.isnan(share[k]) else share[k],
                 "life_hours": lasts[k] if np.isfinite(lasts[k]) else None,
+                "life_hours_within": [x if np.isfinite(x) else None for x in within[k].tolist()],
             }
             for k, f in enumerate(v.features)
         ],
@@ -535,6 +556,7 @@ def _life(of: BracketAnswer, e: Endured) -> dict[str, Any]:
         "per_turn": known(e.per_turn),
         "per_hour": known(e.per_hour),
         "life_hours": known(e.hours),
+        "life_hours_within": [known(x) for x in e.hours_within],
     }
 
 

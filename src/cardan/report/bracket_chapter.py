@@ -20,6 +20,7 @@ from cardan.report.bracket import (
     highest,
     hours,
     hours_of,
+    hours_within,
     lives,
     picture,
     remarks,
@@ -144,7 +145,7 @@ def _crossings(of: BracketAnswer, say: Language) -> Iterator[str]:
 def _features(v: Judged, say: Language) -> Table:
     """Return where a crack may start: place, stress, use of the fatigue limit, life."""
     stress, cases = highest(v)
-    share, lasts = used(v), hours_of(v)
+    share, lasts, within = used(v), hours_of(v), hours_within(v)
     return Table(
         caption=say("Where a crack may start: {name}", name=say(v.name)),
         head=(
@@ -158,7 +159,7 @@ def _features(v: Judged, say: Language) -> Table:
                 say.pointed("  ".join(f"{x / mm:.0f}" for x in f.point)),
                 say.pointed(f"{stress[k] / MPa:.1f} ± {f.error * stress[k] / MPa:.1f}"),
                 "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %",
-                hours(float(lasts[k]), say),
+                hours(float(lasts[k]), say, within[k]),
             )
             for k, f in enumerate(v.shown)
         ),
@@ -226,7 +227,7 @@ def _damage(v: Judged, say: Language) -> Table:
                 say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else "",
                 small(e.per_turn),
                 small(e.per_hour),
-                hours(e.hours, say),
+                hours(e.hours, say, e.hours_within),
             )
             for e in worn(v)
         ),
