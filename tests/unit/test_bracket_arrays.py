@@ -1,6 +1,7 @@
 """The bracket's arithmetic, which needs no finite element engine."""
 
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
+from cardan.study.bracket_judge import _pulls_off
 
 stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
 U = {
@@ -220,3 +222,16 @@ def test_of_two_ways_to_be_held_the_worse_is_followed():
     # Four per cent above the sliding one, or far below the worst: what slides tells enough.
     near = {(0, 1): np.array([104.0, 52.0]), (0, 2): np.array([80.0, 60.0])}
     assert not _firm_matters(sliding, near | {(0, 3): np.array([60.0, 40.0])}, np.ones(5))
+
+
+def test_what_pulls_straight_off_the_frame_is_known_by_its_largest_force():
+    """The ring's outside is up: a pull down takes it off, one 40 degrees aside does not."""
+    nodes = SimpleNamespace(
+        points=np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        faces=np.array([[0, 1, 2], [0, 1, 3]]), face_names=np.array(["bolt 1", "bolt 1 wall"]),
+    )  # fmt: skip
+    down, aside = np.array([0, 0, -2e3]), 2e3 * np.array([np.sin(0.7), 0, -np.cos(0.7)])
+    assert _pulls_off(nodes, np.stack([down, aside / 2]))
+    assert not _pulls_off(nodes, np.stack([down / 2, aside]))
+    assert not _pulls_off(nodes, -down[None])
+    assert not _pulls_off(nodes, 0 * down[None])

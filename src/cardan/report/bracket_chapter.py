@@ -23,6 +23,7 @@ from cardan.report.bracket import (
     hours_within,
     lives,
     picture,
+    pulled_off,
     remarks,
     response,
     span,
@@ -387,6 +388,7 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "The flange is held in two ways that have the truth between them, sliding under its bolts "
         "and clamped as one with the frame; of each feature the worse is told."
     )
+    yield from dict.fromkeys(told for v in of.variants for told in pulled_off(v, say))
     if found := strengths(of.bracket):
         yield say(
             "Zones bear: {list}, amplitude at the knee.",

@@ -17,9 +17,10 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
-from cardan.bracket.elastic import IntArray, Progress
+from cardan.bracket.elastic import IntArray, Nodes, Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
+from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
 from cardan.bracket.stress import extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
@@ -35,6 +36,8 @@ _FEW = 24
 """Moments of a history by which the places are told where a feature may be worst."""
 _LONG, _TURN = 2000, 0.01
 """Moments beyond which a history is thinned, and the share of its range that turns must have."""
+_STRAIGHT = np.cos(np.radians(30))
+"""Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 
@@ -144,6 +147,9 @@ class Outcome:
         Largest movement of the seat under the bearing.
     life : Endured
         Damage and life; None without an S-N curve, or of a load by itself.
+    pulls_off : bool
+        Whether its largest force pulls the flange straight off the frame: softer, where bolts
+        give, than either way it is held (`tests/verify/test_bracket_contact.py`).
     """
 
     case: Case
@@ -160,6 +166,7 @@ class Outcome:
     bolts: FloatArray
     motion: Metre
     life: Endured | None = None
+    pulls_off: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -563,7 +570,20 @@ def _outcome(
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
         life=life,
+        pulls_off=_pulls_off(solved.nodes, case.loads[:, :3]),
     )
+
+
+def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
+    """Return whether the largest of forces (t, 3) N pulls all washers' rings off their frame."""
+    rings = np.char.startswith(nodes.face_names, "bolt ") & ~np.char.endswith(
+        nodes.face_names, WALL
+    )
+    a, b, c = (nodes.points[nodes.faces[rings, k]] for k in range(3))
+    out = np.cross(b - a, c - a).sum(axis=0)
+    largest = forces[np.linalg.norm(forces, axis=1).argmax()]
+    size = np.linalg.norm(out) * np.linalg.norm(largest)
+    return bool(size > 0 and -out @ largest > _STRAIGHT * size)
 
 
 def _gauge_damage(case: Case, way: _Way, modulus: float, strength: Strength) -> FloatArray:
