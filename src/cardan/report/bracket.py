@@ -237,7 +237,8 @@ def hours(value: float, say: Language, within: Iterable[float] = (np.nan, np.nan
     low, high = within
     if np.isnan(low) or low > LONG:
         return told
-    return f"{told} ({_small(low, say)} … {hours(high, say)})"
+    ends = say.pointed(f"{low:.3g}"), "∞" if high > LONG else say.pointed(f"{high:.3g}")
+    return f"{told}\N{NO-BREAK SPACE}({ends[0]}…{ends[1]})"
 
 
 def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
