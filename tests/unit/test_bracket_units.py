@@ -355,9 +355,9 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
     for seat in (outside, outside[1:]):
         with pytest.raises(DesignError, match=r"seat: .* outside of a round of 56 mm radius"):
             solid(replace(named, seat=seat))
-    with pytest.raises(DesignError, match="seat picked of .* no round, and a bore of 50 mm"):
+    with pytest.raises(DesignError, match=r"seat picked of .* no round, and a bore of 50 mm"):
         solid(replace(named, seat=(Pick(near=(0, 50 * mm, 60 * mm)),)))
-    with pytest.raises(DesignError, match="walls of 60 mm are not those .* 5.39 mm; is its unit"):
+    with pytest.raises(DesignError, match=r"walls of 60 mm are not those .* 5\.39 mm; is its unit"):
         solid(replace(named, thickness=60 * mm))
     (tmp_path / "bad.step").write_text("no STEP at all")
     with pytest.raises(DesignError, match="is not a STEP file"):

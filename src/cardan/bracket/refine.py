@@ -511,8 +511,8 @@ def _worst_places(
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
     if first:
         # That elements agree is no proof, at a face least of all: tops are looked at twice.
-        tops = among.any(axis=1) & (level >= _TOP * feature).any(axis=1)
-        finer = np.where(tops, np.minimum(finer, _HALF * here), finer)
+        top = among.any(axis=1) & (level >= _TOP * feature).any(axis=1)
+        finer = np.where(top, np.minimum(finer, _HALF * here), finer)
     # Where structural stress is read, elements are to be no larger than the distance between;
     # from a toe half of it, by the thickness of its own plate, along all of it that may be worst.
     own = len(zones.own)

@@ -347,24 +347,29 @@ def _from_step(part: StepShape) -> Solid:
 
 
 def _chosen(body: Any, part: StepShape) -> Any:
-    """Return the solid that is meant: the only one, or the one of its name."""
+    """Return the solid that is meant: the only one, or the one of its name, or of its place."""
     solids = list(body.solids)
     told = ", ".join(
-        f"{one.name or f'(no name, the {k}.)'} of {one.mass / 1000:.4g} cm3"
+        f"{one.name or f'{k} (no name)'} of {one.mass / 1000:.4g} cm3"
         for k, one in enumerate(solids, 1)
     )
     if not solids:
         msg = f"{part.path} has no solid, surfaces at most: export the bracket as a solid"
         raise DesignError(msg, about="bracket.step.file")
     if part.solid:
-        named = [one for one in solids if one.name == part.solid]
+        named = [one for one in solids if one.name == part.solid] or [
+            one for k, one in enumerate(solids, 1) if not one.name and f"{k}" == part.solid
+        ]
         if len(named) != 1:
             how = "no solid" if not named else f"{len(named)} solids"
             msg = f"{how} of {part.path} called {part.solid!r}: it has {told}"
             raise DesignError(msg, about="bracket.step.solid")
         return named[0]
     if len(solids) > 1:
-        msg = f"{part.path} has {len(solids)} solids, {told}: say which by `solid`"
+        msg = (
+            f"{part.path} has {len(solids)} solids, {told}: say which by `solid`, its name or, if "
+            "it has none, its number"
+        )
         raise DesignError(msg, about="bracket.step")
     return solids[0]
 
