@@ -414,6 +414,11 @@ def test_several_solids_are_told_apart_by_name_or_refused_with_what_was_found(tm
     assert solid(replace(part, solid="bracket")).volume == pytest.approx(solid(L).volume, rel=1e-6)
     with pytest.raises(DesignError, match=r"no solid of .* called 'arm': it has bracket"):
         solid(replace(part, solid="arm"))
+    body.solids[0].name = ""
+    occ.Compound([pin, body]).WriteStep(str(path))
+    with pytest.raises(DesignError, match=r"2 \(no name\) of .* or, if it has none, its number"):
+        solid(part)
+    assert solid(replace(part, solid="2")).volume == pytest.approx(solid(L).volume, rel=1e-6)
 
 
 def test_a_loose_body_is_refused():
