@@ -62,7 +62,7 @@ def terminal(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> I
     )
     yield from folded((pasted(v, say) for v in of.variants), width)
     for v in of.variants:
-        yield from folded([*_crossings(v, say), *response(v, say), *remarks(v, say)], width)
+        yield from folded([*crossed(v, say), *response(v, say), *remarks(v, say)], width)
     for v in of.variants:
         yield from _features(v, say, width)
         yield from _stresses(v, say, width)
@@ -124,18 +124,21 @@ def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]
     yield say("first frequency by itself, Hz"), alone
 
 
-def _crossings(v: Judged, say: Language) -> Iterator[str]:
+def crossed(v: Judged, say: Language) -> Iterator[str]:
+    """Yield for each order where it meets natural frequencies."""
     met = [c for c in v.crossings if c.in_range]
     if not met:
         yield say(
             "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.",
             name=say(v.name),
         )
-    for c in met:
+    for order in dict.fromkeys(c.order for c in met):
+        mine = [c for c in met if c.order == order]
         yield say(
-            "{name}: order {order} meets frequency {mode}, {frequency} Hz, at {speed} rpm.",
-            name=say(v.name), order=c.order, mode=c.mode,
-            frequency=say.number(c.frequency), speed=say.number(c.speed / rpm),
+            "{name}: order {order} meets {frequencies} Hz at {speeds} rpm.",
+            name=say(v.name), order=order,
+            frequencies=say.list(*(say.number(c.frequency) for c in mine)),
+            speeds=say.list(*(say.number(c.speed / rpm) for c in mine)),
         )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from cardan.report.bracket import (
     MICRO,
     SHOWN,
     better,
+    crossed,
     curve,
     highest,
     hours,
@@ -70,7 +71,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
         yield Text(paragraphs=(better(*of.variants[:2], say),))
     yield Text(
         paragraphs=(
-            *_crossings(of, say),
+            *(told for v in of.variants for told in crossed(v, say)),
             *(r for v in of.variants for r in (*response(v, say), *remarks(v, say))),
         )
     )
@@ -124,23 +125,6 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
         rows=tuple((name, *(say.number(x) if x > 1e-4 or x == 0 else say.pointed(f"{x:.2e}")
                             for x in values)) for name, values in rows),
     )  # fmt: skip
-
-
-def _crossings(of: BracketAnswer, say: Language) -> Iterator[str]:
-    """Yield where orders meet natural frequencies."""
-    for v in of.variants:
-        met = [c for c in v.crossings if c.in_range]
-        if not met:
-            yield say(
-                "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.",
-                name=say(v.name),
-            )
-        for c in met:
-            yield say(
-                "{name}: order {order} meets frequency {mode}, {frequency} Hz, at {speed} rpm.",
-                name=say(v.name), order=c.order, mode=c.mode,
-                frequency=say.number(c.frequency), speed=say.number(c.speed / rpm),
-            )  # fmt: skip
 
 
 def _features(v: Judged, say: Language) -> Table:
