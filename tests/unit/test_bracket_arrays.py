@@ -1,6 +1,7 @@
 """The bracket's arithmetic, which needs no finite element engine."""
 
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,10 +14,11 @@ from cardan.base.units import mm
 from cardan.bracket import stress
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import recover
-from cardan.bracket.refine import _share_of_worst
+from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
+from cardan.study.bracket_judge import _pulls_off
 
 stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
 U = {
@@ -200,3 +202,36 @@ def test_the_highest_plain_stress_is_among_the_worst_whatever_fatigue_says():
     np.testing.assert_allclose(plain, high / 600)
     heavy = _share_of_worst(high, np.array([90.0, 1.0, 1.0]))
     assert heavy[2] == pytest.approx([550 / 600, 450 / 4500])
+
+
+def test_of_two_ways_to_be_held_the_worse_is_followed():
+    """Under the second load the clamped flange makes bend 2 the worst of all; bend 3 it has alone.
+
+    What is told of a feature is of the way whose top is higher, load by load.
+    """
+    sliding = {(0, 1): np.array([100.0, 50.0]), (0, 2): np.array([80.0, 60.0])}
+    clamped = {(0, 1): np.array([90.0, 50.0]), (0, 2): np.array([82.0, 90.0])}
+    alone = clamped | {(0, 3): np.array([10.0, 70.0])}
+    found = _worse([sliding, alone], [sliding, alone])
+    assert [*found] == [(0, 1), (0, 2), (0, 3)]
+    np.testing.assert_array_equal(np.stack([*found.values()]), [[100, 50], [82, 90], [10, 70]])
+    off = _worse([sliding, clamped], [{f: 0 * t for f, t in sliding.items()}, clamped])
+    np.testing.assert_array_equal(off[0, 2], [82, 90])
+    np.testing.assert_array_equal(off[0, 1], [0, 0])
+    assert _firm_matters(sliding, found, np.ones(5))
+    # Four per cent above the sliding one, or far below the worst: what slides tells enough.
+    near = {(0, 1): np.array([104.0, 52.0]), (0, 2): np.array([80.0, 60.0])}
+    assert not _firm_matters(sliding, near | {(0, 3): np.array([60.0, 40.0])}, np.ones(5))
+
+
+def test_what_pulls_straight_off_the_frame_is_known_by_its_largest_force():
+    """The ring's outside is up: a pull down takes it off, one 40 degrees aside does not."""
+    nodes = SimpleNamespace(
+        points=np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        faces=np.array([[0, 1, 2], [0, 1, 3]]), face_names=np.array(["bolt 1", "bolt 1 wall"]),
+    )  # fmt: skip
+    down, aside = np.array([0, 0, -2e3]), 2e3 * np.array([np.sin(0.7), 0, -np.cos(0.7)])
+    assert _pulls_off(nodes, np.stack([down, aside / 2]))
+    assert not _pulls_off(nodes, np.stack([down / 2, aside]))
+    assert not _pulls_off(nodes, -down[None])
+    assert not _pulls_off(nodes, 0 * down[None])

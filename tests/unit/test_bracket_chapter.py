@@ -67,6 +67,14 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     told = expected > 1e-3 * expected.max()
     assert np.all(damage[told] > 0.8 * expected[told])
     assert np.all(damage[told] < 1.8 * expected[told])
+    # Off by a stress's error, a damage is off by that to the power of the curve's slope.
+    error = np.array([f.error for f in v.features])[sheet][told]
+    least, most = (second.life.span[sheet][told] / damage[told, None]).T
+    assert np.all((1 + error) ** 4.9 < most)
+    assert np.all(most < (1 + error) ** 9.1)
+    assert np.all(least < (1 - error) ** 4.9)
+    assert np.all((1 - error) ** 9.1 < least)
+    assert second.life.hours_within[0] < second.life.hours < second.life.hours_within[1]
     # Of two ways of holding the worse: by stress for what is shown, by swing for its use.
     assert np.all(second.used[sheet] >= swing[sheet] * (1 - 1e-9))
     assert second.used[sheet] == pytest.approx(swing[sheet], rel=0.1)

@@ -13,7 +13,7 @@ from cardan import files
 from cardan.base.errors import BadFile, DesignError
 from cardan.base.part import Occasion
 from cardan.base.source import MINER
-from cardan.base.units import MPa, rpm
+from cardan.base.units import MPa, hour, rpm
 from cardan.base.verdict import Limit
 from cardan.bracket.gauges import recover
 from cardan.fatigue.strength import SNCurve
@@ -25,6 +25,7 @@ from cardan.study.approval import assess
 from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
 from cardan.study.bracket_judge import Case, Feature
 from cardan.study.bracket_life import (
+    ALONE,
     Endured,
     Strength,
     endured,
@@ -287,7 +288,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )  # fmt: skip
     spent = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9, 3e-9]), gauges=np.zeros(0),
-        turns=30.0, duration=1.0,
+        turns=30.0, duration=1.0, span=np.array([[5e-10, 2e-9], [1e-9, 4e-9], [2e-9, 5e-9]]),
     )  # fmt: skip
     judged: Any = SimpleNamespace(
         outcomes=(outcome,), duty=(spent,), features=features, carried=np.array([50.0]),
@@ -312,8 +313,25 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
         "sheet 3": ("duty cycle, gvw", pytest.approx(1 / 3e-9)),
         "weld toe 2": ("duty cycle, gvw", pytest.approx(1 / 2e-9)),
     }
+    assert {str(c.part): c.within for c in lives} == {
+        "sheet 3": pytest.approx((1 / 5e-9, 1 / 2e-9)),
+        "weld toe 2": pytest.approx((1 / 4e-9, 1 / 1e-9)),
+    }
+    assert stress.within is None
     # Rigidly carried: 50 Hz over twice 100 rad/s.
     assert (far.state, far.value) == ("highest speed", pytest.approx(50 / (2 * 100 / (2 * np.pi))))
     soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))
     *_, own = checks_of(soft, judged, limits)
     assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
+
+
+def test_a_life_says_between_what_it_lies():
+    """A tenth more stress at slope 5 is 1.1^5 times the damage; what fails first may change."""
+    spent = Endured(
+        when=ALONE, spots=np.array([2.0, 1.0]), gauges=np.zeros(0), turns=np.nan, duration=hour,
+        span=np.array([[2 * 0.9**5, 2 * 1.1**5], [0.5**5, 1.5**5]]),
+    )  # fmt: skip
+    assert spent.hours == 0.5
+    assert spent.hours_within == pytest.approx((1 / 1.5**5, 0.5 / 0.9**5))
+    assert spent.at([0]).hours_within == pytest.approx((0.5 / 1.1**5, 0.5 / 0.9**5))
+    assert all(map(np.isnan, replace(spent, span=None).hours_within))

@@ -355,6 +355,10 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
     for seat in (outside, outside[1:]):
         with pytest.raises(DesignError, match=r"seat: .* outside of a round of 56 mm radius"):
             solid(replace(named, seat=seat))
+    with pytest.raises(DesignError, match=r"seat picked of .* no round, and a bore of 50 mm"):
+        solid(replace(named, seat=(Pick(near=(0, 50 * mm, 60 * mm)),)))
+    with pytest.raises(DesignError, match=r"walls of 60 mm are not those .* 5\.39 mm; is its unit"):
+        solid(replace(named, thickness=60 * mm))
     (tmp_path / "bad.step").write_text("no STEP at all")
     with pytest.raises(DesignError, match="is not a STEP file"):
         solid(replace(named, path=str(tmp_path / "bad.step")))
@@ -410,6 +414,11 @@ def test_several_solids_are_told_apart_by_name_or_refused_with_what_was_found(tm
     assert solid(replace(part, solid="bracket")).volume == pytest.approx(solid(L).volume, rel=1e-6)
     with pytest.raises(DesignError, match=r"no solid of .* called 'arm': it has bracket"):
         solid(replace(part, solid="arm"))
+    body.solids[0].name = ""
+    occ.Compound([pin, body]).WriteStep(str(path))
+    with pytest.raises(DesignError, match=r"2 \(no name\) of .* or, if it has none, its number"):
+        solid(part)
+    assert solid(replace(part, solid="2")).volume == pytest.approx(solid(L).volume, rel=1e-6)
 
 
 def test_a_loose_body_is_refused():

@@ -143,6 +143,8 @@ class Check:
     """Where in its state it is worst, if that was sought over the state's operating points."""
     mode: Mode | None = None
     """What makes it so large there: the mode that an order of the line's turning meets."""
+    within: tuple[float, float] | None = None
+    """Between what the value lies by the error of what it is computed from, where one is known."""
 
     @property
     def state(self) -> str:

@@ -595,7 +595,7 @@ class Elastic:
         """Natural frequencies (count,) Hz and mode shapes (count, unknowns), from the same factor.
 
         Lanczos on the inverse of the stiffness. Shapes have unit modal mass. Frequencies are
-        right to the square of the 1e-6 that shapes are.
+        right to the square of the 1e-5 that shapes are.
         """
         from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -631,7 +631,7 @@ class Elastic:
         inv = LinearOperator(shape, matvec=inverse, dtype=float)
         start = np.random.default_rng(1).standard_normal(n + more)
         squares, vectors = eigsh(
-            M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count // 2 + 5, tol=1e-6
+            M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count // 2 + 5, tol=1e-5
         )
         order = np.argsort(squares)
         shapes = np.zeros((count, self.unknowns))

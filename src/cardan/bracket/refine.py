@@ -7,7 +7,7 @@ the worst and its elements disagree, the next mesh is finer.
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -45,6 +45,8 @@ _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
 """Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+_HIGHER = 1.05
+"""Times a sliding flange's top, above which a feature is followed as the clamped one makes it."""
 _HALF, _TOP = 0.55, 0.95
 """How much finer a top is looked at a second time; what counts as the top of a feature."""
 _GOALS = 8
@@ -65,6 +67,9 @@ class Problem:
         Of the CAD kernel, in metres.
     held, held_edges
         Names of faces and edges, with the axes they may not move along.
+    firm
+        The faces of a second way to be held, whose maxima are followed where they are the worse
+        ones; none where there is no such way.
     clamps
         Those of the held faces whose border a real clamp has, and no plane of symmetry.
     loads
@@ -80,6 +85,7 @@ class Problem:
     size: Metre
     thickness: Metre
     clamps: tuple[str, ...] = ()
+    firm: Mapping[str, str] = field(default_factory=dict[str, str])
     held_edges: Mapping[str, str] = field(default_factory=dict[str, str])
     degree: int = 2
     grading: float = 0.5
@@ -105,7 +111,8 @@ class Solution:
     unit: FloatArray
 
 
-Tops: TypeAlias = dict[tuple[int, int], FloatArray]
+Feature: TypeAlias = tuple[int, int]
+Tops: TypeAlias = dict[Feature, FloatArray]
 """Highest von Mises stress (loads,) Pa of each feature."""
 
 
@@ -115,10 +122,14 @@ class Refined:
 
     Attributes
     ----------
+    last, firm
+        On the last mesh; held the second way where the problem has one.
+    features
+        Those of either way to be held (kind, number).
     error : (features,) 1
         Share of each feature's highest stress that its error may be.
     tops
-        Highest von Mises stress (loads,) Pa of each feature, on each mesh.
+        Highest von Mises stress (loads,) Pa of each feature, on each mesh, of both ways the worse.
     watched : (w, c, 6) Pa
         Stress at the points that were watched.
     watched_error : (w,) 1
@@ -126,6 +137,8 @@ class Refined:
     """
 
     last: Solution
+    firm: Solution | None
+    features: tuple[Feature, ...]
     error: FloatArray
     tops: tuple[Tops, ...]
     watched: FloatArray
@@ -142,9 +155,11 @@ def solution(problem: Problem, made: Any, *, tell: Progress = silent) -> Solutio
 
 
 def held_anew(problem: Problem, before: Solution, *, tell: Progress = silent) -> Solution:
-    """Solve a problem on the mesh of another that differs in how it is held, and no more."""
-    body = before.elastic.held_otherwise(problem.held, tell=tell)
-    return _under(problem, body, before.loads, tell=tell)
+    """Solve a problem held its second way on the mesh of its first."""
+    tell("the flange clamped")
+    firm = replace(problem, held=problem.firm, clamps=tuple(problem.firm))
+    body = before.elastic.held_otherwise(firm.held, tell=tell)
+    return _under(firm, body, before.loads, tell=tell)
 
 
 def _under(problem: Problem, body: Elastic, loads: FloatArray, *, tell: Progress) -> Solution:
@@ -194,50 +209,56 @@ def refined(
     watched: list[FloatArray] = []
     combos: FloatArray = np.zeros((0, 0))
     weight = np.asarray(weights, dtype=float)
-    found: Solution | None = None
-    off: FloatArray = np.zeros((0, 0))
-    off_seen: FloatArray = off
+    both, follow = bool(problem.firm), True
+    ways: list[Solution] = []
+    off: Tops = {}
+    off_seen: FloatArray = np.zeros((0, 0))
     for level in range(levels):
         tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
         made = mesh(
             problem.shape, size=problem.size, degree=problem.degree, finer=wanted,
             grading=problem.grading,
         )  # fmt: skip
-        if found is not None and found.elastic.unknowns * made.ne > most * found.elastic.mesh.ne:
+        if ways and ways[0].elastic.unknowns * made.ne > most * ways[0].elastic.mesh.ne:
             break
-        found = None  # its factors go before the next are made
-        found = solution(problem, made, tell=tell)
+        ways = []  # their factors go before the next are made
+        ways.append(found := solution(problem, made, tell=tell))
         if level == 0:
             combos = telling(found.unit, cases)
             if seen:
                 seen(found)
-        nodes = found.elastic.nodes
-        level_of = von_mises(superpose(found.unit, combos))
-        moved_by, smooth = combos @ found.displacements, superpose(found.at_nodes[1], combos)
-        scatter = found.elastic.scatter(moved_by, smooth)
-        at_places = _at_places(found, scatter)
-        highest, where = _tops(found.zones, level_of)
-        tops.append(dict(zip(found.zones.features, highest, strict=True)))
-        off = _told_by_elements(found, scatter, where)
+        if both and follow:
+            ways.append(held_anew(problem, found, tell=tell))
+        fields = [_Field.of(way, combos) for way in ways]
+        of_ways = [f.tops for f in fields]
+        tops.append(_worse(of_ways, of_ways))
+        if both and level == 0:
+            follow = _firm_matters(fields[0].tops, tops[-1], weight)
+        nodes, smooth, scatter = found.elastic.nodes, fields[0].smooth, fields[0].scatter
         drawn = nearest(nodes, points)
         watched.append(drawn.of(nodes, von_mises(smooth)))
         # Of the face round it: at a corner that one element has to itself nobody disagrees.
         rough = scatter[nodes.faces[drawn.faces]].max(axis=1)
         tell("errors from afar")
-        goals = [*_goals(found, highest, where, weight), *_watched(nodes, drawn, watched[-1])]
-        afar = from_afar(found.elastic, moved_by, smooth, [(g.node, g.load) for g in goals])
-        off_seen = rough / 2
-        for g, taken in zip(goals, afar.sum(axis=1), strict=True):
-            into = off if g.feature >= 0 else off_seen
-            at = g.feature if g.feature >= 0 else g.watched
-            into[at, g.load] = max(into[at, g.load], taken)
-        more = [
-            *_worst_places(
-                found, level_of, at_places, weight, problem.thickness, first=level < _TWICE
-            ),
-            *_round(found, drawn.points, watched[-1], rough, moved=_moved(watched, level)),
-            *_taking(found, goals, afar),
-        ]
+        goals = [_goals(k, fields, tops[-1], weight) for k in range(len(ways))]
+        goals[0] += _watched(nodes, drawn, watched[-1])
+        offs, off_seen = [f.told_by_elements() for f in fields], rough / 2
+        more = []
+        for field_, asked, into in zip(fields, goals, offs, strict=True):
+            afar = field_.from_afar(asked)
+            for g, taken in zip(asked, afar.sum(axis=1).tolist(), strict=True):
+                if g.feature is None:
+                    off_seen[g.watched, g.load] = max(off_seen[g.watched, g.load], taken)
+                else:
+                    into[g.feature][g.load] = max(into[g.feature][g.load], taken)
+            more += [
+                *_worst_places(
+                    field_, tops[-1], weight, problem.thickness, first=level < _TWICE
+                ),
+                *_taking(field_.found, asked, afar),
+            ]  # fmt: skip
+        more += _round(found, drawn.points, watched[-1], rough, moved=_moved(watched, level))
+        off = _worse(of_ways, offs)
         if not more or (
             level >= _TWICE
             and _settled(tops, weight)
@@ -245,13 +266,16 @@ def refined(
         ):
             break
         wanted += map(_rounded, more)
-    assert found is not None
-    drawn = nearest(found.elastic.nodes, points)
+    drawn = nearest(ways[0].elastic.nodes, points)
+    if both and len(ways) == 1:
+        ways.append(held_anew(problem, ways[0], tell=tell))
     return Refined(
-        last=found,
-        error=_of_features(found, tops, off, weight),
+        last=ways[0],
+        firm=ways[1] if both else None,
+        features=tuple(off),
+        error=_of_features(tops, off, weight),
         tops=tuple(tops),
-        watched=drawn.of(found.elastic.nodes, found.at_nodes[1]),
+        watched=drawn.of(ways[0].elastic.nodes, ways[0].at_nodes[1]),
         watched_error=_share(np.maximum(_drift(watched), off_seen), watched),
     )
 
@@ -295,51 +319,123 @@ def telling(unit: FloatArray, cases: Sequence[ArrayLike], *, count: int = _LOADS
     return np.stack([loads[k] / high[k] for k in kept]) * max(high)
 
 
-def _weight_of(features: Sequence[tuple[int, int]], weight: FloatArray) -> FloatArray:
-    """Return how much stress weighs (f,) in each feature."""
-    return weight[[kind for kind, _ in features]]
+@dataclass(frozen=True)
+class _Field:
+    """What the loads that tell most do to a solid held one way, on one mesh.
+
+    Attributes
+    ----------
+    moved_by : (k, unknowns)
+    smooth, scatter : (n, k, 6) Pa, (n, k) Pa
+        Stress at the nodes, and what the elements that meet there disagree by.
+    level : (places, k) Pa
+        Von Mises stress where fatigue is asked.
+    tops, where
+        The highest of each feature, and at which place.
+    """
+
+    found: Solution
+    moved_by: FloatArray
+    smooth: FloatArray
+    scatter: FloatArray
+    level: FloatArray
+    tops: Tops
+    where: dict[Feature, IntArray]
+
+    @classmethod
+    def of(cls, found: Solution, combos: FloatArray) -> "_Field":
+        """Return the field of a solution under loads (k, c)."""
+        moved_by, smooth = combos @ found.displacements, superpose(found.at_nodes[1], combos)
+        level = von_mises(superpose(found.unit, combos))
+        features, highest, where = found.zones.features, *_tops(found.zones, level)
+        return cls(
+            found, moved_by, smooth, found.elastic.scatter(moved_by, smooth), level,
+            dict(zip(features, highest, strict=True)), dict(zip(features, where, strict=True)),
+        )  # fmt: skip
+
+    def told_by_elements(self) -> Tops:
+        """Return half of what elements disagree by (k,) Pa at tops, carried on to toes."""
+        zones, nodes = self.found.zones, self.found.elastic.nodes
+        own = self.scatter[zones.own], zones.lines.doubt(nodes, self.scatter)
+        doubt = np.concatenate(own) / 2
+        return {f: np.take_along_axis(doubt, at[None], 0)[0] for f, at in self.where.items()}
+
+    def from_afar(self, goals: "Sequence[_Goal]") -> FloatArray:
+        """Return what each element may have put goals off by, (goals, elements) Pa."""
+        asked = [(g.node, g.load) for g in goals]
+        return from_afar(self.found.elastic, self.moved_by, self.smooth, asked)
 
 
-def _share_of_worst(high: FloatArray, weight: FloatArray) -> FloatArray:
+def _worse(tops: Sequence[Tops], values: Sequence[Tops]) -> Tops:
+    """Return values (k,) of each feature, held the way its top (k,) is the higher one."""
+    found: Tops = {}
+    for f in dict.fromkeys(f for of_way in tops for f in of_way):
+        has = [k for k, of_way in enumerate(tops) if f in of_way]
+        high = np.stack([tops[k][f] for k in has])
+        each = np.stack([values[k][f] for k in has])
+        found[f] = np.take_along_axis(each, high.argmax(axis=0)[None], 0)[0]
+    return found
+
+
+def _firm_matters(sliding: Tops, worse: Tops, weight: FloatArray) -> bool:
+    """Whether a top that is among the worst is higher than it is with the flange sliding."""
+    counts = _shares(worse, weight) >= _AMONG
+    less = np.stack([sliding.get(f, 0.0 * top) for f, top in worse.items()])
+    return bool((counts & (np.stack([*worse.values()]) > _HIGHER * less)).any())
+
+
+def _shares(tops: Tops, weight: FloatArray, of: Tops | None = None) -> FloatArray:
+    """Return how near tops (f, k) Pa come to the worst of all, those of both ways to be held."""
+    high, every = (np.stack([*t.values()]) for t in (tops, of or tops))
+    kinds, all_kinds = ([kind for kind, _ in t] for t in (tops, of or tops))
+    used = every * weight[all_kinds][:, None]
+    return _share_of_worst(high, weight[kinds], (every.max(axis=0), used.max(axis=0)))
+
+
+def _share_of_worst(
+    high: FloatArray, weight: FloatArray, worst: tuple[FloatArray, FloatArray] | None = None
+) -> FloatArray:
     """Return how near tops (f, k) Pa come to the worst of all under each load, (f, k) 1.
 
-    By what they weigh; and where the plain stress is nearly the highest, by that.
+    By what they weigh (f,); and where the plain stress is nearly the highest, by that.
     """
-    plain, used = (v / np.maximum(v.max(axis=0), 1e-300) for v in (high, high * weight[:, None]))
+    used = high * weight[:, None]
+    most, most_used = worst or (high.max(axis=0), used.max(axis=0))
+    plain, used = high / np.maximum(most, 1e-300), used / np.maximum(most_used, 1e-300)
     return np.where(plain >= _PLAIN, np.maximum(plain, used), used)
 
 
 class _Goal(NamedTuple):
     """A stress whose error from afar is asked: of a feature or a watched point, at a node."""
 
-    feature: int
+    feature: Feature | None
     watched: int
     node: int
     load: int
     level: float
 
 
-def _goals(
-    found: Solution, highest: FloatArray, where: IntArray, weight: FloatArray
-) -> list[_Goal]:
-    """Return the tops of the worst features, each under the load that is worst for it."""
-    zones, nodes = found.zones, found.elastic.nodes
-    share = _share_of_worst(highest, _weight_of(zones.features, weight))
-    load = share.argmax(axis=1)
-    best = share.max(axis=1)
+def _goals(way: int, fields: Sequence[_Field], worst: Tops, weight: FloatArray) -> list[_Goal]:
+    """Return the tops of the worst features that a way to be held makes, each under its load."""
+    mine = fields[way]
+    zones, nodes = mine.found.zones, mine.found.elastic.nodes
+    share = _shares(worst, weight)
     near = zones.lines.near
     goals: list[_Goal] = []
-    for f in np.argsort(-best, kind="stable")[:_GOALS].tolist():
-        if best[f] < _AMONG:
+    for row in np.argsort(-share.max(axis=1), kind="stable")[:_GOALS].tolist():
+        k = int(share[row].argmax())
+        f = (*worst,)[row]
+        if share[row, k] < _AMONG:
             break
-        k = int(load[f])
-        line = int(where[f, k]) - len(zones.own)
+        if f not in mine.tops or mine.tops[f][k] < worst[f][k]:
+            continue  # the other way to be held makes it
+        line = int(mine.where[f][k]) - len(zones.own)
         node = (
             zones.own[line]
             if line < 0
             else nodes.faces[near.faces[line], near.weights[line].argmax()]
         )
-        goals.append(_Goal(f, -1, int(node), k, float(highest[f, k])))
+        goals.append(_Goal(f, -1, int(node), k, float(worst[f][k])))
     return goals
 
 
@@ -348,7 +444,8 @@ def _watched(nodes: Nodes, drawn: OnSurface, level: FloatArray) -> list[_Goal]:
     load = level.argmax(axis=1) if len(level) else np.zeros(0, dtype=np.int64)
     node = nodes.faces[drawn.faces, drawn.weights.argmax(axis=1)]
     return [
-        _Goal(-1, w, int(node[w]), int(k), float(level[w, k])) for w, k in enumerate(load.tolist())
+        _Goal(None, w, int(node[w]), int(k), float(level[w, k]))
+        for w, k in enumerate(load.tolist())
     ]
 
 
@@ -375,13 +472,6 @@ def _at_places(found: Solution, values: FloatArray) -> FloatArray:
     return np.concatenate([values[found.zones.own], read])
 
 
-def _told_by_elements(found: Solution, scatter: FloatArray, where: IntArray) -> FloatArray:
-    """Return half of what elements disagree by (features, k) Pa at tops, carried on to toes."""
-    zones, nodes = found.zones, found.elastic.nodes
-    doubt = np.concatenate([scatter[zones.own], zones.lines.doubt(nodes, scatter)])
-    return np.take_along_axis(doubt, where, axis=0) / 2
-
-
 def _tops(zones: Zones, level: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the highest value of each feature (features, k), and its place."""
     places = np.stack([
@@ -403,20 +493,17 @@ def _edge(nodes: Nodes) -> FloatArray:
 
 
 def _worst_places(
-    found: Solution,
-    level: FloatArray,
-    off: FloatArray,
-    weight: FloatArray,
-    thickness: Metre,
-    *,
-    first: bool,
+    mine: _Field, tops: Tops, weight: FloatArray, thickness: Metre, *, first: bool
 ) -> Iterator[tuple[FloatArray, Metre]]:
     """Yield where the next mesh is to be finer, with the edge wanted there."""
-    zones, nodes = found.zones, found.elastic.nodes
-    highest, _ = _tops(zones, level)
-    share = _share_of_worst(highest, _weight_of(zones.features, weight))
+    zones, nodes, level = mine.found.zones, mine.found.elastic.nodes, mine.level
+    highest = np.stack([*mine.tops.values()])
+    # What the other way to be held makes higher by far is looked at there.
+    makes = _HIGHER * highest >= np.stack([tops[f] for f in mine.tops])
+    share = np.where(makes, _shares(mine.tops, weight, tops), 0.0)
     worst, feature = (share >= _AMONG)[zones.feature], highest[zones.feature]
     among = worst & (level >= _HIGH * feature)
+    off = _at_places(mine.found, mine.scatter)
     rough = np.where(among, off / np.maximum(level, 1e-300), 0.0).max(axis=1)
     edge = _edge(nodes)
     near = zones.lines.near
@@ -424,8 +511,8 @@ def _worst_places(
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
     if first:
         # That elements agree is no proof, at a face least of all: tops are looked at twice.
-        tops = among.any(axis=1) & (level >= _TOP * feature).any(axis=1)
-        finer = np.where(tops, np.minimum(finer, _HALF * here), finer)
+        top = among.any(axis=1) & (level >= _TOP * feature).any(axis=1)
+        finer = np.where(top, np.minimum(finer, _HALF * here), finer)
     # Where structural stress is read, elements are to be no larger than the distance between;
     # from a toe half of it, by the thickness of its own plate, along all of it that may be worst.
     own = len(zones.own)
@@ -472,25 +559,22 @@ def _settled(tops: list[Tops], weight: FloatArray) -> bool:
     last, before = tops[-1], tops[-2]
     high = np.stack([*last.values()])
     step = np.abs(high - np.stack([before.get(key, 0.0 * top) for key, top in last.items()]))
-    counts = _share_of_worst(high, _weight_of(tuple(last), weight)) >= _AMONG
+    counts = _shares(last, weight) >= _AMONG
     return not (step > _STILL * high)[counts].any()
 
 
-def _of_features(
-    found: Solution, tops: Sequence[Tops], off: FloatArray, weight: FloatArray
-) -> FloatArray:
+def _of_features(tops: Sequence[Tops], off: Tops, weight: FloatArray) -> FloatArray:
     """Return the share (f,) of a feature's top that its error may be.
 
     Only the worst are followed until they settle. Of others one mesh after the other is alike,
     and says little.
     """
-    features = found.zones.features
-    none = np.zeros(off.shape[1])
-    highs = [np.stack([t.get(f, none) for f in features]) for t in tops]
+    last = tops[-1]
+    highs = [np.stack([t.get(f, 0.0 * top) for f, top in last.items()]) for t in tops]
     # They add up: maxima rise as elements shrink, so what was gained and what is still to come
     # lie on one side.
-    error, high = _share(_drift(highs) + off, highs), highs[-1]
-    settled = (_share_of_worst(high, _weight_of(features, weight)) >= _AMONG).any(axis=1)
+    error, high = _share(_drift(highs) + np.stack([*off.values()]), highs), highs[-1]
+    settled = (_shares(last, weight) >= _AMONG).any(axis=1)
     anywhere = _ANYWHERE * high.max() / np.maximum(high.max(axis=1), 1e-300)
     return np.maximum(np.where(settled, error, np.maximum(error, UNSETTLED)), anywhere)
 

@@ -28,6 +28,8 @@ WALL = " wall"
 WASHER = 2.0
 """Diameter of the ring a bolt bears on, over its hole's."""
 
+_AS_THICK = 4.0
+"""Times the mean thickness of a solid, and share of it, that its walls may have."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
 
 
@@ -287,6 +289,7 @@ def _from_step(part: StepShape) -> Solid:
         raise DesignError(msg, about="bracket.step") from error
     body = _chosen(body, part)
     faces = list(body.faces)
+    _as_thick(body, faces, part)
     wanted = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
     taken: dict[int, str] = {}
     found: list[Picked] = []
@@ -331,6 +334,8 @@ def _from_step(part: StepShape) -> Solid:
         if rings and rings[-1][0] == name:
             round_ |= walls.keys()
     _centred(*seat, part)
+    if seat[1] is None:
+        _no_bore(body, {k: face for k, face in enumerate(faces) if k not in taken}, part)
     for k, face in enumerate(faces):
         face.name = taken.get(k, FREE) + (WALL if k in round_ else "")
     if imprints:
@@ -342,24 +347,29 @@ def _from_step(part: StepShape) -> Solid:
 
 
 def _chosen(body: Any, part: StepShape) -> Any:
-    """Return the solid that is meant: the only one, or the one of its name."""
+    """Return the solid that is meant: the only one, or the one of its name, or of its place."""
     solids = list(body.solids)
     told = ", ".join(
-        f"{one.name or f'(no name, the {k}.)'} of {one.mass / 1000:.4g} cm3"
+        f"{one.name or f'{k} (no name)'} of {one.mass / 1000:.4g} cm3"
         for k, one in enumerate(solids, 1)
     )
     if not solids:
         msg = f"{part.path} has no solid, surfaces at most: export the bracket as a solid"
         raise DesignError(msg, about="bracket.step.file")
     if part.solid:
-        named = [one for one in solids if one.name == part.solid]
+        named = [one for one in solids if one.name == part.solid] or [
+            one for k, one in enumerate(solids, 1) if not one.name and f"{k}" == part.solid
+        ]
         if len(named) != 1:
             how = "no solid" if not named else f"{len(named)} solids"
             msg = f"{how} of {part.path} called {part.solid!r}: it has {told}"
             raise DesignError(msg, about="bracket.step.solid")
         return named[0]
     if len(solids) > 1:
-        msg = f"{part.path} has {len(solids)} solids, {told}: say which by `solid`"
+        msg = (
+            f"{part.path} has {len(solids)} solids, {told}: say which by `solid`, its name or, if "
+            "it has none, its number"
+        )
         raise DesignError(msg, about="bracket.step")
     return solids[0]
 
@@ -510,6 +520,36 @@ def _centred(faces: list[Any], bore: _Cylinder | None, part: StepShape) -> None:
             f"seat, which reaches from {where} mm along x, y, z"
         )
         raise DesignError(msg, about="bracket.step.centre")
+
+
+def _no_bore(body: Any, left: dict[int, Any], part: StepShape) -> None:
+    """Refuse a seat without a bore where faces not picked (k: face) are one about the centre."""
+    centre = np.array(part.centre) / mm
+    for face in left.values():
+        bore = _cylinder(face)
+        if bore is None or _outside(body, face, bore):
+            continue
+        off = centre - bore.point
+        across = float(np.linalg.norm(off - (off @ bore.axis) * bore.axis))
+        if across <= max(0.5, 0.02 * bore.radius):
+            msg = (
+                f"the seat picked of {part.path} has no round, and a bore of {bore.radius:.4g} mm "
+                "radius about the bearing's centre is not picked: is that the seat?"
+            )
+            raise DesignError(msg, about="bracket.step.seat")
+
+
+def _as_thick(body: Any, faces: list[Any], part: StepShape) -> None:
+    """Refuse a thickness that is not the solid's: another unit's, or a slip. It sets the mesh."""
+    told, mean = part.thickness / mm, 2 * body.mass / sum(face.mass for face in faces)
+    if not 1 / _AS_THICK < told / mean < _AS_THICK:
+        low, high = body.bounding_box
+        size = " x ".join(f"{getattr(high, a) - getattr(low, a):.4g}" for a in "xyz")
+        msg = (
+            f"walls of {told:g} mm are not those of {part.path}: it measures {size} mm, and its "
+            f"volume over half its surface is {mean:.3g} mm; is its unit another?"
+        )
+        raise DesignError(msg, about="bracket.step.thickness")
 
 
 def _ring(body: Any, bore: _Cylinder, part: StepShape) -> Any:

@@ -19,7 +19,7 @@ from cardan.bracket.apart import Crashed, apart
 from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, held_anew, refined
+from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, refined
 from cardan.bracket.shape import Picked, Solid, solid
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -30,6 +30,8 @@ from cardan.model.seat import LOSS, Seat
 MODES = 6
 OWN = 3
 """Modes by which a bracket swings beyond statics: orders of the shaft reach none of them."""
+_COARSEST = 5
+"""Times its thickness, elements of a sheet that an estimate believes."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -95,7 +97,8 @@ class Held:
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
     too_high : (k,) 1
-        Share by which the natural frequencies by itself may be above those of finer elements.
+        Share by which the natural frequencies by itself may be above those of finer elements; of
+        the clamped flange nobody asks it.
     influence : (gauges, 9)
         Strain of each gauge.
     swing : Swing
@@ -247,14 +250,16 @@ def solve(task: Task, tell: Progress) -> Solved:
     body = solid(task.shape)
     size = task.element or 1.5 * body.thickness
     area = float(sum(face.mass for face in body.shape.faces))
-    expected = affordable(volume=body.volume, area=area, size=size, degree=task.order)
+    # Washers and bends ask for elements by the sheet's thickness, whatever the file says.
+    told = min(size, _COARSEST * body.thickness)
+    expected = affordable(volume=body.volume, area=area, size=told, degree=task.order)
     tell(f"expecting {expected}")
     for face in body.shape.faces:
         if face.name in body.bolts:  # at a washer's border stress is read close by
             face.maxh = min(size, 0.5 * body.thickness)
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
-        clamps=tuple(body.held("sliding")), loads=unit_loads, size=size,
+        clamps=tuple(body.held("sliding")), firm=body.held("clamped"), loads=unit_loads, size=size,
         thickness=body.thickness, degree=task.order,
     )  # fmt: skip
     first: list[FloatArray] = []
@@ -270,10 +275,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     )  # fmt: skip
     tell("natural frequencies")
     sliding = _held("sliding", body, done.last, task, size)
-    firm = body.held("clamped")
-    tell("the flange clamped")
-    stiff = held_anew(replace(problem, held=firm, clamps=tuple(firm)), done.last, tell=tell)
-    clamped = _held("clamped", body, stiff, task, size)
+    assert done.firm is not None
+    clamped = _held("clamped", body, done.firm, task, size)
     read, before = sliding.influence[:, :3], first[0][:, :3]
     return Solved(
         nodes=done.last.elastic.nodes,
@@ -316,7 +319,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
-        too_high=too_high(found.elastic, alone, shapes),
+        too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
         influence=read[:, : len(UNITS)],
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip
@@ -345,10 +348,7 @@ def _swing(
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
-    """Return the error of each feature.
-
-    What the clamped flange alone has was not followed.
-    """
+    """Return the error of each feature; what was followed under neither way is not known."""
     shares: list[float] = done.error.tolist()
-    known: dict[tuple[int, int], float] = dict(zip(done.last.zones.features, shares, strict=True))
+    known: dict[tuple[int, int], float] = dict(zip(done.features, shares, strict=True))
     return dict.fromkeys(clamped.zones.features, UNSETTLED) | known

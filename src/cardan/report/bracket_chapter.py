@@ -16,12 +16,15 @@ from cardan.report.bracket import (
     MICRO,
     SHOWN,
     better,
+    crossed,
     curve,
     highest,
     hours,
     hours_of,
+    hours_within,
     lives,
     picture,
+    pulled_off,
     remarks,
     response,
     span,
@@ -68,7 +71,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
         yield Text(paragraphs=(better(*of.variants[:2], say),))
     yield Text(
         paragraphs=(
-            *_crossings(of, say),
+            *(told for v in of.variants for told in crossed(v, say)),
             *(r for v in of.variants for r in (*response(v, say), *remarks(v, say))),
         )
     )
@@ -124,27 +127,10 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
     )  # fmt: skip
 
 
-def _crossings(of: BracketAnswer, say: Language) -> Iterator[str]:
-    """Yield where orders meet natural frequencies."""
-    for v in of.variants:
-        met = [c for c in v.crossings if c.in_range]
-        if not met:
-            yield say(
-                "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.",
-                name=say(v.name),
-            )
-        for c in met:
-            yield say(
-                "{name}: order {order} meets frequency {mode}, {frequency} Hz, at {speed} rpm.",
-                name=say(v.name), order=c.order, mode=c.mode,
-                frequency=say.number(c.frequency), speed=say.number(c.speed / rpm),
-            )  # fmt: skip
-
-
 def _features(v: Judged, say: Language) -> Table:
     """Return where a crack may start: place, stress, use of the fatigue limit, life."""
     stress, cases = highest(v)
-    share, lasts = used(v), hours_of(v)
+    share, lasts, within = used(v), hours_of(v), hours_within(v)
     return Table(
         caption=say("Where a crack may start: {name}", name=say(v.name)),
         head=(
@@ -158,7 +144,7 @@ def _features(v: Judged, say: Language) -> Table:
                 say.pointed("  ".join(f"{x / mm:.0f}" for x in f.point)),
                 say.pointed(f"{stress[k] / MPa:.1f} ± {f.error * stress[k] / MPa:.1f}"),
                 "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %",
-                hours(float(lasts[k]), say),
+                hours(float(lasts[k]), say, within[k]),
             )
             for k, f in enumerate(v.shown)
         ),
@@ -226,7 +212,7 @@ def _damage(v: Judged, say: Language) -> Table:
                 say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else "",
                 small(e.per_turn),
                 small(e.per_hour),
-                hours(e.hours, say),
+                hours(e.hours, say, e.hours_within),
             )
             for e in worn(v)
         ),
@@ -386,6 +372,7 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "The flange is held in two ways that have the truth between them, sliding under its bolts "
         "and clamped as one with the frame; of each feature the worse is told."
     )
+    yield from dict.fromkeys(told for v in of.variants for told in pulled_off(v, say))
     if found := strengths(of.bracket):
         yield say(
             "Zones bear: {list}, amplitude at the knee.",

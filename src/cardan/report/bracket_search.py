@@ -38,7 +38,8 @@ def terminal(
     rows = [
         (
             "*" if t is found.best else "", said(t.sizes, say),
-            say.part(t.judged.features[0].part), say.number(t.mass), hours(t.life, say),
+            say.part(t.judged.features[0].part), say.number(t.mass),
+            hours(t.life, say, t.judged.life_within),
             say("refined") if t.refined else say("first"),
         )
         for t in sorted(found.tried, key=lambda t: (t.mass, t.refined))
@@ -50,7 +51,8 @@ def terminal(
     else:
         chosen = say(
             "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=said(found.best.sizes, say),
-            mass=say.number(found.best.mass), hours=hours(found.best.life, say),
+            mass=say.number(found.best.mass),
+            hours=hours(found.best.life, say, found.best.judged.life_within),
         )  # fmt: skip
         yield from folded([chosen], width)
 
@@ -84,6 +86,7 @@ def _tried(t: Tried) -> dict[str, Any]:
         "sizes": {f"{name}_mm": v / mm for name, v in t.sizes.items()},
         "mass_kg": t.mass,
         "life_hours": t.life if np.isfinite(t.life) else None,
+        "life_hours_within": [x if np.isfinite(x) else None for x in t.judged.life_within],
         "refined": t.refined,
         "worst": {"zone": worst.zone, "number": worst.number},
     }

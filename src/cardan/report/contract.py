@@ -89,7 +89,13 @@ def check(of: Check) -> dict[str, Any]:
         "how_read": of.how_read or None,
         **({"point": operating_point(of.point)} if of.point else {}),
         **({"mode": _met(of.mode)} if of.mode else {}),
+        **({"value_within": _within(of.within, quantity.factor)} if of.within else {}),
     }
+
+
+def _within(ends: tuple[float, float], factor: float) -> list[float | None]:
+    """Return between what a value may lie; None for no end."""
+    return [end / factor if isfinite(end) else None for end in ends]
 
 
 def _met(mode: Mode) -> dict[str, Any]:

@@ -67,6 +67,13 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
             "order {order} meets {mode} at {frequency} Hz", order=c.mode.order,
             mode=say(c.mode.shape), frequency=say.short(c.mode.frequency / (2 * pi), 3),
         ))  # fmt: skip
+    if isinstance(c, Check) and c.within:
+        quantity = QUANTITIES[c.quantity]
+        low, high = (say.short(end / quantity.factor, 4) for end in c.within)
+        told.append(say(
+            "between {low} and {high} {unit} by the error of its stress",
+            low=low, high=high, unit=quantity.unit_name,
+        ))  # fmt: skip
     where = say.list(*told) if c.part == LINE else say.list(*told, say.part(c.part))
     return f"{c.line}: {where}" if several else where
 

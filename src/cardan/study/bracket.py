@@ -8,6 +8,7 @@ Loads of a state on rigid bearings, and those by hand, it bears quasi-statically
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -150,23 +151,31 @@ class Bench:
 def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> Iterator[Check]:
     """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
     for limit in limits:
-        for when, point, part, value in _values(of, variant, limit.quantity):
+        for v in _values(of, variant, limit.quantity):
             yield Check(
-                quantity=limit.quantity, line=of.bracket.line, when=when, part=part,
-                value=value, limit=limit, point=point,
+                quantity=limit.quantity, line=of.bracket.line, when=v.when, part=v.part,
+                value=v.value, limit=limit, point=v.point, within=v.within,
             )  # fmt: skip
 
 
-def _values(
-    of: BracketAnswer, variant: Judged, quantity: str
-) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
+class _Value(NamedTuple):
+    """Where something is worst, how much it is there, SI, and between what by its error."""
+
+    when: Occasion
+    part: Part
+    value: float
+    point: Point | None = None
+    within: tuple[float, float] | None = None
+
+
+def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Value]:
     """Yield under which loads, at which point and where what a limit asks about is worst, SI."""
     strength = of.bracket.material.yield_strength
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
             used = float(o.hot[worst]) / strength
-            yield o.case.when, o.case.point, variant.features[worst].part, used
+            yield _Value(o.case.when, variant.features[worst].part, used, o.case.point)
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
@@ -174,23 +183,27 @@ def _values(
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
                 worst = max(mine, key=lambda k: float(endured.spots[k]))
-                life = replace(endured, spots=endured.spots[[worst]]).hours
-                yield endured.when, None, variant.features[worst].part, life * hour
+                low, high = (h * hour for h in endured.at(mine).hours_within)
+                yield _Value(
+                    endured.when, variant.features[worst].part, endured.at([worst]).hours * hour,
+                    within=None if np.isnan(low) else (low, high),
+                )  # fmt: skip
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         own = variant.carried if of.bracket.rubber is None else variant.frequencies
         reached = SHAKEN * of.top_speed / (2 * np.pi)
-        yield Occasion("speed", TOP), None, Part("mode", 1, SHAKEN), float(own[0]) / reached
+        yield _Value(Occasion("speed", TOP), Part("mode", 1, SHAKEN), float(own[0]) / reached)
 
 
-def _fatigue(variant: Judged) -> Iterator[tuple[Occasion, Point | None, Part, float]]:
+def _fatigue(variant: Judged) -> Iterator[_Value]:
     """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
     lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
     for zone in dict.fromkeys(f.zone for f in variant.features) if lasting else ():
         mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
-        yield worst.case.when, worst.case.point, variant.features[at].part, float(worst.used[at])
+        part, used = variant.features[at].part, float(worst.used[at])
+        yield _Value(worst.case.when, part, used, worst.case.point)
 
 
 def _unanswered(

@@ -17,9 +17,10 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
-from cardan.bracket.elastic import IntArray, Progress
+from cardan.bracket.elastic import IntArray, Nodes, Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
+from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
 from cardan.bracket.stress import extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
@@ -35,6 +36,8 @@ _FEW = 24
 """Moments of a history by which the places are told where a feature may be worst."""
 _LONG, _TURN = 2000, 0.01
 """Moments beyond which a history is thinned, and the share of its range that turns must have."""
+_STRAIGHT = np.cos(np.radians(30))
+"""Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 
@@ -144,6 +147,9 @@ class Outcome:
         Largest movement of the seat under the bearing.
     life : Endured
         Damage and life; None without an S-N curve, or of a load by itself.
+    pulls_off : bool
+        Whether its largest force pulls the flange straight off the frame: softer, where bolts
+        give, than either way it is held (`tests/verify/test_bracket_contact.py`).
     """
 
     case: Case
@@ -160,6 +166,7 @@ class Outcome:
     bolts: FloatArray
     motion: Metre
     life: Endured | None = None
+    pulls_off: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,6 +250,12 @@ class Judged:
     def life(self) -> float:
         """Hours to failure at the worst feature over the duty cycle; nan without one."""
         return min((e.hours for e in self.duty), default=np.nan)
+
+    @property
+    def life_within(self) -> tuple[float, float]:
+        """Between what hours that life lies, each stress off by its error; nan without one."""
+        low, high = np.min([e.hours_within for e in self.duty] or [(np.nan, np.nan)], axis=0)
+        return float(low), float(high)
 
 
 # --------------------------------------------------------------------------- one way of holding
@@ -360,18 +373,39 @@ def _swing(way: _Way, at: IntArray, loads: FloatArray, places: int) -> tuple[Flo
 
 
 def _damage(
-    way: _Way, at: IntArray, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
+    way: _Way,
+    at: IntArray,
+    passes: Sequence[Pass],
+    strength: Mapping[Zone, Strength],
+    times: FloatArray | float = 1.0,
 ) -> FloatArray:
-    """Return the damage (m,) of passes at places, each by the curve of its zone."""
+    """Return the damage (m,) of passes at places, each by the curve of its zone.
+
+    Of so many `times` (m,) the stress that is told.
+    """
+    scale = np.broadcast_to(times, len(at))[:, None, None]
     zones = way.held.zones
     done = np.zeros(len(at))
     for kind in np.unique(zones.kind[at]).tolist():
         mine = np.flatnonzero(zones.kind[at] == kind)
         done[mine], _ = plane_damage(
-            way.unit[at[mine]], zones.normals[at[mine]], passes,
+            way.unit[at[mine]] * scale[mine], zones.normals[at[mine]], passes,
             harm=strength[ZONES[kind]].harm,
         )  # fmt: skip
     return done
+
+
+def _span(
+    way: _Way,
+    at: IntArray,
+    passes: Sequence[Pass],
+    strength: Mapping[Zone, Strength],
+    error: FloatArray,
+) -> FloatArray:
+    """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
+    off = np.minimum(error, 1.0)
+    each = (_damage(way, at, passes, strength, 1 + sign * off) for sign in (-1, 1))
+    return np.stack([*each], axis=-1)
 
 
 # --------------------------------------------------------------------------- judge
@@ -432,7 +466,7 @@ def judge(
     outcomes = [_outcome(case, solved, ways, error, strength, modulus) for case in cases]
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
-    spent, damage, where = _duty(solved, ways, duty or {}, strength, modulus)
+    spent, damage, where = _duty(solved, ways, duty or {}, strength, modulus, error)
     order = _worst_first(known, outcomes, spent, _weights(strength))
     spots = _spots(ways, cases, order, where)
     features = tuple(
@@ -450,7 +484,7 @@ def judge(
         forced=None if swept is None else _forced(swept, spots[: _listed(features)]),
         crossings=tuple(crossings(solved.sliding.carried, top_speed)),
         outcomes=tuple(_sorted(o, order) for o in outcomes),
-        duty=tuple(replace(e, spots=e.spots[order]) for e in spent),
+        duty=tuple(e.at(order) for e in spent),
         damage=damage,
     )
 
@@ -477,6 +511,7 @@ def _outcome(
         loads_of(case.loads)  # which says what is wrong
     hot, mean, amplitude = np.zeros((3, count))
     used, spent = np.full((2, count), np.nan)
+    span = np.full((count, 2), np.nan)
     best: list[tuple[Found, Found, Found]] = []
     for way in ways:
         loads = way.loads(case)
@@ -501,7 +536,11 @@ def _outcome(
                 float(strength[ZONES[k]].used(x, y)) for k, x, y in zip(kinds, a, m, strict=True)
             ])  # fmt: skip
             passes = [Pass(np.stack(np.split(loads, case.places)))]
-            done = _damage(way, flat, passes, strength).reshape(places.shape).max(axis=1)
+            every = _damage(way, flat, passes, strength).reshape(places.shape)
+            worn = places[np.arange(count), every.argmax(axis=1)]
+            within = _span(way, worn, passes, strength, error) * way.has[:, None]
+            span = np.fmax(span, within)
+            done = every.max(axis=1)
             used = np.fmax(used, share * way.has)
             spent = np.fmax(spent, done * way.has)
     sliding = ways[0]
@@ -514,7 +553,7 @@ def _outcome(
         gauges = _gauge_damage(case, sliding, modulus, strength["sheet"])
         life = Endured(
             when=case.when, spots=spent, gauges=gauges,
-            turns=case.turns, duration=case.duration,
+            turns=case.turns, duration=case.duration, span=span,
         )  # fmt: skip
     return Outcome(
         case=case,
@@ -531,7 +570,20 @@ def _outcome(
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
         life=life,
+        pulls_off=_pulls_off(solved.nodes, case.loads[:, :3]),
     )
+
+
+def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
+    """Return whether the largest of forces (t, 3) N pulls all washers' rings off their frame."""
+    rings = np.char.startswith(nodes.face_names, "bolt ") & ~np.char.endswith(
+        nodes.face_names, WALL
+    )
+    a, b, c = (nodes.points[nodes.faces[rings, k]] for k in range(3))
+    out = np.cross(b - a, c - a).sum(axis=0)
+    largest = forces[np.linalg.norm(forces, axis=1).argmax()]
+    size = np.linalg.norm(out) * np.linalg.norm(largest)
+    return bool(size > 0 and -out @ largest > _STRAIGHT * size)
 
 
 def _gauge_damage(case: Case, way: _Way, modulus: float, strength: Strength) -> FloatArray:
@@ -548,6 +600,7 @@ def _duty(
     duty: Mapping[Occasion, Sequence[tuple[float, Case]]],
     strength: Mapping[Zone, Strength],
     modulus: float,
+    error: FloatArray,
 ) -> tuple[list[Endured], FloatArray, list[IntArray]]:
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
@@ -561,11 +614,15 @@ def _duty(
     for when, parts in duty.items():
         if not _passes(ways[0], parts):
             continue
-        worst = np.zeros(ways[0].count)
+        worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
         for way in ways:
             at = np.unique(np.concatenate([way.places(way.loads(c)).ravel() for _, c in parts]))
-            done = _damage(way, at, _passes(way, parts), strength)
+            passes = _passes(way, parts)
+            done = _damage(way, at, passes, strength)
+            top = at[_highest_of(way, done, at)]
             np.maximum.at(worst, way.feature[at], done)
+            within = _span(way, top, passes, strength, error)
+            span = np.maximum(span, within * way.has[:, None])
         gauges = [
             (share, Endured(
                 when=when, spots=np.zeros(0), turns=case.turns, duration=case.duration,
@@ -573,22 +630,30 @@ def _duty(
             ))
             for share, case in parts
         ]  # fmt: skip
-        spent.append(replace(mixed(when, gauges), spots=worst))
+        spent.append(replace(mixed(when, gauges), spots=worst, span=span))
     if not spent:
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
     damage, where = np.zeros(len(solved.nodes.surface)), []
-    spots = spent[state].spots.copy()
+    spots, span = spent[state].spots.copy(), np.zeros((ways[0].count, 2))
     for way in ways:
         passes = _passes(way, duty[spent[state].when])
         every = _damage(way, np.arange(len(way.feature)), passes, strength)
-        order = np.lexsort((every, way.feature))
-        last = np.searchsorted(way.feature[order], np.arange(way.count), side="right") - 1
-        where.append(order[np.maximum(last, 0)])
+        where.append(top := _highest_of(way, every))
+        within = _span(way, top, passes, strength, error)
+        span = np.maximum(span, within * way.has[:, None])
         np.maximum.at(spots, way.feature, every)
         damage = np.maximum(damage, every[way.held.zones.told_by])
-    spent[state] = replace(spent[state], spots=spots)
+    spent[state] = replace(spent[state], spots=spots, span=span)
     return spent, damage * hour, where
+
+
+def _highest_of(way: _Way, values: FloatArray, at: IntArray | None = None) -> IntArray:
+    """Return at which of places `at`, all of them by default, each feature's value is highest."""
+    feature = way.feature if at is None else way.feature[at]
+    order = np.lexsort((values, feature))
+    last = np.searchsorted(feature[order], np.arange(way.count), side="right") - 1
+    return order[np.maximum(last, 0)]
 
 
 def _passes(way: _Way, parts: Sequence[tuple[float, Case]]) -> list[Pass]:
@@ -663,7 +728,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
         amplitude=o.amplitude[order], used=o.used[order],
-        life=replace(o.life, spots=o.life.spots[order]) if o.life else None,
+        life=o.life.at(order) if o.life else None,
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ and the S-N curve make damage by Miner. A history is taken to repeat for ever.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 
 import numpy as np
@@ -173,6 +173,9 @@ class Endured:
         Turns of the shaft in a pass; nan where not known.
     duration : s
         Of a pass; nan where not known.
+    span : (k, 2)
+        Damage at each hot spot where stress is lower and higher than told, by its error; nan where
+        nobody estimated that.
     """
 
     when: Occasion
@@ -180,6 +183,13 @@ class Endured:
     gauges: FloatArray
     turns: float
     duration: float
+    span: FloatArray | None = None
+
+    def at(self, places: ArrayLike) -> "Endured":
+        """Return the same of some of its hot spots (places,), in their order."""
+        picked = np.asarray(places)
+        span = None if self.span is None else self.span[picked]
+        return replace(self, spots=self.spots[picked], span=span)
 
     @property
     def worst(self) -> float:
@@ -200,6 +210,17 @@ class Endured:
     def hours(self) -> float:
         """Hours to failure there; infinite where it does no harm, nan where not known."""
         return _until(self.per_hour)
+
+    @property
+    def hours_within(self) -> tuple[float, float]:
+        """Least and most hours to failure, each stress off by its error; nan where not known.
+
+        What fails first may be another spot than the one that fares worst.
+        """
+        if self.span is None:
+            return math.nan, math.nan
+        low, high = (float(x) / self.duration * hour for x in self.span.max(axis=0))
+        return _until(high), _until(low)
 
     @property
     def turns_to_failure(self) -> float:
