@@ -156,6 +156,54 @@ def test_what_readers_refuse_is_translated(code):
     assert len(missing) <= 0.1 * len(said), missing
 
 
+RECORDED = (
+    "files/recording_*.py", "files/recordings.py", "files/campaign.py", "study/campaign.py",
+    "study/identification.py", "study/recording.py", "cli/life.py", "fatigue/angle.py",
+    "fatigue/conditioning.py", "fatigue/recording.py",
+)  # fmt: skip
+REFUSED = ("bad", "refuse", "BadFile", "BadParameter", "CardanError", "DesignError", "Problem")
+
+
+def recordings_refused():
+    """Sentences in which readers of recordings and campaigns refuse, made before or in the call."""
+    for module in (path for glob in RECORDED for path in (ROOT / "src/cardan").glob(glob)):
+        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Assign(targets=[ast.Name("msg" | "hint")], value=value):
+                    yield from written(value)
+                case ast.Call(func=func, args=args, keywords=more):
+                    if ast.unparse(func).rpartition(".")[2] in REFUSED:
+                        known = [k.value for k in more if k.arg in ("message", "hint")]
+                        for value in (*args, *known):
+                            yield from written(value)
+                case _:
+                    pass
+
+
+def written(value):
+    """Sentences of an expression, those it chooses among or puts together too."""
+    match value:
+        case ast.IfExp(body=one, orelse=other) | ast.BinOp(left=one, right=other):
+            yield from (*written(one), *written(other))
+        case _ if said := sentence(value):
+            yield said
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_all_that_readers_of_recordings_refuse_is_translated(code):
+    said = set(recordings_refused())
+    assert len(said) > 90
+    assert sorted(s for s in said if ("error", s) not in catalogue(code)) == []
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_a_sentence_of_a_reader_is_translated_whole(code):
+    """It was found by "{0} or {1}", and half of it stayed English: too short ou has holes."""
+    told = Language(code).error("run.csv: its time column is too short or has holes")
+    assert told.startswith("run.csv: ")
+    assert not {"too", "short", "holes"} & set(re.findall("[a-z]+", told))
+
+
 @pytest.mark.parametrize(
     ("code", "refused", "said"),
     [

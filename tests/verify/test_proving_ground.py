@@ -18,6 +18,7 @@ from cardan.fatigue.evidence import (
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
+from cardan.fatigue.response import CLEAR
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
 from cardan.study.recording import RecordingStudy
@@ -220,6 +221,16 @@ def test_a_stop_that_is_always_reached_has_no_blows_that_stand_out():
     for truth, (_, found) in zip(truths(of), heard(of), strict=True):
         assert truth > 0.9
         assert KNOCKING in found.doubts
+        assert found.finding == CANNOT_TELL
+
+
+def test_a_faint_line_that_only_the_shaft_shakes_acquits_nobody():
+    """A drive that had been told wrongly: on its stop, with no torque; 24 % at most, it said."""
+    of = drive(610_046)
+    assert "torque" not in of.names
+    for truth, (_, found) in zip(truths(of), heard(of), strict=True):
+        assert truth > 0.99
+        assert FOUND <= found.strength < CLEAR
         assert found.finding == CANNOT_TELL
 
 

@@ -503,6 +503,10 @@ def _locked(case: _Case, seed: int) -> Identified:
         span = span.down_to(span.low - 0.1).up_to(span.high + 0.1, FAINT)
         if middle > 0.3:  # an angle that slips loses some of what is theirs
             span = span.up_to(case.removed(case.close(x)) + 0.05)
+        # The shaft does all that is there, and little of it is held: what that knocks loose
+        # elsewhere, at a stop above all, nobody knows.
+        if coming(x, case.best, case.rate) > WHOLLY:
+            span = span.up_to(ACQUITTED + 0.05, PASSING)
     if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
         span = span.up_to(max(case.removed(case.close(x)), 0.05), SLIPPING)
     if case.losing.any():
