@@ -153,6 +153,21 @@ def test_a_joint_and_a_tube_are_swapped_by_name():
     assert 'joints: "2055"' in told["text"]
 
 
+def test_sizes_that_a_file_does_not_give_are_taken_from_the_catalogue():
+    """Joints or a tube left out had no choice on the page; those given in place have none."""
+    bare = re.sub(r"\n  joints:.*", "", TRUCK.read_text("utf-8"))
+    line = asked(bare)["lines"][0]
+    assert (line["joint_at"], line["joint_now"]) == (["driveline.joints"] * 4, [""] * 4)
+    told = asked(bare, edits={"driveline.joints": "2055"})
+    assert told["lines"][0]["joint_now"] == ["2055"] * 4
+    bare = re.sub(r"- tube: 120x4\n +", "- ", bare, count=1)
+    at = asked(bare)["lines"][0]["tube_at"]
+    assert at[0] == "driveline.shafts[1].tube"
+    assert asked(bare, edits={at[0]: "100x3"})["lines"][0]["tube_now"][0] == "100x3"
+    placed = TRUCK.read_text("utf-8").replace("tube: 120x4", "tube: {outer_mm: 120, wall_mm: 4}", 1)
+    assert "" in asked(placed)["lines"][0]["tube_at"]
+
+
 def test_what_is_wrong_with_a_file_is_an_answer(house):
     with page(house) as one:
         one.hello()

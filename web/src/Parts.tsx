@@ -55,7 +55,7 @@ function Choice({ at, now, label, of }: { at: string | undefined; now: string; l
   const known = of.some(([name]) => name === now);
   return (
     <select aria-label={label} value={now} data-part={at} onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}>
-      {!known && <option value={now}>{now}</option>}
+      {!known && <option value={now}>{now || "–"}</option>}
       {of.map(([name, said]) => (<option key={name} value={name}>{said}</option>))}
     </select>
   );
