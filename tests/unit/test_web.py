@@ -570,6 +570,40 @@ def test_a_draft_of_another_file_or_a_broken_one_is_none(tmp_path):
     assert desk.open(0)["draft"] is None
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_no_link_leads_out_of_the_folder(tmp_path):
+    """A folder of somebody else's listed, opened and saved what its links led to, anywhere."""
+    desk, other = tmp_path / "desk", tmp_path / "other"
+    (desk / "revisions").mkdir(parents=True)
+    other.mkdir()
+    (other / "theirs.yaml").write_text("title: theirs\n", "utf-8")
+    (desk / "mine.yaml").write_text(TEXT, "utf-8")
+    (desk / "again.yaml").symlink_to("mine.yaml")
+    (desk / "out.yaml").symlink_to(other / "theirs.yaml")
+    (desk / "revisions" / "mine.1.yaml").symlink_to(other / "theirs.yaml")
+    opened = Desk(desk, drafts=tmp_path / "drafts")
+    assert [p.name for p in opened.papers] == ["again.yaml", "mine.yaml"]
+    assert opened.revisions(1) == []
+    (desk / "revisions" / "mine.1.yaml").unlink()
+    (desk / "revisions").rmdir()
+    (desk / "revisions").symlink_to(other)
+    with pytest.raises(BadFile, match="leads out of the folder"):
+        opened.freeze(1, TEXT, by="A", note="")
+    assert [p.name for p in other.iterdir()] == ["theirs.yaml"]
+
+
+def test_half_a_letter_is_told_and_ends_nothing(house):
+    with page(house) as one:
+        one.hello()
+        first = one.ask(TEXT)
+        told = one.ask('title: "\ud800"')
+        assert "fault" not in told
+        assert told["problems"]
+        pid = house.lanes.quick.pid
+        assert one.ask(TEXT)["title"] == first["title"]
+        assert house.lanes.quick.pid == pid
+
+
 def test_what_cannot_be_opened_is_said(tmp_path):
     for name in ("no.yaml", "."):
         found = CliRunner().invoke(cli, ["serve", str(tmp_path / name / "x")])
