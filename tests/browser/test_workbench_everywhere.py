@@ -226,9 +226,7 @@ def test_a_campaign_is_opened_decided_and_asked(tmp_path):
         wait(driver, "return !document.querySelector('textarea').value.includes('mask')")
         assert text_of(driver) == text
         # Reported and frozen as an application is.
-        driver.execute_script(
-            "URL.createObjectURL = (b) => { window.took = b; return 'data:,'; };"
-        )
+        driver.execute_script("URL.createObjectURL = (b) => { window.took = b; return 'data:,'; };")
         press(driver, "[data-view=library]")
         press(driver, ".reports .asking button")
         wait(driver, "return window.took?.size")
