@@ -196,7 +196,7 @@ def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
     """Return what tells the page what a study does, and how far a pass is; none is read whole."""
 
     def reading(doing: str, _: int, __: int) -> None:
-        name, _, far = doing.partition(" ")
+        name, far = doing.split(maxsplit=1)
         said = say(_DOING.get(name, "looking for causes"))
         tell({"doing": said if far == "100%" else f"{said}: {far}"})
 
