@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import re
+import select
 import signal
 import socket
 import sys
@@ -681,6 +682,27 @@ def test_connections_that_ask_nothing_are_ended(tmp_path, monkeypatch):
         finally:
             for one in idle:
                 one.close()
+
+
+def test_ten_thousand_sockets_leave_a_page_its_answers(own):
+    """As many as a process may hold at a time: those past the bound are ended at once."""
+    house, _ = own
+    with page(house) as one:
+        one.hello()
+        held = []
+        for k in range(10_000):
+            held.append(socket.create_connection(("127.0.0.1", house.port), PATIENCE))
+            if len(held) > 300:
+                held.pop(0).close()
+            if k % 2500 == 0:
+                assert one.ask(TEXT)["title"]
+        assert one.ask(TEXT)["title"]
+        ended, end = [], time.monotonic() + server.SILENT / 2
+        while len(held) - len(ended) > server.CONNECTIONS and time.monotonic() < end:
+            ended = select.select(held, [], [], 0.05)[0]
+        assert len(held) - len(ended) <= server.CONNECTIONS
+        for other in held:
+            other.close()
 
 
 def test_more_pages_than_a_person_opens_are_not_let_in(tmp_path, monkeypatch):
