@@ -217,7 +217,24 @@ def test_a_campaign_is_opened_decided_and_asked(tmp_path):
         wait(driver, "return document.querySelector('.removed rect')")
         assert driver.execute_script("return document.querySelector('.more[open] table')")
         assert serious(driver) == []
-        press(driver, "[aria-label=undo]")
+        # Taken back by the same choice: no rule is left.
+        Select(driver.find_element("css selector", "[data-rule='S1=spike']")).select_by_value("")
         wait(driver, "return document.querySelector('.trace .open')")
+        assert "mask: []" in text_of(driver)
+        press(driver, "[aria-label=undo]")
+        press(driver, "[aria-label=undo]")
+        wait(driver, "return !document.querySelector('textarea').value.includes('mask')")
         assert text_of(driver) == text
+        # Reported and frozen as an application is.
+        driver.execute_script("URL.createObjectURL = (b) => { window.took = b; return 'data:,'; };")
+        press(driver, "[data-view=library]")
+        press(driver, ".reports .asking button")
+        wait(driver, "return window.took?.size")
+        assert driver.execute_script("return window.took.type") == "text/html"
+        wait(driver, "return document.querySelector('[data-field=by]')").send_keys("A. Silva")
+        press(driver, "[data-do=freeze]")
+        wait(driver, "return document.querySelector('#revisions').parentNode.parentNode"
+                     ".querySelector('li')")  # fmt: skip
+        assert (tmp_path / "revisions" / "twice.1.yaml").read_text("utf-8").endswith(text)
+        assert serious(driver) == []
         clean(driver)

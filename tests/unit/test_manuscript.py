@@ -83,6 +83,25 @@ def test_items_are_put_before_a_lists_others():
         Manuscript(text).with_({"d.c[+]": rows})
 
 
+def test_an_item_is_taken_out_of_a_list_and_all_else_stays():
+    text = 'a:\n  - x=1  # one\n  # before two\n  - "y=2"\n  - z\nb: [p, "q, r", s] # b\n'
+    script = Manuscript(text)
+    assert script.with_({"a[-]": "x=1"}) == text.replace("  - x=1  # one\n", "")
+    assert script.with_({"a[-]": "y=2"}) == text.replace('  - "y=2"\n', "")
+    assert script.with_({"b[-]": "p"}) == text.replace("[p, ", "[")
+    assert script.with_({"b[-]": "q, r"}) == text.replace('"q, r", ', "")
+    assert script.with_({"b[-]": "s", "a[-]": "z"}) == (
+        text.replace(", s]", "]").replace("  - z\n", "")
+    )
+    assert Manuscript("a:\n- x  # one\nb: [y]\n").with_({"a[-]": "x", "b[-]": "y"}) == (
+        "a:\n[]  # one\nb: []\n"
+    )
+    # What a name stands for, or is not there, is not guessed at.
+    for other in ("c: &n [x]\nd: *n\n", "c: [y]\n", "c: {x: 1}\n", "d: 1\n"):
+        with pytest.raises(BadFile, match="has no 'x' of its own"):
+            Manuscript(other).with_({"c[-]": "x"})
+
+
 def test_a_key_that_is_not_there_is_put_into_its_table():
     text = "a:\n  - x: 1\n    y: 2\n  - {x: 1}\n"
     script = Manuscript(text)

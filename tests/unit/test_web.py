@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import re
+import select
 import signal
 import socket
 import sys
@@ -151,6 +152,21 @@ def test_a_joint_and_a_tube_are_swapped_by_name():
     assert app.lines[0].line.shafts[2].tube.outer * 1e3 == pytest.approx(tubes["100x3"]["outer_mm"])
     assert told["text"].count("#") == text.count("#")
     assert 'joints: "2055"' in told["text"]
+
+
+def test_sizes_that_a_file_does_not_give_are_taken_from_the_catalogue():
+    """Joints or a tube left out had no choice on the page; those given in place have none."""
+    bare = re.sub(r"\n  joints:.*", "", TRUCK.read_text("utf-8"))
+    line = asked(bare)["lines"][0]
+    assert (line["joint_at"], line["joint_now"]) == (["driveline.joints"] * 4, [""] * 4)
+    told = asked(bare, edits={"driveline.joints": "2055"})
+    assert told["lines"][0]["joint_now"] == ["2055"] * 4
+    bare = re.sub(r"- tube: 120x4\n +", "- ", bare, count=1)
+    at = asked(bare)["lines"][0]["tube_at"]
+    assert at[0] == "driveline.shafts[1].tube"
+    assert asked(bare, edits={at[0]: "100x3"})["lines"][0]["tube_now"][0] == "100x3"
+    placed = TRUCK.read_text("utf-8").replace("tube: 120x4", "tube: {outer_mm: 120, wall_mm: 4}", 1)
+    assert "" in asked(placed)["lines"][0]["tube_at"]
 
 
 def test_what_is_wrong_with_a_file_is_an_answer(house):
@@ -564,6 +580,40 @@ def test_a_draft_of_another_file_or_a_broken_one_is_none(tmp_path):
     assert desk.open(0)["draft"] is None
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_no_link_leads_out_of_the_folder(tmp_path):
+    """A folder of somebody else's listed, opened and saved what its links led to, anywhere."""
+    desk, other = tmp_path / "desk", tmp_path / "other"
+    (desk / "revisions").mkdir(parents=True)
+    other.mkdir()
+    (other / "theirs.yaml").write_text("title: theirs\n", "utf-8")
+    (desk / "mine.yaml").write_text(TEXT, "utf-8")
+    (desk / "again.yaml").symlink_to("mine.yaml")
+    (desk / "out.yaml").symlink_to(other / "theirs.yaml")
+    (desk / "revisions" / "mine.1.yaml").symlink_to(other / "theirs.yaml")
+    opened = Desk(desk, drafts=tmp_path / "drafts")
+    assert [p.name for p in opened.papers] == ["again.yaml", "mine.yaml"]
+    assert opened.revisions(1) == []
+    (desk / "revisions" / "mine.1.yaml").unlink()
+    (desk / "revisions").rmdir()
+    (desk / "revisions").symlink_to(other)
+    with pytest.raises(BadFile, match="leads out of the folder"):
+        opened.freeze(1, TEXT, by="A", note="")
+    assert [p.name for p in other.iterdir()] == ["theirs.yaml"]
+
+
+def test_half_a_letter_is_told_and_ends_nothing(house):
+    with page(house) as one:
+        one.hello()
+        first = one.ask(TEXT)
+        told = one.ask('title: "\ud800"')
+        assert "fault" not in told
+        assert told["problems"]
+        pid = house.lanes.quick.pid
+        assert one.ask(TEXT)["title"] == first["title"]
+        assert house.lanes.quick.pid == pid
+
+
 def test_what_cannot_be_opened_is_said(tmp_path):
     for name in ("no.yaml", "."):
         found = CliRunner().invoke(cli, ["serve", str(tmp_path / name / "x")])
@@ -641,6 +691,27 @@ def test_connections_that_ask_nothing_are_ended(tmp_path, monkeypatch):
         finally:
             for one in idle:
                 one.close()
+
+
+def test_ten_thousand_sockets_leave_a_page_its_answers(own):
+    """As many as a process may hold at a time: those past the bound are ended at once."""
+    house, _ = own
+    with page(house) as one:
+        one.hello()
+        held = []
+        for k in range(10_000):
+            held.append(socket.create_connection(("127.0.0.1", house.port), PATIENCE))
+            if len(held) > 300:
+                held.pop(0).close()
+            if k % 2500 == 0:
+                assert one.ask(TEXT)["title"]
+        assert one.ask(TEXT)["title"]
+        ended, end = [], time.monotonic() + server.SILENT / 2
+        while len(held) - len(ended) > server.CONNECTIONS and time.monotonic() < end:
+            ended = select.select(held, [], [], 0.05)[0]
+        assert len(held) - len(ended) <= server.CONNECTIONS
+        for other in held:
+            other.close()
 
 
 def test_more_pages_than_a_person_opens_are_not_let_in(tmp_path, monkeypatch):

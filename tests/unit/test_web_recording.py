@@ -2,7 +2,7 @@
 
 import json
 import os
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from workbench import page, running
 
 from cardan.base.units import MPa
 from cardan.fatigue.synthetic import Gains, synthetic
+from cardan.report import life
 from cardan.study.campaign import Campaign
 from cardan.study.recording import listen, listen_to_all
 from cardan.web import parcel
@@ -310,6 +311,44 @@ def test_a_suspect_is_decided_in_the_file_of_a_campaign(run):
     more = of_campaign("live", text, run.parent, **{"recordings[1].mask[+]": "S2=spike@19..21"})
     assert more["campaign"]["drives"][0]["mask"] == ["S2=spike@19..21", "S2=spike@49.9..50.1"]
     assert "gauges: [S1, S2]  # both" in more["text"]
+    # Taken back, one by one: the list stays, if empty, and is no rule.
+    at = "recordings[1].mask[-]"
+    for rule in ("S2=spike@49.9..50.1", "S2=spike@19..21"):
+        more = of_campaign("live", more["text"], run.parent, **{at: rule})
+    assert more["campaign"]["drives"][0]["mask"] == []
+    assert "{mask: [], file: run.csv, times: 3}" in more["text"]
+    gone = of_campaign("live", more["text"], run.parent, **{at: "S2=spike"})
+    assert gone["problems"][0]["key"] == "recordings[1].mask"
+
+
+@pytest.mark.parametrize("kind", ["html", "json", "pdf"])
+def test_a_campaign_is_reported_as_its_command_does(run, kind):
+    text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]
+    path = run.with_name("c.yaml")
+    path.write_text(text, "utf-8")
+    parts = []
+    question = {"job": "report", "text": text, "name": "c.yaml", "folder": str(run.parent)}
+    asked = {"args": {"kind": kind, "lang": "it"}, "lang": "en"}
+    told = answer(question | asked, parts.append)
+    data = b64decode(told["data"])
+    assert told["name"] == f"c.it.{kind}"
+    if kind == "json":
+        theirs = json.loads(json.dumps(life.mix_document(listen_to_all(path))))
+        assert json.loads(data)["gauges"] == theirs["gauges"]
+    else:
+        assert data.startswith(b"%PDF" if kind == "pdf" else b"<!doctype html>")
+    # What is said meanwhile is what is done: nothing reads at 100 %.
+    doing = [p["doing"] for p in parts]
+    seen = [d.partition(":")[0] for d in doing]
+    assert list(dict.fromkeys(seen))[:3] == [
+        "lettura in corso", "conteggio dei cicli", "ricerca delle cause"
+    ]  # fmt: skip
+    assert not any("100" in d for d in doing)
+
+
+def test_a_campaign_has_no_workbook(run):
+    told = of_campaign("report", CAMPAIGNED, run.parent, kind="xlsx")
+    assert told["problems"][0]["message"] == "a campaign has no workbook: take html, pdf or json"
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ import { Guide } from "./Guide";
 import { Detail, Heat, worstPart } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
-import { Library, Reports } from "./Library";
+import { Library, Shelf } from "./Library";
 import { Limits } from "./Limits";
 import { marks } from "./marks";
 import { Parts } from "./Parts";
@@ -60,9 +60,8 @@ export function App() {
       <StillHead known={known} />
       <main id="main">
         <Notices known={known} />
-        {known.file === null && known.connection === "open" && <Library known={known} />}
+        {known.file === null && known.connection === "open" && <><Library known={known} /><Guide known={known} /></>}
         {known.connection === "refused" && <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>}
-        {known.file === null && known.connection === "open" && <Guide known={known} />}
         {shown && (
           <>
             {known.view !== "new" && <StillStrip known={known} />}
@@ -73,7 +72,7 @@ export function App() {
             {known.view === "bracket" && <Later load={() => import("./Bracket")} known={known} />}
             {known.view === "recording" && <Recording known={known} />}
             {known.view === "limits" && <Limits known={known} />}
-            {known.view === "library" && <><Reports known={known} /><Library known={known} /></>}
+            {known.view === "library" && <Shelf known={known} />}
             {known.view === "speed" && <Speed known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
@@ -94,7 +93,7 @@ export function App() {
           </>
         )}
         {known.campaign && <Tabs known={known} views={["line", "library", "new"]} />}
-        {known.campaign && (known.view === "library" ? <Library known={known} /> : known.view === "new" ? <Guide known={known} /> : <Campaign known={known} of={known.campaign} />)}
+        {known.campaign && (known.view === "library" ? <Shelf known={known} /> : known.view === "new" ? <Guide known={known} /> : <Campaign known={known} of={known.campaign} />)}
         {!shown && !known.campaign && known.file !== null && known.history && (
           <>
             {known.problems.length > 0 && <p class="card note fail">{t("The file cannot be read as it is: see what is wrong below.")}</p>}

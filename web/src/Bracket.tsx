@@ -20,7 +20,7 @@ export default function Bracket({ known }: { known: Known }) {
   return (
     <>
       <Card id="bracket" title={t("The bracket")} head={<><Asking job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
-        {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. The file gives its shape.")}</p>}
+        {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
         {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.unit} ({percent(c.margin)} %)</li>)}</ul>}
       </Card>
       {of && <Shape key={job?.id} of={of} />}

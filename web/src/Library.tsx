@@ -63,7 +63,10 @@ function Script({ known }: { known: Known }) {
   );
 }
 
-export function Reports({ known }: { known: Known }) {
+/** What of this file goes out, and the files beside it. */
+export const Shelf = ({ known }: { known: Known }) => <><Reports known={known} /><Library known={known} /></>;
+
+function Reports({ known }: { known: Known }) {
   const [lang, speak] = useState(known.lang);
   const [by, sign] = useState("");
   const [note, say] = useState("");
@@ -83,10 +86,10 @@ export function Reports({ known }: { known: Known }) {
       <div class="left"><Card id="reports" title={t("Reports")}>
         <div class="fields">
           <label>{t("Language")}<select value={lang} onChange={(e) => speak((e.currentTarget as HTMLSelectElement).value)}>{known.languages.map((l) => <option key={l}>{l}</option>)}</select></label>
-          <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{["html", "pdf", "xlsx", "json"].map((k) => <option key={k}>{k}</option>)}</select></label>
+          <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{(known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]).map((k) => <option key={k}>{k}</option>)}</select></label>
         </div>
         <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
-      </Card><Script known={known} /></div>
+      </Card>{!known.campaign && <Script known={known} />}</div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign((e.currentTarget as HTMLInputElement).value)} /></label>
@@ -95,7 +98,7 @@ export function Reports({ known }: { known: Known }) {
         <button data-do="freeze" disabled={!by.trim()} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
         <ol reversed class="proposals">
           {known.revisions.map((r) => (
-            <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>
+            <li key={r.name} value={Number(r.name)}>{r.said} {!known.campaign && <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button>}</li>
           ))}
         </ol>
       </Card></div>

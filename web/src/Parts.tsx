@@ -27,9 +27,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
                 <tr key={`j${k}`}>
                   <th scope="row" class={marks[`joint ${k + 1}`] ?? ""}>{part}</th>
                   <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
-                  <td class="n">{rated ? `${number(rated.peak_Nm)} N·m` : ""}</td>
-                  <td class="n">{rated ? `${number(rated.reversing_Nm)} N·m` : ""}</td>
-                  <td class="n">{rated ? `${number(rated.bearing_Nm)} N·m` : ""}</td>
+                  {[rated?.peak_Nm, rated?.reversing_Nm, rated?.bearing_Nm].map((torque, c) => <td key={c} class="n">{rated && (torque ? `${number(torque)} N·m` : "–")}</td>)}
                 </tr>
               );
             })}
@@ -55,7 +53,7 @@ function Choice({ at, now, label, of }: { at: string | undefined; now: string; l
   const known = of.some(([name]) => name === now);
   return (
     <select aria-label={label} value={now} data-part={at} onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}>
-      {!known && <option value={now}>{now}</option>}
+      {!known && <option value={now}>{now || "–"}</option>}
       {of.map(([name, said]) => (<option key={name} value={name}>{said}</option>))}
     </select>
   );

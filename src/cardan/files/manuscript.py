@@ -18,6 +18,8 @@ _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._/x-]*")
 _QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", re.DOTALL)
 _NAMED = re.compile(r"[^\s:#'\"]+[ \t]*:[ \t]+(\*[^\s,\]}]+)")
 """A key with a name in place of its value."""
+_ITEM = re.compile(r" *- +")
+"""What stands in a line before an item of a list that has a line of its own."""
 _AHEAD = re.compile(r"(?: |- )*")
 """What may stand in a line before the first key of a table."""
 
@@ -83,10 +85,12 @@ class Manuscript:
         """Return from where to where a change goes, and what it puts there.
 
         `[+]` at the end of an address is a new item of a list, or some, before its others; the
-        list is there from then on.
+        list is there from then on. `[-]` takes the item that reads so out of it.
         """
         if at.endswith("[+]"):
             return self._item(at.removesuffix("[+]"), to)
+        if at.endswith("[-]"):
+            return self._without(at.removesuffix("[-]"), str(to))
         node = self._nodes.get(at)
         if node is None:
             return self._insertion(at, to)
@@ -137,6 +141,34 @@ class Manuscript:
         breaks = "\r\n" if "\r\n" in self.text else "\n"
         after = breaks + " " * (node.column - 1)
         return start, start, "".join(f"- {item}{after}" for item in items)
+
+    def _without(self, at: str, said: str) -> tuple[int, int, str]:
+        """Return the change that takes an item out of a list; the list stays, if empty."""
+        node = self._nodes.get(at)
+        items = node.items if isinstance(node, Sequence) and id(node) not in self._shared else ()
+        spots = [(item, *self._span(item)) for item in items if isinstance(item, Scalar)]
+        k = next((k for k, (item, _, _) in enumerate(spots) if item.text == said), None)
+        if node is None or k is None or len(spots) != len(items):
+            problem = Problem(message=f"has no {said!r} of its own to take out", key=at)
+            raise BadFile(self.name, (problem,))
+        _, start, end = spots[k]
+        first, flow = self._offset(node), self._is(self._offset(node), "[")
+        if len(items) == 1:
+            return (start, end, "") if flow else (first, end, "[]")
+        if flow:
+            last = k + 1 == len(items)
+            return (spots[k - 1][2], end, "") if last else (start, spots[k + 1][1], "")
+        line = self._starts[items[k].line - 1]
+        if not _ITEM.fullmatch(self.text, line, start):
+            raise self._refused(at, node, "is written in a way that has to be changed by hand")
+        found = _LINE.match(self.text, end)
+        return line, found.end() if found else end, ""
+
+    def _span(self, of: Scalar) -> tuple[int, int]:
+        """Return from where to where a single value stands."""
+        start = self._offset(of)
+        found = _QUOTED.match(self.text, start) if of.quoted else None
+        return start, found.end() if found else start + len(of.text)
 
     def _insertion(self, at: str, to: float | str | list[Any]) -> tuple[int, int, str]:
         """Return the change that puts a key into its table, before the others."""

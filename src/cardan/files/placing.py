@@ -124,11 +124,14 @@ def phase_address(of: Installed, shaft: int, text: Manuscript) -> str:
 def name_address(of: Installed, text: Manuscript, *, joint: int = 0, shaft: int = 0) -> str:
     """Return the key under which the name of a joint or of a shaft's tube stands.
 
-    Nothing where the part is given in place or not at all: there is no name to change.
+    Where the file gives no joints at all it is where a size for all of them would stand, of a
+    tube likewise. Nothing where the part is given in place: there is no name to change.
     """
     at = line_address(of, text)
-    keys = (f"{at}.joints", f"{at}.joints[{joint}]") if joint else (f"{at}.shafts[{shaft}].tube",)
-    return next((key for key in keys if text.written(key)), "")
+    whole = f"{at}.joints" if joint else f"{at}.shafts[{shaft}].tube"
+    if whole not in text:
+        return whole
+    return next((key for key in (whole, f"{whole}[{joint}]") if text.written(key)), "")
 
 
 def rounded(value: float, unit: str, sort: str) -> float:

@@ -87,10 +87,11 @@ class Desk:
         self.drafts = drafts or draft_folder()
         path = Path(os.path.realpath(opened))
         if path.is_dir():
-            found = sorted(p for p in path.iterdir() if p.suffix.lower() in ENDS and p.is_file())[
-                :MOST
-            ]
             self.folder: Path = path
+            found = sorted(
+                p for p in path.iterdir()
+                if p.suffix.lower() in ENDS and p.is_file() and self._inside(p)
+            )[:MOST]  # fmt: skip
         else:
             text_of(path)  # refuses what is no file, and says why
             found, self.folder = [path], path.parent
@@ -133,6 +134,9 @@ class Desk:
         """
         paper, folder = self.papers[number], self.folder / "revisions"
         folder.mkdir(exist_ok=True)
+        if not self._inside(folder):
+            problem = Problem(message="revisions is a link that leads out of the folder")
+            raise BadFile(paper.name, (problem,))
         said = "; ".join(" ".join(s.split()) for s in (by, note) if s.strip())
         head = f"# frozen {date.today().isoformat()}: {said}\n"
         for k in range(1, MOST):
@@ -150,7 +154,7 @@ class Desk:
         folder = self.folder / "revisions"
         for path in folder.glob("*.yaml") if folder.is_dir() else ():
             stem, _, k = path.stem.rpartition(".")
-            if stem == paper.path.stem and k.isdecimal():
+            if stem == paper.path.stem and k.isdecimal() and self._inside(path):
                 with suppress(CardanError):
                     head, _, text = text_of(path).partition("\n")
                     told = head.removeprefix("# frozen ")
@@ -218,6 +222,10 @@ class Desk:
         write(paper.path, head + text, replace=True)
         self.drop(number)
         return mark(text)
+
+    def _inside(self, path: Path) -> bool:
+        """Return whether a path stays in the folder, wherever links lead."""
+        return Path(os.path.realpath(path)).is_relative_to(self.folder)
 
     def _draft(self, paper: Paper) -> dict[str, str] | None:
         held = self._held(paper, "draft")

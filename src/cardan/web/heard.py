@@ -21,7 +21,8 @@ from cardan.report.blocks import Issue, Story
 from cardan.report.language import Language
 from cardan.study import recording as study
 from cardan.study.campaign import SPEED, STRAIN, STRESS, TORQUE, Campaign
-from cardan.study.recording import Heard, RecordingStudy
+from cardan.study.finding import Finding
+from cardan.study.recording import Heard, Mix, RecordingStudy
 from cardan.web.document import Document, Json, Tell, f, fs, g
 from cardan.web.told import told
 
@@ -106,12 +107,17 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     }
 
 
-def mixed(read: Document, _: Json, say: Language, tell: Tell) -> Json:
-    """Return what the recordings of a campaign did to its gauges, and who did it."""
+def listened(read: Document, say: Language, tell: Tell, *, draw: bool = True) -> Finding[Mix]:
+    """Ask every recording of a campaign."""
     try:
-        found = study.listen_to_all(_campaign(read), tell=_reading(say, tell), draw=True)
+        return study.listen_to_all(_campaign(read), tell=_reading(say, tell), draw=draw)
     except ImportError as error:
         raise _missing(error) from error
+
+
+def mixed(read: Document, _: Json, say: Language, tell: Tell) -> Json:
+    """Return what the recordings of a campaign did to its gauges, and who did it."""
+    found = listened(read, say, tell)
     mix = found.answer
     assert mix is not None
     evidence = {one.name: mix.evidence(one.name) for one in mix.lives}
@@ -182,12 +188,17 @@ def _campaign(read: Document) -> Campaigned:
     return read.recordings
 
 
+_DOING = {"look": "reading", "count": "counting cycles", "draw": "drawing"}
+"""What is done in a pass over a recording, by its name in a study; all others seek causes."""
+
+
 def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
-    """Return what tells the page how far a study has read, where that is known."""
+    """Return what tells the page what a study does, and how far a pass is; none is read whole."""
 
     def reading(doing: str, _: int, __: int) -> None:
-        share = f": {doing.rpartition(' ')[2]}" if doing.endswith("%") else ""
-        tell({"doing": f"{say('reading')}{share}"})
+        name, far = doing.split(maxsplit=1)
+        said = say(_DOING.get(name, "looking for causes"))
+        tell({"doing": said if far == "100%" else f"{said}: {far}"})
 
     return reading
 

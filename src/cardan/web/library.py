@@ -1,5 +1,6 @@
 """A folder of applications as a library: what each comes to; reports to take away."""
 
+import json
 from base64 import b64encode
 from collections import OrderedDict
 from datetime import date
@@ -9,9 +10,11 @@ from pathlib import Path
 from cardan.base.errors import CardanError
 from cardan.base.verdict import GRADES, badness
 from cardan.files import campaign
+from cardan.report.blocks import Issue, Story
 from cardan.report.language import CODES, Language
 from cardan.report.wording import place
 from cardan.study.approval import Approval, approve
+from cardan.web import heard
 from cardan.web.document import Document, Json, Tell, document, g
 
 KINDS = {
@@ -71,8 +74,11 @@ def report(read: Document, args: Json, _: Language, tell: Tell) -> Json:
     """Return a report as a file to take away, in any of the languages."""
     kind = args.get("kind", "html")
     say = Language(args["lang"] if args.get("lang") in CODES else "en")
-    tell({"doing": say("asking"), "done": 0, "of": 1})
-    data = _made(approve(read.application), read, kind, say, tell)
+    if read.recordings:
+        data = _campaign(read, kind, say, tell)
+    else:
+        tell({"doing": say("asking"), "done": 0, "of": 1})
+        data = _made(approve(read.application), read, kind, say, tell)
     return {
         "name": f"{Path(read.name).stem}.{say.code}.{kind}",
         "media": KINDS[kind],
@@ -80,29 +86,54 @@ def report(read: Document, args: Json, _: Language, tell: Tell) -> Json:
     }
 
 
+def _campaign(read: Document, kind: str, say: Language, tell: Tell) -> bytes:
+    """Return the report of a campaign, as `cardan life` makes it."""
+    if kind == "xlsx":
+        msg = "a campaign has no workbook: take html, pdf or json"
+        raise CardanError(msg)
+    found = heard.listened(read, say, tell, draw=kind != "json")
+    if kind == "json":
+        from cardan.report import life
+
+        return _json(life.mix_document(found))
+    from cardan.report import recording_story
+
+    return _published(recording_story.campaign(found, say=say, issue=_issue(read)), kind)
+
+
 def _made(found: Approval, read: Document, kind: str, say: Language, tell: Tell) -> bytes:
     if kind == "json":
-        import json
-
         from cardan.report import contract
 
-        return (json.dumps(contract.approval(found), indent=1, ensure_ascii=False) + "\n").encode()
+        return _json(contract.approval(found))
     if kind == "xlsx":
         from cardan.report import workbook
 
         return workbook.workbook(found, say=say)
     from cardan.report import story
 
-    issue = story.Issue(
-        date=date.today().isoformat(), files=(read.name,), texts=(read.text,),
-        prints=(sha256(read.text.encode("utf-8", "surrogatepass")).hexdigest()[:16],),
-    )  # fmt: skip
     told = story.whole(
-        found, say=say, issue=issue,
+        found, say=say, issue=_issue(read),
         tell=lambda done, of: tell(
             {"doing": say("looking for corrections"), "done": done, "of": of}
         ),
     )  # fmt: skip
+    return _published(told, kind)
+
+
+def _json(told: Json) -> bytes:
+    return (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _issue(read: Document) -> Issue:
+    """Return what says which report this is: the day, the file and what it says."""
+    return Issue(
+        date=date.today().isoformat(), files=(read.name,), texts=(read.text,),
+        prints=(sha256(read.text.encode("utf-8", "surrogatepass")).hexdigest()[:16],),
+    )  # fmt: skip
+
+
+def _published(told: Story, kind: str) -> bytes:
     if kind == "pdf":
         from cardan.report import pdf
 

@@ -33,7 +33,7 @@ WORDS: tuple[str, ...] = (
     "File",
     "Files",
     "Fill in the slopes and lengths: the verdict follows.",
-    "Finite elements under the loads of every state: some minutes. The file gives its shape.",
+    "Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.",
     "Force",
     "Force by gear and speed: choose with the arrow keys",
     "Force on bearings over speed",

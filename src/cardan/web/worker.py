@@ -34,7 +34,8 @@ def main() -> None:
     from cardan.web.answer import answer
 
     def write(found: dict[str, Any]) -> None:
-        data = json.dumps(found, ensure_ascii=False, separators=(",", ":")).encode()
+        said = json.dumps(found, ensure_ascii=False, separators=(",", ":"))
+        data = said.encode("utf-8", "surrogatepass")  # half a letter, as it came
         try:
             answers.write(LENGTH.pack(len(data)) + data)
             answers.flush()
