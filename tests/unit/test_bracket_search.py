@@ -63,7 +63,7 @@ def fake(monkeypatch, life, first=1.0):
         solved.append(name)
         hours = life(shape) * (first if levels == 1 else 1.0)
         part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
-        return SimpleNamespace(life=hours, features=(part,))
+        return SimpleNamespace(life=hours, life_within=(hours / 2, 2 * hours), features=(part,))
 
     def bracket_search_part():
         from cardan.base.part import Part
@@ -179,6 +179,8 @@ def test_the_command_tells_it(monkeypatch, tmp_path):
     assert "The lightest: flange_mm: " in done.output
     told = json.loads((tmp_path / "a.json").read_text())
     assert told["best"]["life_hours"] >= told["target_hours"] == 5000
+    life = told["best"]["life_hours"]
+    assert told["best"]["life_hours_within"] == [life / 2, 2 * life]
     assert told["best"] in told["tried"]
     drawn = CliRunner().invoke(cli, [*args, "--png", str(tmp_path / "a.png")])
     assert drawn.exit_code == 2
