@@ -616,8 +616,8 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
          "speed, or speeds that rise"]),
         ("gearbox: {ratios: [1, 5]}", ["f.yaml:11:11: gearbox.ratios: must fall from the lowest gear "
          "to the highest"]),
-        ("gearbox: {ratios: []}", ["f.yaml:11:19: gearbox.ratios: must be a list of numbers above 0 "
-         "(got an empty list); give at least 1"]),
+        ("gearbox: {ratios: []}", ["f.yaml:11:19: gearbox.ratios: must be a list of numbers of "
+         "at least 0.02 and below 100 (got an empty list); give at least 1"]),
         ("gearbox: {ratios: 5, efficiency: 95}", ["f.yaml:11:34: gearbox.efficiency: must be a "
          "number of at least 0.1 and at most 1 (got 95)"]),
         ("vehicle: {drive: 6x3, wheelbase_m: 4.8}", ["f.yaml:11:18: vehicle.drive: must be one of "

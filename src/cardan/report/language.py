@@ -96,6 +96,10 @@ def _form(code: str) -> Callable[[int], int]:
 _NAMED = re.compile(r"\{(\d)\}")
 """What a refusal names, by its place in the sentence."""
 
+_WORDLESS = re.compile(r"\(\.\+\?\)|\W")
+LINKING = 5
+"""Letters below which a pattern only joins what it names: and, or."""
+
 
 @cache
 def _refusals(code: str) -> tuple[tuple[re.Pattern[str], str], ...]:
@@ -183,9 +187,14 @@ class Language:
         """
         tries = ((pattern.fullmatch(said), other) for pattern, other in _refusals(self.code))
         found, other = next(((f, o) for f, o in tries if f), (None, said))
+        where, colon, what = said.partition(": ")
+        # Of "F: A or B" the sentence "A or B" says more than "{0} or {1}" does of the whole.
+        if colon and (found is None or len(_WORDLESS.sub("", found.re.pattern)) < LINKING):
+            inner = self.error(what)
+            if found is None or inner != what:
+                return f"{where}{colon}{inner}"
         if found is None:
-            where, colon, what = said.partition(": ")
-            return f"{where}{colon}{self.error(what)}" if colon else said
+            return said
         return _NAMED.sub(lambda at: self.error(found[int(at[1]) + 1]), other)
 
     def name(self, quantity: str) -> str:
