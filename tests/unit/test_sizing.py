@@ -205,6 +205,15 @@ def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     assert any(c.grade != "pass" for c in checks)
 
 
+def test_what_is_answered_did_not_pass_before():
+    """The MTV's joints have no reversing torque; one taken for their life warned by its own."""
+    application = files.read(ROOT / "examples/mtv-6x6.yaml")
+    bad = {(c.line, c.quantity) for c in assess(application).checks if c.grade != "pass"}
+    remedies = sizing(application).remedies
+    assert remedies
+    assert {(was.line, was.quantity) for r in remedies for was, _ in r.answered} <= bad
+
+
 def test_other_parts_are_kept_by_as_many_trucks_as_asking_each_says():
     application = files.loads(LONG)
     (remedy,) = sizing(application).remedies

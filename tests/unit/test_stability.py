@@ -212,6 +212,16 @@ def test_speeds_are_those_a_gear_and_a_state_have():
     assert np.isnan(vehicle.slipping.ranges[1:]).all()
 
 
+def test_a_file_in_which_nothing_turns_is_no_fault(tmp_path):
+    """It was one of 673 random changes to the examples that ended in the program's own fault."""
+    text = (EXAMPLES / "vecto-6x2.yaml").read_text("utf-8")
+    still = tmp_path / "still.yaml"
+    still.write_text(re.sub(r"(?m)^speed_rpm: \d+", "speed_rpm: 0", text), "utf-8")
+    ended = CliRunner().invoke(cli, ["stability", str(still)])
+    assert ended.exit_code == 0, ended.output
+    assert "no steady forced motion settles" in " ".join(ended.output.split())
+
+
 @pytest.mark.slow
 def test_order_2_that_meets_a_mode_while_the_clutch_slips_is_judged(truck):
     """The engine is cut off, mode 1 is another, and a crawling vehicle stands on it."""

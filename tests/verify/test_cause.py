@@ -275,11 +275,14 @@ def statistics(seeds):
 
 @pytest.mark.slow
 def test_a_dozen_made_to_mislead():
-    """Of twelve, 90 % intervals miss three or more once in nine times at most; none is wrong."""
+    """Of twelve, 90 % intervals miss three or more once in nine times at most; none is wrong.
+
+    Of nine clear ones, told six times in ten, fewer than four are told once in ten times.
+    """
     inside, wrong, told = statistics(SEEDS)
     assert not wrong
     assert inside >= 0.75
-    assert told >= 0.6
+    assert told >= 0.4
 
 
 @pytest.mark.slow

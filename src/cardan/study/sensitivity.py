@@ -1,6 +1,6 @@
 """What each thing that can be moved does to each check that does not pass."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,8 +49,7 @@ class Effect:
 class Sensitivity:
     """A check that does not pass, and what could be moved about it, most helpful first.
 
-    What helps without harm elsewhere comes before what does not.
-
+    What helps without harm elsewhere comes before what helps with it.
     `effects` are those in its own state, the worst of `states` in which it does not pass.
     """
 
@@ -167,7 +166,7 @@ def _asked(
 
 def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivity]:
     """Yield the sensitivities of a line with what each move that helps would spoil."""
-    spoilt = _spoilt(response, {s.better(e)[0] for s in found for e in s.helpful})
+    spoilt = _spoilt(response, [*dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)])
     for s in found:
         helpful = [replace(e, spoilt=spoilt.get(s.better(e)[0])) for e in s.helpful]
         helpful.sort(key=lambda e: badness(e.spoilt)[0] if e.spoilt else 0, reverse=True)
@@ -175,7 +174,7 @@ def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivi
         yield replace(s, effects=(*helpful, *others))
 
 
-def _spoilt(response: Response, moves: Collection[Move]) -> dict[Move, Check]:
+def _spoilt(response: Response, moves: Sequence[Move]) -> dict[Move, Check]:
     """Return the worst check of each move that spoils what a line keeps as it stands.
 
     A limit of a part is spoilt that warns or fails in some state, and was not as bad in any.
@@ -190,7 +189,7 @@ def _spoilt(response: Response, moves: Collection[Move]) -> dict[Move, Check]:
         values = np.broadcast_to(then.values, (len(moves), *now.values.shape))
         worse = _worst_grades(then, values) > _worst_grades(now, now.values)
         for k, p in np.argwhere(worse).tolist():
-            one, move = replace(then, values=values[k], spots=None), list(moves)[k]
+            one, move = replace(then, values=values[k], spots=None), moves[k]
             checks = (check(response, one, s, p) for s in range(values.shape[1]))
             found[move] = min((c for c in (found.get(move), *checks) if c), key=badness)
     return found

@@ -317,7 +317,7 @@ def _smallest(
             continue  # what was answered is not
         worse = tuple(
             c for key, c in now.items()
-            if key in before and GRADES.index(c.grade) > GRADES.index(before[key].grade)
+            if GRADES.index(c.grade) > (GRADES.index(before[key].grade) if key in before else 0)
         )  # fmt: skip
         found = Remedy(offer=offer, answered=((problem, after),), worse=worse)
         if after.grade == "pass" and not worse:

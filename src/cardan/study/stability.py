@@ -629,6 +629,9 @@ class _Running:
         share = asked.standing.line.share / self.main.standing.line.share
         found: list[list[float]] = []
         for k in range(len(self.gears)):
+            if np.isnan(ranges[k]).all():  # nothing turns in this gear
+                found.append([float("nan")] * len(shafts))
+                continue
             low, high = np.nanmin(ranges[k, :, 0]), np.nanmax(ranges[k, :, 1])
             T = float(np.nanmax(self.torque(np.full(ranges.shape[:2], low))[k]))
             between = np.array([low, high]) * pace
