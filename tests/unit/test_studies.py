@@ -518,6 +518,27 @@ def test_a_killed_process_is_told_and_what_is_done_is_kept(tmp_path):
     same(whole, study(application(), variants, count=600, shard=60, folder=tmp_path, resume=True))
 
 
+ORPHANED = """
+import time
+from concurrent.futures import wait
+from cardan.study.shards import workers_of
+if __name__ == "__main__":
+    with workers_of("processes", 2) as pool:
+        wait([pool.submit(time.sleep, 0.1) for _ in range(2)])
+        print("both wait", flush=True)
+        time.sleep(600)
+"""
+
+
+def test_processes_end_with_who_hands_out_their_work(tmp_path):
+    (tmp_path / "hand.py").write_text(ORPHANED)
+    with subprocess.Popen([sys.executable, tmp_path / "hand.py"], stdout=subprocess.PIPE) as run:
+        assert run.stdout
+        assert run.stdout.readline().strip() == b"both wait"
+        run.kill()
+        run.communicate(timeout=30)  # the pipe's end is the end of all who hold it
+
+
 def test_what_was_stopped_goes_on_to_the_same_bits(tmp_path):
     variants = variants_of(VARY, TOLERANCES, ask=ASK)
     whole = study(application(), variants, count=600, shard=60, folder=tmp_path / "whole")

@@ -732,7 +732,7 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
         from multiprocessing import get_context
 
         context = get_context("spawn")  # a fork of a process with threads may never wake
-        with ProcessPoolExecutor(count, mp_context=context, initializer=_deaf) as pool:
+        with ProcessPoolExecutor(count, mp_context=context, initializer=_bound) as pool:
             try:
                 yield pool
             except BrokenExecutor as error:
@@ -752,8 +752,17 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
                 raise DesignError(msg) from error
 
 
-def _deaf() -> None:
-    """Leave the keyboard to the process that hands out the work."""
+def _bound() -> None:
+    """Bind a process that works to the one that hands out: its keyboard, and its end.
+
+    Those that wait for work hold the pipe it comes by open for each other, so none would see
+    that nobody is left to send any.
+    """
+    import os
     import signal
+    from multiprocessing import parent_process
+    from threading import Thread
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if giver := parent_process():
+        Thread(target=lambda: (giver.join(), os._exit(1)), daemon=True).start()
