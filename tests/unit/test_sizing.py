@@ -188,7 +188,7 @@ def test_what_no_part_answers_is_said(sized):
 
 def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     """Both ways are told; the split keeps the line where it was and is the nearest that does."""
-    application = files.loads(LONG)
+    application = files.loads(LONG.replace("length_mm: 1950", "length_mm: 1950, tube_length_mm: 1800"))
     tube, split = answers(application, problem(application, "critical_speed_ratio", 2))
     assert isinstance(tube.offer.part, Tube)
     assert tube.offer.part.outer > 88.9 * mm
@@ -198,6 +198,9 @@ def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     after = changed(application, split.offer).lines[0].line
     assert after.lengths[1] < before.lengths[1]
     assert sum(after.lengths) == pytest.approx(sum(before.lengths), rel=1e-3)
+    # Of a shorter shaft the tube is what is cut.
+    was, now = before.shafts[1], after.shafts[1]
+    assert now.tube_length == pytest.approx(was.tube_length + now.length - was.length)
     ((_, then),) = split.answered
     assert then.grade == "pass"
     less = changed(application, replace(split.offer, amount=split.offer.amount - 25 * mm))
