@@ -15,6 +15,7 @@ from cardan.base.errors import DesignError
 from cardan.base.units import GPa, MPa, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, GLASS_EPOXY, CompositeTube, Layer, metal
 from cardan.model.parts import STEEL, Line, Shaft, Tube
+from cardan.shaft import composite
 from cardan.shaft.beams import line_beams
 from cardan.shaft.composite import (
     buckling_torque,
@@ -327,6 +328,20 @@ def test_the_sense_of_torque_is_the_plies_mirror():
     one, other = buckling_torques(tube, 1.0)
     assert abs(one / other - 1) > 0.1
     assert buckling_torque(tube, 1.0) == min(one, other)
+
+
+@pytest.mark.parametrize("ends", ["pinned", "clamped"])
+def test_the_slopes_of_the_shapes_are_their_derivatives(ends):
+    """numpy.polynomial's own derivatives of the polynomials through the shapes' values."""
+    legendre = np.polynomial.legendre
+    shapes, weight = composite._basis(8, ends)
+    x, _ = legendre.leggauss(len(weight))
+    for owner, rows in enumerate(((0, 1), (2, 3), (4, 5, 6))):
+        of = shapes[list(rows), owner * 8 : (owner + 1) * 8]
+        series = legendre.legfit(x, of[0].T, len(x) - 1)
+        for times, slope in enumerate(of):
+            derived = legendre.legval(x, legendre.legder(series, times))
+            np.testing.assert_allclose(slope, derived, atol=1e-9 * np.abs(slope).max())
 
 
 def test_longer_is_weaker_clamped_is_stronger():
