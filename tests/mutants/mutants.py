@@ -703,6 +703,8 @@ QUANTITY = (
     mutant("quantity/points.py", 'np.where(free.turns("drive"), free.torque, np.nan)', "r.demand.engine_torque",
            "reverse has first gear's torque at its own angles",
            "unit/test_study.py::test_a_joint_is_sized_for_the_engine_in_the_gear_and_at_the_angles_it_has"),
+    mutant("report/screen.py", r"(?<!\d,) (?=\d)|", r" (?=\d)|", "a row of numbers breaks inside one",
+           "unit/test_screen.py::test_a_row_of_numbers_breaks_between_them"),
     mutant("report/wording.py", 'not (slips and c.point.direction == "drive")', "True",
            "what the tyres leave stands beside the engine's torque",
            "unit/test_study.py::test_a_joint_is_sized_for_the_engine_in_the_gear_and_at_the_angles_it_has"),
