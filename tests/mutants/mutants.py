@@ -854,6 +854,8 @@ FILES = (
     mutant("files/bracket.py", "count = known[line].joint_count - 2",
            "count = known[line].joint_count - 1", "a bracket hangs on a bearing that is not there",
            "unit/test_bracket_file.py::test_what_cannot_be_is_refused_with_its_place"),
+    mutant("files/plausible.py", "1e3 * (rest - strap)", "1e3 * (strap - rest)", "a strap that holds nothing up is doubted",
+           "unit/test_files_starter.py"),
     mutant("files/plausible.py", "_over(m.yield_strength, m.ultimate_strength)",
            "_over(m.ultimate_strength, m.yield_strength)", "strengths are held the wrong way round",
            "unit/test_files_plausible.py::test_a_trap_is_told_in_its_own_line"),
