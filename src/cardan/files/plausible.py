@@ -75,7 +75,7 @@ class _Seen:
         return self.standing(self.suspension[1].reference if self.suspension else "gvw")
 
     def standing(self, kind: SuspensionState) -> Demand | None:
-        """What the vehicle asks in one kind of state; None if nobody knows."""
+        """Return what the vehicle asks in one kind of state; None if nobody knows."""
         alone = replace(self.application, states=(State(name=kind, kind=kind),))
         with suppress(DesignError):
             return demand(resolve(alone, self.installed))

@@ -353,7 +353,8 @@ DECLARED = (
             "Tds": "pulsating torque endured",
         },
         source=GWB,
-        use="T/Tdw for reversing, T/Tds for pulsating torque; a straight line between.",
+        use="T/Tdw for reversing, T/Tds for pulsating torque; a straight line between. From coast "
+        "to drive: reverse, which comes seldom, is not in the swing.",
         of=lambda r: r.joint_fatigue_utilisation,
         parts=joints,
         needs=(TORQUE, FATIGUE_RATING),
