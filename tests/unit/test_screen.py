@@ -5,7 +5,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cardan.report.screen import folded, long, table
+from cardan.report.screen import folded, long, table, wrapped
 
 WORDS = st.lists(st.text("abcxyz.", min_size=1, max_size=11), max_size=5).map(" ".join)
 
@@ -33,6 +33,12 @@ def test_a_table_fits_its_screen_and_leaves_nothing_out(of, width):
 def test_what_fits_stands_in_columns():
     lines = list(table(("gear", "peak [N·m]"), [("1", "5399"), ("R", "-3007")], 30))
     assert lines == ["gear  peak [N·m]", "1     5399", "R     -3007"]
+
+
+def test_a_row_of_numbers_breaks_between_them():
+    """An engine's speeds came as "1000, 1600, 2400, 2" and "800 rpm"."""
+    rows = wrapped("1000, 1600, 2400, 2800 rpm", 20)
+    assert rows == ["1000, 1600, 2400,", "2800 rpm"]
 
 
 def test_a_number_stays_with_what_it_counts():

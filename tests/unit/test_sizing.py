@@ -134,6 +134,24 @@ def test_a_joint_that_leaves_a_limit_without_an_answer_is_not_proposed(weak):
     assert all(not j.reversing_torque or not life_rating(j) for j in passed_over)
 
 
+def test_a_joint_that_nobody_rates_is_no_answer_to_a_rating():
+    """687.55, whose turning nobody rates, was offered for a 2055: the same joint by its series."""
+    bent = files.loads("""
+title: Fast and bent
+torque_Nm: 22000
+speed_rpm: 3000
+driveline:
+  slopes: {side_deg: [0, 7, 0]}
+  joints: 2055
+  shafts: [{length_mm: 1000, tube: 120x6}]
+limits: heavy-truck
+""")
+    one = problem(bent, "n_beta", 1)
+    assert one.limit.maximum == find("2055", "joint").speed_angle_max
+    (found,) = answers(bent, one, kinds=("joint",))
+    assert found.offer is None or found.offer.part.speed_angle_max > one.value
+
+
 def test_a_tube_that_the_line_has_no_room_for_is_not_proposed():
     """A beam 62 mm below the line leaves room for tubes of 92 mm: the heavier 89x2.4 steps in."""
     beam = """

@@ -9,13 +9,16 @@ import pytest
 
 from cardan import files
 from cardan.base.errors import DesignError
+from cardan.base.part import Point
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Limit
 from cardan.demand.states import demand, resolve
-from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint
+from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint, State
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
+from cardan.report import wording
+from cardan.report.language import Language
 from cardan.study.approval import assess, held_to
 from cardan.study.driveline import checks_of
 from cardan.study.fix import NOTABLE, Proposal, fix
@@ -107,6 +110,49 @@ def test_a_joint_is_sized_by_a_state_that_carries_more_than_the_engine_gives(tru
 
     assert used(2 * engine) == pytest.approx([2 * u for u in used(None)], rel=1e-9)
     assert used(engine / 2) == pytest.approx(used(None), rel=1e-9)
+
+
+def test_a_joint_is_sized_for_the_engine_in_the_gear_and_at_the_angles_it_has(truck):
+    """950 · 9.2 · 0.95 N m in first gear, slip or not, wound up by what the tyres hold of it.
+
+    Reverse had first gear's torque at its own angles, which nothing has, and was told with the
+    torque that the tyres leave.
+    """
+    rated = JointSize(name="r", peak_torque=20e3)
+    (installed,) = truck.lines
+    line = replace(installed.line, joints=(rated,) * installed.line.joint_count)
+    limit = Limit(quantity="joint_torque_utilisation", maximum=1.0, source=HOUSE)
+    truck = replace(
+        only(truck, limit), lines=(replace(installed, line=line),),
+        gearbox=replace(truck.gearbox, reverse_ratio=6.6),
+    )  # fmt: skip
+    found = [c for c in assess(truck).checks if c.state == "empty"]
+    share = truck.shock_factor * 950 * 9.2 * 0.95 / 20e3
+    assert found[0].value == pytest.approx(share, rel=1e-12)  # joint 1 turns evenly
+    (last,) = (c for c in found if c.part.number == 3)
+    assert last.point is None or last.point.direction == "drive"
+    assert last.value > share
+    told = replace(last, point=Point("1", "drive", 0.0, 4000.0))
+    assert wording.place(told, Language("en")) == "empty, pulling away in gear 1, joint 3"
+    told = replace(last, point=Point("R", "reverse", 0.0, -4000.0))
+    assert "-4000" in wording.place(told, Language("en"))
+
+
+def test_what_nobody_knows_under_brakes_is_the_torque_held_back(truck):
+    """The engine is there; what winds the axle up under brakes is not."""
+    bare = replace(truck, engine=replace(truck.engine, brake_torque=None))
+    shear = Limit(quantity="tube_shear_utilisation", maximum=1.0, source=HOUSE)
+    braked = replace(only(bare, shear), states=(State(name="held", kind="windup brake"),))
+    assert {
+        u.needs for u in assess(braked).coverage.unanswered if u.quantity == shear.quantity
+    } == {("coast_torque_Nm, or the brake torque of the engine",)}
+
+
+def test_a_line_without_a_bearing_does_not_swing_on_rubber():
+    """One shaft has no rubber that anybody could give."""
+    van = files.read(Path(__file__).parents[2] / "examples" / "van.yaml")
+    found = assess(only(van, Limit(quantity="swing_growth", maximum=0.0, source=HOUSE)))
+    assert "swing_growth" not in {u.quantity for u in found.coverage.unanswered}
 
 
 SPRUNG = Limit(quantity="suspension_frequency", normal=1.3, source=HOUSE)

@@ -28,7 +28,7 @@ from cardan.files.origin import place
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import Layout
 from cardan.model.parts import Shaft
-from cardan.model.vehicle import LoadState, Suspension
+from cardan.model.vehicle import LoadState, Suspension, SuspensionState
 
 Keys: TypeAlias = tuple[str, ...]
 """Addresses that a value may have in the file: the first that is given counts."""
@@ -72,8 +72,11 @@ class _Seen:
     @cached_property
     def reference(self) -> Demand | None:
         """What the vehicle asks in the state the geometry is given in; None if nobody knows."""
-        kind = self.suspension[1].reference if self.suspension else "gvw"
-        alone = replace(self.application, states=(State(name="reference", kind=kind),))
+        return self.standing(self.suspension[1].reference if self.suspension else "gvw")
+
+    def standing(self, kind: SuspensionState) -> Demand | None:
+        """Return what the vehicle asks in one kind of state; None if nobody knows."""
+        alone = replace(self.application, states=(State(name=kind, kind=kind),))
         with suppress(DesignError):
             return demand(resolve(alone, self.installed))
         return None
@@ -597,6 +600,24 @@ def _stops(name: str, sign: int) -> Callable[[Application], Found]:
     return of
 
 
+UNLADEN: tuple[SuspensionState, ...] = ("curb", "empty")
+"""Kinds of state in which springs carry least on the road."""
+
+
+def _strap(application: Application) -> Found:
+    kinds = {state.kind for state in application.states}
+    for line in _lines(application):
+        at, suspension = line.suspension or ("", None)
+        strap = suspension.full_rebound_deflection if suspension else None
+        for kind in UNLADEN:
+            stands = line.standing(kind) if kind in kinds else None
+            if suspension and strap is not None and stands and suspension.reference != kind:
+                load = float(stands.axle_load[0])
+                with suppress(DesignError):
+                    rest = float(deflection(suspension, kind, axle_load=load))
+                    yield (f"{at}.full_rebound_deflection",), 1e3 * (rest - strap)
+
+
 RELATIONS: tuple[Relation, ...] = (
     Relation(says="the shaft's length over its tube's diameter", of=_slenderness, usual=(2, 60),
              hint="is one of them in another unit?"),
@@ -695,5 +716,8 @@ RELATIONS: tuple[Relation, ...] = (
              usual=(3, 400), unit=" mm", hint="deflections count from the free spring"),
     Relation(says="how far the axle can sink from its place", of=_stops("full_rebound", -1),
              usual=(3, 500), unit=" mm", hint="deflections count from the free spring"),
+    Relation(says="how far the axle can sink from where it stands unladen", of=_strap,
+             usual=(0, 500), unit=" mm", hint="deflections count from the free spring, and the "
+             "strap would hold it up there"),
 )  # fmt: skip
 """What is held against each other, in the order of the file."""

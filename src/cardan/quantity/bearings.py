@@ -15,9 +15,9 @@ from cardan.quantity.declared import (
     Parts,
     Quantity,
     centre_bearings,
+    hung,
     joints,
     last_shaft,
-    line,
     of_line,
 )
 from cardan.quantity.response import Response
@@ -81,7 +81,7 @@ DECLARED = (
         sought=lambda r: r.worst.get("static"),
         on_rubber=True,
         parts=centre_bearings,
-        needs=(LOAD,),
+        needs=(LOAD, STEADY),
         section="Centre bearings",
         methods={
             "rigid": lambda r: np.linalg.norm(r.loads.bearing_forces.static, axis=-1),
@@ -151,10 +151,10 @@ DECLARED = (
         use="At the worst operating point. Above 0 the line swings by itself where twice its speed "
         "meets the sum of two modes, whatever shakes it; then no steady force is an answer. Of two "
         "modes it grows from T |Sij| = 4 √(ωi ωj di dj) on.",
-        of=of_line(_growth),
+        of=lambda r: _growth(r)[..., None][..., : len(hung(r))],
         sought=lambda r: r.worst_growth,
         on_rubber=True,
-        parts=line,
+        parts=hung,
         needs=(TORQUE, RUBBER),
         section="Centre bearings",
         contract="swing_growth_per_s",

@@ -57,6 +57,12 @@ class Need:
     """What an application gives to have it, by its keys."""
     met: Callable[[Response], BoolArray]
     idle: Callable[[Response], BoolArray] | None = None
+    braked: str = ""
+    """What gives it in a state that brakes wind up, where that is something else."""
+
+    def lacking(self, r: Response, state: int) -> str:
+        """Return what an application gives to have it in a state."""
+        return (r.kinds[state] == "windup brake" and self.braked) or self.gives
 
 
 RUBBER = Need(
@@ -81,13 +87,19 @@ SPEED = Need(
     met=lambda r: np.isfinite(r.demand.speed)[..., None],
     idle=lambda r: (r.demand.speed == 0)[..., None],
 )
+COAST = Need(
+    gives="coast_torque_Nm, or the brake torque of the engine",
+    met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
+)
 TORQUE = Need(
     gives="torque_Nm, or engine, gearbox, axle and tyre",
+    braked=COAST.gives,
     met=lambda r: np.isfinite(r.demand.torque)[..., None],
     idle=lambda r: (r.demand.torque == 0)[..., None],
 )
 LOAD = Need(
     gives=TORQUE.gives,
+    braked=TORQUE.braked,
     met=TORQUE.met,
     idle=lambda r: (
         (r.demand.torque == 0) & (r.gravity == 0) & (not r.application.include_unbalance)
@@ -112,10 +124,6 @@ YIELD = Need(
 )
 PEAK_RATING = _rated("a joint size with its peak torque", "peak_torque")
 FATIGUE_RATING = _rated("a joint size with its reversing torque", "reversing_torque")
-COAST = Need(
-    gives="coast_torque_Nm, or the brake torque of the engine",
-    met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
-)
 LIFE_RATING = Need(
     gives="a joint size with its life rating Td",
     met=lambda r: np.isfinite(r.life_ratings),
@@ -166,6 +174,8 @@ class Quantity:
     """Whether other rubber, or another place of a bearing, changes it."""
     at_points: bool = False
     """Whether limits ask it at every operating point of a state, not at its own alone."""
+    sizes: bool = False
+    """Whether it is of the engine's torque ahead, wherever the tyres slip."""
     needs: tuple[Need, ...] = ()
     states: frozenset[str] | None = None
     """Kinds of state in which it means anything; None is all."""
@@ -246,6 +256,11 @@ def line(_: Response) -> tuple[Part, ...]:
     return (LINE,)
 
 
+def hung(r: Response) -> tuple[Part, ...]:
+    """Return the line, if it has a centre bearing."""
+    return (LINE,) if r.line.joint_count > 2 else ()
+
+
 def joints(r: Response) -> tuple[Part, ...]:
     """Return the joints, gearbox first."""
     return tuple(Part("joint", k) for k in range(1, r.line.joint_count + 1))
@@ -312,6 +327,7 @@ __all__ = [
     "centre_bearings",
     "crosses",
     "double_cardans",
+    "hung",
     "joints",
     "last_shaft",
     "line",

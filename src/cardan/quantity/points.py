@@ -150,6 +150,9 @@ def spread(r: "Response") -> Spread | None:
     # Many a gear ends where its way does.
     curve, speed = _gathered(found, [_once(*_gathered(found, rows))])
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
+    # What the engine gives ahead in the gear of the point, wherever the tyres slip.
+    free = placed(replace(found, most=np.full_like(found.most, np.inf)), curve=curve, speed=speed)
+    asked = replace(asked, engine_torque=np.where(free.turns("drive"), free.torque, np.nan))
     return Spread(
         spots=Spots(curves=found, curve=curve, speed=asked.speed, torque=asked.torque),
         response=replace(r, demand=asked, layout=r.lay(asked)),

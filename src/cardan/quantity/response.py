@@ -562,8 +562,9 @@ class Response:
     def sizing_torque(self) -> FloatArray:
         """Largest torque round a turn at each joint, (..., n) N m, for the joints' size.
 
-        From the engine where it is known, unless a state carries more, times the
-        application's shock factor; where brakes wind the axle up, what the line carries.
+        From the engine where it is known, of an operating point in its gear, unless a state
+        carries more, times the application's shock factor; where brakes wind the axle up, what
+        the line carries.
         """
         demand = self.demand
         braked = np.array([kind == "windup brake" for kind in self.kinds])

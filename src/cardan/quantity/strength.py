@@ -24,6 +24,7 @@ from cardan.quantity.declared import (
     YIELD,
     Need,
     Quantity,
+    hung,
     joints,
     line,
     shafts,
@@ -38,11 +39,6 @@ _RPM = Constant(1 / rpm, "30/π", "30/PI()")
 
 def _whirling(r: Response) -> tuple[Part, ...]:
     return (*shafts(r), LINE)
-
-
-def _hung(r: Response) -> tuple[Part, ...]:
-    """Return the line, if it has a centre bearing."""
-    return (LINE,) if r.line.joint_count > 2 else ()
 
 
 _WHIRLING = Need(
@@ -149,9 +145,9 @@ DECLARED = (
         source=DERIVED,
         use="Every start passes the modes, and the bearing forces count that; this is of speeds "
         "driven in for long. 20 % off a mode it makes at most 2.8 times of a force.",
-        of=lambda r: r.resonance_distance[..., None][..., : len(_hung(r))],
+        of=lambda r: r.resonance_distance[..., None][..., : len(hung(r))],
         on_rubber=True,
-        parts=_hung,
+        parts=hung,
         sense=">=",
         needs=(DUTY, RUBBER),
         states=RIDING,
@@ -331,11 +327,14 @@ DECLARED = (
     Quantity(
         key="joint_torque_utilisation",
         at_points=True,
+        sizes=True,
         name="Joint torque over its elastic limit",
         symbol="T/Tcs",
         unit="1",
         equation="max over a turn of T / Tcs, from the engine torque times the shock factor",
         where={"Tcs": "functional limit torque of the joint"},
+        use="Ahead of what the engine gives in a gear, even where the tyres slip before; in "
+        "reverse and held back of what the line carries.",
         source=GWB,
         of=lambda r: r.joint_torque_utilisation,
         parts=joints,
@@ -354,7 +353,8 @@ DECLARED = (
             "Tds": "pulsating torque endured",
         },
         source=GWB,
-        use="T/Tdw for reversing, T/Tds for pulsating torque; a straight line between.",
+        use="T/Tdw for reversing, T/Tds for pulsating torque; a straight line between. From coast "
+        "to drive: reverse, which comes seldom, is not in the swing.",
         of=lambda r: r.joint_fatigue_utilisation,
         parts=joints,
         needs=(TORQUE, FATIGUE_RATING),

@@ -15,8 +15,8 @@ GLUE = "\u00a0"
 """A space at which no line ends."""
 
 _UNIT = r"(?:%|Hz|N|N·m|MPa|deg|h|kN|kg|km|mm|rad/s²?|rpm|s)(?![\w/·²])"
-_TIED = re.compile(rf" (?=\d)|(?<=\d) (?={_UNIT})")
-"""Where no line ends: ahead of a number, and between it and its unit."""
+_TIED = re.compile(rf"(?<!\d,) (?=\d)|(?<=\d) (?={_UNIT})")
+"""Where no line ends: ahead of a number, but in a row of them, and between it and its unit."""
 
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 

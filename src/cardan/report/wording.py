@@ -60,7 +60,9 @@ def worst_of_each(checks: Iterable[Check]) -> list[Check]:
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
     """Return where a check is: state, torque, mode, part and, with several lines, which line."""
     told = [occasion(c, say)]
-    if isinstance(c, Check) and c.point:
+    # The engine's torque, where that is asked, is not what the tyres leave of it.
+    slips = QUANTITIES[c.quantity].sizes
+    if isinstance(c, Check) and c.point and not (slips and c.point.direction == "drive"):
         told.append(f"{say.short(c.point.torque, 4)} N·m")
     if isinstance(c, Check) and c.mode:
         told.append(say(

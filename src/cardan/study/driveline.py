@@ -247,4 +247,4 @@ def needs_of(response: Response, question: Asked, state: int, part: int) -> Iter
     for need in ANSWERED[question.limit.quantity].needs:
         met = np.broadcast_to(need.met(response), shape)[state, part]
         if not met or (need.idle is not None and need.idle(response).all()):
-            yield need.gives
+            yield need.lacking(response, state)

@@ -349,9 +349,11 @@ def _installed(application: Application, line: str) -> Installed:
 def _after(response: Response, problem: Check) -> Check | None:
     """Return a check's quantity and part where it is worst now; None where it has no answer.
 
-    With a joint of its own rating another limit may ask than before.
+    With a joint of its own rating another limit may ask than before; a joint that nobody rates
+    is no answer to the rating of another.
     """
     found: list[Check] = []
+    limits = response.application.limits
     for question in asked(response, quantities={problem.quantity}):
         for k, part in enumerate(question.parts):
             if part == problem.part:
@@ -360,6 +362,8 @@ def _after(response: Response, problem: Check) -> Check | None:
                 if any(c is None and question.asks[s, k] for s, c in enumerate(every)):
                     return None
                 found += filter(None, every)
+    if problem.limit not in limits and all(c.limit in limits for c in found):
+        return None
     return min(found, key=_badness, default=None)
 
 
