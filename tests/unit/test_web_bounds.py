@@ -98,7 +98,8 @@ def test_a_kill_during_a_long_job_is_told_and_the_next_has_a_new_process(own):
 
 @pytest.mark.parametrize(
     ("text", "why"),
-    [(BOMB, "over 200000 entries"), ("a: " + "[" * 100_000, "nested 32 deep"), ("{a: " * 50_000, "nested 32 deep"),
+    [(BOMB, "over 200000 entries"), ("a: " + "[" * 100_000, "nested 32 deep"),
+     ("{a: " * 50_000, "nested 32 deep"),
      ('{"a":' * 100_000 + "1" + "}" * 100_000, "nested 32 deep")],
     ids=["names", "lists", "tables", "json"],
 )  # fmt: skip
