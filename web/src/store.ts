@@ -311,7 +311,7 @@ export class Store {
   lay(behind: number | null): void {
     this.set({ behind });
     const text = behind === null ? undefined : this.known.variants[behind]?.text;
-    if (text !== undefined) this.work("ghost", {}, text);
+    if (text !== undefined && this.known.live) this.work("ghost", {}, text);
   }
 
   create(title: string, text: string): void { this.link?.say({ type: "create", title, text }); }
