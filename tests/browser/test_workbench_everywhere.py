@@ -237,4 +237,15 @@ def test_a_campaign_is_opened_decided_and_asked(tmp_path):
                      ".querySelector('li')")  # fmt: skip
         assert (tmp_path / "revisions" / "twice.1.yaml").read_text("utf-8").endswith(text)
         assert serious(driver) == []
+        # What changed since is said by what is written, and a command asks for it again.
+        assert "cardan life twice.yaml" in driver.find_element("css selector", ".script").text
+        press(driver, "[data-view=line]")
+        Select(wait(driver, "return document.querySelector('[data-rule=\"S1=spike\"]')")
+               ).select_by_value("mask")  # fmt: skip
+        wait(driver, "return document.querySelector('textarea').value.includes('S1=spike')")
+        press(driver, "[data-view=library]")
+        press(driver, ".revisions li button")
+        row = wait(driver, "return document.querySelector('.variants .differs')")
+        assert row.text == "recordings[1].mask[1] S1=spike -"
+        assert serious(driver) == []
         clean(driver)

@@ -34,6 +34,7 @@ MOVABLE = """
         of="axle", measure="length", count=lambda line: int(len(line.shafts) > 1),
         move=lambda moved, part, amount: _shift(2)(moved, 0, amount),
         reach=(-5 * mm, 5 * mm), step=5 * mm,
+        called="height of the last bearing",
         forth="last bearing raised {amount} mm", back="last bearing lowered {amount} mm",
     ),
 )  # fmt: skip
@@ -45,6 +46,9 @@ msgstr "<Distance between joints>"
 
 msgid "L = distance of the joint centres of a shaft"
 msgstr "<L = distance of the joint centres of a shaft>"
+
+msgid "height of the last bearing"
+msgstr "<height of the last bearing>"
 
 msgid "last bearing raised {amount} mm"
 msgstr "<last bearing raised {amount} mm>"

@@ -93,7 +93,11 @@ def said_in(source: Path):
 def test_every_text_is_translated():
     said = {text for source in SOURCES for text in said_in(source)}
     assert len(said) > 200
-    said |= {w for m in MOVABLES.values() for w in (m.forth, m.back)} | set(STUDIES) | set(WORDS)
+    said |= (
+        {w for m in MOVABLES.values() for w in (m.called, m.forth, m.back)}
+        | set(STUDIES)
+        | set(WORDS)
+    )
     for code in CODES[1:]:
         assert sorted(said - {text for _, text in catalogue(code)}) == []
 

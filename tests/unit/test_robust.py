@@ -164,7 +164,7 @@ study:
     said = CliRunner().invoke(cli, ["fix", str(tmp_path / "line.yaml"), "--draws", "200"]).output
     assert "Trucks scatter by" in said
     assert "driveline.slopes.side_deg[3] ± 0.4" in said
-    assert "bearing_height_mm[1] ± 6" in said
+    assert "height of bearing 1 ± 6 mm" in " ".join(said.split())
     assert "% of trucks fail in nothing more" in said
 
 

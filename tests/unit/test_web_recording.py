@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 from base64 import b64decode, b64encode
 from pathlib import Path
 
@@ -9,8 +11,9 @@ import numpy as np
 import pytest
 from test_web_schema import wrong
 from websockets.exceptions import ConnectionClosed
-from workbench import page, running
+from workbench import PATIENCE, page, running
 
+import cardan
 from cardan.base.units import MPa
 from cardan.fatigue.synthetic import Gains, synthetic
 from cardan.report import life
@@ -344,6 +347,29 @@ def test_a_campaign_is_reported_as_its_command_does(run, kind):
         "lettura in corso", "conteggio dei cicli", "ricerca delle cause"
     ]  # fmt: skip
     assert not any("100" in d for d in doing)
+
+
+def test_a_campaign_is_held_beside_another_and_asked_again_by_a_script(run, monkeypatch):
+    """What differs by its address, as it is written; the script asks as `cardan life` does."""
+    text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]
+    path = run.with_name("held.yaml")
+    path.write_text(text, "utf-8")
+    question = {"text": text, "name": path.name, "folder": str(run.parent), "lang": "pt"}
+    edits = {"recordings[1].mask[+]": "S1=spike"}
+    question["text"] = answer({**question, "job": "live", "edits": edits})["text"]
+    args = {"variants": [{"name": "1", "text": text}]}
+    told = answer({**question, "job": "compare", "args": args})
+    assert [v["verdict"] for v in told["variants"]] == [None, None]
+    assert told["differences"] == [{"name": "recordings[1].mask[1]", "values": ["S1=spike", "-"]}]
+    told = answer({**question, "job": "script", "args": {"saved": text}})
+    assert told["other"] == ["recordings[1].mask[1]"]
+    assert told["commands"] == ["cardan life held.yaml --lang pt", "cardan serve held.yaml"]
+    done = subprocess.run(
+        [sys.executable, "-c", told["script"]], cwd=run.parent, capture_output=True, text=True,
+        check=True, timeout=PATIENCE,
+    )  # fmt: skip
+    monkeypatch.chdir(run.parent)
+    assert done.stdout.strip() == str(cardan.life(path.name)).strip()
 
 
 def test_a_campaign_has_no_workbook(run):

@@ -92,8 +92,8 @@ export function App() {
             </div>}
           </>
         )}
-        {known.campaign && <Tabs known={known} views={["line", "library", "new"]} />}
-        {known.campaign && (known.view === "library" ? <Shelf known={known} /> : known.view === "new" ? <Guide known={known} /> : <Campaign known={known} of={known.campaign} />)}
+        {known.campaign && <Tabs known={known} views={["line", "variants", "library", "new"]} />}
+        {known.campaign && (known.view === "library" ? <Shelf known={known} /> : known.view === "new" ? <Guide known={known} /> : known.view === "variants" ? <Variants known={known} /> : <Campaign known={known} of={known.campaign} />)}
         {!shown && !known.campaign && known.file !== null && known.history && (
           <>
             {known.problems.length > 0 && <p class="card note fail">{t("The file cannot be read as it is: see what is wrong below.")}</p>}

@@ -89,7 +89,7 @@ function Reports({ known }: { known: Known }) {
           <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{(known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]).map((k) => <option key={k}>{k}</option>)}</select></label>
         </div>
         <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
-      </Card>{!known.campaign && <Script known={known} />}</div>
+      </Card><Script known={known} /></div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign((e.currentTarget as HTMLInputElement).value)} /></label>
@@ -98,7 +98,7 @@ function Reports({ known }: { known: Known }) {
         <button data-do="freeze" disabled={!by.trim()} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
         <ol reversed class="proposals">
           {known.revisions.map((r) => (
-            <li key={r.name} value={Number(r.name)}>{r.said} {!known.campaign && <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button>}</li>
+            <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>
           ))}
         </ol>
       </Card></div>

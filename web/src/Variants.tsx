@@ -12,7 +12,7 @@ export function Pin({ known }: { known: Known }) {
   return (
     <>
       <button data-do="pin" onClick={() => store.pin()}>{t("Pin this variant")}</button>
-      {known.variants.length > 0 && (
+      {known.live && known.variants.length > 0 && (
         <select aria-label={t("Drawn behind")} data-do="behind" value={known.behind ?? ""} onChange={(e) => {
           const value = (e.currentTarget as HTMLSelectElement).value;
           store.lay(value === "" ? null : Number(value));
@@ -66,7 +66,7 @@ export function Sides({ of, head }: { of: Compared | null; head: ComponentChild[
         <thead><tr><td />{head.map((h, k) => <th key={k} scope="col">{h}</th>)}</tr></thead>
         {of && (
           <tbody>
-            <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict}>{t(v.verdict)}</b> <small>{v.counts.fail} {t("fail")}, {v.counts.warn} {t("warn")}</small></td>)}</tr>
+            {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{t(v.verdict ?? "")}</b> <small>{v.counts.fail} {t("fail")}, {v.counts.warn} {t("warn")}</small></td>)}</tr>}
             {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
             {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
           </tbody>

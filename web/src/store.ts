@@ -311,7 +311,7 @@ export class Store {
   lay(behind: number | null): void {
     this.set({ behind });
     const text = behind === null ? undefined : this.known.variants[behind]?.text;
-    if (text !== undefined) this.work("ghost", {}, text);
+    if (text !== undefined && this.known.live) this.work("ghost", {}, text);
   }
 
   create(title: string, text: string): void { this.link?.say({ type: "create", title, text }); }
@@ -687,7 +687,7 @@ export class Store {
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
-  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again") })[of] ?? of;
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
 
 /** What a row is sorted by: failures first, then warnings, each by margin. */
 export function worst(row: Row): number {

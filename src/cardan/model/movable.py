@@ -85,6 +85,8 @@ class Movable:
     assumed; 0: any."""
     choice: bool = False
     fitted: bool = False
+    called: str
+    """What moves, in few words, with {part}."""
     forth: str
     back: str
     """What moving it up or down its range is called, with {part} and {amount}."""
@@ -156,12 +158,14 @@ _DECLARED = (
         key="bearing_height", says="centre bearings, up positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
         move=_shift(2), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
+        called="height of bearing {part}",
         forth="bearing {part} up {amount} mm", back="bearing {part} down {amount} mm",
     ),
     Movable(
         key="bearing_side", says="centre bearings, to the right positive",
         of="centre bearing", measure="length", count=lambda line: len(line.shafts) - 1,
         move=_shift(1), reach=(-30 * mm, 30 * mm), step=10 * mm, resolution=5 * mm,
+        called="side of bearing {part}",
         forth="bearing {part} to the right {amount} mm",
         back="bearing {part} to the left {amount} mm",
     ),
@@ -169,12 +173,14 @@ _DECLARED = (
         key="shim", says="axle, pinion nose up positive",
         of="axle", measure="angle", count=lambda _: 1,
         move=_shim, reach=(-3 * deg, 3 * deg), step=1 * deg, resolution=0.5 * deg,
+        called="shim of the axle",
         forth="pinion nose up {amount} deg", back="pinion nose down {amount} deg",
     ),
     Movable(
         key="phase", says="yoke phases, counted from those installed",
         of="shaft", measure="angle", count=lambda line: len(line.shafts),
         move=_turn, reach=(0.0, 90 * deg), step=90 * deg, choice=True, signed=True,
+        called="phase of shaft {part}",
         forth="rear yoke of shaft {part} turned {amount} deg",
         back="rear yoke of shaft {part} turned {amount} deg",
     ),
@@ -183,6 +189,7 @@ _DECLARED = (
         of="shaft", measure="angle", count=lambda line: len(line.shafts),
         move=_turn, reach=(-90 * deg, 90 * deg), step=15 * deg, resolution=1 * deg,
         fitted=True, signed=True,
+        called="weld of the rear yoke of shaft {part}",
         forth="rear yoke of shaft {part} welded {amount} deg on",
         back="rear yoke of shaft {part} welded {amount} deg on",
     ),
@@ -190,6 +197,7 @@ _DECLARED = (
         key="bearing_stiffness", says="all rubber, stiffer positive",
         of="line", measure="share", count=_hung_on_rubber,
         move=_stiffen, reach=(-0.5, 1.0), step=0.3, resolution=0.05, fitted=True,
+        called="stiffness of all rubber",
         forth="rubber of all bearings stiffer by {amount} %",
         back="rubber of all bearings softer by {amount} %",
     ),
@@ -197,6 +205,7 @@ _DECLARED = (
         key="bearing_loss", says="loss factor of all rubber, higher positive",
         of="line", measure="share", count=_hung_on_rubber,
         move=_damp, reach=(-0.5, 1.0), step=0.5, resolution=0.05, fitted=True,
+        called="loss factor of all rubber",
         forth="rubber of all bearings with {amount} % more loss factor",
         back="rubber of all bearings with {amount} % less loss factor",
     ),
@@ -205,6 +214,7 @@ _DECLARED = (
         of="line", measure="length", count=_set_ahead,
         move=_bring_ahead, reach=(-50 * mm, 50 * mm), room=_along_its_shaft, step=25 * mm,
         resolution=5 * mm, fitted=True,
+        called="place of all bearings",
         forth="all bearings {amount} mm farther from their rear joints",
         back="all bearings {amount} mm nearer their rear joints",
     ),

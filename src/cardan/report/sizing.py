@@ -101,7 +101,7 @@ def lines(of: Sizing, say: Language = EN) -> Iterator[str]:
             else say("All together: the mass is not known of every part")
         )
         for one in {r.offer.line: r for r in of.remedies}.values():
-            for text in (*survives(one.survival, say), scattered(one.trucks, say)):
+            for text in (*survives(one.survival, one.trucks, say), scattered(one.trucks, say)):
                 told = say("{line}: {text}", line=one.offer.line, text=text) if several else text
                 yield from _wrapped(told if text else "")
     if of.hopeless:

@@ -410,7 +410,7 @@ def _proposal(k: int, p: Proposal, say: Language) -> tuple[str, tuple[str, ...]]
     return f"{k}. {to} ({p.line})", (
         *moves,
         won(p, say),
-        *survives(p.survival, say),
+        *survives(p.survival, p.trucks, say),
         *left(p, say),
     )
 

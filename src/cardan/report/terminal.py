@@ -270,7 +270,7 @@ def proposals(
         yield _graded(p.verdict, f"{k}. {to}")
         yield from (f"     {move(m, say)}" for m in p.moves)
         yield f"     {won(p, say)}"
-        yield from (f"     {one}" for one in survives(p.survival, say))
+        yield from (f"     {one}" for one in survives(p.survival, p.trucks, say))
         yield from (f"     {one}" for one in left(p, say, grade=_graded))
 
 

@@ -1,6 +1,5 @@
 """How checks, moves and effects are put into words, the same in every medium."""
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from math import pi
@@ -13,6 +12,7 @@ from cardan.base.units import mm, rpm
 from cardan.base.verdict import Check, Grade, Limit, Unanswered, badness, spoilt
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
+from cardan.model.movable import movable as names_of
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
@@ -129,6 +129,11 @@ def move(m: Move, say: Language) -> str:
     return say(movable.forth if amount > 0 else movable.back, part=part, amount=sign + said)
 
 
+def moves(a: Adjustable, say: Language) -> str:
+    """Return what may be moved, in few words."""
+    return say(MOVABLES[a.what].called, part=a.part)
+
+
 def left(
     of: "Proposal",
     say: Language,
@@ -159,12 +164,19 @@ def scattered(trucks: "Trucks | None", say: Language) -> str:
     """Return how the trucks are taken to scatter about a setting; "" where nothing does."""
     if trucks is None:
         return ""
-    each = dict[str, None]()
+    every = _every(trucks)
+    parts: dict[tuple[str, str], list[str]] = {}
     for name, spread in trucks.tolerances:
-        wide = spread.values[0] * (3 if spread.kind == "normal" else 1)
-        alike = re.sub(r"\[\d+\]", "", name) if trucks.assumed else name
-        each[f"{alike} ± {say.short(round(wide, 4))}"] = None
-    what = say.list(*each)
+        wide = say.short(round(spread.values[0] * (3 if spread.kind == "normal" else 1), 4))
+        a = every.get(name)
+        unit = MOVABLES[a.what].unit.replace("percent", "%") if a else ""
+        parts.setdefault((a.what if a else name, f"± {wide} {unit}".rstrip()), []).append(
+            str(a.part) if a else ""
+        )
+    what = say.list(*(
+        f"{say(MOVABLES[of].called, part=' + '.join(each)) if of in MOVABLES else of} {wide}"
+        for (of, wide), each in parts.items()
+    ))  # fmt: skip
     if trucks.assumed:
         return say("Trucks are assumed to scatter by {what} (3 σ).", what=what)
     return say("Trucks scatter by {what} (normal ones 3 σ), as the file says.", what=what)
@@ -187,9 +199,14 @@ def won(p: "Proposal", say: Language) -> str:
                before=before, after=after)  # fmt: skip
 
 
-def survives(found: "Survival | None", say: Language) -> list[str]:
+def _every(trucks: "Trucks") -> dict[str, Adjustable]:
+    """Return what a workshop moves of trucks, by the names that a study knows."""
+    return names_of(i.line for i in trucks.application.lines)
+
+
+def survives(found: "Survival | None", trucks: "Trucks | None", say: Language) -> list[str]:
     """Return how many trucks keep what a proposal promises, and what would win most."""
-    if found is None:
+    if found is None or trucks is None:
         return []
     share, quiet = (say.pointed(f"{100 * k:.0f} %") for k in (found.share, found.quiet))
     said = [
@@ -200,8 +217,10 @@ def survives(found: "Survival | None", say: Language) -> list[str]:
         said.append(say("most others fail in: {limit}", limit=say.name(found.lost)))
     if found.tighter:
         name, more = found.tighter
+        a = _every(trucks).get(name)  # or a number of the file, by its address
         said.append(
-            say("tighten first: {name}; half as wide, {share} fail in nothing more", name=name,
+            say("tighten first: {name}; half as wide, {share} fail in nothing more",
+                name=moves(a, say) if a else name,
                 share=say.pointed(f"{100 * more:.0f} %"))
         )  # fmt: skip
     return said

@@ -28,7 +28,8 @@ class Effect:
     """What moving one thing back or forth does to the value of a check. SI.
 
     `low` and `high` are how far it is moved: by a step, or to the ends of its range where no
-    step of anything helps. `spoilt` is the worst of what the way that helps makes warn or fail
+    step of anything helps; by half of that where the whole spoils something and the half does
+    not. `spoilt` is the worst of what the way that helps makes warn or fail
     that did not before.
     """
 
@@ -167,11 +168,60 @@ def _asked(
 def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivity]:
     """Yield the sensitivities of a line with what each move that helps would spoil."""
     spoilt = _spoilt(response, [*dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)])
-    for s in found:
+    halves = {move: half for move in spoilt if (half := _half(move))}
+    harm = _spoilt(response, [*halves.values()])
+    halves = {move: half for move, half in halves.items() if half not in harm}
+    for s in _halved(response, found, halves):
         helpful = [replace(e, spoilt=spoilt.get(s.better(e)[0])) for e in s.helpful]
         helpful.sort(key=lambda e: badness(e.spoilt)[0] if e.spoilt else 0, reverse=True)
         others = [e for e in s.effects if e not in s.helpful]
         yield replace(s, effects=(*helpful, *others))
+
+
+def _half(move: Move) -> Move | None:
+    """Return half a move, in the steps of a workshop; None where there is no such."""
+    a = move.adjustable
+    if MOVABLES[a.what].choice:
+        return None
+    half = move.amount / 2
+    half = np.trunc(half / a.step + np.copysign(1e-9, half)) * a.step if a.step else half
+    return Move(adjustable=a, amount=float(half)) if half else None
+
+
+def _halved(
+    response: Response, found: list[Sensitivity], halves: dict[Move, Move]
+) -> Iterator[Sensitivity]:
+    """Yield the sensitivities with half a move in place of a whole, where that helps as well."""
+    for s in found:
+        effects = list(s.effects)
+        whole = {k: m for k, e in enumerate(effects) if (m := s.better(e)[0]) in halves}
+        values = _values(response, s.check, [halves[m] for m in whole.values()])
+        for (k, m), value in zip(whole.items(), values, strict=True):
+            e, half = effects[k], halves[m]
+            less = replace(
+                e, **({"low": half.amount, "back": value} if half.amount < 0
+                      else {"high": half.amount, "forth": value})
+            )  # fmt: skip
+            if s.better(less)[0] == half and less in replace(s, effects=(less,)).helpful:
+                effects[k] = less
+        yield replace(s, effects=tuple(sorted(effects, key=s.gain, reverse=True)))
+
+
+def _values(response: Response, of: Check, moves: list[Move]) -> list[float]:
+    """Return what each move makes of the value of a check."""
+    if not moves:
+        return []
+    after = asked(_made(response, moves), quantities={of.quantity})
+    then = next(q for q in after if q.limit == of.limit and of.part in q.parts)
+    state, part = response.demand.states.index(of.when.name), then.parts.index(of.part)
+    return np.broadcast_to(then.values[..., state, part], len(moves)).tolist()
+
+
+def _made(response: Response, moves: Sequence[Move]) -> Response:
+    """Return a line with each of some moves made by itself."""
+    movable = tuple(dict.fromkeys(m.adjustable for m in moves))
+    amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
+    return tried(response, movable, amounts)
 
 
 def _spoilt(response: Response, moves: Sequence[Move]) -> dict[Move, Check]:
@@ -181,11 +231,8 @@ def _spoilt(response: Response, moves: Sequence[Move]) -> dict[Move, Check]:
     """
     if not moves:
         return {}
-    movable = tuple(dict.fromkeys(m.adjustable for m in moves))
-    amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
     found: dict[Move, Check] = {}
-    after = asked(tried(response, movable, amounts))
-    for now, then in zip(asked(response), after, strict=True):
+    for now, then in zip(asked(response), asked(_made(response, moves)), strict=True):
         values = np.broadcast_to(then.values, (len(moves), *now.values.shape))
         worse = _worst_grades(then, values) > _worst_grades(now, now.values)
         for k, p in np.argwhere(worse).tolist():

@@ -239,9 +239,23 @@ def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
 
 
 def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
-    """Return variants beside the text itself: verdicts, what they say and what it does."""
+    """Return variants beside the text itself: verdicts, what they say and what it does.
+
+    Of a campaign what they say: its life is asked by itself.
+    """
     given = args.get("variants", [])
     named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
+    if read.recordings:
+        texts = [one.manuscript for _, one in named]
+        every = dict.fromkeys(at for of in texts for at in of.addresses)
+        rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
+        return {
+            "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
+            "differences": [
+                {"name": at, "values": said} for at, said in rows if len(set(said)) > 1
+            ],
+            "effects": [],
+        }
     found: list[Variant] = []
     for k, (name, one) in enumerate(named):
         tell({"doing": name, "done": k, "of": len(named)})

@@ -16,7 +16,7 @@ from cardan.model.variants import Ask
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.report.language import Language
-from cardan.report.wording import left, movable, move, scattered, survives, won
+from cardan.report.wording import left, move, moves, scattered, survives, won
 from cardan.study.approval import Approval
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
@@ -59,7 +59,7 @@ def told(r: Response, say: Language) -> list[Json]:
     free = {(a.what, a.part) for a in adjustables(r)}
     return [
         {
-            "id": _id(a), "said": name(a, say), "unit": m.unit, "low": f(a.low / m.worth, 3),
+            "id": _id(a), "said": moves(a, say), "unit": m.unit, "low": f(a.low / m.worth, 3),
             "high": f(a.high / m.worth, 3), "step": f(m.resolution / m.worth, 3),
             "free": (a.what, a.part) in free, "choice": m.choice,
         }
@@ -69,21 +69,6 @@ def told(r: Response, say: Language) -> list[Json]:
 
 def _id(a: Adjustable) -> str:
     return f"{a.what} {a.part}"
-
-
-def name(a: Adjustable, say: Language) -> str:
-    """Return what may be moved, in few words."""
-    words = {
-        "bearing_height": say("height of bearing {part}", part=a.part),
-        "bearing_side": say("side of bearing {part}", part=a.part),
-        "shim": say("shim of the axle"),
-        "phase": say("phase of shaft {part}", part=a.part),
-        "twist": say("weld of the rear yoke of shaft {part}", part=a.part),
-        "bearing_stiffness": say("stiffness of all rubber"),
-        "bearing_loss": say("loss factor of all rubber"),
-        "bearing_place": say("place of all bearings"),
-    }
-    return words.get(a.what) or movable(a, say)
 
 
 def _response(read: Document, args: Json) -> Response:
@@ -118,7 +103,7 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
         "margin": _least(p.approval),
         "before": _least(p.installed),
         "moves": [move(m, say) for m in p.moves],
-        "survives": [won(p, say), *survives(p.survival, say)],
+        "survives": [won(p, say), *survives(p.survival, p.trucks, say)],
         "counts": {grade: sum(c.grade == grade for c in p.checks) for grade in GRADES},
         "left": left(p, say),
         "edits": edits(read, p.line, p.moves),
@@ -185,7 +170,7 @@ def surface(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         found = {
             **{
                 key: {
-                    "id": _id(a), "said": name(a, say), "unit": MOVABLES[a.what].unit,
+                    "id": _id(a), "said": moves(a, say), "unit": MOVABLES[a.what].unit,
                     "values": fs(cells.inputs[at, k], 3),
                 }
                 for k, (key, a, at) in enumerate(

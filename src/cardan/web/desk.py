@@ -244,7 +244,7 @@ class Desk:
         """Return what is kept of a file; nothing where it is broken, or another file's."""
         try:
             held = json.loads(self._place(paper, what).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             return None
         whole = isinstance(held, dict) and held.get("file") == str(paper.path)
         return held if whole else None

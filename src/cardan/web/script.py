@@ -15,16 +15,17 @@ from cardan.web.document import Document, Json, Tell
 def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
     """Return a Python script that makes of the saved file what is shown, and commands.
 
-    Numbers are changed by their addresses. What is no number, a part's name or a line that is
-    new, cannot be said so: it is named, and the file has to be saved for it.
+    Of a campaign they ask for its life. Numbers are changed by their addresses. What is no
+    number, a part's name or a line that is new, cannot be said so: it is named, and the file
+    has to be saved for it.
 
     The commands are for a POSIX shell. Where numbers are not saved yet the first of them is
     the script; those of `cardan` ask the file as it lies there.
     """
-    name = read.name
+    name, drives = read.name, read.recordings is not None
     try:
         was, now = Manuscript(args.get("saved", ""), name), read.manuscript
-        known = addresses(read.application)
+        known = {} if drives else addresses(read.application)
         changed = {
             at: float(np.ravel(known[at])[0])
             for at in known
@@ -38,19 +39,21 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
     except CardanError:
         changed, other = {}, [name]
     rows = "".join(f"    {at!r}: {v:.12g},\n" for at, v in changed.items() if isfinite(v))
-    lines = ["import cardan", "", f"app = cardan.read({name!r})"]
+    asked = f"cardan.life({name!r})" if drives else "cardan.check(app)"
+    lines = ["import cardan", "", *([] if drives else [f"app = cardan.read({name!r})"])]
     if rows:
         lines.append("app = cardan.change(app, {\n" + rows + "})")
-    lines += ["found = cardan.check(app)", "print(found)", ""]
-    text = "\n".join(lines)
+    text = "\n".join([*lines, f"found = {asked}", "print(found)", ""])
     # A name is never an option, nor anything a shell does.
     quoted = shlex.quote(f"./{name}" if name.startswith("-") else name)
     return {
         "script": text,
         "commands": [
             *([f"python -c {shlex.quote(text)}"] if rows else []),
-            f"cardan check {quoted} --lang {say.code}",
-            f"cardan fix {quoted} --lang {say.code}",
+            *(
+                f"cardan {command} {quoted} --lang {say.code}"
+                for command in (("life",) if drives else ("check", "fix"))
+            ),
             f"cardan serve {quoted}",
         ],
         "other": other[:20],

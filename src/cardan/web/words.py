@@ -286,6 +286,7 @@ WORDS: tuple[str, ...] = (
     "why",
     "with bearing forces over all speeds: takes longer",
     "who was asked has ended: ask again",
+    "it needs more memory than it may have: ask for less",
     "worst first",
     "x ahead, y to the left, z up",
     "x to the rear, y to the right, z up",

@@ -1,0 +1,143 @@
+"""What the workbench bounds, on loopback: memory, jobs that wait, a kill, files that are bombs."""
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+from workbench import PATIENCE, page, running
+
+from cardan.web import jobs, worker
+
+ROOT = Path(__file__).parents[2]
+TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
+BOMB = "title: &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"k{n}: &{chr(98 + n)} [{', '.join(['*' + chr(97 + n)] * 10)}]\n" for n in range(12)
+)
+"""A million million texts in twelve lines."""
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
+
+
+@pytest.fixture
+def own(tmp_path):
+    (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as found:
+        yield found
+
+
+def settled(one):
+    """Open the truck and hear its verdict; return its text."""
+    one.hello()
+    text = one.open()["saved"]
+    one.say("ask", id=1, text=text)
+    one.hear("full")
+    return text
+
+
+@linux
+def test_a_job_past_its_memory_is_told_so_and_nobody_else_is(own):
+    """Held to 60 MB more than it has, a yield of 60,000 trucks ends; the next is answered."""
+    import resource
+
+    with page(own) as one:
+        text = settled(one)
+        sigmas = {"sigmas": [{"id": "bearing_height 1", "amount": 2.0}], "count": 60_000}
+        one.say("job", id=3, job="yield", text=text, args={**sigmas, "count": 16})
+        assert "fault" not in one.hear("done")
+        pid = own.lanes.work.pid
+        assert resource.prlimit(pid, resource.RLIMIT_AS)[0] == worker.MEMORY
+        has = int(Path(f"/proc/{pid}/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.prlimit(pid, resource.RLIMIT_AS, (has + 60_000_000, worker.MEMORY))
+        one.say("job", id=4, job="yield", text=text, args={**sigmas, "sought": True})
+        assert one.hear("done")["fault"] == "MemoryError"
+        assert one.ask(text)["lines"]
+        one.say("job", id=5, job="yield", text=text, args={**sigmas, "count": 16})
+        assert "fault" not in one.hear("done")
+
+
+@linux
+def test_more_jobs_than_a_page_may_ask_wait_for_nobody(own):
+    with page(own) as one:
+        text = settled(one)
+        one.say("job", id=2, job="torsion", text=text, args={})
+        one.hear("part")
+        pid = own.lanes.work.pid
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            for number in range(3, 3 + jobs.MOST):
+                one.say("job", id=number, job="torsion", text=text, args={})
+            told = one.hear("done")
+            assert (told["id"], told["fault"]) == (2 + jobs.MOST, "too many")
+            one.say("cancel", id=3)
+            assert one.hear("done")["id"] == 3
+            one.say("job", id=99, job="limits", text=text, args={})
+            assert "limits" in one.hear("done")
+        finally:
+            os.kill(pid, signal.SIGCONT)
+
+
+@linux
+def test_a_kill_during_a_long_job_is_told_and_the_next_has_a_new_process(own):
+    with page(own) as one:
+        text = settled(one)
+        one.say("job", id=2, job="torsion", text=text, args={})
+        one.hear("part")
+        was = own.lanes.work.pid
+        os.kill(was, signal.SIGKILL)
+        assert one.hear("done") == {"type": "done", "id": 2, "job": "torsion", "fault": "ended"}
+        assert one.ask(text)["lines"]
+        one.say("job", id=3, job="torsion", text=text, args={})
+        one.hear("part")
+        assert own.lanes.work.pid not in (None, was)
+        one.say("cancel", id=3)
+        assert one.hear("done")["fault"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [(BOMB, "over 200000 entries"), ("a: " + "[" * 100_000, "nested 32 deep"),
+     ("{a: " * 50_000, "nested 32 deep"),
+     ('{"a":' * 100_000 + "1" + "}" * 100_000, "nested 32 deep")],
+    ids=["names", "lists", "tables", "json"],
+)  # fmt: skip
+def test_a_file_that_is_a_bomb_is_refused_at_once(tmp_path, text, why):
+    """Typed, opened and listed beside another: each is told what is wrong, in a second or two."""
+    (tmp_path / "bomb.yaml").write_text(text, "utf-8")
+    (tmp_path / "truck.yaml").write_text(TRUCK, "utf-8")
+    with running(tmp_path, tmp_path / "drafts") as house, page(house) as one:
+        assert one.hello()["files"] == ["bomb.yaml", "truck.yaml"]
+        one.ask(TRUCK)  # what answers is there
+        saved = one.open(0)["saved"]
+        since = time.process_time()
+        told = one.ask(saved)
+        assert why in " ".join(p["message"] + p["key"] for p in told["problems"])
+        one.say("job", id=9, job="library", text="", args={})
+        rows = {row["name"]: row for row in one.hear("done")["rows"]}
+        assert rows["truck.yaml"]["verdict"]
+        assert not rows["bomb.yaml"].get("verdict")
+        assert time.process_time() - since < PATIENCE / 6  # the server's own part
+        assert one.ask(TRUCK)["lines"]
+
+
+def test_a_message_that_is_nested_without_end_ends_its_socket_alone(own):
+    with page(own) as one:
+        one.hello()
+        one.socket.send('{"type": "ask", "edits": ' + "[" * 200_000 + "]" * 200_000 + "}")
+        with pytest.raises(ConnectionClosed):
+            one.hear("live")
+    with page(own) as other:
+        other.hello()
+        assert other.ask(TRUCK)["lines"]
+
+
+def test_a_draft_that_is_nested_without_end_is_none(own, tmp_path):
+    with page(own) as one:
+        settled(one)
+        one.say("keep", file=0, text=TRUCK + "# more\n", mark="x")
+        one.hear("kept")
+        (draft,) = (tmp_path / "drafts").iterdir()
+        draft.write_text("[" * 200_000, "utf-8")
+        assert one.open()["draft"] is None
