@@ -202,3 +202,43 @@ def test_a_campaign_tells_of_customers(tmp_path):
     want = customer(rates, quantile=0.95)
     assert (one["damage_per_hour"], one["bound_per_hour"]) == pytest.approx(want, rel=1e-6)
     assert all("usage" in r for r in found["recordings"])
+
+
+def test_a_customer_is_a_recording_and_not_a_segment(tmp_path):
+    """Two vehicles in two segments each are two customers, of whom nothing is told."""
+    rng = np.random.default_rng(2)
+    t = np.arange(4000) / RATE
+    for name in ("a", "b", "c"):
+        np.savetxt(
+            tmp_path / f"{name}.csv", np.stack([t, 14 * rng.normal(size=t.size)], -1),
+            delimiter=",", comments="", header="time,S1 [MPa]",
+        )  # fmt: skip
+    half = t[-1] / 2
+
+    def told(names):
+        rows = "".join(
+            f"  - {{file: {n}.csv, times: 5, segments: [{{name: up, to_s: {half}}}, "
+            f"{{name: down, from_s: {half}, to_s: {t[-1]}, times: 3}}]}}\n"
+            for n in names
+        )
+        plan = tmp_path / "plan.yaml"
+        plan.write_text(
+            f"campaign: Vehicles\nrecordings:\n{rows}gauges: [S1]\n"
+            "strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\ncustomer: 0.95\n"
+        )
+        out = tmp_path / "out.json"
+        done = CliRunner().invoke(command, [str(plan), "--json", str(out)])
+        assert done.exit_code == 0, done.output
+        return done.output, json.loads(out.read_text())
+
+    said, found = told("ab")
+    assert "customer" not in found
+    assert "S1: nothing is told of customers: that takes 3 recordings" in " ".join(said.split())
+    _, found = told("abc")
+    parts = found["gauges"][0]["recordings"]
+    rates = [
+        (up["damage"] + 3 * down["damage"]) / (up["live_s"] + 3 * down["live_s"]) * 3600
+        for up, down in zip(parts[::2], parts[1::2], strict=True)
+    ]
+    (one,) = found["customer"]["gauges"]
+    assert one["damage_per_hour"] == pytest.approx(customer(rates, quantile=0.95)[0], rel=1e-6)

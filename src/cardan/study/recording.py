@@ -333,6 +333,8 @@ class Mix:
         The limits' name; "" where no profile was asked.
     customer
         Share of customers that is asked for; 0 for none.
+    whose
+        Which recording of the file each part is of, in their order.
     allowed
         Damage at failure.
     campaign
@@ -346,6 +348,7 @@ class Mix:
     lives: tuple[Mixed, ...]
     profile: str
     customer: float = 0.0
+    whose: tuple[int, ...] = ()
     allowed: float = 1.0
     campaign: Campaign | None = None
     otherwise: tuple[Otherwise, ...] = ()
@@ -354,11 +357,16 @@ class Mix:
     def customers(self) -> dict[str, tuple[float, float]]:
         """Damage a second that a share of customers stays below at each gauge, and its bound.
 
-        Each recording is taken for a customer; a gauge that some did no damage to has no answer.
+        Each recording of the file is taken for a customer, its segments for what he drives; a
+        gauge that some did no damage to has no answer.
         """
         found: dict[str, tuple[float, float]] = {}
         for one in self.lives if self.customer else ():
-            rates = [p.life.damage / p.life.duration for p, _ in one.parts if p.life.duration > 0]
+            driven: dict[int, list[tuple[GaugeLife, float]]] = {}
+            for whose, part in zip(self.whose, one.parts, strict=True):
+                driven.setdefault(whose, []).append(part)
+            each = [Mixed(one.name, tuple(parts)).life for parts in driven.values()]
+            rates = [life.damage / life.duration for life in each if life.duration > 0]
             if len(rates) >= FEWEST_CUSTOMERS and min(rates) > 0 and not one.vetoes:
                 found[one.name] = customer(rates, quantile=self.customer)
         return found
@@ -411,21 +419,25 @@ def listen_to_all(
     profile, own = asked.asked()
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
-    for drive in written.drives:
+    whose: list[int] = []
+    for k, drive in enumerate(written.drives):
         campaign, whole = driven(asked, drive)
         segments = drive.segments or (None,)
         for segment in segments:
             name, times, recording, seconds = drive.name, drive.times, whole, 0.0
+            heard = campaign
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
                 first, last = _times(campaign, whole, segment)
                 seconds, recording = last - first, between(whole, first, last)
+                heard = campaign.within(first, last)
             answer = (
-                RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
+                RecordingStudy(heard, draw=draw).run(replace(recording, name=name), tell).answer
             )
             assert answer is not None
             answer = _ended(answer, seconds)
             parts.append((name, times, answer))
+            whose.append(k)
     names = [one.name for one in parts[0][2].lives]
     lives = tuple(
         Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts))
@@ -440,6 +452,7 @@ def listen_to_all(
             lives=lives,
             profile=profile,
             customer=written.customer,
+            whose=tuple(whose),
             allowed=asked.allowed,
             campaign=asked,
             otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
@@ -751,6 +764,7 @@ def _used(
         seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
+        begins=recording.begins,
     )  # fmt: skip
 
 
