@@ -12,6 +12,8 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.files.campaign import read, schema
+from cardan.report.language import EN, Language
+from cardan.report.life import under_way
 
 RATE = 500.0
 T = np.arange(20_000) / RATE
@@ -214,6 +216,37 @@ def test_options_stand_in_the_file(folder):
     done = run("life", folder / "c.yaml")
     assert done.exit_code == 2
     assert "no such file" in done.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("gauges: [S1, B1]", "", "c.yaml: name the gauges with gauges;"),
+        ("[S1, B1]", "[S1, B1]\nmean_stress: goodman", "the tensile strength: ultimate_MPa"),
+        ("[S1, B1]", "[S1, B1]\nmask: [0..99]", "c.yaml: mask leaves nothing of S1"),
+        (
+            "channels: {B1: {factor: 400, offset: 5, unit: MPa}}", "",
+            "scale it: channels: {B1: {factor: FACTOR, offset: 0, unit: UNIT}}",
+        ),
+    ],
+)  # fmt: skip
+def test_a_campaign_is_refused_in_the_words_of_its_file(folder, old, new, said):
+    (folder / "c.yaml").write_text(CAMPAIGN.replace(old, new))
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert said in done.output
+    assert "--" not in done.output
+    for lang in ("pt", "it"):
+        other = run("life", folder / "c.yaml", "--lang", lang)
+        assert other.exit_code == 2
+        assert "--" not in other.output
+        assert done.output.partition(": ")[2] != other.output.partition(": ")[2]
+
+
+def test_it_says_what_is_done():
+    assert under_way("look 12%", EN) == "reading: 12%"
+    assert under_way("count 7 s", EN) == "counting cycles: 7 s"
+    assert under_way("cause 100%", Language("pt")) == "procurando causas"
 
 
 def test_what_is_corrected_is_of_one_recording_identified(folder):

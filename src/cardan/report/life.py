@@ -147,6 +147,18 @@ def _cut(speed: FloatArray, amplitude: FloatArray, *, step: float = 100.0) -> li
     ]
 
 
+_DOING = {"look": "reading", "count": "counting cycles", "usage": "counting cycles",
+          "strain": "counting cycles", "draw": "drawing"}  # fmt: skip
+"""What is done in a pass over a recording, by its name in a study; all others seek causes."""
+
+
+def under_way(doing: str, say: Language) -> str:
+    """Return what a study does, and how far its pass is; behind a whole one it is thought over."""
+    name, far = doing.split(maxsplit=1)
+    said = say(_DOING.get(name, "looking for causes"))
+    return said if far == "100%" else f"{said}: {far}"
+
+
 def document(found: Finding[Heard]) -> dict[str, Any]:
     """Return the JSON contract of `cardan life`: what is null is infinite or not known."""
     of = _heard(found)

@@ -745,7 +745,9 @@ class Campaign:
                 msg = f"a rosette is NAME=A,B,C with three channels, got {text!r}"
                 raise DesignError(msg)
             for twice in (c for k, c in enumerate(channels) if c in channels[:k]):
-                msg = f"rosette {name}: {twice} stands in it twice; three channels are one grid each"
+                msg = (
+                    f"rosette {name}: {twice} stands in it twice; three channels are one grid each"
+                )
                 raise DesignError(msg)
             units = np.array([_unit(recording, c, given, STRAIN) for c in channels])
             found += [
@@ -858,6 +860,33 @@ def _rule(text: str, *, mask: bool) -> Rule:
         msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"
         raise DesignError(msg)
     return Rule(mask=mask, kind=kind, channel=channel, first=first, last=last)
+
+
+_KEYS = {"gauge": "gauges", "rosette": "rosettes", "sn": "strength", "rate": "rate_Hz",
+         "unit-stress": "unit_stress_MPa_kN"}  # fmt: skip
+"""Options that a campaign's file calls otherwise than in their own words."""
+
+
+def keyed(said: str) -> str:
+    """Return what is said of options in the words of a campaign's file, whatever the language.
+
+    >>> keyed("goodman needs the tensile strength: --ultimate-MPa")
+    'goodman needs the tensile strength: ultimate_MPa'
+    """
+    said = re.sub(
+        r"--scale (.+?)=(\S+?)(?:\[?,(\S+?)\]?)?:(\S+)",
+        lambda m: (
+            f"channels: {{{m[1]}: {{factor: {m[2]}, {'offset: 0, ' * bool(m[3])}unit: {m[4]}}}}}"
+        ),
+        said,
+    )
+    options = {f.name for f in fields(Campaign)}
+
+    def key(at: re.Match[str]) -> str:
+        name = at[1].replace("-", "_")
+        return _KEYS.get(at[1], name if name in options else at[0])
+
+    return re.sub(r"--([A-Za-z][A-Za-z-]*[A-Za-z])", key, said)
 
 
 def numbers(text: str) -> tuple[float, ...]:

@@ -13,7 +13,13 @@ from typing import Protocol
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.errors import DesignError, NotInstalled
+from cardan.base.errors import (
+    BadFile,
+    CardanError,
+    DesignError,
+    NotInstalled,
+    RefusedInFile,
+)
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
@@ -38,7 +44,7 @@ from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.model.application import Application
 from cardan.study.approval import coverage_of, verdict_of
-from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, numbers
+from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, keyed, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
@@ -403,6 +409,22 @@ def listen_to_all(
         As `listen`, of the file and of each recording.
     """
     written = campaigned(of, allow_outside=allow_outside) if isinstance(of, Path) else of
+    try:
+        return _listened(
+            written, limits=limits, tell=tell, draw=draw, identified=identified, changed=changed,
+            checked=checked,
+        )  # fmt: skip
+    except (BadFile, NotInstalled):
+        raise
+    except CardanError as error:
+        raise RefusedInFile(error, file=written.name, worded=keyed) from error
+
+
+def _listened(
+    written: Campaigned, *, limits: Sequence[Limit], tell: Tell, draw: bool, identified: bool,
+    changed: bool, checked: Application | None,
+) -> Finding[Mix]:  # fmt: skip
+    """Ask every recording of a campaign that was read."""
     asked = Campaign(**written.options)
     if asked.application is not None and checked is not None:
         _same_design(asked.application, checked)
