@@ -1,6 +1,7 @@
 """A campaign's file: many recordings, one question; the same answers as one by one."""
 
 import json
+from dataclasses import replace
 
 import jsonschema
 import numpy as np
@@ -11,6 +12,8 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.files.campaign import read, schema
+from cardan.report.language import EN, Language
+from cardan.report.life import under_way
 
 RATE = 500.0
 T = np.arange(20_000) / RATE
@@ -215,6 +218,37 @@ def test_options_stand_in_the_file(folder):
     assert "no such file" in done.output
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("gauges: [S1, B1]", "", "c.yaml: name the gauges with gauges;"),
+        ("[S1, B1]", "[S1, B1]\nmean_stress: goodman", "the tensile strength: ultimate_MPa"),
+        ("[S1, B1]", "[S1, B1]\nmask: [0..99]", "c.yaml: mask leaves nothing of S1"),
+        (
+            "channels: {B1: {factor: 400, offset: 5, unit: MPa}}", "",
+            "scale it: channels: {B1: {factor: FACTOR, offset: 0, unit: UNIT}}",
+        ),
+    ],
+)  # fmt: skip
+def test_a_campaign_is_refused_in_the_words_of_its_file(folder, old, new, said):
+    (folder / "c.yaml").write_text(CAMPAIGN.replace(old, new))
+    done = run("life", folder / "c.yaml")
+    assert done.exit_code == 2
+    assert said in done.output
+    assert "--" not in done.output
+    for lang in ("pt", "it"):
+        other = run("life", folder / "c.yaml", "--lang", lang)
+        assert other.exit_code == 2
+        assert "--" not in other.output
+        assert done.output.partition(": ")[2] != other.output.partition(": ")[2]
+
+
+def test_it_says_what_is_done():
+    assert under_way("look 12%", EN) == "reading: 12%"
+    assert under_way("count 7 s", EN) == "counting cycles: 7 s"
+    assert under_way("cause 100%", Language("pt")) == "procurando causas"
+
+
 def test_what_is_corrected_is_of_one_recording_identified(folder):
     done = run("life", folder / "c.yaml", "--corrected", folder / "new.yaml")
     assert done.exit_code == 2
@@ -311,6 +345,60 @@ def test_a_recording_beside_another():
     np.testing.assert_array_equal(both.whole(["v"])[0][150:200], v[150:200])
     with pytest.raises(DesignError, match="both have a channel 'x'"):
         alongside(fast, recording("c", 10.0, x=np.arange(20.0)))
+    for late in (5.0, -2.0):
+        with pytest.raises(DesignError, match="no time in common"):
+            alongside(fast, slow, late=late)
+
+
+@pytest.mark.parametrize("rate", [10.0, 7.0])
+def test_the_faster_of_two_gives_the_clock(rate):
+    """A gauge of 100 Hz beside a slow bus that was named first keeps every sample."""
+    rng = np.random.default_rng(3)
+    slow, x = recording("b", rate, v=np.arange(50.0)), rng.normal(size=600)
+    pieces = [[0, 1, 17], [17, 18], [18, 50]]
+    cut = replace(
+        slow, read=lambda of: (slow.whole()[list(of), a[0] : a[-1]] for a in pieces), samples=None
+    )
+    for first in (slow, cut):
+        both = alongside(first, recording("a", 100.0, x=x), late=-1.0)
+        v, found = both.whole()
+        assert both.rate == 100.0
+        assert v.size == int(49 / rate * 100) + 1
+        np.testing.assert_allclose(v, np.arange(v.size) / 100 * rate, atol=1e-9)
+        kept = min(v.size, 500)
+        np.testing.assert_allclose(found[:kept], x[100 : 100 + kept], atol=1e-9)
+        assert both.notes[-1].endswith("straight between b's samples")
+
+
+def test_rules_of_a_segment_go_by_the_clock_of_its_file(folder):
+    """Masked from 30 to 32 s, of a segment that begins at 25: that is 5 to 7 s of it."""
+    rules = "    mask: [S1=30..32, S1=dropout@26..]\n    segments:\n"
+    plain = (folder / "c.yaml").read_text()
+    (folder / "c.yaml").write_text(plain.replace("    segments:\n", rules))
+    done = run("life", folder / "c.yaml", "--json")
+    assert done.exit_code == 0, done.output
+    up, down = json.loads(done.stdout)["recordings"][1:]
+    assert up["rules"]["masked"] == []
+    assert [(r["from_s"], r["to_s"]) for r in down["rules"]["masked"]] == [(30, 32), (26, None)]
+    assert up["gauges"][0]["quality"]["live_s"] == pytest.approx(25, abs=0.01)
+    assert down["gauges"][0]["quality"]["live_s"] == pytest.approx(13, abs=0.01)
+    # What it lost is what stood there.
+    whole = alone(folder / "hill.csv", "--mask", "0..25", "--mask", "30..32")
+    assert down["gauges"][0]["damage"] == pytest.approx(whole["damage"], rel=0.02)
+
+
+def test_times_of_a_segment_are_told_by_the_clock_of_its_file(folder):
+    """A spike at 30 s, of a segment that begins at 25, and the stress that is the largest."""
+    head, *rows = (folder / "hill.csv").read_text().splitlines()
+    at = 1 + next(k for k, row in enumerate(rows) if float(row.split(",")[0]) >= 30.0)
+    time, _, other = rows[at].split(",")
+    rows[at] = f"{time},500,{other}"
+    (folder / "hill.csv").write_text("\n".join([head, *rows]))
+    (folder / "c.yaml").write_text((folder / "c.yaml").read_text() + "usage: true\n")
+    down = json.loads(run("life", folder / "c.yaml", "--json").stdout)["recordings"][2]
+    (spike,) = [s for s in down["channels"][0]["suspects"] if s["kind"] == "spike"]
+    assert spike["places"][0]["from_s"] == pytest.approx(float(time), abs=1e-6)
+    assert down["usage"]["S1"]["peaks"][0]["time_s"] == pytest.approx(float(time), abs=1e-6)
 
 
 def test_a_segment_by_place_is_the_time_it_was_driven_in(tmp_path):

@@ -105,6 +105,29 @@ def test_a_rosette_is_one_gauge():
     assert set(one.health) == {"a", "b", "c"}
 
 
+def test_each_grid_of_a_rosette_has_its_own_unit(tmp_path):
+    """One logger writes m/m, the others µm/m: the stress is that of all in one unit."""
+    pytest.importorskip("pyarrow")
+    t = np.arange(2000) / 200.0
+    grids = np.stack([300 * np.sin(9 * t), 200 * np.sin(11 * t + 1), 400 * np.sin(7 * t + 2)])
+
+    def damage(units, *more):
+        scaled = grids / np.array([1e6 if u == "m/m" else 1.0 for u in units])[:, None]
+        path = tmp_path / "r.csv"
+        head = ",".join(("time", *(f"{n} [{u}]" for n, u in zip("abc", units, strict=True))))
+        np.savetxt(path, np.vstack([t, scaled]).T, delimiter=",", header=head, comments="")
+        done = CliRunner().invoke(
+            command, [str(path), "--rosette", "R=a,b,c", "--sn", "30,2e6,5", "--json", *more]
+        )
+        assert done.exit_code == 0, done.output
+        return json.loads(done.stdout)["gauges"][0]["damage"]
+
+    alike = damage(["um/m"] * 3)
+    assert damage(["um/m", "um/m", "m/m"]) == pytest.approx(alike, rel=1e-9)
+    with pytest.raises(AssertionError, match="'V'; write c:UNIT"):
+        damage(["um/m", "um/m", "V"])
+
+
 def test_planes_of_a_rosette_are_a_gauge_each(tmp_path):
     """Tension along grid a is felt most on the plane across it, not at all on the one along."""
     t = np.arange(6000) / RATE
@@ -296,6 +319,7 @@ def test_an_application_predicts_the_second_order(parquet):
         (("--gauge", "S1", "--sn", "30,2e6,-5"), "slope of an S-N curve must be above 0"),
         (("--gauge", "S1", "--sn", "30,2e6,5", "--mean-stress", "goodman"), "--ultimate-MPa"),
         (("--rosette", "R=S1,S2", "--sn", "30,2e6,5"), "three channels"),
+        (("--rosette", "R=S1,S2,S1:um/m", "--sn", "30,2e6,5"), "rosette R: S1 stands in it twice"),
         (("--gauge", "S1", "--sn", "30,2e6,5", "--low-pass-Hz", "900"), "cutoff"),
         (("--gauge", "S1"), "--sn MPa,CYCLES,SLOPE"),
         ((*ALL, "--predicted", "S1:4"), "GAUGE=MPa_per_kNm"),

@@ -95,6 +95,19 @@ def test_odds_of_lognormals_are_exact(tone):
     assert found["shares"]["strength"] == pytest.approx(strength, rel=0.01)
 
 
+def test_what_fails_more_often_than_not_is_told_as_sharply(tone):
+    """Drawn about the failures, parts that fail would weigh up to a hundredfold: 0.85 for 0.96."""
+    damage = json.loads(run(tone, "--json", "-q").output)["gauges"][0]["damage"]
+    found = told(
+        tone, "--service-hours", 6 / damage * 20 / 3600, "--scatter", "0.05", "--gauge-error", "0.1"
+    )["odds"]
+    assert found["first_order"] > 0.9
+    # A share of 2000 parts.
+    error = math.sqrt(found["first_order"] * (1 - found["first_order"]) / 2000)
+    assert found["sampled_error"] == pytest.approx(error, rel=0.2)
+    assert found["sampled"] == pytest.approx(found["first_order"], abs=4 * error)
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -331,6 +331,19 @@ def test_zeros_out_of_nothing_are_holes_and_a_stop_is_a_stop():
         readings(np.full(100, np.nan), rate=100.0)
 
 
+def test_a_speed_that_a_bus_holds_is_steady_until_it_changes():
+    """Half a minute at one speed, in steps of a tenth of a second: no ramp to the next one."""
+    t = np.arange(0, 100, 0.005)
+    drive = np.interp(t, [0, 30, 33, 63, 63.1, 100], [12, 12, 20, 20, 6, 6])
+    held = np.repeat(np.round(drive[::20], 2), 20)
+    read = readings(held, rate=200.0).at(t)
+    assert np.abs(read - drive)[(t < 62.8) | (t > 63.3)].max() < 0.4
+    # And where it says but three values in all.
+    few = np.where(t < 30, 12.0, np.where(t < 63, 20.0, 6.0))
+    off = np.abs(readings(few, rate=200.0).at(t) - few) > 0.01
+    assert np.mean(off) * 100 <= 2.1
+
+
 def test_a_staircase_is_turned_by_the_engine():
     """Once a second and half a second late: the engine's channel knows better."""
     case = made(7, **GUILTY_ONE | {"fault": "staircase", "steps": 1.0, "late": 0.5})

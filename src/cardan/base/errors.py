@@ -3,13 +3,14 @@
     CardanError
         DesignError       a part or a layout that cannot exist
         BadFile           a file that cannot be read as meant: all its problems at once
+        RefusedInFile     what a file asks, refused by who knows it by other words
         NotConverged      a solver stopped early
         NotInstalled      something optional is needed and absent
 
 A wrong argument in code is a plain `ValueError`.
 """
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 import numpy as np
@@ -32,6 +33,17 @@ class DesignError(CardanError):
     def __init__(self, message: str = "", *, about: str = "") -> None:
         super().__init__(message)
         self.about = about
+
+
+class RefusedInFile(CardanError):  # noqa: N818  the name says whose words they are
+    """What a file asks, refused by who knows it by the options of a command.
+
+    `worded` puts a refusal, in any language, into the words of `file`.
+    """
+
+    def __init__(self, why: CardanError, *, file: str, worded: Callable[[str], str]) -> None:
+        super().__init__(f"{file}: {worded(str(why))}")
+        self.why, self.file, self.worded = why, file, worded
 
 
 class NotConverged(CardanError):  # noqa: N818  the name is the news

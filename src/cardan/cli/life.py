@@ -348,7 +348,10 @@ def life(
     )
     campaign = Campaign(application=predicting, changed=instead, **options)
     with progress(say("reading"), quiet=quiet) as line:
-        found = listen(recording, campaign, line.study, draw=bool(html or pdf))
+        found = listen(
+            recording, campaign, lambda doing, *_: line.write(report.under_way(doing, say)),
+            draw=bool(html or pdf),
+        )  # fmt: skip
     if json_out is not None:
         write_json(report.document(found), json_out)
     if json_out != "-":
@@ -411,6 +414,7 @@ def _campaign(
     """Ask all the recordings of a campaign's file."""
     from cardan.report import life as report
     from cardan.report.screen import folded
+    from cardan.study.campaign import keyed
     from cardan.study.recording import listen_to_all, verdict_on
 
     context = click.get_current_context()
@@ -430,13 +434,14 @@ def _campaign(
     )  # fmt: skip
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
-            path, allow_outside=allow_outside, tell=line.study, draw=bool(html or pdf),
+            path, allow_outside=allow_outside, draw=bool(html or pdf),
+            tell=lambda doing, *_: line.write(report.under_way(doing, say)),
             identified=bool(corrected or load_history), changed=bool(changed_history),
         )  # fmt: skip
     if json_out is not None:
         write_json(report.mix_document(found), json_out)
     if json_out != "-":
-        put_lines(folded(report.mix_terminal(found, say), screen()))
+        put_lines(folded(map(keyed, report.mix_terminal(found, say)), screen()))
     if html or pdf:
         from cardan.report import recording_story as story
 

@@ -42,6 +42,9 @@ RAMP = 0.45
 """Full scales a second at which no shaft under a vehicle gains speed: 3700 rpm a second."""
 MOST = 2_500_000
 """Times of a rotation: seven hours at a hundred a second, and a longer drive is met less often."""
+HELD, UPDATE, RARELY = 3, 1.0, 4.0
+"""Readings, all alike, from which a speed is steady and not a step of a staircase; seconds in which
+it comes to its next speed at most, and seconds between readings at most as they are counted."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 
@@ -134,9 +137,12 @@ def readings(speed: FloatArray, *, rate: float) -> Readings:
     period = float(np.median(steps) if steps.size else np.count_nonzero(moving)) / rate
     if period < STAIR:
         return Readings(place / rate, value, known, period)
-    # Constant stretches longer than a few steps are steady speed, held at both ends.
     gap = np.diff(np.append(place, x.size))
     keep = fresh | np.append(fresh[1:], True) & (gap > 1) | (value == 0)
+    # A stretch of many readings is steady speed, held until the last before the next.
+    start = np.append(np.flatnonzero(fresh), value.size)
+    steady = np.diff(start) > HELD * min(period, RARELY) * rate
+    keep[np.maximum(start[1:][steady] - max(round(min(period, UPDATE) * rate), 1), 0)] = True
     return Readings(place[keep] / rate, value[keep], known, period)
 
 

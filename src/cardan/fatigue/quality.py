@@ -73,6 +73,11 @@ class Rule:
     first: float = 0.0
     last: float = float("inf")
 
+    @property
+    def always(self) -> bool:
+        """Whether it names no time."""
+        return (self.first, self.last) == (0.0, float("inf"))
+
     def concerns(self, channel: str, kind: str) -> bool:
         """Whether it decides on this kind of this channel."""
         return self.kind in ("", kind) and self.channel in ("", channel)

@@ -44,6 +44,8 @@ class Recording:
         Per channel, where known without reading.
     notes
         What the reader wants said: rows left out, units not given.
+    begins : s
+        Where its first sample lies on the clock of its file: a stretch of it begins later.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Recording:
     read: Callable[[tuple[int, ...]], Iterable[FloatArray]]
     samples: int | None = None
     notes: tuple[str, ...] = ()
+    begins: float = 0.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -150,7 +153,10 @@ def between(recording: Recording, first: float, last: float, *, name: str = "") 
             raise DesignError(msg)
 
     samples = None if there is None else min(stop, there) - start
-    return replace(recording, name=name or recording.name, read=read, samples=samples)
+    return replace(
+        recording, name=name or recording.name, read=read, samples=samples,
+        begins=recording.begins + start / recording.rate,
+    )  # fmt: skip
 
 
 def holed(recording: Recording, name: str, runs: FloatArray) -> Recording:
@@ -173,15 +179,35 @@ def holed(recording: Recording, name: str, runs: FloatArray) -> Recording:
     return replace(recording, read=read)
 
 
-def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recording:
-    """Return a recording with the channels of another, straight between their samples.
+def quicker(recording: Recording, rate: float) -> Recording:
+    """Return a recording at a higher rate, Hz, straight between its samples."""
+    ratio = recording.rate / rate
 
-    `late` is how much later than this one the other began, s. The other is held in memory.
+    def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
+        first = given = 0
+        held = np.empty((len(places), 0))
+        for piece in recording.read(places):
+            held = np.concatenate([held, piece], axis=-1)
+            known = first + np.arange(held.shape[-1])
+            at = np.arange(given, int(np.floor(known[-1] / ratio + 1e-9)) + 1) * ratio
+            yield np.stack([np.interp(at, known, x) for x in held])
+            first, given, held = int(known[-1]), given + at.size, held[:, -1:].copy()
+
+    n = recording.samples
+    samples = None if not n else int(np.floor((n - 1) / ratio + 1e-9)) + 1
+    return replace(recording, rate=rate, read=read, samples=samples)
+
+
+def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recording:
+    """Return a recording with the channels of another, at the higher rate of the two.
+
+    The slower one's are laid straight between their samples. `late` is how much later than this
+    one the other began, s. The other is held in memory.
 
     Raises
     ------
     DesignError
-        If both have a channel of one name.
+        If both have a channel of one name, or they were never under way together.
     """
     for name in other.names:
         if name in own.names:
@@ -190,24 +216,37 @@ def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recordi
     whole = other.whole()
     time = late + np.arange(whole.shape[-1]) / other.rate
     count = len(own.channels)
+    slower = own if own.rate < other.rate else other
+    mine = quicker(own, other.rate) if slower is own else own
+
+    def apart(seconds: float) -> None:
+        if not time.size or time[-1] < 0 or time[0] >= seconds:
+            msg = f"{other.name}, {late:g} s later, and {own.name} have no time in common"
+            raise DesignError(msg)
+
+    apart(np.inf if mine.samples is None else mine.samples / mine.rate)
 
     def read(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        mine = tuple(k for k in places if k < count) or (0,)
+        wanted = tuple(k for k in places if k < count) or (0,)
         done = 0
-        for piece in own.read(mine):
-            t = (done + np.arange(piece.shape[-1])) / own.rate
+        for piece in mine.read(wanted):
+            t = (done + np.arange(piece.shape[-1])) / mine.rate
             done += piece.shape[-1]
             yield np.stack(
                 [
-                    piece[mine.index(k)]
+                    piece[wanted.index(k)]
                     if k < count
                     else np.interp(t, time, whole[k - count], left=np.nan, right=np.nan)
                     for k in places
                 ]
             )
+        apart(done / mine.rate)
 
-    note = f"with {other.name} ({other.rate:g} Hz), {late:g} s later, straight between its samples"
+    whose = "its" if slower is other else f"{own.name}'s"
+    note = (
+        f"with {other.name} ({other.rate:g} Hz), {late:g} s later, straight between {whose} samples"
+    )
     return replace(
-        own, channels=(*own.channels, *other.channels), read=read,
+        mine, channels=(*own.channels, *other.channels), read=read,
         notes=(*own.notes, *other.notes, note),
     )  # fmt: skip

@@ -168,13 +168,16 @@ def rosette_gauge(
     name: str,
     channels: tuple[str, ...],
     *,
-    unit: float = 1e-6,
+    unit: float | FloatArray = 1e-6,
     angles: tuple[Radian, ...] = RECTANGULAR,
     modulus: Pascal = 206 * GPa,
     poisson: float = 0.3,
     measure: Measure = signed_mises,
 ) -> Gauge:
-    """Return a rosette whose stress is one measure of its plane stress."""
+    """Return a rosette whose stress is one measure of its plane stress.
+
+    `unit` is that of the strains, one for all grids or (grids, 1).
+    """
 
     def plane(piece: FloatArray) -> PlaneStress:
         return rosette(piece * unit, angles=angles, modulus=modulus, poisson=poisson)

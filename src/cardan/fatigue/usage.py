@@ -25,9 +25,11 @@ SECOND = 1.0
 LARGEST = 400
 """Cycles that are kept with their second, the largest of each gauge."""
 
-TOGETHER, BLOCKS = 30, 40
+TOGETHER, BLOCKS = 30, 20
 """Seconds that are drawn together, at most, for a manoeuvre is not taken apart; of a short
-recording fewer, so that there are as many blocks: of ten the draws say too little."""
+recording fewer, so that there are as many blocks: of ten the draws say too little. Five minutes of
+a road that changes every twenty seconds: 31 of 40 intervals of 90 % hold the truth, of twice as
+many blocks 24."""
 
 SURE = 1.645
 """Standard deviations to either side of a 90 % interval."""
@@ -44,20 +46,21 @@ class Usage:
     ----------
     damage : (m,) 1
         Of the cycles that closed in each second.
-    open : 1
-        Damage of what is left open, by the rule for the residue.
+    left : (m,) 1
+        Of what is left open, by the rule for the residue and by the second a leg of it ends in.
     high, low : (m,) Pa
         Largest and smallest stress; nan where nothing was heard.
     at_high, at_low : (m,) s
         When these were.
     live : (m,) s
         Time that was heard.
-    largest, when : (k,) Pa and (k,) s
-        Equivalent amplitudes of the largest cycles, and the seconds they closed in.
+    largest, when, count : (k,) Pa, s and 1
+        Equivalent amplitudes of the largest cycles, the seconds they closed in, or a leg ended, and
+        as how many each counts.
     """
 
     damage: FloatArray
-    open: float
+    left: FloatArray
     high: FloatArray
     low: FloatArray
     at_high: FloatArray
@@ -65,6 +68,12 @@ class Usage:
     live: FloatArray
     largest: FloatArray
     when: IntArray
+    count: FloatArray
+
+    @property
+    def open(self) -> float:
+        """Damage of what is left open."""
+        return float(self.left.sum())
 
 
 def usage(
@@ -88,10 +97,16 @@ class _Gauge:
     def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction, self.residue = curve, correction, NONE
         self.rows: list[tuple[float, ...]] = []
-        self.largest, self.when = NONE, np.empty(0, np.int64)
+        self.met = np.empty(0, np.int64)
+        self.largest, self.when, self.count = NONE, np.empty(0, np.int64), NONE
 
     def add(self, k: int, x: FloatArray, *, rate: float, start: float) -> None:
-        cycles, self.residue = four_point(x, residue=self.residue)
+        before = self.residue
+        cycles, self.residue = four_point(x, residue=before)
+        # What was open and still is stands in front; what came on top is of this second.
+        n = min(before.size, self.residue.size)
+        same = int(np.logical_and.accumulate(before[:n] == self.residue[:n]).sum())
+        self.met = np.append(self.met[:same], np.full(self.residue.size - same, k))
         known = np.flatnonzero(~np.isnan(x))
         top = bottom = at_top = at_bottom = np.nan
         if known.size:
@@ -100,20 +115,32 @@ class _Gauge:
             at_top, at_bottom = start + i / rate, start + j / rate
         damage = miner(cycles, curve=self.curve, correction=self.correction)
         self.rows.append((damage, top, bottom, at_top, at_bottom, known.size / rate))
-        if cycles.count.size:
-            size = np.concatenate([self.largest, self._equivalent(cycles)])
-            when = np.concatenate([self.when, np.full(cycles.count.size, k)])
-            keep = np.argsort(-size, kind="stable")[:LARGEST]
-            self.largest, self.when = size[keep], when[keep]
+        self._keep(cycles, np.full(cycles.count.size, k))
+
+    def _keep(self, cycles: Cycles, when: IntArray) -> None:
+        if not cycles.count.size:
+            return
+        size = np.concatenate([self.largest, self._equivalent(cycles)])
+        when, count = (
+            np.concatenate(both) for both in ((self.when, when), (self.count, cycles.count))
+        )
+        keep = np.argsort(-size, kind="stable")[:LARGEST]
+        self.largest, self.when, self.count = size[keep], when[keep], count[keep]
 
     def _equivalent(self, cycles: Cycles) -> FloatArray:
         return self.correction(cycles.amplitude, (cycles.start + cycles.end) / 2)
 
     def result(self, rule: ResidueRule) -> Usage:
-        left = miner(rule(self.residue), curve=self.curve, correction=self.correction)
+        legs = rule(self.residue)
+        order = np.argsort(self.residue, kind="stable")
+        ends = (order[np.searchsorted(self.residue[order], e)] for e in (legs.start, legs.end))
+        when = np.maximum(*(self.met[end] for end in ends))
+        self._keep(legs, when)
+        left = np.zeros(len(self.rows))
+        np.add.at(left, when, legs.count * self.curve.damage(self._equivalent(legs)))
         damage, high, low, at_high, at_low, live = np.array(self.rows).reshape(-1, 6).T
         return Usage(
-            damage, left, high, low, at_high, at_low, live, self.largest, self.when
+            damage, left, high, low, at_high, at_low, live, self.largest, self.when, self.count
         )  # fmt: skip
 
 
@@ -202,16 +229,16 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
     """
     from scipy.stats import t as student
 
-    live = float(of.live.sum())
-    if not live > 0 or not of.damage.sum() > 0:
+    live, done = float(of.live.sum()), of.damage + of.left
+    if not live > 0 or not done.sum() > 0:
         return Extrapolated(0.0, 0.0, (0.0, 0.0))
     m = of.damage.size
     above = _tail(of)
-    size, when = of.largest[:above], of.when[:above]
+    size, when, many = of.largest[:above], of.when[:above], of.count[:above]
     threshold = float(of.largest[above]) if of.largest.size > above else 0.0
     own = np.zeros(m)
-    np.add.at(own, when, curve.damage(size))
-    below = np.maximum(of.damage - own, 0.0)
+    np.add.at(own, when, many * curve.damage(size))
+    below = np.maximum(done - own, 0.0)
     together = max(min(TOGETHER, m // BLOCKS), 1)
     count = -(-m // together)
     block = np.minimum(np.arange(m) // together, count - 1)
@@ -221,8 +248,8 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
 
     by_block = {
         "below": summed(below, block), "live": summed(of.live, block),
-        "many": summed(np.ones(above), block[when]),
-        "excess": summed(size - threshold, block[when]),
+        "many": summed(many, block[when]),
+        "excess": summed(many * (size - threshold), block[when]),
     }  # fmt: skip
 
     def rate(weight: FloatArray, stretched: float = 1.0) -> float:
@@ -234,7 +261,7 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
             tail = drawn["many"] * _mean_damage(
                 curve, threshold, stretched * drawn["excess"] / drawn["many"]
             )
-        return (drawn["below"] + tail + of.open) / drawn["live"]
+        return (drawn["below"] + tail) / drawn["live"]
 
     rng = np.random.default_rng(seed)
     # A mean excess is itself known to one part in the root of its number.
@@ -245,9 +272,9 @@ def extrapolated(of: Usage, *, curve: SNCurve, seed: int = 0) -> Extrapolated:
         )
         for _ in range(DRAWS)
     ]
-    whole, long_run = (float(of.damage.sum()) + of.open) / live, rate(np.ones(count))
+    whole, long_run = float(done.sum()) / live, rate(np.ones(count))
     # Few blocks hold the damage: draws of them scatter less than recordings do, as by Student.
-    held = summed(of.damage, block)
+    held = summed(done, block)
     few = max(float(held.sum() ** 2 / (held**2).sum()) - 1, 1.0)
     wider = float(student.ppf(0.95, few)) / SURE
     ends = np.maximum(np.quantile(draws, [0.05, 0.95]), 1e-300)

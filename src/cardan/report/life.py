@@ -27,7 +27,7 @@ from cardan.report.wording import gaps, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.campaign import ASKED
 from cardan.study.finding import Finding
-from cardan.study.recording import Heard, Mix, Mixed, OtherWay, verdict_on
+from cardan.study.recording import FEWEST_CUSTOMERS, Heard, Mix, Mixed, OtherWay, verdict_on
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,8 +98,8 @@ MOST = 100
 """Places of one kind of fault that the contract lists, those farthest off."""
 
 
-def _suspects(health: Health, rate: float) -> list[dict[str, Any]]:
-    """Return the places of each kind of fault, in s and the channel's unit."""
+def _suspects(health: Health, rate: float, begins: float) -> list[dict[str, Any]]:
+    """Return the places of each kind of fault, in s of its file and the channel's unit."""
     found: list[dict[str, Any]] = []
     for kind, where in health.faults.items():
         size = np.abs(where.sizes)
@@ -111,7 +111,11 @@ def _suspects(health: Health, rate: float) -> list[dict[str, Any]]:
                 "count": where.count,
                 "samples": where.samples,
                 "places": [
-                    {"from_s": first / rate, "to_s": last / rate, "size": _number(height)}
+                    {
+                        "from_s": begins + first / rate,
+                        "to_s": begins + last / rate,
+                        "size": _number(height),
+                    }
                     for (first, last), height in zip(
                         where.runs[far].tolist(), where.sizes[far], strict=True
                     )
@@ -141,6 +145,18 @@ def _cut(speed: FloatArray, amplitude: FloatArray, *, step: float = 100.0) -> li
         }
         for b in np.unique(band)
     ]
+
+
+_DOING = {"look": "reading", "count": "counting cycles", "usage": "counting cycles",
+          "strain": "counting cycles", "draw": "drawing"}  # fmt: skip
+"""What is done in a pass over a recording, by its name in a study; all others seek causes."""
+
+
+def under_way(doing: str, say: Language) -> str:
+    """Return what a study does, and how far its pass is; behind a whole one it is thought over."""
+    name, far = doing.split(maxsplit=1)
+    said = say(_DOING.get(name, "looking for causes"))
+    return said if far == "100%" else f"{said}: {far}"
 
 
 def document(found: Finding[Heard]) -> dict[str, Any]:
@@ -313,6 +329,13 @@ def customers(of: Mix, say: Language) -> Iterator[str]:
             hours=_long(of.allowed / (rate * hour), say),
             least=_long(of.allowed / (bound * hour), say),
         )  # fmt: skip
+    for one in of.lives if of.customer else ():
+        if one.name not in of.customers:
+            yield say(
+                "{gauge}: nothing is told of customers: that takes {count} recordings or more, "
+                "each of which did damage there, and no veto",
+                gauge=one.name, count=FEWEST_CUSTOMERS,
+            )  # fmt: skip
 
 
 def mix_rows(of: Mix, one: Mixed, say: Language) -> list[tuple[str, ...]]:
@@ -427,15 +450,15 @@ def contract(
             "mean_stress": getattr(plan.correction, "func", plan.correction).__name__,
             "allowed_damage": plan.allowed,
             "shares": "Shapley",
-            "masked": [_ruled(r) for r in plan.rules if r.mask],
-            "accepted": [_ruled(r) for r in plan.rules if not r.mask],
+            "masked": [_ruled(r, recording.begins) for r in plan.rules if r.mask],
+            "accepted": [_ruled(r, recording.begins) for r in plan.rules if not r.mask],
         },
         "channels": [
             {
                 "name": name, "missing": h.missing, "spikes": h.spikes, "clipped": h.clipped,
                 "dead": h.dead, "drift": h.drift,
                 "findings": [str(f) for f in _found(recording, name, h)],
-                "suspects": _suspects(h, recording.rate),
+                "suspects": _suspects(h, recording.rate, recording.begins),
             }
             for name, h in channels.items()
         ],
@@ -444,10 +467,11 @@ def contract(
     }  # fmt: skip
 
 
-def _ruled(rule: Rule) -> dict[str, Any]:
+def _ruled(rule: Rule, begins: float) -> dict[str, Any]:
+    begins = 0.0 if rule.always else begins
     return {
-        "channel": rule.channel or None, "kind": rule.kind or None, "from_s": rule.first,
-        "to_s": _number(rule.last),
+        "channel": rule.channel or None, "kind": rule.kind or None, "from_s": begins + rule.first,
+        "to_s": _number(begins + rule.last),
     }  # fmt: skip
 
 

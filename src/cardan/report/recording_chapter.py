@@ -60,7 +60,7 @@ def mix(of: Mix, say: Language) -> Iterator[Block]:
         )
         yield Text(paragraphs=tuple(mix_says(of, one, say)))
     yield from otherwise.blocks(of.otherwise, say)
-    if of.customers:
+    if of.customer:
         yield Text(paragraphs=tuple(customers(of, say)))
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import pi
 from typing import TYPE_CHECKING
 
-from cardan.base.errors import BadFile, Problem
+from cardan.base.errors import BadFile, Problem, RefusedInFile
 from cardan.base.part import LINE
 from cardan.base.source import Source
 from cardan.base.units import mm, rpm
@@ -372,6 +372,8 @@ def refused(error: Exception, say: Language) -> str:
     """Return why something was refused, in the language; a bad file problem by problem."""
     if isinstance(error, BadFile):
         return "\n".join(located(p, error.file, say) for p in error.problems)
+    if isinstance(error, RefusedInFile):
+        return f"{error.file}: {error.worded(refused(error.why, say))}"
     return say.error(str(error))
 
 

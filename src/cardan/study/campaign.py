@@ -397,7 +397,30 @@ class Campaign:
         """What is masked and accepted of what looks wrong: what names a time counts last."""
         said = [_rule(text, mask=True) for text in self.mask]
         said += [_rule(text, mask=False) for text in self.accept]
-        return tuple(sorted(said, key=lambda r: (r.first, r.last) != (0.0, math.inf)))
+        return tuple(sorted(said, key=lambda r: not r.always))
+
+    def within(self, first: float, last: float) -> "Campaign":
+        """Return what is asked of a stretch of the recording: its rules, by the stretch's clock.
+
+        A rule of other times is none of it.
+        """
+
+        def moved(given: tuple[str, ...], *, mask: bool) -> tuple[str, ...]:
+            told: list[str] = []
+            for text in given:
+                rule = _rule(text, mask=mask)
+                if rule.always:
+                    told.append(text)
+                elif rule.first < last and rule.last > first:
+                    what = f"{rule.channel}=" if rule.channel else ""
+                    what += f"{rule.kind}@" if rule.kind else ""
+                    end = "" if math.isinf(rule.last) else rule.last - first
+                    told.append(f"{what}{max(rule.first - first, 0.0)}..{end}")
+            return tuple(told)
+
+        return replace(
+            self, mask=moved(self.mask, mask=True), accept=moved(self.accept, mask=False)
+        )
 
     def beyond(self, seconds: float) -> tuple[str, ...]:
         """Return what is said of times behind the end of a recording: it does nothing."""
@@ -721,10 +744,15 @@ class Campaign:
             if len(channels) != 3:
                 msg = f"a rosette is NAME=A,B,C with three channels, got {text!r}"
                 raise DesignError(msg)
-            unit = _unit(recording, channels[0], given, STRAIN)
+            for twice in (c for k, c in enumerate(channels) if c in channels[:k]):
+                msg = (
+                    f"rosette {name}: {twice} stands in it twice; three channels are one grid each"
+                )
+                raise DesignError(msg)
+            units = np.array([_unit(recording, c, given, STRAIN) for c in channels])
             found += [
                 strain.rosette_gauge(
-                    name + end, channels, unit=unit, angles=_KINDS[self.rosette_kind],
+                    name + end, channels, unit=units[:, None], angles=_KINDS[self.rosette_kind],
                     modulus=self.modulus_GPa * GPa, measure=of,
                 )
                 for end, of in self._measures().items()
@@ -832,6 +860,33 @@ def _rule(text: str, *, mask: bool) -> Rule:
         msg = f"a rule is [CHANNEL=]KIND[@FROM..TO] or [CHANNEL=]FROM..TO, got {text!r}"
         raise DesignError(msg)
     return Rule(mask=mask, kind=kind, channel=channel, first=first, last=last)
+
+
+_KEYS = {"gauge": "gauges", "rosette": "rosettes", "sn": "strength", "rate": "rate_Hz",
+         "unit-stress": "unit_stress_MPa_kN"}  # fmt: skip
+"""Options that a campaign's file calls otherwise than in their own words."""
+
+
+def keyed(said: str) -> str:
+    """Return what is said of options in the words of a campaign's file, whatever the language.
+
+    >>> keyed("goodman needs the tensile strength: --ultimate-MPa")
+    'goodman needs the tensile strength: ultimate_MPa'
+    """
+    said = re.sub(
+        r"--scale (.+?)=(\S+?)(?:\[?,(\S+?)\]?)?:(\S+)",
+        lambda m: (
+            f"channels: {{{m[1]}: {{factor: {m[2]}, {'offset: 0, ' * bool(m[3])}unit: {m[4]}}}}}"
+        ),
+        said,
+    )
+    options = {f.name for f in fields(Campaign)}
+
+    def key(at: re.Match[str]) -> str:
+        name = at[1].replace("-", "_")
+        return _KEYS.get(at[1], name if name in options else at[0])
+
+    return re.sub(r"--([A-Za-z][A-Za-z-]*[A-Za-z])", key, said)
 
 
 def numbers(text: str) -> tuple[float, ...]:

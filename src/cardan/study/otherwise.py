@@ -230,5 +230,7 @@ def odds(one: Counted, plan: Plan, *, hours: float, miner_scatter: float, seed: 
         second = sorm(limit, variables, around=first)
     except NotConverged:
         second = None
-    sampled = monte_carlo(limit, variables, samples=DRAWS, seed=seed, around=first)
+    # About a failure that is likelier than not few draws would tell of the parts that hold.
+    about = first if first.beta > 0 else ()
+    sampled = monte_carlo(limit, variables, samples=DRAWS, seed=seed, around=about)
     return Odds(hours=hours, first=first, second=second, sampled=sampled)

@@ -13,7 +13,13 @@ from typing import Protocol
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.errors import DesignError, NotInstalled
+from cardan.base.errors import (
+    BadFile,
+    CardanError,
+    DesignError,
+    NotInstalled,
+    RefusedInFile,
+)
 from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
@@ -38,7 +44,7 @@ from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
 from cardan.model.application import Application
 from cardan.study.approval import coverage_of, verdict_of
-from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, numbers
+from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, keyed, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
@@ -333,6 +339,8 @@ class Mix:
         The limits' name; "" where no profile was asked.
     customer
         Share of customers that is asked for; 0 for none.
+    whose
+        Which recording of the file each part is of, in their order.
     allowed
         Damage at failure.
     campaign
@@ -346,6 +354,7 @@ class Mix:
     lives: tuple[Mixed, ...]
     profile: str
     customer: float = 0.0
+    whose: tuple[int, ...] = ()
     allowed: float = 1.0
     campaign: Campaign | None = None
     otherwise: tuple[Otherwise, ...] = ()
@@ -354,11 +363,16 @@ class Mix:
     def customers(self) -> dict[str, tuple[float, float]]:
         """Damage a second that a share of customers stays below at each gauge, and its bound.
 
-        Each recording is taken for a customer; a gauge that some did no damage to has no answer.
+        Each recording of the file is taken for a customer, its segments for what he drives; a
+        gauge that some did no damage to has no answer.
         """
         found: dict[str, tuple[float, float]] = {}
         for one in self.lives if self.customer else ():
-            rates = [p.life.damage / p.life.duration for p, _ in one.parts if p.life.duration > 0]
+            driven: dict[int, list[tuple[GaugeLife, float]]] = {}
+            for whose, part in zip(self.whose, one.parts, strict=True):
+                driven.setdefault(whose, []).append(part)
+            each = [Mixed(one.name, tuple(parts)).life for parts in driven.values()]
+            rates = [life.damage / life.duration for life in each if life.duration > 0]
             if len(rates) >= FEWEST_CUSTOMERS and min(rates) > 0 and not one.vetoes:
                 found[one.name] = customer(rates, quantile=self.customer)
         return found
@@ -395,6 +409,22 @@ def listen_to_all(
         As `listen`, of the file and of each recording.
     """
     written = campaigned(of, allow_outside=allow_outside) if isinstance(of, Path) else of
+    try:
+        return _listened(
+            written, limits=limits, tell=tell, draw=draw, identified=identified, changed=changed,
+            checked=checked,
+        )  # fmt: skip
+    except (BadFile, NotInstalled):
+        raise
+    except CardanError as error:
+        raise RefusedInFile(error, file=written.name, worded=keyed) from error
+
+
+def _listened(
+    written: Campaigned, *, limits: Sequence[Limit], tell: Tell, draw: bool, identified: bool,
+    changed: bool, checked: Application | None,
+) -> Finding[Mix]:  # fmt: skip
+    """Ask every recording of a campaign that was read."""
     asked = Campaign(**written.options)
     if asked.application is not None and checked is not None:
         _same_design(asked.application, checked)
@@ -411,21 +441,25 @@ def listen_to_all(
     profile, own = asked.asked()
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
-    for drive in written.drives:
+    whose: list[int] = []
+    for k, drive in enumerate(written.drives):
         campaign, whole = driven(asked, drive)
         segments = drive.segments or (None,)
         for segment in segments:
             name, times, recording, seconds = drive.name, drive.times, whole, 0.0
+            heard = campaign
             if segment is not None:
                 name, times = f"{drive.name}, {segment.name}", times * segment.times
                 first, last = _times(campaign, whole, segment)
                 seconds, recording = last - first, between(whole, first, last)
+                heard = campaign.within(first, last)
             answer = (
-                RecordingStudy(campaign, draw=draw).run(replace(recording, name=name), tell).answer
+                RecordingStudy(heard, draw=draw).run(replace(recording, name=name), tell).answer
             )
             assert answer is not None
             answer = _ended(answer, seconds)
             parts.append((name, times, answer))
+            whose.append(k)
     names = [one.name for one in parts[0][2].lives]
     lives = tuple(
         Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts))
@@ -440,6 +474,7 @@ def listen_to_all(
             lives=lives,
             profile=profile,
             customer=written.customer,
+            whose=tuple(whose),
             allowed=asked.allowed,
             campaign=asked,
             otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
@@ -751,6 +786,7 @@ def _used(
         seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
+        begins=recording.begins,
     )  # fmt: skip
 
 

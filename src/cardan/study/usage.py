@@ -75,6 +75,7 @@ class Used:
 def used(
     found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, shaft: Rotation | None,
     engine: Rotation | None, torque: tuple[FloatArray, float] | None, per_turn: float,
+    begins: float = 0.0,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return the damage of gauges by what was driven.
 
@@ -88,6 +89,8 @@ def used(
         As it was read.
     per_turn : m
         Way of the vehicle for a turn of the shaft; nan where nobody knows.
+    begins : s
+        Where the recording does on the clock of its file, by which times are told.
     """
     count = max((u.damage.size for u in found), default=0)
     middle = np.arange(count) + 0.5
@@ -133,7 +136,7 @@ def used(
                 open=one.open / whole if whole else 0.0,
                 places=[
                     Place(
-                        p.stress, p.time,
+                        p.stress, begins + p.time,
                         gone(p.time),
                         float(speed[placed(p.time)]), float(load[placed(p.time)]),
                         gear[placed(p.time)],

@@ -19,6 +19,7 @@ from cardan.files.recordings import open_recording
 from cardan.report import recording_story as story
 from cardan.report.blocks import Issue, Story
 from cardan.report.language import Language
+from cardan.report.life import under_way
 from cardan.study import recording as study
 from cardan.study.campaign import SPEED, STRAIN, STRESS, TORQUE, Campaign
 from cardan.study.finding import Finding
@@ -188,19 +189,9 @@ def _campaign(read: Document) -> Campaigned:
     return read.recordings
 
 
-_DOING = {"look": "reading", "count": "counting cycles", "draw": "drawing"}
-"""What is done in a pass over a recording, by its name in a study; all others seek causes."""
-
-
 def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
     """Return what tells the page what a study does, and how far a pass is; none is read whole."""
-
-    def reading(doing: str, _: int, __: int) -> None:
-        name, far = doing.split(maxsplit=1)
-        said = say(_DOING.get(name, "looking for causes"))
-        tell({"doing": said if far == "100%" else f"{said}: {far}"})
-
-    return reading
+    return lambda doing, _, __: tell({"doing": under_way(doing, say)})
 
 
 ASKED = frozenset({
