@@ -11,7 +11,9 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.bracket.solve import Held
+from cardan.bracket.stress import superpose, von_mises
 from cardan.cli import cli
+from cardan.model.bracket import ZONES
 from cardan.report import bracket as shown
 from cardan.report.blocks import Figures, Picture, Table
 from cardan.report.bracket_chapter import chapter
@@ -92,6 +94,30 @@ def test_damage_follows_from_the_amplitudes_shown(found):
     # A gauge on the leg reads half a range of strain: times E, its amplitude.
     read = np.ptp(second.strain[0]) / 2 * found.bracket.material.youngs_modulus / 2e6
     assert second.life.gauges == pytest.approx([read ** (5 if read >= 1 else 9) / 1e6])
+
+
+def test_a_feature_stands_where_what_is_told_of_it_is(found):
+    """Held the way that makes it worse: it had been the place of the sliding flange for both.
+
+    A cut edge's 485 MPa then stood at the bolts, 137 mm from the other leg's bend that has them.
+    """
+    solved, kerb = found.variants[0].solved, found.variants[0].outcomes[0].case
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+        told = judge(found.bracket, found.bracket.shape, [kerb])
+    by = set()
+    for f, hot in zip(told.features, told.outcomes[0].hot, strict=True):
+        there = {}
+        for held in solved.both:
+            own = [k for k, (zone, n) in enumerate(held.zones.features)
+                   if (ZONES[zone], n) == (f.zone, f.number)]  # fmt: skip
+            mine = np.isin(held.zones.feature, own)
+            mine &= (held.zones.points(solved.nodes) == f.point).all(axis=1)
+            level = von_mises(superpose(held.unit[mine], kerb.loads))
+            there[held.hold] = level.max(initial=0.0)
+        by.add(max(there, key=there.get))
+        assert max(there.values()) == pytest.approx(hot, rel=1e-9), f
+    assert by == {"sliding", "clamped"}
 
 
 @pytest.fixture(scope="module")

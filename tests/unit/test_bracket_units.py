@@ -2,6 +2,7 @@
 
 import base64
 import json
+import weakref
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
@@ -12,10 +13,11 @@ from click.testing import CliRunner
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import mm
+from cardan.bracket import refine
 from cardan.bracket.elastic import elastic, hooke, mesh, silent
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import Problem, refined
+from cardan.bracket.refine import Problem, refined, solution
 from cardan.bracket.shape import Solid, solid
 from cardan.bracket.solve import Task, solve
 from cardan.bracket.surface import nearest, sharp_edges
@@ -235,6 +237,25 @@ def test_the_same_bracket_is_told_the_same():
         assert a.keys() == b.keys()
         for f in a:
             np.testing.assert_allclose(a[f], b[f], rtol=1e-6)
+
+
+def test_a_mesh_and_its_factors_go_before_the_next_is_solved(monkeypatch):
+    """They stayed until the next was searched: 1.33 GB of the gallery's bracket, without 0.86."""
+    side = np.zeros((1, 9))
+    side[0, 1] = 1000.0
+    made, left = [], []
+
+    def watched(*asked, **told):
+        left.extend(m() for m in made)
+        found = solution(*asked, **told)
+        made.append(weakref.ref(found.elastic))
+        return found
+
+    monkeypatch.setattr(refine, "solution", watched)
+    firm = solid(U).held("clamped")
+    refined(replace(problem(), firm=firm), cases=[side], levels=3)
+    assert len(made) == 3
+    assert left == [None] * 3
 
 
 def test_maxima_are_found_afresh_and_their_error_holds():

@@ -205,14 +205,11 @@ def refined(
     """
     points = np.asarray(watch, dtype=float).reshape(-1, 3)
     wanted = list(finer)
-    tops: list[Tops] = []
-    watched: list[FloatArray] = []
+    looks: list[_Look] = []
     combos: FloatArray = np.zeros((0, 0))
     weight = np.asarray(weights, dtype=float)
     both, follow = bool(problem.firm), True
     ways: list[Solution] = []
-    off: Tops = {}
-    off_seen: FloatArray = np.zeros((0, 0))
     for level in range(levels):
         tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
         made = mesh(
@@ -221,63 +218,103 @@ def refined(
         )  # fmt: skip
         if ways and ways[0].elastic.unknowns * made.ne > most * ways[0].elastic.mesh.ne:
             break
-        ways = []  # their factors go before the next are made
-        ways.append(found := solution(problem, made, tell=tell))
+        ways.clear()  # nothing else holds on to them: their factors go before the next are made
+        ways.append(solution(problem, made, tell=tell))
         if level == 0:
-            combos = telling(found.unit, cases)
+            combos = telling(ways[0].unit, cases)
             if seen:
-                seen(found)
+                seen(ways[0])
         if both and follow:
-            ways.append(held_anew(problem, found, tell=tell))
-        fields = [_Field.of(way, combos) for way in ways]
-        of_ways = [f.tops for f in fields]
-        tops.append(_worse(of_ways, of_ways))
-        if both and level == 0:
-            follow = _firm_matters(fields[0].tops, tops[-1], weight)
-        nodes, smooth, scatter = found.elastic.nodes, fields[0].smooth, fields[0].scatter
-        drawn = nearest(nodes, points)
-        watched.append(drawn.of(nodes, von_mises(smooth)))
-        # Of the face round it: at a corner that one element has to itself nobody disagrees.
-        rough = scatter[nodes.faces[drawn.faces]].max(axis=1)
+            ways.append(held_anew(problem, ways[0], tell=tell))
         tell("errors from afar")
-        goals = [_goals(k, fields, tops[-1], weight) for k in range(len(ways))]
-        goals[0] += _watched(nodes, drawn, watched[-1])
-        offs, off_seen = [f.told_by_elements() for f in fields], rough / 2
-        more = []
-        for field_, asked, into in zip(fields, goals, offs, strict=True):
-            afar = field_.from_afar(asked)
-            for g, taken in zip(asked, afar.sum(axis=1).tolist(), strict=True):
-                if g.feature is None:
-                    off_seen[g.watched, g.load] = max(off_seen[g.watched, g.load], taken)
-                else:
-                    into[g.feature][g.load] = max(into[g.feature][g.load], taken)
-            more += [
-                *_worst_places(
-                    field_, tops[-1], weight, problem.thickness, first=level < _TWICE
-                ),
-                *_taking(field_.found, asked, afar),
-            ]  # fmt: skip
-        more += _round(found, drawn.points, watched[-1], rough, moved=_moved(watched, level))
-        off = _worse(of_ways, offs)
-        if not more or (
+        looks.append(_look(problem, ways, combos, weight, points, before=looks))
+        if both and level == 0:
+            follow = looks[0].firm_matters
+        if not looks[-1].finer or (
             level >= _TWICE
-            and _settled(tops, weight)
-            and (not len(points) or _moved(watched, level).max() <= _STILL)
+            and _settled([look.tops for look in looks], weight)
+            and (not len(points) or looks[-1].moved.max() <= _STILL)
         ):
             break
-        wanted += map(_rounded, more)
+        wanted += map(_rounded, looks[-1].finer)
     drawn = nearest(ways[0].elastic.nodes, points)
     if both and len(ways) == 1:
         ways.append(held_anew(problem, ways[0], tell=tell))
+    tops, watched = [look.tops for look in looks], [look.watched for look in looks]
     return Refined(
         last=ways[0],
         firm=ways[1] if both else None,
-        features=tuple(off),
-        error=_of_features(tops, off, weight),
+        features=tuple(looks[-1].off),
+        error=_of_features(tops, looks[-1].off, weight),
         tops=tuple(tops),
         watched=drawn.of(ways[0].elastic.nodes, ways[0].at_nodes[1]),
-        watched_error=_share(np.maximum(_drift(watched), off_seen), watched),
+        watched_error=_share(np.maximum(_drift(watched), looks[-1].off_watched), watched),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Look:
+    """What is kept of a mesh that was searched, when the next is made.
+
+    Attributes
+    ----------
+    tops, off
+        Highest von Mises stress (k,) Pa of each feature, and what its error may be.
+    watched, off_watched, moved : (w, k) Pa, (w, k) Pa, (w,) 1
+        The same of the points that are watched, and how far they moved.
+    firm_matters
+        Whether one of the worst is higher than it is with the flange sliding.
+    finer
+        Points at which the next mesh is to be finer, with the edge wanted there.
+    """
+
+    tops: Tops
+    off: Tops
+    watched: FloatArray
+    off_watched: FloatArray
+    moved: FloatArray
+    firm_matters: bool
+    finer: list[tuple[ArrayLike, Metre]]
+
+
+def _look(
+    problem: Problem,
+    ways: Sequence[Solution],
+    combos: FloatArray,
+    weight: FloatArray,
+    points: FloatArray,
+    *,
+    before: Sequence[_Look],
+) -> _Look:
+    """Search a mesh, held in one or two ways, under loads (k, c)."""
+    first = len(before) < _TWICE
+    fields = [_Field.of(way, combos) for way in ways]
+    of_ways = [f.tops for f in fields]
+    tops = _worse(of_ways, of_ways)
+    nodes = ways[0].elastic.nodes
+    drawn = nearest(nodes, points)
+    watched = drawn.of(nodes, von_mises(fields[0].smooth))
+    # Of the face round it: at a corner that one element has to itself nobody disagrees.
+    rough = fields[0].scatter[nodes.faces[drawn.faces]].max(axis=1)
+    moved = np.full(len(watched), np.inf) if first else _moved(before[-1].watched, watched)
+    goals = [_goals(k, fields, tops, weight) for k in range(len(ways))]
+    goals[0] += _watched(nodes, drawn, watched)
+    offs, off_watched = [f.told_by_elements() for f in fields], rough / 2
+    finer: list[tuple[ArrayLike, Metre]] = []
+    for field_, asked, into in zip(fields, goals, offs, strict=True):
+        afar = field_.from_afar(asked)
+        for g, taken in zip(asked, afar.sum(axis=1).tolist(), strict=True):
+            if g.feature is None:
+                off_watched[g.watched, g.load] = max(off_watched[g.watched, g.load], taken)
+            else:
+                into[g.feature][g.load] = max(into[g.feature][g.load], taken)
+        finer += _worst_places(field_, tops, weight, problem.thickness, first=first)
+        finer += _taking(field_.found, asked, afar)
+    finer += _round(ways[0], drawn.points, watched, rough, moved=moved)
+    return _Look(
+        tops=tops, off=_worse(of_ways, offs), watched=watched, off_watched=off_watched,
+        moved=moved, firm_matters=_firm_matters(fields[0].tops, tops, weight), finer=finer,
+    )  # fmt: skip
 
 
 def _rounded(wanted: tuple[ArrayLike, Metre]) -> tuple[FloatArray, Metre]:
@@ -545,12 +582,9 @@ def _round(
                 yield point + size * step, size
 
 
-def _moved(watched: list[FloatArray], level: int) -> FloatArray:
-    """Return the share (w,) of itself that watched stress moved by on the last mesh."""
-    last = watched[-1]
-    if level < _TWICE:
-        return np.full(len(last), np.inf)
-    step = np.abs(last - watched[-2]).max(axis=-1, initial=0.0)
+def _moved(before: FloatArray, last: FloatArray) -> FloatArray:
+    """Return the share (w,) of itself that watched stress (w, k) Pa moved by."""
+    step = np.abs(last - before).max(axis=-1, initial=0.0)
     return step / np.maximum(last.max(axis=-1, initial=0.0), 1e-300)
 
 

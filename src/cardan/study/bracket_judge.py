@@ -8,7 +8,7 @@ a feature is the worse of the two.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import TypeAlias
 
 import numpy as np
@@ -342,6 +342,23 @@ class _Way:
         return np.bincount(self.feature, minlength=self.count).clip(max=1)
 
 
+@dataclass(frozen=True)
+class _Peak:
+    """The place (features,) of each feature that is worst, held one way, and how bad it is there.
+
+    Below nothing where the feature is not there, held that way.
+    """
+
+    way: _Way
+    places: IntArray
+    values: FloatArray
+
+    @classmethod
+    def of(cls, way: _Way, places: IntArray, values: FloatArray) -> "_Peak":
+        """Return the peaks of a way of holding."""
+        return cls(way, places, np.where(way.has, values, -1.0))
+
+
 def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]]:
     """Return both ways of holding, and the features (kind, number) of both together."""
     every = sorted({f for held in solved.both for f in held.zones.features})
@@ -463,12 +480,14 @@ def judge(
     ways, known = _ways(solved)
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
-    outcomes = [_outcome(case, solved, ways, error, strength, modulus) for case in cases]
+    outcomes, peaks = zip(
+        *(_outcome(case, solved, ways, error, strength, modulus) for case in cases), strict=True
+    )
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
-    spent, damage, where = _duty(solved, ways, duty or {}, strength, modulus, error)
+    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error)
     order = _worst_first(known, outcomes, spent, _weights(strength))
-    spots = _spots(ways, cases, order, where)
+    spots = _spots(worn or [*chain.from_iterable(peaks)], order)
     features = tuple(
         Feature(
             zone=ZONES[known[f][0]], number=known[f][1], point=_point(way.points[at]),
@@ -504,8 +523,8 @@ def _outcome(
     error: FloatArray,
     strength: Mapping[Zone, Strength],
     modulus: float,
-) -> Outcome:
-    """Return what one case does, the worse of both ways of holding."""
+) -> tuple[Outcome, list[_Peak]]:
+    """Return what one case does, the worse of both ways of holding, and the peaks of each."""
     count = ways[0].count
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
@@ -513,6 +532,7 @@ def _outcome(
     used, spent = np.full((2, count), np.nan)
     span = np.full((count, 2), np.nan)
     best: list[tuple[Found, Found, Found]] = []
+    peaks: list[_Peak] = []
     for way in ways:
         loads = way.loads(case)
         places = way.places(loads)
@@ -526,6 +546,7 @@ def _outcome(
         level = von_mises(superpose(unit, loads)).max(axis=-1).reshape(places.shape)
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
+        peaks.append(_Peak.of(way, top, level.max(axis=1)))
         m, a = _swing(way, top, loads, case.places)
         worse = level.max(axis=1) > hot
         hot, mean = np.where(worse, level.max(axis=1), hot), np.where(worse, m, mean)
@@ -555,7 +576,7 @@ def _outcome(
             when=case.when, spots=spent, gauges=gauges,
             turns=case.turns, duration=case.duration, span=span,
         )  # fmt: skip
-    return Outcome(
+    found = Outcome(
         case=case,
         von_mises=max((b[0] for b in best), key=lambda f: f.value),
         highest=max((b[1] for b in best), key=lambda f: f.value),
@@ -572,6 +593,7 @@ def _outcome(
         life=life,
         pulls_off=_pulls_off(solved.nodes, case.loads[:, :3]),
     )
+    return found, peaks
 
 
 def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
@@ -601,12 +623,12 @@ def _duty(
     strength: Mapping[Zone, Strength],
     modulus: float,
     error: FloatArray,
-) -> tuple[list[Endured], FloatArray, list[IntArray]]:
+) -> tuple[list[Endured], FloatArray, list[_Peak]]:
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
     The map is damage of an hour (surface nodes,), in the state where it is largest; with it,
-    the place of each feature where it is worst, for each way of holding. Every place is asked
-    of in that state; in the others those where a load may be worst.
+    its peaks for each way of holding. Every place is asked of in that state; in the others
+    those where a load may be worst.
     """
     spent: list[Endured] = []
     if not strength:
@@ -634,18 +656,19 @@ def _duty(
     if not spent:
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
-    damage, where = np.zeros(len(solved.nodes.surface)), []
+    damage, peaks = np.zeros(len(solved.nodes.surface)), list[_Peak]()
     spots, span = spent[state].spots.copy(), np.zeros((ways[0].count, 2))
     for way in ways:
         passes = _passes(way, duty[spent[state].when])
         every = _damage(way, np.arange(len(way.feature)), passes, strength)
-        where.append(top := _highest_of(way, every))
+        top = _highest_of(way, every)
+        peaks.append(_Peak.of(way, top, every[top]))
         within = _span(way, top, passes, strength, error)
         span = np.maximum(span, within * way.has[:, None])
         np.maximum.at(spots, way.feature, every)
         damage = np.maximum(damage, every[way.held.zones.told_by])
     spent[state] = replace(spent[state], spots=spots, span=span)
-    return spent, damage * hour, where
+    return spent, damage * hour, peaks
 
 
 def _highest_of(way: _Way, values: FloatArray, at: IntArray | None = None) -> IntArray:
@@ -679,27 +702,10 @@ def _worst_first(
     return np.lexsort((-stress, -damage))
 
 
-def _spots(
-    ways: tuple[_Way, ...], cases: Sequence[Case], order: IntArray, where: list[IntArray]
-) -> list[tuple[_Way, int]]:
-    """Return the place where each feature is worst: by damage if known, else by stress."""
-    way_of = [0 if ways[0].has[f] else 1 for f in range(ways[0].count)]
-    if not where:
-        for way in ways:
-            best = np.zeros(way.count)
-            at = np.zeros(way.count, dtype=np.int64)
-            for case in cases:
-                loads = way.loads(case)
-                places = way.places(loads)
-                few = some(loads, _FEW)
-                level = von_mises(superpose(way.unit[places.ravel()], few)).max(axis=-1)
-                level = level.reshape(places.shape)
-                top = level.argmax(axis=1)
-                high = level[np.arange(way.count), top]
-                at = np.where(high > best, places[np.arange(way.count), top], at)
-                best = np.maximum(best, high)
-            where = [*where, at]
-    return [(ways[way_of[f]], int(where[way_of[f]][f])) for f in order.tolist()]
+def _spots(peaks: Sequence[_Peak], order: IntArray) -> list[tuple[_Way, int]]:
+    """Return how it is held, and the place, where each feature is worst."""
+    highest = np.argmax([peak.values for peak in peaks], axis=0)
+    return [(peaks[highest[f]].way, int(peaks[highest[f]].places[f])) for f in order.tolist()]
 
 
 def _forced(swept: Swept, spots: Sequence[tuple[_Way, int]]) -> Forced:
