@@ -14,12 +14,8 @@ from cardan.base.source import Source
 from cardan.base.units import deg, mm
 from cardan.base.verdict import GRADES, Limit
 from cardan.demand.states import demand, resolve
-<<<<<<< HEAD
 from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint, State
-=======
-from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint
 from cardan.model.movable import MOVABLES
->>>>>>> room16
 from cardan.model.parts import JointSize
 from cardan.quantity.response import respond
 from cardan.report import wording
