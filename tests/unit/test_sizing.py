@@ -206,7 +206,9 @@ def test_what_no_part_answers_is_said(sized):
 
 def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     """Both ways are told; the split keeps the line where it was and is the nearest that does."""
-    application = files.loads(LONG.replace("length_mm: 1950", "length_mm: 1950, tube_length_mm: 1800"))
+    application = files.loads(
+        LONG.replace("length_mm: 1950", "length_mm: 1950, tube_length_mm: 1800")
+    )
     tube, split = answers(application, problem(application, "critical_speed_ratio", 2))
     assert isinstance(tube.offer.part, Tube)
     assert tube.offer.part.outer > 88.9 * mm
