@@ -11,6 +11,7 @@ from cardan.base.units import deg, mm
 from cardan.demand.states import demand, resolve
 from cardan.files.change import change
 from cardan.model.application import Adjustable
+from cardan.model.movable import movable
 from cardan.quantity.response import respond
 from cardan.report.language import EN
 from cardan.report.wording import moves_that_help
@@ -156,3 +157,13 @@ limits: protractor
     stepless = ("bearing_height", "bearing_side", "shim")
     fix(files.loads(text), hold=stepless, tell=lambda *at: told.append(at))
     assert told == [(k, choices) for k in range(choices)]
+
+
+def test_without_adjust_a_workshop_moves_what_the_docs_say(line):
+    """docs/fix.md: bearings by 30 mm, the axle by 3 deg; packing of 5 mm, half a degree of wedge."""
+    free = movable([line.line])
+    for name in ("bearing_height_mm[1]", "bearing_height_mm[2]"):
+        a = free[name]
+        assert (a.low, a.high, a.step) == pytest.approx((-30 * mm, 30 * mm, 5 * mm))
+    a = free["shim_deg"]
+    assert (a.low, a.high, a.step) == pytest.approx((-3 * deg, 3 * deg, 0.5 * deg))
