@@ -160,7 +160,7 @@ limits: protractor
 
 
 def test_without_adjust_a_workshop_moves_what_the_docs_say(line):
-    """docs/fix.md: bearings by 30 mm, the axle by 3 deg; packing of 5 mm, half a degree of wedge."""
+    """docs/fix.md: bearings by 30 mm, the axle by 3 deg; packing of 5 mm, wedges of 0.5 deg."""
     free = movable([line.line])
     for name in ("bearing_height_mm[1]", "bearing_height_mm[2]"):
         a = free[name]
