@@ -65,10 +65,12 @@ class Need:
         return (r.kinds[state] == "windup brake" and self.braked) or self.gives
 
 
+LENGTHS = Need(gives="the length of each shaft", met=lambda r: np.array([[r.line.measured]]))
 RUBBER = Need(
     gives="the stiffness of a centre bearing, and the tube of each shaft",
-    met=lambda r: np.array([[r.held is not None]]),
+    met=lambda r: np.array([[r.held is not None or not r.line.measured]]),
 )
+"""Beside `LENGTHS`, without which nobody can tell."""
 
 
 def _rated(gives: str, name: str) -> Need:
@@ -115,7 +117,7 @@ ALL_TUBES = Need(
     met=lambda r: np.array([[all(s.tube is not None for s in r.line.shafts)]]),
 )
 INERTIAS = Need(
-    gives="the tube or polar_inertia_kgm2 of each shaft",
+    gives="length and tube, or polar_inertia_kgm2, of each shaft",
     met=lambda r: np.array([[r.inertias is not None]]),
 )
 YIELD = Need(
@@ -131,8 +133,9 @@ LIFE_RATING = Need(
 DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
 STROKE = Need(
     gives="spline plunge_mm and draw_mm",
-    met=lambda r: np.isfinite(r.spline_travel_margin)[..., None],
+    met=lambda r: np.isfinite(r.spline_travel_margin)[..., None] | (not r.line.measured),
 )
+"""Beside `LENGTHS` as well."""
 SLIDING = Need(gives="spline mean_radius_mm", met=lambda r: np.isfinite(r.spline_force)[..., None])
 SPRINGS = Need(
     gives="a suspension, and the axle loads of the state",
@@ -307,6 +310,7 @@ __all__ = [
     "DUTY",
     "FATIGUE_RATING",
     "INERTIAS",
+    "LENGTHS",
     "LIFE_RATING",
     "LOAD",
     "PEAK_RATING",

@@ -194,7 +194,10 @@ class Response:
     @cached_property
     def inertias(self) -> FloatArray | None:
         """Polar inertias of the shafts, (..., n-1) kg m²; None where one is not known."""
-        known = [j for s in self.line.shafts if (j := s.polar_inertia) is not None]
+        known = [
+            j for s in self.line.shafts
+            if (j := s.polar_inertia) is not None and not np.isnan(j).all()
+        ]  # fmt: skip
         return stacked(known) if len(known) == len(self.line.shafts) else None
 
     @cached_property
