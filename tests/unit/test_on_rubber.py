@@ -202,6 +202,20 @@ def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck)
     assert found.assumed == ()
 
 
+def test_without_a_speed_nobody_knows_what_shakes_a_bearing(tmp_path):
+    """It was told as at standstill, where order 2 meets no mode: 20 N of 207, a pass."""
+    text = two_shafts().replace("limits: protractor", "limits: heavy-truck")
+    head, _ = text.split("states:")
+    still = head.replace("speed_rpm: 2400\n", "include: [unbalance]\n") + "limits: heavy-truck\n"
+    found = told(tmp_path, still)
+    shaken = {"centre_bearing_dynamic", "centre_bearing_peak", "swing_growth"}
+    assert not shaken & {c["quantity"] for c in found["checks"]}
+    needs = {tuple(u["needs"]) for u in found["coverage"]["unanswered"] if u["quantity"] in shaken}
+    assert needs == {("speed_rpm, or engine and gearbox",)}
+    # What the torque makes of a line at rest is known all the same.
+    assert "centre_bearing_static" in {c["quantity"] for c in found["checks"]}
+
+
 SWINGS = two_shafts().replace("torque_Nm: 1000", "torque_Nm: 6000").replace("0.1\n", "0.01\n")
 
 

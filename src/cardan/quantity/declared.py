@@ -93,6 +93,8 @@ COAST = Need(
     gives="coast_torque_Nm, or the brake torque of the engine",
     met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
 )
+REACH = Need(gives=SPEED.gives, met=SPEED.met)
+"""How fast it turns, where what stands still is worth asking too."""
 TORQUE = Need(
     gives="torque_Nm, or engine, gearbox, axle and tyre",
     braked=COAST.gives,
@@ -314,6 +316,7 @@ __all__ = [
     "LIFE_RATING",
     "LOAD",
     "PEAK_RATING",
+    "REACH",
     "RIDING",
     "SLIDING",
     "SPEED",

@@ -279,8 +279,12 @@ class Response:
 
     @property
     def balanced_at(self) -> FloatArray:
-        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s."""
-        return np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s.
+
+        Shafts that never turn are as good as balanced for any: inf.
+        """
+        fastest = np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+        return np.where(fastest > 0, fastest, np.inf)
 
     @cached_property
     def held(self) -> Suspended | None:
