@@ -1,6 +1,7 @@
 """What centre bearings carry on rubber, from an application file to what is printed of it."""
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -214,6 +215,8 @@ def test_without_a_speed_nobody_knows_what_shakes_a_bearing(tmp_path):
     assert needs == {("speed_rpm, or engine and gearbox",)}
     # What the torque makes of a line at rest is known all the same.
     assert "centre_bearing_static" in {c["quantity"] for c in found["checks"]}
+    rigid = told(tmp_path, re.sub(r" *(vertical|lateral)_stiffness.*\n", "", still))
+    assert rigid["states"][0]["centre_bearings"][0]["dynamic_N"] > 0  # by the torque alone
 
 
 SWINGS = two_shafts().replace("torque_Nm: 1000", "torque_Nm: 6000").replace("0.1\n", "0.01\n")
