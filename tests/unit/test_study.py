@@ -190,6 +190,16 @@ def test_without_lengths_all_that_needs_them_says_so():
     assert STUDIES["vibration"].missing(found.application) == ("the length of each shaft",)
 
 
+def test_a_cycle_by_name_needs_what_it_is_a_share_of():
+    """Of no speed a life was said to need a number that nobody could compute."""
+    slow = files.loads(LENGTHLESS.replace("speed_rpm: 2500\n", ""))
+    missed = {u.quantity: u.needs for u in assess(slow).coverage.unanswered}
+    assert missed["joint_life"] == ("speed_rpm, or engine and gearbox",)
+    weak = files.loads(LENGTHLESS.replace("torque_Nm: 3000\n", "", 1))
+    missed = {u.quantity: u.needs for u in assess(weak).coverage.unanswered}
+    assert missed["joint_life"] == ("torque_Nm, or engine, gearbox, axle and tyre",)
+
+
 SPRUNG = Limit(quantity="suspension_frequency", normal=1.3, source=HOUSE)
 
 

@@ -132,7 +132,22 @@ LIFE_RATING = Need(
     gives="a joint size with its life rating Td",
     met=lambda r: np.isfinite(r.life_ratings),
 )
-DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
+
+
+def _share_of(name: Literal["speed", "torque"], gives: str) -> Need:
+    """Return the need of what a duty cycle by its name takes its points from."""
+    return Need(
+        gives=gives,
+        met=lambda r: np.array([[all(np.isfinite(getattr(p, name)).any() for p in r.duty)]]),
+    )
+
+
+DUTY = (
+    Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]])),
+    _share_of("speed", SPEED.gives),
+    _share_of("torque", TORQUE.gives),
+)
+"""A duty cycle, and what it takes its points from."""
 STROKE = Need(
     gives="spline plunge_mm and draw_mm",
     met=lambda r: np.isfinite(r.spline_travel_margin)[..., None] | (not r.line.measured),
