@@ -1,6 +1,7 @@
 """What centre bearings carry on rubber, from an application file to what is printed of it."""
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -200,6 +201,22 @@ def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck)
     assert all("stiffness" in u.needs[0] for u in missing)
     assert response.loads.bearing_forces.dynamic.max() < 400
     assert found.assumed == ()
+
+
+def test_without_a_speed_nobody_knows_what_shakes_a_bearing(tmp_path):
+    """It was told as at standstill, where order 2 meets no mode: 20 N of 207, a pass."""
+    text = two_shafts().replace("limits: protractor", "limits: heavy-truck")
+    head, _ = text.split("states:")
+    still = head.replace("speed_rpm: 2400\n", "include: [unbalance]\n") + "limits: heavy-truck\n"
+    found = told(tmp_path, still)
+    shaken = {"centre_bearing_dynamic", "centre_bearing_peak", "swing_growth"}
+    assert not shaken & {c["quantity"] for c in found["checks"]}
+    needs = {tuple(u["needs"]) for u in found["coverage"]["unanswered"] if u["quantity"] in shaken}
+    assert needs == {("speed_rpm, or engine and gearbox",)}
+    # What the torque makes of a line at rest is known all the same.
+    assert "centre_bearing_static" in {c["quantity"] for c in found["checks"]}
+    rigid = told(tmp_path, re.sub(r" *(vertical|lateral)_stiffness.*\n", "", still))
+    assert rigid["states"][0]["centre_bearings"][0]["dynamic_N"] > 0  # by the torque alone
 
 
 SWINGS = two_shafts().replace("torque_Nm: 1000", "torque_Nm: 6000").replace("0.1\n", "0.01\n")

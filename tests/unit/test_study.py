@@ -17,6 +17,7 @@ from cardan.demand.states import demand, resolve
 from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint, State
 from cardan.model.movable import MOVABLES
 from cardan.model.parts import JointSize
+from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import respond
 from cardan.report import wording
 from cardan.report.language import Language
@@ -26,6 +27,7 @@ from cardan.study.fix import NOTABLE, Proposal, fix
 from cardan.study.margins import PLENTY, margins
 from cardan.study.moves import Move, adjustables, tried
 from cardan.study.sensitivity import sensitivities
+from cardan.study.studies import STUDIES
 
 HOUSE = Source("House rules")
 
@@ -154,6 +156,49 @@ def test_a_line_without_a_bearing_does_not_swing_on_rubber():
     van = files.read(Path(__file__).parents[2] / "examples" / "van.yaml")
     found = assess(only(van, Limit(quantity="swing_growth", maximum=0.0, source=HOUSE)))
     assert "swing_growth" not in {u.quantity for u in found.coverage.unanswered}
+
+
+VIBRATES = {q.key for q in QUANTITIES.values() if q.study == "vibration"}
+
+LENGTHLESS = """
+title: Under the truck with a protractor, and with the drawings of tubes and rubber
+torque_Nm: 3000
+coast_torque_Nm: 800
+speed_rpm: 2500
+duty: regional
+driveline:
+  slopes: {side_deg: [3, 1, 4, 2]}
+  joints: 2040
+  shafts:
+    - tube: 100x3
+      centre_bearing: {from_rear_joint_mm: 140, stiffness_N_mm: 200}
+      balance_grade: G40
+    - {tube: 100x3, spline: {plunge_mm: 50, draw_mm: 50, mean_radius_mm: 30}, balance_grade: G40}
+obstacles:
+  - {name: beam, start_mm: [500, -200, -300], end_mm: [500, 200, -300], radius_mm: 20}
+limits: heavy-truck
+include: [gravity, unbalance]
+"""
+
+
+def test_without_lengths_all_that_needs_them_says_so():
+    """On rubber `check` was at fault; else a stroke that the file gives was asked for."""
+    found = assess(files.loads(LENGTHLESS))
+    missed = [u for u in found.coverage.unanswered if u.quantity not in VIBRATES]
+    assert {u.needs for u in missed} == {("the length of each shaft",)}
+    assert {"centre_bearing_static", "swing_growth", "critical_speed_ratio", "clearance",
+            "spline_travel_margin"} <= {u.quantity for u in missed}  # fmt: skip
+    assert STUDIES["vibration"].missing(found.application) == ("the length of each shaft",)
+
+
+def test_a_cycle_by_name_needs_what_it_is_a_share_of():
+    """Of no speed a life was said to need a number that nobody could compute."""
+    slow = files.loads(LENGTHLESS.replace("speed_rpm: 2500\n", ""))
+    missed = {u.quantity: u.needs for u in assess(slow).coverage.unanswered}
+    assert missed["joint_life"] == ("speed_rpm, or engine and gearbox",)
+    weak = files.loads(LENGTHLESS.replace("torque_Nm: 3000\n", "", 1))
+    missed = {u.quantity: u.needs for u in assess(weak).coverage.unanswered}
+    assert missed["joint_life"] == ("torque_Nm, or engine, gearbox, axle and tyre",)
 
 
 SPRUNG = Limit(quantity="suspension_frequency", normal=1.3, source=HOUSE)

@@ -392,6 +392,7 @@ def unbalance(
     none = np.zeros_like(alone)
     ends = np.concatenate([alone, none]), np.concatenate([none, alone])
     still = 0 * layout.directions[..., 1:, None, :]
-    found = _carried(layout, line, still, ends=ends, thrust=np.zeros((1, 1)))
+    with np.errstate() if line.measured else np.errstate(invalid="ignore"):
+        found = _carried(layout, line, still, ends=ends, thrust=np.zeros((1, 1)))
     joints, bearings = (major_axis(f[..., 0, :]).sum(axis=0) for f in found)
     return Rotating(joint_forces=joints, bearing_forces=bearings)

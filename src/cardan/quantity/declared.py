@@ -65,10 +65,12 @@ class Need:
         return (r.kinds[state] == "windup brake" and self.braked) or self.gives
 
 
+LENGTHS = Need(gives="the length of each shaft", met=lambda r: np.array([[r.line.measured]]))
 RUBBER = Need(
     gives="the stiffness of a centre bearing, and the tube of each shaft",
-    met=lambda r: np.array([[r.held is not None]]),
+    met=lambda r: np.array([[r.held is not None or not r.line.measured]]),
 )
+"""Beside `LENGTHS`, without which nobody can tell."""
 
 
 def _rated(gives: str, name: str) -> Need:
@@ -91,6 +93,8 @@ COAST = Need(
     gives="coast_torque_Nm, or the brake torque of the engine",
     met=lambda r: np.isfinite(r.demand.coast_torque)[..., None],
 )
+REACH = Need(gives=SPEED.gives, met=SPEED.met)
+"""How fast it turns, where what stands still is worth asking too."""
 TORQUE = Need(
     gives="torque_Nm, or engine, gearbox, axle and tyre",
     braked=COAST.gives,
@@ -115,7 +119,7 @@ ALL_TUBES = Need(
     met=lambda r: np.array([[all(s.tube is not None for s in r.line.shafts)]]),
 )
 INERTIAS = Need(
-    gives="the tube or polar_inertia_kgm2 of each shaft",
+    gives="length and tube, or polar_inertia_kgm2, of each shaft",
     met=lambda r: np.array([[r.inertias is not None]]),
 )
 YIELD = Need(
@@ -128,11 +132,27 @@ LIFE_RATING = Need(
     gives="a joint size with its life rating Td",
     met=lambda r: np.isfinite(r.life_ratings),
 )
-DUTY = Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]]))
+
+
+def _share_of(name: Literal["speed", "torque"], gives: str) -> Need:
+    """Return the need of what a duty cycle by its name takes its points from."""
+    return Need(
+        gives=gives,
+        met=lambda r: np.array([[all(np.isfinite(getattr(p, name)).any() for p in r.duty)]]),
+    )
+
+
+DUTY = (
+    Need(gives="duty, or the name of a duty cycle", met=lambda r: np.array([[bool(r.duty)]])),
+    _share_of("speed", SPEED.gives),
+    _share_of("torque", TORQUE.gives),
+)
+"""A duty cycle, and what it takes its points from."""
 STROKE = Need(
     gives="spline plunge_mm and draw_mm",
-    met=lambda r: np.isfinite(r.spline_travel_margin)[..., None],
+    met=lambda r: np.isfinite(r.spline_travel_margin)[..., None] | (not r.line.measured),
 )
+"""Beside `LENGTHS` as well."""
 SLIDING = Need(gives="spline mean_radius_mm", met=lambda r: np.isfinite(r.spline_force)[..., None])
 SPRINGS = Need(
     gives="a suspension, and the axle loads of the state",
@@ -307,9 +327,11 @@ __all__ = [
     "DUTY",
     "FATIGUE_RATING",
     "INERTIAS",
+    "LENGTHS",
     "LIFE_RATING",
     "LOAD",
     "PEAK_RATING",
+    "REACH",
     "RIDING",
     "SLIDING",
     "SPEED",

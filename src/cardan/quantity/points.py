@@ -176,8 +176,8 @@ def _each(change: Callable[..., Any], *of: Points) -> Points:
 def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Suspended | None:
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
-    It needs a tube of each shaft for its mass, and a stiffness of one bearing. A loss factor
-    that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
+    It needs a length and a tube of each shaft for its mass, and a stiffness of one bearing. A
+    loss factor that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
     told = {
@@ -187,7 +187,7 @@ def held(r: "Response", *, assumed: ArrayLike = LOSS, cut: bool = False) -> Susp
     }
     seats = {**told, **r.seats}
     unknown = not seats and all(b.stiffness is None for b in bearings)
-    if any(s.tube is None for s in r.line.shafts) or unknown:
+    if any(s.tube is None for s in r.line.shafts) or unknown or not r.line.measured:
         return None
     stiffness = [
         [

@@ -194,7 +194,10 @@ class Response:
     @cached_property
     def inertias(self) -> FloatArray | None:
         """Polar inertias of the shafts, (..., n-1) kg m²; None where one is not known."""
-        known = [j for s in self.line.shafts if (j := s.polar_inertia) is not None]
+        known = [
+            j for s in self.line.shafts
+            if (j := s.polar_inertia) is not None and not np.isnan(j).all()
+        ]  # fmt: skip
         return stacked(known) if len(known) == len(self.line.shafts) else None
 
     @cached_property
@@ -276,8 +279,12 @@ class Response:
 
     @property
     def balanced_at(self) -> FloatArray:
-        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s."""
-        return np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s.
+
+        Shafts that never turn are as good as balanced for any: inf.
+        """
+        fastest = np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+        return np.where(fastest > 0, fastest, np.inf)
 
     @cached_property
     def held(self) -> Suspended | None:

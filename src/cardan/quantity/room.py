@@ -2,7 +2,7 @@
 
 from cardan.base.part import Part
 from cardan.base.source import DERIVED
-from cardan.quantity.declared import STROKE, Quantity, last_shaft, of_line
+from cardan.quantity.declared import LENGTHS, STROKE, Quantity, last_shaft, of_line
 from cardan.quantity.response import Response
 
 
@@ -25,6 +25,7 @@ DECLARED = (
         source=DERIVED,
         of=of_line(lambda r: r.spline_travel),
         parts=last_shaft,
+        needs=(LENGTHS,),
         section="Room",
         contract="spline_travel_mm",
     ),
@@ -40,7 +41,7 @@ DECLARED = (
         of=of_line(lambda r: r.spline_travel_margin),
         parts=last_shaft,
         sense=">=",
-        needs=(STROKE,),
+        needs=(LENGTHS, STROKE),
         section="Room",
     ),
     Quantity(
@@ -54,6 +55,7 @@ DECLARED = (
         of=lambda r: r.clearances.reshape(*r.clearances.shape[:-2], -1),
         parts=_pairs,
         sense=">=",
+        needs=(LENGTHS,),
         section="Room",
         contract="clearances_mm{}",
     ),

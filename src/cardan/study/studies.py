@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
 from cardan.model.application import Application, Surroundings
-from cardan.quantity.declared import TUBES
+from cardan.quantity.declared import LENGTHS, TUBES
 from cardan.study.driveline import DrivelineStudy
 from cardan.study.finding import (
     BRACKET,
@@ -46,9 +46,11 @@ class VibrationStudy:
 
     def missing(self, application: Application) -> tuple[str, ...]:
         """Return what every line needs to be asked how it vibrates."""
-        shafts = [s for i in application.lines for s in i.line.shafts]
+        lines = [i.line for i in application.lines]
+        shafts = [s for line in lines for s in line.shafts]
         known = all(s.tube is not None or s.polar_inertia_given is not None for s in shafts)
-        return () if known else (TUBES.gives,)
+        short = any(s.tube and not line.measured for line in lines for s in line.shafts)
+        return tuple(n.gives for n, missed in ((TUBES, not known), (LENGTHS, short)) if missed)
 
     def run(self, application: Application, tell: Tell = silent) -> "Finding[Stability]":
         """Ask every line."""
