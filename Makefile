@@ -10,7 +10,7 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check serve test texts bracket lint docs oracle office browser front slow mutants bench clean
+.PHONY: check serve test texts bracket lint docs oracle office browser front pictures slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -46,6 +46,9 @@ office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE)  ## pages read in Chromium
 	$(BIN)/python -m pytest -q -m browser tests/browser
+
+pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## the workbench's pictures in docs, taken anew
+	$(BIN)/python docs/pictures.py
 
 front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test

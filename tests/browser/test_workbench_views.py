@@ -166,6 +166,39 @@ def test_five_numbers_become_a_file_and_a_verdict(browser, tmp_path):
         clean(browser)
 
 
+KEY, POINT, REACH, THINK = 0.28, 1.10, 0.40, 1.35
+"""s: a key of an average typist, pointing, a hand between mouse and keys, making up a mind.
+
+Source: Card, Moran & Newell, The keystroke-level model, CACM 23 (1980), table 1.
+"""
+
+
+def test_a_protractors_readings_are_a_verdict_within_two_minutes(browser, tmp_path):
+    """The page's own seconds, and those of a hand that points at every field with the mouse."""
+    from selenium.webdriver.support.ui import Select
+
+    typed = {
+        "title": "Rear tipper: 4x2", "speed": "2500",
+        **{f"members[{k}].side": slope for k, slope in enumerate(("3", "1", "4.5", "2"), 1)},
+        "shafts[1].length": "1200", "shafts[2].length": "1500", "shafts[1].bearing": "140",
+    }  # fmt: skip
+    hand = THINK + POINT  # how many joints there are
+    since = time.monotonic()
+    with workbench(tmp_path, folder=True) as (house, _):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        Select(browser.find_element("css selector", "[data-field=count]")).select_by_value("2")
+        for field, value in typed.items():
+            fill(browser, field, value)
+            hand += THINK + POINT + 2 * REACH + KEY * len(value)
+        press(browser, ".guided .make")
+        hand += THINK + POINT
+        wait(browser, SETTLED)
+        assert "pass" in said(browser, ".verdict").lower()
+    assert hand > 40
+    assert time.monotonic() - since + hand < 120
+
+
 def test_what_was_typed_in_a_view_is_there_when_it_comes_back(browser, tmp_path):
     """Five readings were gone after a look at another view, and so were masks of a recording."""
     with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):

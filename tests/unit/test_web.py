@@ -68,6 +68,7 @@ def test_the_two_answers_hold_every_check_there_is(path):
     found = approve(files.loads(text))
     live, full = asked(text), asked(text, "full")
     assert full["verdict"] == found.verdict
+    assert full["missed"] == len(found.coverage.unanswered)
     cells = {}
     for row in (*live["limits"], *full["limits"]):
         for s, state in enumerate(live["states"]):

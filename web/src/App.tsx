@@ -224,7 +224,7 @@ function Strip({ known }: { known: Known }) {
       <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>
       <p class="counts">
         {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counts[g]} {t(g)}</span>)}
-        {full && full.unanswered.length > 0 && <span>{t("{count} unanswered", { count: full.unanswered.length })}</span>}
+        {full && full.missed > 0 && <span>{t("{count} unanswered", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
         <span class="pending" aria-hidden={settled}>{settled ? "" : t("bearing forces follow …")}</span>
       </p>

@@ -25,7 +25,7 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
           <Plot
             x={turn.phases}
             series={[{ name: t("equivalent angle over the phase of shaft {n}", { n: shaft + 1 }), values: turn.over_phase[shaft] ?? [], colour: 0 }]}
-            left={{ unit: "°", digits: 1 }}
+            degrees
             unit={t("[deg] over deg")}
             at={((phase % 180) + 180) % 180}
             height={130}
@@ -35,7 +35,6 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
           <Plot
             x={turn.theta}
             series={turn.speed.map((values, k) => ({ name: k === turn.speed.length - 1 ? t("pinion") : t("shaft {n}", { n: k + 1 }), values, colour: k % 6 }))}
-            left={{ unit: "%", digits: 1 }}
             unit={t("speed over the gearbox's, less 1 [%], round the turn [deg]")}
             height={150}
             theme={known.theme}

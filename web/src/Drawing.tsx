@@ -124,11 +124,13 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
         const o = live.obstacles[number];
         if (!o) return null;
         const free = (of.clearance ?? []).map((room) => room[k]).filter((v) => v !== null && v !== undefined);
-        const x = p.x(Math.max(o.start[0], o.end[0]) + o.radius) + 8;
+        const [first, last] = [Math.min(o.start[0], o.end[0]) - o.radius, Math.max(o.start[0], o.end[0]) + o.radius].map(p.x) as [number, number];
+        const behind = last < p.width - 180;
+        const x = behind ? last + 8 : first - 8;
         const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known));
         const y = Math.min(Math.max(up, 60), p.height - 62);
         return (
-          <g key={number} class="room">
+          <g key={number} class="room" text-anchor={behind ? "start" : "end"}>
             <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}</text>
             <text x={x} y={y + 11}>{free.length ? `${fixed(Math.min(...free), 1)} mm` : ""}</text>
           </g>

@@ -135,7 +135,7 @@ function Others({ full }: { full: Full | null }) {
         </details>
       )}
       {([[t("Without an answer"), full.unanswered], [t("Notes"), full.notes]] as const).map(([said, of]) => of.length > 0 && (
-        <details key={said} class="more"><summary>{said} ({of.length})</summary><ul>{of.map((u) => <li key={u}>{u}</li>)}</ul></details>
+        <details key={said} class="more" open={of === full.unanswered && full.verdict === "incomplete"}><summary>{said} ({of.length})</summary><ul>{of.map((u) => <li key={u}>{u}</li>)}</ul></details>
       ))}
     </>
   );

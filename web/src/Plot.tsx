@@ -12,10 +12,7 @@ export interface Series {
   /** Number of the colour in the page's palette. */
   colour: number;
   dash?: boolean;
-  right?: boolean;
 }
-
-export interface Axis { unit: string; digits: number }
 
 /** What is drawn beside the curves: values they are held against, places, a range of x. */
 export interface Beside {
@@ -29,8 +26,7 @@ export interface Beside {
 export function Plot(of: {
   x: number[];
   series: Series[];
-  left: Axis;
-  right?: Axis;
+  degrees?: boolean;
   unit: string;
   at?: number | null;
   height: number;
@@ -49,13 +45,13 @@ export function Plot(of: {
     const x = at.current;
     if (here.current) here.current.style.transform = x === null || x === undefined ? "scale(0)" : `translateX(${u.valToPos(x, "x")}px)`;
   };
-  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour, s.right]), of.unit, of.left, of.right, of.height, of.theme, of.beside]);
+  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour]), of.unit, of.height, of.theme, of.beside]);
 
   useEffect(() => {
     const element = root.current;
     if (!element) return undefined;
     const axis = { stroke: colour("--faint"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
-    const ticks = (a: Axis) => (_: uPlot, values: number[]) => values.map((v) => `${fixed(v, decimals(values))}${a.unit === "°" ? "°" : ""}`);
+    const ticks = (unit: string) => (_: uPlot, values: number[]) => values.map((v) => fixed(v, decimals(values)) + unit);
     plot.current = new uPlot(
       {
         width,
@@ -64,13 +60,12 @@ export function Plot(of: {
         cursor: { show: false },
         scales: { x: { time: false }, ...(of.beside?.top ? { y: { range: [0, of.beside.top] as [number, number] } } : {}) },
         pxAlign: 0,
-        padding: [8, of.right ? 0 : 12, 0, 0],
+        padding: [8, 12, 0, 0],
         axes: [
-          { ...axis, size: 22, values: (_, values) => values.map((v) => fixed(v, decimals(values))) },
-          { ...axis, size: 44, values: ticks(of.left) },
-          ...(of.right ? [{ ...axis, side: 1 as const, scale: "right", size: 44, grid: { show: false }, values: ticks(of.right) }] : []),
+          { ...axis, size: 22, values: ticks("") },
+          { ...axis, size: 44, values: ticks(of.degrees ? "°" : "") },
         ],
-        series: [{}, ...of.series.map((s) => ({ stroke: colour(`--series-${s.colour}`), width: 1.8, scale: s.right ? "right" : "y", points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
+        series: [{}, ...of.series.map((s) => ({ stroke: colour(`--series-${s.colour}`), width: 1.8, points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
         hooks: {
           draw: [
             (u) => besides(u, of.beside ?? {}),
@@ -117,24 +112,28 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
     ctx.globalAlpha = 1;
   }
   ctx.font = `${11 * devicePixelRatio}px system-ui`;
-  ctx.lineWidth = 1.3 * devicePixelRatio;
-  let [x, last] = [0, -99];
-  for (const { value, said, grade } of [...levels].sort((a, b) => a.value - b.value)) {
-    const y = u.valToPos(value, "y", true);
-    ctx.strokeStyle = ctx.fillStyle = colour(grade ? `--${grade}` : "--faint");
+  ctx.textBaseline = "bottom";
+  const rising = levels.map((l) => ({ ...l, y: u.valToPos(l.value, "y", true), ink: colour(l.grade ? `--${l.grade}` : "--faint") })).sort((a, b) => a.value - b.value);
+  for (const { y, grade, ink } of rising) {
+    ctx.lineWidth = 1.3 * devicePixelRatio;
+    ctx.strokeStyle = ink;
     ctx.setLineDash(grade ? [8, 5] : [2, 3]);
-    ctx.beginPath();
-    ctx.moveTo(bbox.left, y);
-    ctx.lineTo(bbox.left + bbox.width, y);
-    ctx.stroke();
+    ctx.stroke(new Path2D(`M${bbox.left} ${y}h${bbox.width}`));
+  }
+  let [x, last] = [0, -99];
+  ctx.setLineDash([]);
+  for (const { y, said, ink } of rising) {
     if (!said) continue;
     // Names of neighbours stand beside each other.
     x = Math.abs(y - last) < 13 * devicePixelRatio ? x : bbox.left + bbox.width;
     x -= ctx.measureText(said).width + 8;
     last = y;
-    ctx.fillText(said, x, y - 3);
+    // On the line, and before others that cross it.
+    [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("--card"), ink, 4 * devicePixelRatio];
+    ctx.strokeText(said, x, y - 1);
+    ctx.fillText(said, x, y - 1);
   }
-  ctx.setLineDash([]);
+  ctx.lineWidth = 1.3 * devicePixelRatio;
   ctx.strokeStyle = colour("--ink");
   for (const { x, y } of spots) {
     ctx.beginPath();
@@ -146,8 +145,8 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
 
 const data = (x: number[], series: Series[]): uPlot.AlignedData => [x, ...series.map((s) => s.values)] as uPlot.AlignedData;
 
-/** Decimals that tell neighbouring ticks apart. */
-function decimals(values: number[]): number {
+/** Decimals that ticks have, up to four: 2.5 stands between 2 and 3. */
+export function decimals(values: number[]): number {
   const step = Math.abs((values[1] ?? 1) - (values[0] ?? 0)) || 1;
-  return Math.max(0, Math.min(4, Math.ceil(-Math.log10(step) - 1e-9)));
+  return [0, 1, 2, 3].find((d) => Math.abs(step * 10 ** d - Math.round(step * 10 ** d)) < 1e-6) ?? 4;
 }

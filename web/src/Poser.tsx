@@ -90,8 +90,8 @@ function Curves({ curve, over, at, known }: { curve: Curve; over: string; at: nu
   );
   return (
     <>
-      <Plot x={curve.x} series={angles} left={{ unit: "°", digits: 1 }} unit={`${t("joint angles [deg]")} ${over}`} at={at} height={150} theme={known.theme} label={`${t("joint angles [deg]")} ${over}`} />
-      <Plot x={curve.x} series={rooms} left={{ unit: "mm", digits: 0 }} unit={`[mm] ${over}`} at={at} height={150} theme={known.theme} label={`${t("clearance")}, ${t("spline travel")} ${over}`} />
+      <Plot x={curve.x} series={angles} degrees unit={`${t("joint angles [deg]")} ${over}`} at={at} height={150} theme={known.theme} label={`${t("joint angles [deg]")} ${over}`} />
+      <Plot x={curve.x} series={rooms} unit={`[mm] ${over}`} at={at} height={150} theme={known.theme} label={`${t("clearance")}, ${t("spline travel")} ${over}`} />
     </>
   );
 }

@@ -98,7 +98,6 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
       <Plot
         x={of.rpm}
         series={cut}
-        left={{ unit: "N", digits: 0 }}
         unit={`${t("force [N]")} ${t("over the shaft's speed [rpm]")}: ${of.gears[g]?.said}`}
         at={of.rpm[k] ?? null}
         height={240}
@@ -121,7 +120,6 @@ function Campbell({ of, known }: { of: Diagram; known: Known }) {
       <Plot
         x={of.rpm}
         series={series}
-        left={{ unit: "Hz", digits: 0 }}
         unit={t("frequency [Hz] over the shaft's speed [rpm]")}
         height={230}
         theme={known.theme}
@@ -166,7 +164,6 @@ function Launches({ known }: { known: Known }) {
           <Plot
             x={l.time}
             series={l.torque.map((s, k) => ({ name: s.said, values: s.values, colour: k, dash: k > 0 }))}
-            left={{ unit: "N·m", digits: 0 }}
             unit={t("torque of the first shaft [N·m] over time [s]")}
             height={200}
             theme={known.theme}
@@ -177,7 +174,6 @@ function Launches({ known }: { known: Known }) {
             <Plot
               x={l.bearing_time}
               series={l.bearings.map((s, k) => ({ name: s.said, values: s.values, colour: k + 1 }))}
-              left={{ unit: "N", digits: 0 }}
               unit={t("force on the bearings [N] over time [s]")}
               height={150}
               theme={known.theme}

@@ -1,6 +1,7 @@
 import { afterEach, describe, expect, it } from "vitest";
 import { fixed, number, percent, signed, speak } from "../src/format";
 import { wrapped } from "../src/Dial";
+import { decimals } from "../src/Plot";
 
 afterEach(() => speak("en"));
 
@@ -28,4 +29,11 @@ describe("a yoke phase", () => {
     "%s is %s",
     (turned, is) => expect(wrapped(turned)).toBe(is),
   );
+});
+
+describe("ticks", () => {
+  it("have the decimals that their steps have: 12.5 is not 13", () => {
+    expect(decimals([0, 2.5, 5])).toBe(1);
+    expect([[0, 5], [0, 0.5], [0, 0.25], [0, 0.001], [3]].map(decimals)).toEqual([0, 1, 2, 3, 0]);
+  });
 });

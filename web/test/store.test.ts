@@ -287,9 +287,9 @@ describe("the document", () => {
 
   it("takes the verdict of the latest question alone", () => {
     const first = store.known;
-    socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
+    socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
     expect(store.known.settled).toBe(first.settled);
-    socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], unanswered: [] });
+    socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
     expect(store.known.settled).toBe(true);
   });
 });

@@ -190,6 +190,7 @@ def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
     return {
         "verdict": found.verdict,
         "counts": {g: sum(c.grade == g for c in found.checks) for g in GRADES},
+        "missed": len(found.coverage.unanswered),
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
         "limits": [row for r in found.responses for row in _rows(r, say, SOUGHT)],
