@@ -471,14 +471,19 @@ class Splitter:
         regressors = self._regressors(time, spans)
         basis = _basis(n)
         weight = inside.astype(float)
-        fitted, coefficients = self._fit(x, weight, regressors, basis)
+        sums = self._sums(x, weight, regressors, basis)
+        fitted, coefficients = self._fit(sums, regressors, basis)
         event = np.zeros_like(x)
         if np.isfinite(self.event_factor):
             event = self._events(x - fitted.sum(1), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
                 quiet = weight * np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT)
-                fitted, coefficients = self._fit(x, quiet, regressors, basis)
+                other = (quiet != weight).reshape(spans, n).any(-1)
+                now = (v.reshape(-1, spans, n)[:, other] for v in (x, quiet, regressors))
+                for old, new in zip(sums, self._sums(*now, basis), strict=True):
+                    old[other] = new
+                fitted, coefficients = self._fit(sums, regressors, basis)
                 event = self._events(x - fitted.sum(1), inside)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
@@ -511,12 +516,10 @@ class Splitter:
             rows += [turning.real, turning.imag]
         return np.stack(rows).reshape(len(rows), spans, -1)
 
-    def _fit(
+    def _sums(
         self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
-        from scipy.linalg import solveh_banded
-
+        """Sums over each span: regressors by each other, and by x (spans, 4 p, 4 p or channels)."""
         p, spans, n = regressors.shape
         channels = x.shape[0]
         rows = regressors.transpose(1, 0, 2)
@@ -533,7 +536,17 @@ class Splitter:
         gram = gram.reshape(spans, 4 * p, 4 * p)
         target = x.reshape(channels, spans, 1, n)
         right = np.stack([_products(weighted * each, basis) for each in target], axis=-1)
-        right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
+        return gram, right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
+
+    def _fit(
+        self, sums: tuple[FloatArray, FloatArray], regressors: FloatArray, basis: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Parts (channels, 1 + tones, n) of x by its sums, and splines' coefficients (.., 4)."""
+        from scipy.linalg import solveh_banded
+
+        gram, right = sums
+        p, spans, n = regressors.shape
+        channels = right.shape[-1]
         size = (spans + 3) * p
         banded: FloatArray = np.zeros((4 * p, size))
         total: FloatArray = np.zeros((size, channels))
