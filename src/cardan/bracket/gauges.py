@@ -18,7 +18,7 @@ _STEPS = 4
 _OFF = 0.5
 """Of a step, how far off the surface it may end: over an edge it ends a whole one off."""
 
-_ASTRAY = 0.25
+_ASTRAY = 0.45
 """Of the sheet, how far off its surface a gauge's point may lie: in its middle nobody knows which
 side is meant."""
 
