@@ -20,6 +20,7 @@ from cardan.bracket.gauges import influence
 from cardan.bracket.refine import Problem, refined, solution
 from cardan.bracket.shape import Solid, solid
 from cardan.bracket.solve import Task, solve
+from cardan.bracket.stress import superpose
 from cardan.bracket.surface import nearest, sharp_edges
 from cardan.bracket.unit import unit_loads, unit_solutions
 from cardan.bracket.zones import CUT, SHEET, TOE
@@ -90,10 +91,9 @@ def test_superposition_is_a_direct_solve(units):
     direct = body.solve(loads @ units.loads)
     summed = loads @ units.displacements
     assert np.abs(summed - direct).max() < 1e-9 * np.abs(direct).max()
-    places = body.locate([g.point for g in GAUGES])
-    strain = body.strains_at(places, direct[None])[:, 0]
-    added = np.einsum("guk,u->gk", body.strains_at(places, units.displacements), loads)
-    assert np.abs(added - strain).max() < 1e-9 * np.abs(strain).max()
+    stress = body.stress_at_nodes(direct[None])[:, 0]
+    added = superpose(body.stress_at_nodes(units.displacements), loads[None])[:, 0]
+    assert np.abs(added - stress).max() < 1e-9 * np.abs(stress).max()
 
 
 def test_unit_loads_are_units_and_bolts_carry_them(units):
@@ -180,8 +180,13 @@ def test_a_gauge_reads_the_mean_along_its_grid():
     assert np.abs(B[:, 2]) == pytest.approx([0.1 * (a / 2) / (E * a**4 / 12)] * 2, rel=0.02)
     with pytest.raises(DesignError, match="hangs over an edge"):
         influence(units, [Gauge(name="S", point=(0.199, 0, 0.01), direction=(1, 0, 0))])
-    with pytest.raises(DesignError, match="mm off the bracket; the nearest"):
-        influence(units, [Gauge(name="S", point=(0.1, 0, 0.03), direction=(1, 0, 0))])
+    # In the middle of a wall it reads the one face or, with the other sign, the other.
+    for z in (0.03, 0.0):
+        with pytest.raises(DesignError, match=r"[12]0 mm off the bracket's surface"):
+            influence(units, [Gauge(name="S", point=(0.1, 0, z), direction=(1, 0, 0))])
+    for x, told in ((0.0, "against the frame"), (0.2, "under the bearing")):
+        with pytest.raises(DesignError, match=told):
+            influence(units, [Gauge(name="S", point=(x, 0, 0), direction=(0, 1, 0))])
     with pytest.raises(DesignError, match="points into the surface"):
         influence(units, [Gauge(name="S", point=(0.1, 0, 0.01), direction=(0, 0, 1))])
     # Its only sharp edges are the clamp's borders.
@@ -256,6 +261,26 @@ def test_a_mesh_and_its_factors_go_before_the_next_is_solved(monkeypatch):
     refined(replace(problem(), firm=firm), cases=[side], levels=3)
     assert len(made) == 3
     assert left == [None] * 3
+
+
+def test_a_thin_sheet_is_solved_and_as_soft_as_it_is_thin():
+    """Across, a U gives by bending: half as thick, an eighth as stiff, to the stretch of its sheet.
+
+    2 mm and less had been told not to be held: the forces inside miss the load by 1.2e-8 of it in
+    their last digits, and of 13,100 elements of 1.5 mm 98 were turned inside out.
+    """
+    side = np.zeros((1, 9))
+    side[0, 1] = 1000.0
+    thin, thick = (
+        solve(
+            Task(shape=replace(U, thickness=t * mm), material=STEEL, cases=(side,),
+                 element=16 * mm, levels=1),
+            silent,
+        )
+        for t in (1.5, 3)
+    )  # fmt: skip
+    across = [1 / s.sliding.compliance[1, 1] for s in (thin, thick)]
+    assert across[1] / across[0] == pytest.approx(8, rel=0.1)
 
 
 def test_maxima_are_found_afresh_and_their_error_holds():

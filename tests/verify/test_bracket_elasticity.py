@@ -50,8 +50,8 @@ def cylinder(size, degree, halvings=0):
     ur = (1 + nu) * p * a**2 / (E * (b**2 - a**2)) * ((1 - 2 * nu) * a + b**2 / a)
     work = p * np.pi / 2 * a * h * ur
     hoop = p * a**2 / (b**2 - a**2) * (1 + b**2 / a**2)
-    place = body.locate([(a / np.sqrt(2), a / np.sqrt(2), h / 2)])
-    xx, yy, _, xy, _, _ = hooke(body.strains_at(place, u[None]), STEEL)[0, 0]
+    place = made(a / np.sqrt(2), a / np.sqrt(2), h / 2)
+    xx, yy, _, xy, _, _ = hooke(body.strain_of(u)(place), STEEL)
     return made.ne, abs(f @ u / work - 1), abs(((xx + yy) / 2 - xy) / hoop - 1)
 
 
@@ -95,9 +95,9 @@ def test_cantilever_bends_as_a_beam_does():
     k = 10 * (1 + nu) / (12 + 11 * nu)
     expected = F * L**3 / (3 * E * second) + F * L / (k * G * b * h)
     u = body.solve(body.traction("tip", (0, 0, -F / (b * h))))
-    places = body.locate([(L, 0, 0), (L / 2, 0, h / 2)])
-    assert -body.displacements_at(places, u[None])[0, 0, 2] == pytest.approx(expected, rel=0.01)
-    stress = hooke(body.strains_at(places, u[None]), STEEL)[1, 0]
+    tip, fibre = body.mesh(L, 0, 0), body.mesh(L / 2, 0, h / 2)
+    assert -body.field(u)(tip)[2] == pytest.approx(expected, rel=0.01)
+    stress = hooke(body.strain_of(u)(fibre), STEEL)
     assert stress[0] == pytest.approx(F * L / 2 * h / 2 / second, rel=3e-3)
     assert von_mises(stress) == pytest.approx(stress[0], rel=3e-3)
 
@@ -157,8 +157,7 @@ def test_what_is_read_of_all_loads_at_once_is_what_the_engine_reads_of_one(degre
         read.reshape(engines.shape), engines, rtol=0, atol=1e-11 * abs(engines).max()
     )
     moved, nodes = body.at_nodes(u)[0], body.nodes
-    places = body.locate(nodes.points[:5])
-    there = body.displacements_at(places, u)
+    there = [[body.field(one)(made(*point)) for one in u] for point in nodes.points[:5]]
     np.testing.assert_allclose(moved[:5], there, rtol=0, atol=1e-9 * abs(moved).max())
 
 
@@ -176,15 +175,6 @@ def test_reactions_balance_every_load():
     assert body.rigid[:3] @ loads[0] == pytest.approx(np.array([1, -2, 3]) * b * h, rel=1e-12)
     mass = 0.5 * b * h * STEEL.density
     assert body.rigid[2] @ loads[2] == pytest.approx(-9.81 * mass, rel=1e-12)
-
-
-def test_places_are_found_on_curved_faces():
-    """A point above a face is drawn to it along the shortest way."""
-    _, _, h, body = beam()
-    inside, above = body.locate([(0.1, 0.003, 0.004), (0.123, 0.004, h / 2 + 0.01)])
-    assert inside.distance < 1e-12
-    assert above.point == pytest.approx((0.123, 0.004, h / 2), abs=1e-9)
-    assert above.distance == pytest.approx(0.01, rel=1e-9)
 
 
 def test_a_stress_is_not_read_where_elements_are_pressed_flat():

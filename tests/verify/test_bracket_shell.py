@@ -16,6 +16,7 @@ from cardan.base.units import MPa, mm
 from cardan.bracket.elastic import elastic, mesh
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import von_mises
+from cardan.bracket.surface import nearest
 from cardan.model.bracket import UShape
 from cardan.model.parts import STEEL
 
@@ -42,9 +43,9 @@ def solids():
     held = elastic(mesh(body.shape, size=4 * mm), STEEL, held=body.held("clamped"))
     area = float(sum(face.mass for face in body.shape.faces if face.name == "seat"))
     u = held.solve(held.traction("seat", (0, 1e3 / area, 0))[None])
-    at = held.locate(list(PLACES.values()))
-    stress = held.between_nodes(at, held.at_nodes(u)[1])[:, 0]
-    return held.displacements_at(at, u)[:, 0], von_mises(stress)
+    at = nearest(held.nodes, list(PLACES.values()))
+    moved, stress = (at.of(held.nodes, field)[:, 0] for field in held.at_nodes(u))
+    return moved, von_mises(stress)
 
 
 def middle():

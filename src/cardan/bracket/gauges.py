@@ -8,6 +8,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import mm
+from cardan.bracket.shape import MOUNT, SEAT
 from cardan.bracket.surface import nearest
 from cardan.bracket.unit import Units
 from cardan.model.bracket import Gauge
@@ -16,6 +17,10 @@ _STEPS = 4
 """Steps to either side that a grid is followed in, along a surface that may be bent."""
 _OFF = 0.5
 """Of a step, how far off the surface it may end: over an edge it ends a whole one off."""
+
+_ASTRAY = 0.45
+"""Of the sheet, how far off its surface a gauge's point may lie: in its middle nobody knows which
+side is meant."""
 
 
 def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
@@ -27,7 +32,7 @@ def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
     Raises
     ------
     DesignError
-        If a gauge does not lie on the bracket, or points into it.
+        If a gauge does not lie on the bracket, cannot be got at, or points into it.
     """
     if not gauges:
         return np.zeros((0, len(units.displacements)))
@@ -39,12 +44,16 @@ def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
     """Strain (9,) one gauge reads as the nodes move, (n, 9, 3) m."""
     nodes = units.elastic.nodes
     middle = nearest(nodes, [gauge.point, gauge.point])  # from where it goes both ways
-    if middle.distances[0] > units.solid.thickness / 2:
-        where = ", ".join(f"{v / mm:.2f}" for v in middle.points[0])
+    where = ", ".join(f"{v / mm:.2f}" for v in middle.points[0])
+    if middle.distances[0] > _ASTRAY * units.solid.thickness:
         msg = (
-            f"gauge {gauge.name} is {middle.distances[0] / mm:.3g} mm off the bracket; the nearest "
-            f"point of its surface is ({where}) mm"
+            f"gauge {gauge.name} is {middle.distances[0] / mm:.3g} mm off the bracket's surface; "
+            f"the nearest point of it is ({where}) mm"
         )
+        raise DesignError(msg, about="bracket.gauges")
+    hidden = _hidden(str(nodes.face_names[middle.faces[0]]))
+    if hidden:
+        msg = f"gauge {gauge.name}, at ({where}) mm, lies {hidden}: nobody can glue one there"
         raise DesignError(msg, about="bracket.gauges")
     heading = _laid(gauge, np.asarray(gauge.direction), middle.normals[0])
     ways, step = np.stack([heading, -heading]), gauge.length / (2 * _STEPS)
@@ -67,6 +76,13 @@ def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
     longer = np.diff([at.of(nodes, motion) for at in grid], axis=0)
     grown = np.einsum("skx,skcx->c", steps / sizes[..., None], longer)
     return np.asarray(grown / sizes.sum(), dtype=float)
+
+
+def _hidden(face: str) -> str:
+    """Return what covers a face of a name; nothing where a gauge can lie on it."""
+    if face == SEAT:
+        return "under the bearing"
+    return "against the frame" if face == MOUNT or face.startswith("bolt ") else ""
 
 
 def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray:

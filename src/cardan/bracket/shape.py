@@ -30,6 +30,8 @@ WASHER = 2.0
 
 _AS_THICK = 4.0
 """Times the mean thickness of a solid, and share of it, that its walls may have."""
+_WIDE = 3.0
+"""Times its thickness, a round whose elements that thickness bounds, and not its radius alone."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
 
 
@@ -417,6 +419,18 @@ class _Cylinder(NamedTuple):
     point: npt.NDArray[np.float64]
     axis: npt.NDArray[np.float64]
     radius: float
+
+
+def longest_on(face: Any, thickness: Metre) -> Metre:
+    """Longest edge of an element on a face of a sheet: endless but on a wide round.
+
+    An arc of L rises by L²/8r over its chord. Where that is much more than a tenth of the sheet,
+    elements of its other side come through, turned inside out.
+    """
+    of = _cylinder(face)
+    if of is None or of.radius < _WIDE * thickness:
+        return np.inf
+    return float(np.sqrt(0.8 * of.radius * thickness))
 
 
 def _cylinder(face: Any) -> _Cylinder | None:

@@ -20,7 +20,7 @@ from cardan.bracket.elastic import Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
 from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, refined
-from cardan.bracket.shape import Picked, Solid, solid
+from cardan.bracket.shape import Picked, Solid, longest_on, solid
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
@@ -257,6 +257,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     for face in body.shape.faces:
         if face.name in body.bolts:  # at a washer's border stress is read close by
             face.maxh = min(size, 0.5 * body.thickness)
+        elif (most := longest_on(face, body.thickness)) < size:
+            face.maxh = most
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
         clamps=tuple(body.held("sliding")), firm=body.held("clamped"), loads=unit_loads, size=size,

@@ -75,13 +75,6 @@ class Units:
         """Displacement (n, 9, 3) m and stress (n, 9, 6) Pa at the nodes."""
         return self.elastic.at_nodes(self.displacements)
 
-    def stress_at(self, points: ArrayLike) -> FloatArray:
-        """Stress (k, 9, 6) Pa at the points of the bracket nearest to (k, 3) m.
-
-        From the means at the nodes, which are nearer the truth than any one element.
-        """
-        return self.elastic.between_nodes(self.elastic.locate(points), self.at_nodes[1])
-
     def seat(self, frequencies: FloatArray, shapes: FloatArray, *, loss: float = LOSS) -> Seat:
         """Return how the seat gives, by modes (k,) Hz, (k, unknowns) and what they leave.
 

@@ -14,7 +14,7 @@ from math import inf
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Kilogram, Metre, hour, mm
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
@@ -128,7 +128,7 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
                 judged = bench.judged(
                     shape, name=named(sizes), levels=LEVELS if refined else 1, tell=tell
                 )
-            except DesignError as error:
+            except (DesignError, NotConverged) as error:
                 refused.append((sizes, str(error)))
                 known[key] = 0.0
                 return 0.0
