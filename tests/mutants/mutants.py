@@ -594,7 +594,6 @@ RECORDED = (
            "numbers that are right are written anew", "verify/test_identification.py::test_a_file_that_is_right_is_left_alone"),
     mutant("study/identification.py", "late = np.exp(2j * np.pi * said.lag", "late = np.exp(0j * np.pi * said.lag",
            "a bus is on time", "verify/test_identification.py::test_an_angle_from_a_bus_does_as_well"),
-    mutant("fatigue/usage.py", "= size[keep], when[keep], count[keep]", "= size[keep], when[: keep.size], count[keep]",
     mutant("fatigue/usage.py", "self.count = size[keep], when[keep], count[keep]", "self.count = size[keep], self.when, count[keep]",
            "large cycles lose their seconds", "unit/test_usage.py"),
     mutant("fatigue/usage.py", "order = np.argsort(-of.damage, kind=\"stable\")", "order = np.argsort(of.damage, kind=\"stable\")",
