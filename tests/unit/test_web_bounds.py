@@ -59,6 +59,24 @@ def test_a_job_past_its_memory_is_told_so_and_nobody_else_is(own):
 
 
 @linux
+def test_a_job_past_its_seconds_of_processors_is_ended(own):
+    """Each answer has its own: what the ones before took does not count."""
+    import resource
+
+    with page(own) as one:
+        text = settled(one)
+        one.say("job", id=2, job="torsion", text=text, args={})
+        one.hear("part")
+        pid = own.lanes.work.pid
+        soft, hard = resource.prlimit(pid, resource.RLIMIT_CPU)
+        assert worker.CPU <= soft < worker.CPU + PATIENCE
+        resource.prlimit(pid, resource.RLIMIT_CPU, (1, hard))
+        assert one.hear("done")["fault"] == "ended"
+        one.say("job", id=3, job="limits", text=text, args={})
+        assert "limits" in one.hear("done")
+
+
+@linux
 def test_more_jobs_than_a_page_may_ask_wait_for_nobody(own):
     with page(own) as one:
         text = settled(one)

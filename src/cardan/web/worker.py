@@ -24,6 +24,9 @@ PART = "part"
 MEMORY = 4_000_000_000
 """Bytes of address space, where a process can be held to that."""
 
+CPU = 1800
+"""Seconds of processors that an answer may take: past them the system ends the process."""
+
 
 def main() -> None:
     """Answer until nobody asks."""
@@ -43,6 +46,7 @@ def main() -> None:
             os._exit(0)
 
     while (question := _read(questions)) is not None:
+        _allow()
         try:
             found = answer(question, lambda part: write({PART: part}))
         except MemoryError:
@@ -69,9 +73,21 @@ def _limit() -> None:
     with suppress(ImportError, ValueError, OSError):
         import resource
 
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
         most = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
         resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+
+
+def _allow() -> None:
+    """Give the next answer its seconds of processors."""
+    with suppress(ImportError, ValueError, OSError):
+        import resource
+
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        most = int(used.ru_utime + used.ru_stime) + CPU
+        resource.setrlimit(resource.RLIMIT_CPU, (most, hard))
 
 
 def _read(stream: BinaryIO) -> dict[str, Any] | None:
