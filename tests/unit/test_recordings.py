@@ -2,8 +2,10 @@
 
 import gc
 import struct
+import subprocess
 import sys
 import wave
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -420,3 +422,27 @@ def test_a_bus_that_falls_silent_leaves_its_speed_unknown(tmp_path):
     np.testing.assert_array_equal(np.isnan(n[fast < 29.9]), unknown[fast < 29.9])
     np.testing.assert_allclose(n[~np.isnan(n)], 60 * fast[~np.isnan(n)], rtol=1e-9)
     assert "n: no value for 6 s, longest hole 6 s, the first at 12 s" in recording.notes
+
+
+def test_an_mdf_is_opened_without_reading_it(tmp_path):
+    """What was asked of one record read all of them: three times the file in memory."""
+    asammdf = pytest.importorskip("asammdf")
+    if not Path("/proc/self/status").exists():
+        pytest.skip("nothing says here how much memory a process took")
+    file, many = asammdf.MDF(version="4.10"), np.arange(3_000_000) / 1000
+    file.append([asammdf.Signal(np.sin(many), many, name=n, unit="MPa") for n in ("S1", "S2")])
+    file.save(tmp_path / "a.mf4")
+    code = (
+        "import asammdf, sys; from pathlib import Path\n"
+        "from cardan.files.recordings import open_recording\n"
+        "def peak(): return int(Path('/proc/self/status').read_text()"
+        ".split('VmHWM:')[1].split()[0])\n"
+        "was = peak(); open_recording(Path(sys.argv[1])); print(peak() - was)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "a.mf4")],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    # Its records are 72 MB; of a clock one stretch of 16 MB is looked at.
+    assert (tmp_path / "a.mf4").stat().st_size > 72e6
+    assert int(done.stdout) / 1e3 < 72

@@ -349,7 +349,7 @@ def life(
     campaign = Campaign(application=predicting, changed=instead, **options)
     with progress(say("reading"), quiet=quiet) as line:
         found = listen(
-            recording, campaign, lambda doing, *_: line.write(report.under_way(doing, say)),
+            recording, campaign, lambda doing, _, __: line.write(report.under_way(doing, say)),
             draw=bool(html or pdf),
         )  # fmt: skip
     if json_out is not None:
@@ -435,7 +435,7 @@ def _campaign(
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
             path, allow_outside=allow_outside, draw=bool(html or pdf),
-            tell=lambda doing, *_: line.write(report.under_way(doing, say)),
+            tell=lambda doing, _, __: line.write(report.under_way(doing, say)),
             identified=bool(corrected or load_history), changed=bool(changed_history),
         )  # fmt: skip
     if json_out is not None:

@@ -480,8 +480,10 @@ class Splitter:
                 # Again with the events nearly silent, so that a blow is not spread into tones.
                 quiet = weight * np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT)
                 other = (quiet != weight).reshape(spans, n).any(-1)
-                now = (v.reshape(-1, spans, n)[:, other] for v in (x, quiet, regressors))
-                for old, new in zip(sums, self._sums(*now, basis), strict=True):
+                y, louder, rows = (
+                    v.reshape(-1, spans, n)[:, other] for v in (x, quiet, regressors)
+                )
+                for old, new in zip(sums, self._sums(y, louder, rows, basis), strict=True):
                     old[other] = new
                 fitted, coefficients = self._fit(sums, regressors, basis)
                 event = self._events(x - fitted.sum(1), inside)
@@ -520,6 +522,7 @@ class Splitter:
         self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return sums over each span: regressors by each other, and by x (spans, 4 p, 4 p or m)."""
+        """Return sums over each span, regressors by each other, and by x (spans, 4 p, ..)."""
         p, spans, n = regressors.shape
         channels = x.shape[0]
         rows = regressors.transpose(1, 0, 2)

@@ -121,9 +121,8 @@ class _Gauge:
         if not cycles.count.size:
             return
         size = np.concatenate([self.largest, self._equivalent(cycles)])
-        when, count = (
-            np.concatenate(both) for both in ((self.when, when), (self.count, cycles.count))
-        )
+        when = np.concatenate([self.when, when])
+        count = np.concatenate([self.count, cycles.count])
         keep = np.argsort(-size, kind="stable")[:LARGEST]
         self.largest, self.when, self.count = size[keep], when[keep], count[keep]
 

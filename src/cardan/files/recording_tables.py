@@ -253,7 +253,6 @@ def mdf(path: Path, *, group: str = "") -> Table:
     file, why = _opened(MDF, path)
     if file is None:
         raise bad(path, f"MDF cannot open it: {why}")
-    file.configure(read_fragment_size=AT_ONCE)
     sizes = [g.channel_group.cycles_nr for g in file.groups]
     names = {
         k: file.groups[k].channel_group.acq_name or f"group {k + 1}" for k in range(len(sizes))
@@ -263,7 +262,11 @@ def mdf(path: Path, *, group: str = "") -> Table:
         raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(names.values())}")
     if not chosen:
         raise bad(path, "it holds no samples")
-    return joined(path, [_channels(file, k, sizes[k], names[k]) for k in chosen])
+    # What is asked of one record reads them all, and three times the file of memory with it.
+    file.configure(read_fragment_size=GLANCE)
+    tables = [_channels(file, k, sizes[k], names[k]) for k in chosen]
+    file.configure(read_fragment_size=AT_ONCE)
+    return joined(path, tables)
 
 
 def _opened(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:
@@ -287,8 +290,9 @@ def _opened(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:
         sys.unraisablehook = hook
 
 
-AT_ONCE = 1 << 24
-"""Bytes of an MDF4's records read at once: it is walked once, not from its beginning again."""
+AT_ONCE, GLANCE = 1 << 24, 1 << 12
+"""Bytes of an MDF4's records read at once: it is walked once, not from its beginning again; and
+when its channels are looked at for what they are."""
 
 
 def _channels(file: Any, group: int, samples: int, name: str) -> Table:
@@ -298,7 +302,7 @@ def _channels(file: Any, group: int, samples: int, name: str) -> Table:
     columns: list[Channel] = []
     kept: list[int] = []
     for k, channel in enumerate(found):
-        sample = file.get(group=group, index=k, record_offset=0, record_count=1)
+        sample = next(iter(file.iter_get(group=group, index=k)))
         if sample.samples.dtype.kind in "fiu" and sample.samples.ndim == 1:
             kept.append(k)
             time = k == master
