@@ -226,6 +226,7 @@ def test_a_recording_of_strains_becomes_forces(tmp_path):
         ("time_s,y_N,z_N", [[0, 1, 2]] * 9, "has no channel x_N"),
         ("time_s,S1,S2", [[0, 1, 2]] * 9, "has no channel S3, S4"),
         ("time_s,S1 [MPa],S2,S3,S4", [[k / 9, 1, 2, 3, 4] for k in range(9)], "S1 is in MPa"),
+        ("time_s,x_N [kN],y_N [kN],z_N [kN]", [[0, 1, 2, 3]] * 9, "x_N is in kN; forces are in N"),
         ("time_s,x_N,y_N,z_N", [[k / 9, 1, np.nan, 3] for k in range(9)], "no numbers"),
     ],
 )

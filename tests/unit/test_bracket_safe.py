@@ -133,6 +133,15 @@ def test_what_nobody_can_afford_is_refused_with_what_could_be():
         affordable(size=5 * mm, degree=2, volume=120 * 0.39 * 5 * mm, area=2 * 120 * 0.39)
 
 
+def test_a_sheet_like_foil_is_refused_for_its_thickness():
+    """0.05 mm: its bolts and bends ask for such elements, and no `element_mm` would do."""
+    foil = {"volume": 0.035 * 0.05 * mm, "area": 0.07}
+    for size in (0.075, 16):
+        with pytest.raises(DesignError, match=r"sheet of 0\.05 mm asks .*check its thickness"):
+            affordable(size=size * mm, degree=2, **foil)
+    affordable(size=16 * mm, degree=2, volume=0.035 * 1 * mm, area=0.07)
+
+
 @pytest.mark.parametrize("fails", [1, 3])
 def test_a_crash_is_tried_again_with_smaller_fillets(monkeypatch, fails):
     """The report says which fillet was solved; where all crash, which were tried."""

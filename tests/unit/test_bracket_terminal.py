@@ -152,3 +152,18 @@ def test_what_the_brackets_terminal_says():
     assert "120,5" in portuguese
     assert "120.5" not in portuguese
     assert "O que o reforço muda" not in portuguese
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_bar_too_wide_to_use_says_what_would_narrow_it(code):
+    """Told to 45 %, a bolt's border is to 18 with smaller elements; 25 is what nobody followed."""
+    say, settled = Language(code), approved("original")
+    answer = settled.findings[0].answer
+    (first,) = answer.variants
+    wide = tuple(replace(f, error=0.45) for f in first.features)
+    vague = replace(answer, variants=(replace(first, features=wide),))
+    vague = replace(settled, findings=(replace(settled.findings[0], answer=vague),))
+    before, after = (bare(terminal(a, say, width=400)).splitlines() for a in (settled, vague))
+    more = [line for line in after if line not in before and "`element_mm`" in line]
+    assert len(more) == 1
+    assert say.part(first.features[0].part) in more[0]

@@ -13,6 +13,8 @@ MINUTES = 15.0
 
 _UNKNOWNS = {1: 0.9, 2: 6.2, 3: 18.0, 4: 40.0}
 """To an element, by its degree, in a sheet one or two elements thick: counted."""
+_COARSEST = 5.0
+"""Times a sheet's thickness, elements of it that an estimate believes."""
 _ADDED = 35e3
 """Unknowns that washers, bends, ribs and refinement where it is worst add to those of plain sheet,
 whatever its elements: on six brackets 14 to 57 thousand."""
@@ -69,11 +71,15 @@ def estimate(*, volume: float, area: float, size: Metre, degree: int) -> Estimat
 def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
     """Estimate a model, and refuse one that would take too much memory or time.
 
+    Washers and bends ask for elements by the sheet's thickness, however large those asked for are.
+
     Raises
     ------
     DesignError
         With the estimate, the limits and what to change.
     """
+    coarsest = _COARSEST * 2 * volume / area
+    size = min(size, coarsest)
     found = least = estimate(volume=volume, area=area, size=size, degree=degree)
     memory = min(MEMORY, 0.6 * _installed())
     if found.memory <= memory and found.minutes <= MINUTES:
@@ -85,9 +91,15 @@ def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estim
     lower = " or a lower `order`" if degree > 2 else ""
     msg = (
         f"elements of {size / mm:.3g} mm, degree {degree}, would make {found}; allowed are "
-        f"{memory / 1e9:.2g} GB and {MINUTES:g} minutes: try `element_mm: {wanted / mm:.2g}`"
-        f"{lower}, or check the bracket's sizes"
+        f"{memory / 1e9:.2g} GB and {MINUTES:g} minutes: "
     )
+    if wanted < coarsest:
+        msg += f"try `element_mm: {wanted / mm:.2g}`{lower}, or check the bracket's sizes"
+    else:
+        msg += (
+            f"a sheet of {2 * volume / area / mm:.2g} mm asks for such elements at its bolts and "
+            "bends, whatever `element_mm` says: check its thickness"
+        )
     raise DesignError(msg, about="bracket")
 
 

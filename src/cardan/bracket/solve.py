@@ -30,8 +30,6 @@ from cardan.model.seat import LOSS, Seat
 MODES = 6
 OWN = 3
 """Modes by which a bracket swings beyond statics: orders of the shaft reach none of them."""
-_COARSEST = 5
-"""Times its thickness, elements of a sheet that an estimate believes."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -250,9 +248,7 @@ def solve(task: Task, tell: Progress) -> Solved:
     body = solid(task.shape)
     size = task.element or 1.5 * body.thickness
     area = float(sum(face.mass for face in body.shape.faces))
-    # Washers and bends ask for elements by the sheet's thickness, whatever the file says.
-    told = min(size, _COARSEST * body.thickness)
-    expected = affordable(volume=body.volume, area=area, size=told, degree=task.order)
+    expected = affordable(volume=body.volume, area=area, size=size, degree=task.order)
     tell(f"expecting {expected}")
     for face in body.shape.faces:
         if face.name in body.bolts:  # at a washer's border stress is read close by

@@ -269,14 +269,15 @@ class RecordingTable(Table):
                 f"has {holes} samples that are no numbers", "mend it first: cardan life",
                 got=self.file,
             )  # fmt: skip
-        if forces:
-            return BracketRecording(name=self.name, rate=found.rate, force=values)
+        known, told = (
+            (("N",), "forces are in N") if forces else (MICROSTRAIN, "strains are in um/m")
+        )
         for name in wanted:
             unit = found.channel(name).unit
-            if unit not in ("", *MICROSTRAIN):
-                self.at("file").refuse(
-                    f"channel {name} is in {unit}; strains are in um/m", got=self.file
-                )
+            if unit not in ("", *known):
+                self.at("file").refuse(f"channel {name} is in {unit}; {told}", got=self.file)
+        if forces:
+            return BracketRecording(name=self.name, rate=found.rate, force=values)
         return BracketRecording(name=self.name, rate=found.rate, strain=values * 1e-6)
 
 

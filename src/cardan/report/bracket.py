@@ -12,6 +12,7 @@ import numpy.typing as npt
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
+from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.loads.cycle import major_axis
@@ -269,6 +270,12 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
     yield from folded([f"  {means}"], width)
+    if vague := [say.part(f.part) for f in v.shown if f.error > UNSETTLED]:
+        what = say(
+            "{parts}: known to more than a quarter only; two thirds of the present `element_mm` "
+            "(left out, one and a half thicknesses) tell it better.", parts=", ".join(vague),
+        )  # fmt: skip
+        yield from folded([f"  {what}"], width)
 
 
 def telling_cases(v: Judged) -> list[Outcome]:
