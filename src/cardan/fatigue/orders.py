@@ -521,7 +521,6 @@ class Splitter:
     def _sums(
         self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return sums over each span: regressors by each other, and by x (spans, 4 p, 4 p or m)."""
         """Return sums over each span, regressors by each other, and by x (spans, 4 p, ..)."""
         p, spans, n = regressors.shape
         channels = x.shape[0]
