@@ -262,7 +262,7 @@ def mdf(path: Path, *, group: str = "") -> Table:
         raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(names.values())}")
     if not chosen:
         raise bad(path, "it holds no samples")
-    # What is asked of one record reads them all, and three times the file of memory with it.
+    # What is asked of one record may read them all, and take twice the file of memory.
     file.configure(read_fragment_size=GLANCE)
     tables = [_channels(file, k, sizes[k], names[k]) for k in chosen]
     file.configure(read_fragment_size=AT_ONCE)
