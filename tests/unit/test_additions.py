@@ -78,8 +78,8 @@ def house(tmp_path_factory) -> Path:
     shutil.copytree(ROOT / "src" / "cardan", package, ignore=shutil.ignore_patterns("__pycache__"))
     declare(
         package / "quantity" / "room.py", ")\n", QUANTITY,
-        ("import STROKE, Quantity, last_shaft, of_line",
-         "import STROKE, Quantity, last_shaft, of_line, shafts"),
+        ("import LENGTHS, STROKE, Quantity, last_shaft, of_line",
+         "import LENGTHS, STROKE, Quantity, last_shaft, of_line, shafts"),
     )  # fmt: skip
     declare(package / "model" / "movable.py", ")  # fmt: skip\n", MOVABLE)
     texts = package / "report" / "text"

@@ -2,8 +2,8 @@
 
     CardanError
         DesignError       a part or a layout that cannot exist
+            RefusedInFile what a file asks, refused by who knows it by other words
         BadFile           a file that cannot be read as meant: all its problems at once
-        RefusedInFile     what a file asks, refused by who knows it by other words
         NotConverged      a solver stopped early
         NotInstalled      something optional is needed and absent
 
@@ -35,7 +35,7 @@ class DesignError(CardanError):
         self.about = about
 
 
-class RefusedInFile(CardanError):  # noqa: N818  the name says whose words they are
+class RefusedInFile(DesignError):  # noqa: N818  the name says whose words they are
     """What a file asks, refused by who knows it by the options of a command.
 
     `worded` puts a refusal, in any language, into the words of `file`.
