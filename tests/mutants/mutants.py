@@ -620,8 +620,6 @@ RECORDED = (
            "unit/test_otherwise.py::test_what_fails_more_often_than_not_is_told_as_sharply"),
     mutant("fatigue/angle.py", "keep[np.maximum(start[1:][steady]", "keep[0 * np.maximum(start[1:][steady]",
            "a held speed is a ramp to the next", "verify/test_cause.py::test_a_speed_that_a_bus_holds_is_steady_until_it_changes"),
-    mutant("fatigue/orders.py", "other = (quiet != weight)", "other = (quiet == weight)",
-           "events are as loud in the second fit as in the first", "verify/test_orders.py", "verify/test_cause.py"),
     mutant("fatigue/usage.py", "np.exp(mean + k * deviation)", "np.exp(mean + z * deviation)",
            "four customers are all of them", "unit/test_usage.py::test_a_customer_s_rate_is_that_of_the_lognormal"),
     mutant("fatigue/fault.py", "& (sizes[:-1] * sizes[1:] < 0)", "& (sizes[:-1] * sizes[1:] > 0)",

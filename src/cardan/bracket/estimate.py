@@ -98,7 +98,7 @@ def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estim
     else:
         msg += (
             f"a sheet of {2 * volume / area / mm:.2g} mm asks for such elements at its bolts and "
-            "bends, whatever `element_mm` says: check its thickness"
+            "bends, whatever `element_mm` says: check its thickness, and how large it is"
         )
     raise DesignError(msg, about="bracket")
 

@@ -471,21 +471,14 @@ class Splitter:
         regressors = self._regressors(time, spans)
         basis = _basis(n)
         weight = inside.astype(float)
-        sums = self._sums(x, weight, regressors, basis)
-        fitted, coefficients = self._fit(sums, regressors, basis)
+        fitted, coefficients = self._fit(x, weight, regressors, basis)
         event = np.zeros_like(x)
         if np.isfinite(self.event_factor):
             event = self._events(x - fitted.sum(1), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
                 quiet = weight * np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT)
-                other = (quiet != weight).reshape(spans, n).any(-1)
-                y, louder, rows = (
-                    v.reshape(-1, spans, n)[:, other] for v in (x, quiet, regressors)
-                )
-                for old, new in zip(sums, self._sums(y, louder, rows, basis), strict=True):
-                    old[other] = new
-                fitted, coefficients = self._fit(sums, regressors, basis)
+                fitted, coefficients = self._fit(x, quiet, regressors, basis)
                 event = self._events(x - fitted.sum(1), inside)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
@@ -518,10 +511,12 @@ class Splitter:
             rows += [turning.real, turning.imag]
         return np.stack(rows).reshape(len(rows), spans, -1)
 
-    def _sums(
+    def _fit(
         self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return sums over each span, regressors by each other, and by x (spans, 4 p, ..)."""
+        """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
+        from scipy.linalg import solveh_banded
+
         p, spans, n = regressors.shape
         channels = x.shape[0]
         rows = regressors.transpose(1, 0, 2)
@@ -538,17 +533,7 @@ class Splitter:
         gram = gram.reshape(spans, 4 * p, 4 * p)
         target = x.reshape(channels, spans, 1, n)
         right = np.stack([_products(weighted * each, basis) for each in target], axis=-1)
-        return gram, right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
-
-    def _fit(
-        self, sums: tuple[FloatArray, FloatArray], regressors: FloatArray, basis: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Parts (channels, 1 + tones, n) of x by its sums, and splines' coefficients (.., 4)."""
-        from scipy.linalg import solveh_banded
-
-        gram, right = sums
-        p, spans, n = regressors.shape
-        channels = right.shape[-1]
+        right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
         size = (spans + 3) * p
         banded: FloatArray = np.zeros((4 * p, size))
         total: FloatArray = np.zeros((size, channels))

@@ -139,7 +139,7 @@ def loads(
         torques, moments = (
             Cycle(_times(power[..., : w.shape[-3], :, :], w)) for w in (torques, moments)
         )
-    with np.errstate() if line.measured else np.errstate(invalid="ignore"):
+    with np.errstate(invalid="warn" if line.measured else "ignore"):
         joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
     return Loads(
         joint_forces=Cycle(joints),
@@ -392,7 +392,7 @@ def unbalance(
     none = np.zeros_like(alone)
     ends = np.concatenate([alone, none]), np.concatenate([none, alone])
     still = 0 * layout.directions[..., 1:, None, :]
-    with np.errstate() if line.measured else np.errstate(invalid="ignore"):
+    with np.errstate(invalid="warn" if line.measured else "ignore"):
         found = _carried(layout, line, still, ends=ends, thrust=np.zeros((1, 1)))
     joints, bearings = (major_axis(f[..., 0, :]).sum(axis=0) for f in found)
     return Rotating(joint_forces=joints, bearing_forces=bearings)

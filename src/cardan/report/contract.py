@@ -229,9 +229,11 @@ def _states(r: Response) -> list[dict[str, Any]]:
     for quantity in ANSWERED.values():
         if not quantity.contract or quantity.parts is None:
             continue
-        values = quantity.values(r) / quantity.factor
+        values, parts = quantity.values(r) / quantity.factor, quantity.parts(r)
         for state, row in zip(found, values, strict=True):
-            for k, (part, value) in enumerate(zip(quantity.parts(r), row, strict=True)):
+            if not parts and quantity.contract.isidentifier():  # readers look for the key
+                state[quantity.contract] = None
+            for k, (part, value) in enumerate(zip(parts, row, strict=True)):
                 _put(state, quantity.contract.split("."), part, k, value)
     return found
 
