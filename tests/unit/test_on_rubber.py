@@ -185,6 +185,16 @@ def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
     assert worst == pytest.approx(less, rel=5e-3)  # at its own crest, hardly elsewhere
 
 
+def test_where_nobody_knows_the_speed_no_force_is_said_to_rest_on_a_loss_factor(truck):
+    """The force of a line that stands still is none that the rubber's damping could change."""
+    given = truck.application
+    states = tuple(replace(s, speed=None) for s in given.states)
+    still = replace(given, speed=None, states=states, engine=None, gearbox=None, torque=3000.0)
+    found = assess(still)
+    assert "dynamic" in found.responses[0].worst
+    assert found.assumed == ()
+
+
 def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck):
     """A rigid support would carry 300 N where the rubber is shaken with 3144."""
     given = truck.application

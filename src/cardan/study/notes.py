@@ -11,6 +11,7 @@ from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
 from cardan.quantity import points
+from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 
 MISMATCH = 0.005
@@ -105,7 +106,9 @@ def assumed_losses(responses: Iterable[Response]) -> Iterator[AssumedLoss]:
         given = all(b.stiffness is None or b.loss_factor is not None for b in bearings)
         if given or r.held is None or "dynamic" not in r.worst or r.layout.points.ndim > 3:
             continue
-        force = r.worst["dynamic"].running.dynamic
+        force = QUANTITIES["centre_bearing_dynamic"].values(r)
+        if np.isnan(force).all():  # of a line whose speed nobody knows, or that swings
+            continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
         less, more = points.otherwise(r, np.array(OTHERWISE)[:, None]).dynamic[:, s, k].tolist()
         yield AssumedLoss(
