@@ -128,6 +128,11 @@ class Placed:
     speed: FloatArray
     torque: FloatArray
 
+    @property
+    def sense(self) -> FloatArray:
+        """-1 where the line turns backwards, else 1."""
+        return np.where(self.turns("reverse"), -1.0, 1.0)
+
     def turns(self, direction: Direction) -> BoolArray:
         """Return where the line is turned in a direction."""
         return np.array([d == direction for d in self.curves.directions])[self.curve]
@@ -172,7 +177,7 @@ def demand_at(asked: Demand, found: Curves, *, curve: ArrayLike, speed: ArrayLik
     """
     at = placed(found, curve=curve, speed=speed)
     return demand_under(
-        asked, torque=at.torque, speed=at.speed,
+        asked, torque=at.torque, speed=at.speed, sense=at.sense,
         coasts=at.turns("coast"), brakes=at.turns("brake"), named=at.named,
     )  # fmt: skip
 

@@ -117,7 +117,9 @@ class Demand:
     low_gear_torque, wheel_slip_torque : (..., S) N m
         Engine and slip torque by J3311 (its efficiencies; the state's load as capacity).
     speed : (..., S) rad/s
-        Top speed of the line.
+        Top speed of the line, its size.
+    sense : (..., S) 1
+        Which way that is: -1 where the line turns backwards.
     travel, pitch : (..., S) m, rad
         Rise of the axle and of the pinion's nose from the reference layout.
     spline_travel : (..., S) m
@@ -145,6 +147,7 @@ class Demand:
     low_gear_torque: FloatArray
     wheel_slip_torque: FloatArray
     speed: FloatArray
+    sense: FloatArray
     travel: FloatArray
     pitch: FloatArray
     spline_travel: FloatArray
@@ -153,6 +156,11 @@ class Demand:
     suspension_frequency: FloatArray
     gears: Gears | None
     standing: Standing
+
+    @property
+    def turning(self) -> FloatArray:
+        """The speed with its sign, (..., S) rad/s."""
+        return self.sense * self.speed
 
     def corrected(self, *, bearing_shift: ArrayLike = 0.0, shim: ArrayLike = 0.0) -> Layout:
         """Return the layout in every state with bearings moved and the pinion shimmed.
@@ -197,6 +205,7 @@ def demand(line: ResolvedLine) -> Demand:
     given, installed = _given(line), line.installed
     asked = torques | {
         "speed": _speed(line),
+        "sense": np.ones(()),
         "travel": np.where(line.free, travel, _rise(given) - _rise(installed.layout)),
         "axle_load": loads.axle,
         "driven_load": loads.traction,
@@ -210,6 +219,7 @@ def demand_under(
     *,
     torque: ArrayLike,
     speed: ArrayLike,
+    sense: ArrayLike = 1.0,
     coasts: ArrayLike = False,
     brakes: ArrayLike = False,
     named: Callable[[tuple[int, ...]], str] = str,
@@ -222,6 +232,8 @@ def demand_under(
         The line in its states.
     torque, speed : (P, ..., S) N m, rad/s
         Of the points; where a torque is nan there is no point, and the layout is the state's.
+    sense : (P, ..., S) 1
+        -1 where the line turns backwards: the speed is a size.
     coasts, brakes : (P, ..., S)
         Where the wheels turn the line, and where brakes hold the axle as well.
     named
@@ -249,6 +261,7 @@ def demand_under(
         pitch_under(asked, T, coasts=coasts, brakes=brakes),
         torque=T,
         speed=np.where(np.isnan(T), np.nan, speed),
+        sense=sense,
         named=named,
     )
 
@@ -271,6 +284,7 @@ def demand_pitched(
     *,
     torque: FloatArray,
     speed: FloatArray,
+    sense: ArrayLike = 1.0,
     named: Callable[[tuple[int, ...]], str] = str,
 ) -> Demand:
     """Return the demand of a torque and a speed with the axle ridden to a pitch, (P, ..., S).
@@ -281,7 +295,8 @@ def demand_pitched(
         "engine_torque", "slip_torque", "coast_torque", "low_gear_torque", "wheel_slip_torque",
         "travel", "axle_load", "driven_load", "suspension_frequency",
     )  # fmt: skip
-    numbers = {name: getattr(asked, name) for name in same} | {"torque": torque, "speed": speed}
+    numbers = {name: getattr(asked, name) for name in same}
+    numbers |= {"torque": torque, "speed": speed, "sense": np.asarray(sense, dtype=float)}
     ride = replace(asked.standing.ride, pitch=pitch)
     return _demand(asked.standing, asked.given, ride, numbers, named=named)
 

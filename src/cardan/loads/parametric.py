@@ -33,12 +33,15 @@ from cardan.loads.rubber import Suspended
 def of_two(
     on: Suspended, swing: ComplexArray, *, speed: ArrayLike, torque: ArrayLike
 ) -> FloatArray:
-    """Return the largest growth of any two modes by themselves, (...) 1/s: nearly `growth`."""
+    """Return the largest growth of any two modes by themselves, (...) 1/s: nearly `growth`.
+
+    To this order it is the same whichever way the line turns.
+    """
     speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
     squares, shapes, decay = on.decaying(torque)
     ω = np.sqrt(np.maximum(squares, 1e-9))
     size = np.abs(shapes.mT @ swing @ shapes) * np.abs(torque)[..., None, None]
-    s = 2 * speed[..., None, None] - ω[..., :, None] - ω[..., None, :]
+    s = 2 * np.abs(speed)[..., None, None] - ω[..., :, None] - ω[..., None, :]
     d, e = decay[..., :, None], decay[..., None, :]
     fed = size**2 / (16 * ω[..., :, None] * ω[..., None, :])
     beyond = np.sqrt(((d - e + 1j * s) / 2) ** 2 + fed)
@@ -57,6 +60,7 @@ def growth(
     swing : (..., N, N)
         `Suspended.swing` where it runs.
     speed, torque : (...) rad/s, N m
+        Signed.
     """
     speed, torque = (np.asarray(v, dtype=float)[..., None, None] for v in (speed, torque))
     squares, shapes, decay = on.decaying(torque[..., 0, 0])

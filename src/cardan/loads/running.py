@@ -39,7 +39,8 @@ class Running:
     order1 : (..., n-2) N
         0-to-peak of what unbalance makes, its heavy spots where they add up.
     waves : (..., n-2, 3, 3) N
-        Complex amplitudes of orders 2, 4 and 6, the force Re c e^{ikθ}.
+        Complex amplitudes of orders 2, 4 and 6, the force Re c e^{ikθ}; θ rises with time,
+        however the line turns.
     """
 
     mean: FloatArray
@@ -93,8 +94,7 @@ def running(
     layout, line, phases
         Where the line runs before its rubber gives, (..., n, 3); its parts; (..., n-1) rad.
     torque, speed : (...) N m, rad/s
-        Of the gearbox output, the torque signed. Where it turns backwards its speed is given
-        as its size: forces are the same.
+        Of the gearbox output, signed both: below 0 it turns backwards.
     held
         How the line can move on its rubber (`suspended`), close to that layout; None takes
         bearings as rigid, and asks for no masses.
@@ -124,7 +124,7 @@ def running(
         mean=steady + thrust[..., None] * pulled,
         thrust=thrust,
         order1=_once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
-        waves=np.stack([found.get(k, nothing) for k in ORDERS], axis=-2),
+        waves=_as_time_goes(np.stack([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
     )
 
 
@@ -176,7 +176,7 @@ def at_joints(
         mean=steady + thrust[..., None] * pulled,
         thrust=thrust,
         order1=order1,
-        waves=np.stack([found.get(k, nothing) for k in ORDERS], axis=-2),
+        waves=_as_time_goes(np.stack([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
     )
 
 
@@ -261,6 +261,11 @@ def _swinging(
     for k in others:
         motions[k] = held.moved(pushes[k], frequency=k * speed, speed=speed, torque=torque)
     return {k: (pushes[k], motions[k]) for k in motions}
+
+
+def _as_time_goes(waves: ComplexArray, speed: FloatArray) -> ComplexArray:
+    """Return waves (..., n, K, 3) by an angle that rises where the line turns backwards too."""
+    return np.where(speed[..., None, None, None] < 0, np.conj(waves), waves)
 
 
 def _worst_thrust(force: FloatArray, pulled: FloatArray, *, slip: ArrayLike) -> FloatArray:

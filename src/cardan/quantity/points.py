@@ -8,14 +8,14 @@ and around the worst of these the speed is sought more closely (`worst`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
-from cardan.demand.points import Curves, Placed, demand_at, pitch_at, placed
+from cardan.demand.points import Curves, Direction, Placed, demand_at, pitch_at, placed
 from cardan.demand.states import Demand, demand_pitched, pitch_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
@@ -244,7 +244,7 @@ def _asked(r: "Response", of: Demand, *, inertia: bool) -> dict[str, Any]:
     """Return what a line's forces as it runs depend on, beside where it lies."""
     return {
         "torque": np.nan_to_num(of.torque),
-        "speed": np.nan_to_num(of.speed),
+        "speed": np.nan_to_num(of.turning),
         "inertias": r.inertias if inertia else None,
         "gravity": r.gravity,
         "slip": r.slip_at(of.torque),
@@ -351,7 +351,7 @@ def _swinging(
 ) -> Points:
     """Return how a line's swinging goes on at points (P, ..., S), where it lies."""
     turned = turn(lies.directions, phases=r.phases, crosses=r.line.crosses, samples=16)
-    torque, pace = np.nan_to_num(at.torque), np.nan_to_num(at.speed)
+    torque, pace = np.nan_to_num(at.torque), at.sense * np.nan_to_num(at.speed)
     rate = how(quick, quick.swing(turned), speed=pace, torque=torque)
     return Points(
         curves=at.curves,
@@ -401,10 +401,10 @@ def _candidates(r: "Response", found: Curves, quick: Suspended | None) -> _Row:
 def _ways(found: Curves) -> list[IntArray]:
     """Return which curves turn the line each way.
 
-    Coast and reverse are one way: the same torque pushes the same.
+    Coast and reverse push alike and turn against each other: what shakes first up, then
+    sideways shakes the other way round, and rubber that damps both tells these apart.
     """
-    ways = ("drive",), ("coast", "reverse"), ("brake",)
-    each = [np.flatnonzero([d in way for d in found.directions]) for way in ways]
+    each = [np.flatnonzero([d == way for d in found.directions]) for way in get_args(Direction)]
     return [of for of in each if len(of)]
 
 
@@ -495,7 +495,10 @@ def _sketched(
     """Return nearly what the bearings carry at points, their curves and speeds (P, ..., S)."""
     at = placed(found, curve=curve, speed=speed)
     sizes = drawn.at(
-        at.torque, speed=at.speed, pitch=pitch_at(r.demand, at), slip=r.slip_at(at.torque)
+        at.torque,
+        speed=at.sense * at.speed,
+        pitch=pitch_at(r.demand, at),
+        slip=r.slip_at(at.torque),
     )
     return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
 

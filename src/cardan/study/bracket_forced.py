@@ -199,7 +199,7 @@ def _along(
         response.line,
         response.phases,
         torque=np.nan_to_num(torque),
-        speed=every[:, state],
+        speed=asked.turning[:, state],
         held=None if held is None else held.of_case(state),
         inertias=response.inertias,
     )
