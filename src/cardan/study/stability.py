@@ -302,7 +302,7 @@ class _Running:
 
     parts: Drivetrain
     asked: tuple[Demand, ...]
-    around: Surroundings = Surroundings()
+    around: Surroundings = field(default_factory=Surroundings)
     lost: list[str] = field(default_factory=list[str])
     unstarted: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
 
