@@ -77,9 +77,8 @@ def test_joints_carry_the_mirror_image(truck):
     each = []
     for r, asked in ((replace(truck, layout=truck.lay(of)), of), (mirrored, ahead)):
         cut = points.held(r, cut=True)
-        each.append(at_joints(
-            r.layout, r.line, r.phases, held=r.held, cut=cut, **points._asked(r, asked, inertia=True)
-        ))  # fmt: skip
+        runs = points._asked(r, asked, inertia=True)
+        each.append(at_joints(r.layout, r.line, r.phases, held=r.held, cut=cut, **runs))
     np.testing.assert_allclose(each[0].dynamic, each[1].dynamic, rtol=1e-9)
     np.testing.assert_allclose(each[0].peak, each[1].peak, rtol=1e-9)
 
@@ -123,7 +122,7 @@ def test_rooms_that_ask_a_reverse_gear_turn_it_backwards(truck):
 
 
 def test_a_truck_that_backs_is_none_that_holds_back():
-    """The same torque on the same line shakes it otherwise: one bearing by half, the other by a tenth."""
+    """The same torque on the same line: one bearing feels half of it, the other a tenth more."""
     application = files.read(EXAMPLES / "refuse-collector-6x2.yaml")
     r = respond(application, demand(resolve(application, application.lines[0])))
     back = astern(r)

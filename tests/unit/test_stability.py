@@ -24,14 +24,17 @@ from cardan.dynamics.branched import carried, damped, forced, modes
 from cardan.dynamics.torsion import pins
 from cardan.files.typical import CLASSES, rows, typical
 from cardan.model.application import Surroundings
+from cardan.model.layout import Layout
 from cardan.model.turning import Clutch, Launch
+from cardan.quantity import points
+from cardan.quantity.response import respond
 from cardan.report import contract
 from cardan.report.contract_schema import schema
 from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
 from cardan.study import stability as stability_module
 from cardan.study.approval import approve
-from cardan.study.launching import Losses, _bent, start
+from cardan.study.launching import Losses, _bent, _grips, start
 from cardan.study.powertrain import drivetrain
 from cardan.study.stability import ORDERS, _Running, stability
 from cardan.study.studies import VibrationStudy
@@ -508,6 +511,117 @@ def test_the_geometry_follows_the_axle_as_it_winds_up(starts):
         expected = np.tan(beta / 2) ** 2 * np.exp(2j * place)
         assert bent(np.array([share * turned]))[0] == pytest.approx(expected, abs=1e-12)
     assert np.abs(bent(np.array([turned])) / bent(np.array([0.0])) - 1).max() > 0.05
+
+
+def test_a_plane_line_backs_as_it_drives():
+    """Where no torque winds the axle up and no load moves, reverse is a gear like any other."""
+    given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    ratio = given.gearbox.reverse_ratio
+    gearbox = replace(given.gearbox, ratios=(ratio, *given.gearbox.ratios[1:]))
+    firm = replace(given.suspension, windup_stiffness=1e12)
+    low = replace(
+        given.vehicle, loads=tuple(replace(x, cg_height=1e-6) for x in given.vehicle.loads)
+    )
+    (line,) = given.lines
+    flat = np.array([1.0, 0.0, 1.0])
+    d = line.layout.directions * flat
+    plane = Layout(
+        points=line.layout.points * flat, directions=d / np.linalg.norm(d, axis=-1, keepdims=True)
+    )
+    app = replace(
+        given, gearbox=gearbox, suspension=firm, vehicle=low, lines=(replace(line, layout=plane),)
+    )
+    asked = tuple(demand(x) for x in drivetrain(app).lines)
+    assert not np.asarray(asked[0].layout.points)[..., 1].any()
+    for ramp, capacity in ((0.5, 1.0), (0.05, 1.8)):
+        ahead, back = (
+            start(
+                drivetrain(app, astern=gear == "R"), asked,
+                Launch(gear=gear, ramp=ramp, capacity=capacity),
+            )
+            for gear in ("1", "R")
+        )  # fmt: skip
+        assert back.torque == pytest.approx(ahead.torque, rel=1e-12)
+        assert back.torque == pytest.approx(float(asked[0].standing.line.reverse.peak[0]))
+        np.testing.assert_allclose(back.peak, ahead.peak, rtol=1e-5)
+        np.testing.assert_allclose(back.order_2, ahead.order_2, rtol=1e-4, atol=1e-4)
+        np.testing.assert_allclose(back.bearing_force, ahead.bearing_force, rtol=1e-5)
+        np.testing.assert_allclose(back.bearing_passed, ahead.bearing_passed, rtol=1e-4, atol=1e-3)
+        assert back.slid == ahead.slid
+
+
+def test_backing_winds_the_axle_up_the_other_way_and_takes_load_off_it(starts):
+    """The joints' places are counted as the line turns; tyres hold what `check` has in reverse."""
+    _, asked, _ = starts
+    parts = drivetrain(files.read(EXAMPLES / "medium-truck-4x2.yaml"), astern=True)
+    s, target = parts.states.index("gvw"), 4000.0
+    line = Losses.of(parts, parts.closed).on(parts.closed.line.case([0], [s]))
+    bent = _bent(parts, asked, parts.closed, line, s, target)
+    of = modes(line)
+    force = parts.closed.balanced(np.array([target]), of.shape[..., 0])
+    housing = parts.closed.freedoms.index(("main", Part("axle housing")))
+    turned = carried(line, of, force)[0][0, housing]
+    T = np.full((1, len(parts.states)), -target)
+    laid = demand_under(asked[0], torque=T, speed=0.0).layout.directions[0, s]
+    installed = asked[0].installed.line
+    beta, place = pins(laid, installed.phases, installed.crosses)
+    expected = np.tan(beta / 2) ** 2 * np.exp(-2j * place)
+    assert bent(np.array([turned]))[0] == pytest.approx(expected, abs=1e-12)
+    grip, ahead = (_grips(p, asked, s)[0] for p in (parts, replace(parts, sense=1.0)))
+    axle, tyre = parts.application.lines[0].axle, parts.application.tyre
+    slip = float(asked[0].standing.slip_reverse[s])
+    assert grip == pytest.approx(slip * axle.ratio * axle.efficiency)
+    assert (
+        grip
+        < 0.9 * ahead
+        == pytest.approx(0.9 * tyre.friction * tyre.static_radius * float(asked[0].driven_load[s]))
+    )
+
+
+def test_a_rigid_bearing_backs_with_its_axle_wound_up_the_other_way():
+    given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    (line,) = given.lines
+    shafts = tuple(
+        s if s.centre_bearing is None
+        else replace(s, centre_bearing=replace(s.centre_bearing, stiffness=None))
+        for s in line.line.shafts
+    )  # fmt: skip
+    app = replace(given, lines=(replace(line, line=replace(line.line, shafts=shafts)),))
+    parts = drivetrain(app, astern=True)
+    asked = tuple(demand(x) for x in parts.lines)
+    found = start(parts, asked, Launch(gear="R"))
+    first = int(np.abs(found.travel.torque[1, :, found.first]).argmax())
+    T = float(found.travel.torque[1, first, found.first])
+    s, r = parts.states.index(found.state), respond(app, asked[0])
+    back, ahead = (
+        float(points.run(r, under, under.layout).peak[s, 0])
+        for under in (
+            demand_under(asked[0], torque=np.full(len(parts.states), k * T), speed=1.0)
+            for k in (-1, 1)
+        )
+    )
+    assert found.bearing_force[first, 0] == pytest.approx(back, rel=0.04)  # speed counts little
+    assert abs(ahead / back - 1) > 0.1
+
+
+def test_a_launch_backwards_is_asked_by_its_gear(truck):
+    """And in a file without a reverse ratio it is told what it needs."""
+    text = truck.read_text("utf-8")
+    lacking = re.sub(r"\n  reverse_ratio: [^\n]*", "", text)
+    with pytest.raises(BadFile, match=r"no gear R.*1 to 6; R needs gearbox\.reverse_ratio"):
+        files.loads(lacking + "launch: {gear: R}\n")
+    with_one = re.sub(r"\ngearbox:\n", "\ngearbox:\n  reverse_ratio: 6.0\n", lacking)
+    with pytest.raises(BadFile, match=r"no gear 9.*1 to 6, and R"):
+        files.loads(with_one + "launch: {gear: 9}\n")
+    found = approve(files.loads(with_one + "launch: [{gear: R}]\n"), (VibrationStudy(),))
+    (started,) = found.of("vibration").launches
+    assert started.launch.gear == "R"
+    app = found.of("vibration").application
+    through = max(app.engine.torque) * 6.0 * app.gearbox.efficiency
+    assert started.torque == pytest.approx(through)
+    # Only ahead has it a clutch that slips for long: first gear, as without a launch.
+    slipping = found.of("vibration").slipping.ranges
+    assert np.isfinite(slipping[0]).any()
 
 
 def test_a_grade_the_clutch_cannot_hold_is_no_launch(truck):

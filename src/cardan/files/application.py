@@ -592,12 +592,18 @@ class ApplicationTable(Table):
         given: Any = self.launch
         found: tuple[Launch, ...] = given if isinstance(given, tuple) else (given,) * bool(given)
         gears = len(self.gearbox.ratios) if self.gearbox else 1
-        names = {f"{low}{k}" for low in ("", "low ") for k in range(1, gears + 1)}
+        astern = self.gearbox is not None and self.gearbox.reverse_ratio is not None
+        each = [*map(str, range(1, gears + 1)), *["R"] * astern]
+        names = {f"{low}{k}" for low in ("", "low ") for k in each}
         loads = {load.name for load in self.vehicle.loads} if self.vehicle else set[str]()
         for k, launch in enumerate(found, 1):
             at = self.at("launch", k) if isinstance(given, tuple) else self.at("launch")
             if launch.gear not in names:
-                at.refuse(f"has no gear {launch.gear}", f"there are 1 to {gears}")
+                at.refuse(
+                    f"has no gear {launch.gear}",
+                    f"there are 1 to {gears}, and R" if astern
+                    else f"there are 1 to {gears}; R needs gearbox.reverse_ratio",
+                )  # fmt: skip
             if launch.load is not None and launch.load not in loads:
                 at.refuse(f"the vehicle has no load state {launch.load}",
                           nearest(launch.load, loads))  # fmt: skip

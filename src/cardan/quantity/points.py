@@ -579,6 +579,7 @@ class Driven:
     time, turned : (P,) s, rad
         And how far the gearbox's yoke has turned.
     torque, speed : (P,) N m, rad/s
+        Signed, as how far it has turned.
     """
 
     time: FloatArray

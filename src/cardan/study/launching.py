@@ -350,6 +350,9 @@ def _grips(parts: Drivetrain, asked: tuple[Demand, ...], state: int) -> FloatArr
     found: list[float] = []
     for d in asked:
         load = float(np.broadcast_to(d.driven_load, (len(parts.states),))[state])
+        if parts.sense < 0:  # load moves off the axle that pushes
+            left = d.standing.slip_reverse / d.slip_torque
+            load *= float(np.broadcast_to(left, (len(parts.states),))[state])
         if not np.isfinite(load):
             load = float(parts.mass[state]) * g * 0.6 / len(asked)
         # A line ahead of another drives its own axle only.
@@ -370,7 +373,8 @@ def _bent(
 ):
     """Return the joints' leads by how far the housing has turned: a parabola through three.
 
-    In tan(β/2) e^{i·place}, which goes with the slopes, so that nothing kinks.
+    In tan(β/2) e^{i·place}, which goes with the slopes, so that nothing kinks. In reverse all
+    turns are counted the way they go, and so are the places of the forks.
     """
     found = modes(line)
     force = powertrain.balanced(np.array([target]), found.shape[..., 0])
@@ -383,10 +387,10 @@ def _bent(
         own = d.standing.line
         if own.line.name in parts.left_out:
             continue
-        T = target * own.share / asked[0].standing.line.share * shares
+        T = parts.sense * target * own.share / asked[0].standing.line.share * shares
         under = demand_under(d, torque=np.repeat(T[:, None], len(parts.states), axis=1), speed=0.0)
         beta, place = pins(under.layout.directions[:, state], own.line.phases, own.line.crosses)
-        leads.append(np.tan(beta / 2) * np.exp(1j * place))
+        leads.append(np.tan(beta / 2) * np.exp(1j * parts.sense * place))
     at = np.concatenate(leads, axis=-1)  # (3, J)
     a = at[0]
     c = 2 * (at[2] - 2 * at[1] + at[0])
@@ -465,24 +469,31 @@ def _bearings(
 
     What the line on its rubber would carry at each instant's torque and speed, its axle wound
     up by that torque, and what it carries as it passes; nan where nobody knows the rubber, and
-    bearings are taken as rigid.
+    bearings are taken as rigid. In reverse all of it the other way.
     """
     shaft = springs.index((main.installed.line.name, Part("shaft", 1)))
-    T, speed = travel.torque[1, :, shaft], np.maximum(travel.rate[1, :, first_joint], 1e-3)
+    sense, T = parts.sense, travel.torque[1, :, shaft]
+    speed = np.maximum(travel.rate[1, :, first_joint], 1e-3)
     bearings = max(0, main.installed.line.joint_count - 2)
     if not bearings:
         none = np.zeros((len(T), 0))
         return travel.time, none, none
     drive = points.Driven(
-        time=travel.time, turned=travel.rotation[1, :, first_joint], torque=T, speed=speed
+        time=travel.time,
+        turned=sense * travel.rotation[1, :, first_joint],
+        torque=sense * T,
+        speed=sense * speed,
     )
     response = respond(parts.application, main)
     found = points.driven(response, drive, state=state)
     if found is not None:
         return travel.time, *found
     rows = np.linspace(1, len(T) - 1, RIGID_ROWS).astype(int)
-    each = (np.repeat(v[rows, None], len(parts.states), axis=1) for v in (np.maximum(T, 1), speed))
-    under = demand_under(main, **dict(zip(("torque", "speed"), each, strict=True)))
+    pushed, turns = (
+        np.repeat(v[rows, None], len(parts.states), axis=1)
+        for v in (sense * np.maximum(T, 1), speed)
+    )
+    under = demand_under(main, torque=pushed, speed=turns)
     force = np.asarray(points.run(response, under, under.layout).peak)[:, state]
     rigid = [np.interp(travel.time, travel.time[rows], force[:, b]) for b in range(bearings)]
     return travel.time, np.stack(rigid, axis=-1), np.full((len(T), bearings), np.nan)

@@ -179,7 +179,9 @@ class Drivetrain:
     Attributes
     ----------
     gears, ratios : G
-        Engine speed over the speed of the main line.
+        Engine speed over the speed of the main line, its size.
+    sense : 1
+        -1 in reverse gears: all turns and is pushed the other way.
     states : S
     vehicle_class
         Whose typical values stand in for what is not given.
@@ -194,6 +196,7 @@ class Drivetrain:
     application: Application
     gears: tuple[str, ...]
     ratios: FloatArray
+    sense: float
     states: tuple[str, ...]
     lines: tuple[ResolvedLine, ...]
     closed: Powertrain
@@ -216,6 +219,7 @@ def drivetrain(
     *,
     surroundings: Surroundings | None = None,
     replaced: Mapping[str, float] | None = None,
+    astern: bool = False,
 ) -> Drivetrain:
     """Return the whole vehicle in torsion.
 
@@ -228,6 +232,8 @@ def drivetrain(
         pinion and with the gearbox, in place of parts.
     replaced
         Values in place of typical ones, by quantity: how an answer moves with them.
+    astern
+        In its reverse gears, in place of those ahead. Each has what is given of the first gear.
 
     Raises
     ------
@@ -241,7 +247,7 @@ def drivetrain(
     known = _Known(vehicle_class, replaced or {})
     if not known_mass.all():
         mass = np.where(known_mass, mass, known.of(None, "vehicle.mass"))
-    made = _Vehicle(application, lines, known, surroundings or Surroundings(), mass)
+    made = _Vehicle(application, lines, known, surroundings or Surroundings(), mass, astern=astern)
     closed, slipping = made.powertrain(closed=True), made.powertrain(closed=False)
     engine = application.engine
     top = max(engine.speed) if engine else 0.0
@@ -254,6 +260,7 @@ def drivetrain(
         application=application,
         gears=made.gears,
         ratios=made.ratios,
+        sense=-1.0 if astern else 1.0,
         states=tuple(s.name for s in lines[0].states),
         lines=lines,
         closed=closed,
@@ -306,13 +313,16 @@ class _Vehicle:
         known: _Known,
         around: Surroundings,
         mass: FloatArray,
+        *,
+        astern: bool,
     ) -> None:
         self.app, self.lines, self.known, self.around, self.mass = (
             application, lines, known, around, mass
         )  # fmt: skip
         main = lines[0]
-        self.gears = main.gears.names if main.gears else ("",)
-        self.ratios = np.array(main.gears.ratios) if main.gears else np.array([1.0])
+        self.astern, gears = astern, main.reverse if astern else main.gears
+        self.gears = gears.names if gears else ("",)
+        self.ratios = np.array(gears.ratios) if gears else np.array([1.0])
         tyre = application.tyre
         radius = tyre and (tyre.dynamic_radius or tyre.static_radius)
         self.radius: float = known.of(radius, "tyre.radius")
@@ -436,7 +446,8 @@ class _Vehicle:
         """Return a value of each gear, (G, 1): one for all, or one for each of the gearbox's."""
         if not given:
             return np.full((len(self.gears), 1), self.known.of(None, quantity))
-        return np.resize(np.array(given), len(self.gears))[:, None]
+        each = given[:1] if self.astern else given
+        return np.resize(np.array(each), len(self.gears))[:, None]
 
     def _output(self, parts: _Parts) -> dict[Freedom, float]:
         """Return what the gearbox's output turns with: the lines that start there.

@@ -263,7 +263,7 @@ def stability(
         )
         raise DesignError(msg)
     tell(VIBRATION, 0, 4)
-    running = _Running(parts=parts, asked=asked)
+    running = _Running(parts=parts, asked=asked, around=around)
     closed = running.driven(parts.closed, running.closed_ranges)
     tell(VIBRATION, 1, 4)
     slipping = running.driven(parts.slipping, running.slipping_ranges)
@@ -302,6 +302,7 @@ class _Running:
 
     parts: Drivetrain
     asked: tuple[Demand, ...]
+    around: Surroundings = field(default_factory=Surroundings)
     lost: list[str] = field(default_factory=list[str])
     unstarted: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
 
@@ -356,15 +357,16 @@ class _Running:
     def slipping_ranges(self) -> FloatArray:
         """Speeds while the clutch slips, (G, S, 2) rad/s: gears that vehicles start in.
 
-        Up to where the clutch locks: the line turns as the engine is held at in first gear and
-        those of the file's launches; below a fifth of it the launch itself is asked.
+        Up to where the clutch locks: the line turns as the engine is held at in first gear or
+        those of the file's launches ahead; below a fifth of it the launch itself is asked.
         """
         top = self._fastest
         if self.main.gears is None:
             return np.full((*top.shape, 2), np.nan)
-        held = dict.fromkeys({x.gear for x in self.application.launches} or {"1"}, self.parts.idle)
+        ahead = [x for x in default_launches(self.application) if x.gear in self.parts.gears]
+        held = dict.fromkeys({x.gear for x in ahead} or {"1"}, self.parts.idle)
         if self.application.engine is not None:
-            for launch in default_launches(self.application):
+            for launch in ahead:
                 turning = held_speed(self.parts, launch)
                 held[launch.gear] = max(held.get(launch.gear, 0.0), turning)
         turns = np.array([held.get(name, np.nan) for name in self.parts.gears])
@@ -617,9 +619,15 @@ class _Running:
             return
         for wanted in default_launches(self.application):
             try:
-                yield start(self.parts, self.asked, wanted)
+                ahead = wanted.gear in self.parts.gears
+                yield start(self.parts if ahead else self.astern, self.asked, wanted)
             except NotConverged as error:
                 self.unstarted.append((wanted, str(error)))
+
+    @cached_property
+    def astern(self) -> Drivetrain:
+        """The vehicle in its reverse gears."""
+        return drivetrain(self.application, surroundings=self.around, astern=True)
 
     def lateral(self, asked: Demand, loss: float) -> FloatArray:
         """Return the largest lateral growth of each hung shaft in each gear, (G, shafts) 1/s."""
