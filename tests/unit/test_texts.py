@@ -8,8 +8,17 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.border.table import ListOf, MapOf, TableRule, Text
 from cardan.cli import cli
 from cardan.files import limit
+from cardan.files.campaign import (
+    BesideTable,
+    CampaignTable,
+    ChannelTable,
+    DriveTable,
+    SegmentTable,
+    StrengthTable,
+)
 from cardan.files.cycle import cycle
 from cardan.files.cycle import names as cycles
 from cardan.model.parts import ASSUMED
@@ -202,6 +211,19 @@ def test_a_sentence_of_a_reader_is_translated_whole(code):
     told = Language(code).error("run.csv: its time column is too short or has holes")
     assert told.startswith("run.csv: ")
     assert not {"too", "short", "holes"} & set(re.findall("[a-z]+", told))
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_a_campaign_must_be_is_said_whole(code):
+    """It was "uma lista de tables with file, ...", and "falta cycles: at the knee"."""
+    tables = (SegmentTable, BesideTable, DriveTable, ChannelTable, StrengthTable, CampaignTable)
+    say = Language(code)
+    for table in tables:
+        rule = TableRule(table)
+        for many in (ListOf(rule).one, MapOf(Text(), rule).one, MapOf(Text(), rule).many):
+            assert not words(say.error(many)) & {"tables", "with", "names", "lists"}
+        needed = [e.says for e in table.entries().values() if e.required]
+        assert [n for n in needed if ("error", n) not in catalogue(code)] == []
 
 
 @pytest.mark.parametrize(

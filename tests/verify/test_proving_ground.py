@@ -13,6 +13,7 @@ from cardan.fatigue.evidence import (
     HALVED,
     INNOCENT,
     KNOCKING,
+    PULLING,
     UNHEARD,
 )  # fmt: skip
 from cardan.fatigue.locked import FOUND
@@ -232,6 +233,23 @@ def test_a_faint_line_that_only_the_shaft_shakes_acquits_nobody():
         assert truth > 0.99
         assert FOUND <= found.strength < CLEAR
         assert found.finding == CANNOT_TELL
+
+
+@pytest.mark.parametrize(
+    ("seed", "doubt"),
+    [(130_096, KNOCKING), (140_025, PULLING), (140_078, PULLING), (630_081, PULLING)],
+)
+def test_crests_that_go_with_the_torque_acquit_nobody(seed, doubt):
+    """Drives that had been told wrongly: on their stop all the time, nothing locked, no blows.
+
+    Of the first nobody measured the torque: its crests go with order 2, faint as it is.
+    """
+    of = drive(seed)
+    told = list(zip(truths(of), (found for _, found in heard(of)), strict=True))
+    assert all(truth > 0.8 and found.finding == CANNOT_TELL for truth, found in told)
+    held = [(t, found.interval) for t, found in told if doubt in found.doubts]
+    assert held
+    assert all(low <= t <= high + 0.25 for t, (low, high) in held)
 
 
 def test_an_angle_nobody_trusts_acquits_nobody_of_what_is_found():

@@ -248,7 +248,7 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     metavar="NAME[:UNIT]",
     help="Time column, its unit if the file has none.",
 )
-@click.option("--group", default="", help="HDF5 or TDMS group.")
+@click.option("--group", default="", help="Group of an HDF5, TDMS or MDF4 file.")
 @click.option(
     "--mask",
     multiple=True,

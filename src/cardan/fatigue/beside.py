@@ -18,6 +18,10 @@ FEWEST_BLOWS = 4
 """From which they are more than chance."""
 TOGETHER = 0.5
 """Correlation from which crests go with order 2: of innocent lines they had 0.31."""
+PULLED = 0.4
+"""Correlation from which crests go with the torque, or where nobody measured one with order 2: 13
+guilty lines on a stop that had been acquitted had 0.28 to 0.85, 3 % of 168 innocent ones had more.
+"""
 FOUR_CYLINDERS = 2.0
 """Order of an engine that in direct gear turns as the joints do."""
 IDLE = 8.0
@@ -53,6 +57,25 @@ def knocking(rest: FloatArray, wave: ComplexArray, rate: float) -> BoolArray:
     if high @ wide > TOGETHER * np.sqrt((high @ high) * (wide @ wide)):
         found[: m * n] |= np.repeat(loud > LOUD * loud.mean(), n)
     return found
+
+
+def pulled(swings: FloatArray, pull: FloatArray, turning: BoolArray, rate: float) -> float:
+    """Correlation of the crests of half seconds of a stress (n,) with a pull (n,), under way.
+
+    No road knows the torque. Where a line stands on its stop all the time nothing is locked to
+    its angle and no blow stands out, but it knocks the harder the more the joints pull. 0 where
+    that tells nothing.
+    """
+    n = max(round(0.5 * rate), 1)
+    m = swings.size // n
+    crest = np.abs(swings[: m * n]).reshape(m, n).max(-1)
+    mean, turns = (np.asarray(v[: m * n], float).reshape(m, n).mean(-1) for v in (pull, turning))
+    crest, mean = crest[turns > 0.5], mean[turns > 0.5]
+    if crest.size < 2 * FEWEST_BLOWS or not (
+        np.ptp(crest) > 0 and np.ptp(mean) > 1e-6 * mean.max()
+    ):
+        return 0.0
+    return float(np.corrcoef(crest, mean)[0, 1])
 
 
 def strongly(load: FloatArray, rate: float) -> BoolArray:

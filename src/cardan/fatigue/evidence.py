@@ -49,6 +49,10 @@ KNOCKING = said(
     "blows come where order 2 is loud, as of a stop that it reaches: they may be theirs"
 )
 
+PULLING = said(
+    "crests rise and fall with the torque, as of a stop that the line stands on: no road does that"
+)
+
 STANDING = said(
     "by its speed the shaft hardly turned: what does the damage is locked to nothing that is known"
 )
@@ -82,6 +86,7 @@ DOUBTS = (
     PASSING,
     BRIEF,
     KNOCKING,
+    PULLING,
 )
 """What may widen an interval."""
 

@@ -18,11 +18,13 @@ from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
 from cardan.base.said import Said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.beside import (
+    PULLED,
     above_idle,
     alike,
     coming,
     knocking,
     near,
+    pulled,
     running,
     softly,
     strongly,
@@ -40,6 +42,7 @@ from cardan.fatigue.evidence import (
     HALVED,
     KNOCKING,
     PASSING,
+    PULLING,
     RATTLING,
     SCALED,
     SLIPPING,
@@ -51,6 +54,7 @@ from cardan.fatigue.evidence import (
 )
 from cardan.fatigue.locked import (
     FOUND,
+    SLOWEST,
     Aligned,
     Line,
     Scene,
@@ -379,6 +383,16 @@ class _Case:
                 span = span.up_to(ACQUITTED + 0.05)
         return span
 
+    def pulling(self, wave: FloatArray | float, span: _Span) -> _Span:
+        """Widen by what swings when they pull, beside their wave, if the crests go with that."""
+        pull = np.abs(self.load) if self.measured else np.abs(self.line.wave) ** 2
+        turning = self.best.speed > SLOWEST / 2
+        if pulled(self.y - self.swinging, pull, turning, self.rate) > PULLED:
+            share = self.removed(np.where(pull > pull.mean(), self.y, wave))
+            doubt = PULLING if self.measured else KNOCKING
+            span = span.up_to(max(share, ACQUITTED) + 0.05, doubt)
+        return span
+
 
 # --------------------------------------------------------------------------- the question
 
@@ -464,6 +478,8 @@ def _not_locked(case: _Case) -> Identified:
     span = case.sudden(case.x, case.elsewhere(span))
     if case.angle.trusted and span.high <= ACQUITTED:
         span = case.passing(case.x, span)
+    if span.high <= ACQUITTED:
+        span = case.pulling(0.0, span)
     low, high = 0.0, min(span.high, 1.0)
     if there := case.following():
         low, likely = there[0], max(likely, there[1])
@@ -534,6 +550,8 @@ def _locked(case: _Case, seed: int) -> Identified:
     knocks = knocking(x - mean, line.wave, case.rate)
     if knocks.any():
         span = span.up_to(case.removed(np.where(knocks, case.y, mean)) + 0.05, KNOCKING)
+    if span.high <= ACQUITTED:
+        span = case.pulling(mean, span)
     low, high = (float(v) for v in np.clip([span.low, span.high], -1.0, 1.0))
     found = _told(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return Identified(

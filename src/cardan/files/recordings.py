@@ -148,7 +148,7 @@ def open_recording(
         Name of the time column, `NAME:UNIT` where its unit is not the file's or its name's;
         found by its name (time, t, Zeit, tempo) otherwise.
     group
-        HDF5 or TDMS group to read, where there is more than one.
+        Of HDF5, TDMS or MDF4 to read, where there is more than one; no other file has any.
 
     Raises
     ------
@@ -161,6 +161,8 @@ def open_recording(
     if reader is None:
         known = ", ".join(sorted(_READERS))
         raise bad(path, f"no reader for {path.suffix!r} files", hint=f"known are {known}")
+    if group and reader not in (_hdf5, _tdms, _mdf):
+        raise bad(path, f"no group {group!r}", hint="only files of HDF5, TDMS and MDF4 have groups")
     if path.stat().st_size == 0:
         raise bad(path, "the file is empty")
     try:

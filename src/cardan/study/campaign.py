@@ -311,7 +311,10 @@ class Campaign:
                 raise DesignError(msg)
         for name in ("joint_orders", "engine_orders"):
             given = getattr(self, name)
-            wrong = [n for n in numbers(given) if not 0 < n <= 100] if given else []
+            if name == "engine_orders" and not given:
+                continue
+            said = numbers(given, of=f"--{name.replace('_', '-')}")
+            wrong = [n for n in said if not 0 < n <= 100]
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
@@ -386,7 +389,7 @@ class Campaign:
         found: dict[str, FloatArray] = {}
         for text in self.unit_stress:
             name, _, axes = text.rpartition("=")
-            found[name] = np.array(numbers(axes)) * MPa / 1e3
+            found[name] = np.array(numbers(axes, of="--unit-stress")) * MPa / 1e3
             if found[name].shape != (3,):
                 msg = f"a unit stress is GAUGE=X,Y,Z in MPa per kN, got {text!r}"
                 raise DesignError(msg)
@@ -436,7 +439,7 @@ class Campaign:
         """How places are judged by their strain; None where it was not asked."""
         if self.strain_life is None:
             return None
-        given = _several(self.strain_life)
+        given = _several(self.strain_life, of="--strain-life")
         if len(given) not in (4, 6):
             msg = (
                 "a strain-life curve is SIGMA_F_MPa,B,EPSILON_F,C, perhaps with K_MPa,N of the "
@@ -458,7 +461,7 @@ class Campaign:
         """How a crack is judged; None where it was not asked."""
         if self.crack is None:
             return None
-        given = _several(self.crack)
+        given = _several(self.crack, of="--crack")
         if len(given) != 4 or not 0 < given[0] < given[1] <= 1e4:
             msg = (
                 "a crack is FROM_mm,TO_mm,C,M, growing to 10,000 mm at most, with C in m a cycle "
@@ -889,18 +892,18 @@ def keyed(said: str) -> str:
     return re.sub(r"--([A-Za-z][A-Za-z-]*[A-Za-z])", key, said)
 
 
-def numbers(text: str) -> tuple[float, ...]:
-    """Return numbers that were written with commas between."""
+def numbers(text: str, *, of: str = "") -> tuple[float, ...]:
+    """Return numbers that were written with commas between, `of` an option that is then named."""
     try:
         return tuple(float(v) for v in text.split(","))
     except ValueError:
         msg = f"expected numbers with commas between, got {text!r}"
-        raise DesignError(msg) from None
+        raise DesignError(f"{of}: {msg}" if of else msg) from None
 
 
-def _several(text: str) -> tuple[float, ...]:
+def _several(text: str, *, of: str) -> tuple[float, ...]:
     """Return numbers that were written with commas between; none where they are not finite."""
-    given = numbers(text)
+    given = numbers(text, of=of)
     return given if all(map(math.isfinite, given)) else ()
 
 
