@@ -24,7 +24,7 @@ from scipy import stats
 import cardan
 from cardan import files
 from cardan.base.errors import BadFile, CardanError
-from cardan.base.verdict import GRADES, VERDICTS
+from cardan.base.verdict import GRADES, VERDICTS, badness
 from cardan.cli import cli
 from cardan.files.study import read as read_study
 from cardan.model.variants import Ask, Spread, Variants
@@ -424,6 +424,39 @@ def test_a_number_that_arrays_cannot_hold_is_read_anew_for_each_variant():
         assert rows.verdicts[k] == alone.verdict
         assert rows.margins[k] == pytest.approx(min(c.margin for c in alone.checks), rel=1e-9)
     assert len(set(rows.verdicts)) > 1
+
+
+def test_a_bound_that_varies_is_still_its_own_limits():
+    """A joint's cap that left those of its like was told of the limit behind it, or of none."""
+    joints = "[{name: a, angle_max_deg: 5}, {name: b, angle_max_deg: 5}, {name: c}]"
+    text = LINE.replace('"1810"', joints).replace("normal: 350, ", "") + (
+        "  - {quantity: end_angle_difference, maximum: 1, source: ours}\n"
+    )
+    other = "driveline.joints[2].angle_max_deg"
+    vary = {
+        other: {"choice": [2.0, 5.0]}, "limits[1].maximum": {"choice": [30.0, 500.0]},
+        "driveline.slopes.side_deg[4]": [1.9, 2.1],
+    }  # fmt: skip
+    own = files.loads(text)
+    found = study(own, variants_of(vary, ask=Ask(rows="float64")), count=16)
+    rows, seen = found.rows, set()
+    for k in range(16):
+        numbers = {v.name: float(v.values[k]) for v in rows.varied}
+        alone = assess(files.change(own, numbers))
+        for place, (_, limit) in enumerate(found.limits):
+            mine = [
+                c
+                for c in alone.checks
+                if c.quantity == limit.quantity and c.limit.source == limit.source
+            ]
+            worst = min(mine, key=badness)
+            assert GRADES[rows.answers.grades[place, k]] == worst.grade
+            assert rows.answers.values[place, k] == pytest.approx(worst.value)
+            left = min(c.limit.margin(c.value, to="maximum") for c in mine)
+            assert rows.answers.left[place, k] == pytest.approx(left)
+            seen.add((limit.quantity, worst.grade))
+    assert {("joint_angle", "fail"), ("joint_angle", "pass")} <= seen
+    assert {("torsional_acceleration", "fail"), ("torsional_acceleration", "pass")} <= seen
 
 
 def test_what_cannot_exist_fails_and_is_told():

@@ -14,7 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
-from cardan.base.verdict import Limit
+from cardan.base.verdict import EQUAL, Limit
 from cardan.fatigue.reliability import Estimate, Form, Normal, Sorm, monte_carlo, sorm, ways
 from cardan.study.draw import Drawing
 from cardan.study.sweep import CHUNK, Bench
@@ -110,7 +110,7 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
         found: list[FloatArray] = []
         for first in range(0, len(inputs), CHUNK):
             answers = narrow.ask(inputs[first : first + CHUNK])
-            margin = limit.margin(answers.values[which], to="maximum")
+            margin = answers.left[which] + EQUAL  # equality passes
             found.append(np.where(answers.refused, -1.0, margin))
         return np.concatenate(found)
 
