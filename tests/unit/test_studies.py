@@ -623,17 +623,27 @@ def test_a_folder_is_of_one_study(tmp_path):
         (tmp_path / MANIFEST).write_text(broken)
         with pytest.raises(CardanError, match=r"manifest\.json is none of this version's"):
             study(application(), variants, count=20, folder=tmp_path, resume=True)
+    # Shards of a study that nobody names were told as those of the next one.
+    (tmp_path / MANIFEST).unlink()
+    for resume in (False, True):
+        with pytest.raises(CardanError, match=r"holds shards, but no manifest\.json says of which"):
+            study(other, variants, count=20, folder=tmp_path, resume=resume)
 
 
 @pytest.mark.parametrize("bytes_", [0, 300])
 def test_half_a_shard_and_lost_rows_are_asked_again(tmp_path, bytes_):
     variants = variants_of({}, TOLERANCES, ask=Ask(rows="float64"))
-    study(application(), variants, count=60, shard=20, folder=tmp_path)
+    study(application(), variants, count=80, shard=20, folder=tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     (tmp_path / "shard-000001.npz").write_bytes(before["shard-000001.npz"][:bytes_])
+    whole = bytearray(before["shard-000000.npz"])
+    whole[len(whole) // 2] ^= 0xFF
+    (tmp_path / "shard-000000.npz").write_bytes(whole)
     (rows,) = tmp_path.glob("rows-000002.*")
     rows.unlink()
-    study(application(), variants, count=60, shard=20, folder=tmp_path, resume=True)
+    (rows,) = tmp_path.glob("rows-000003.*")
+    rows.write_bytes(before[rows.name][:bytes_])
+    study(application(), variants, count=80, shard=20, folder=tmp_path, resume=True)
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
 
 
@@ -843,6 +853,8 @@ SHAFT = "driveline.shafts[1].length_mm"
          f"study.tolerances.{SHAFT}.unform: unknown key; did you mean uniform?"),
         ("[3, 5, 3]", "[3, 5, 1]",
          "wall_mm.grid: must be [lowest, highest, how many], of 2 to 200"),
+        ("[-2, 2]", '{grid: [-2, 2, 200]}\n    "driveline.slopes.side_deg[*]": {grid: [1, 2, 4]}',
+         "study.vary: grids of 200 × 4 × 4 × 4 × 4 × 3 places are 153600 variants, of 100000"),
         ("correlation: 0.5", "correlation: 1.5",
          "must be a number above -1 and below 1 (got 1.5)"),
         ('"driveline.slopes.side_deg[2]"]', '"axle.ratio"]',

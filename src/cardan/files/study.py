@@ -37,14 +37,14 @@ from cardan.border.table import (
 )  # fmt: skip
 from cardan.model.application import Application
 from cardan.model.movable import meant, movable
-from cardan.model.variants import Ask, Goal, Spread, Variants
+from cardan.model.variants import MOST, Ask, Goal, Spread, Variants, crossed
 from cardan.quantity.quantities import ANSWERED
 
 VARYING, LEVELS, WORST = 200, 200, 1000
 """Names that vary, places of a grid, and worst variants that are kept, at most."""
 
-BRED, FORETOLD = 1_000_000, 100_000_000
-"""Variants that are bred, and that are foretold, at most."""
+BRED = 1_000_000
+"""Variants that are bred, at most."""
 
 _ANY = Number()
 _SHARE = Number(above=0, below=1)
@@ -150,7 +150,7 @@ class AskTable(Table):
         "quantities whose limits count; all by default, and fewer are faster", default=()
     )
     rare: bool = key("how often limits fail that hardly ever do", default=False)
-    foretold: Annotated[int, Whole(FORETOLD)] = key(
+    foretold: Annotated[int, Whole(MOST)] = key(
         "variants foretold from those asked: the yield to a narrower interval", default=0
     )
     rows: Literal["float32", "float64"] | None = key(
@@ -200,6 +200,11 @@ class StudyTable(Table):
                 if not found:
                     hint = nearest(name.replace("*", "1"), every)
                     self._named(entry, name).note("no number has this address", hint)
+        gone = {} if self.ask.sobol else self.vary  # whose pairs take places by chance
+        try:
+            crossed(s for n, s in gone.items() for _ in meant(n, every) if s.kind == "grid")
+        except ValueError as error:
+            self.at("vary").note(str(error), "give fewer places, or a range")
         for k, (*pair, _) in enumerate(self.correlated, 1):
             for name in pair:
                 if not any(name in (t, *meant(t, every)) for t in self.tolerances):

@@ -6,7 +6,6 @@ a shard draws the same whoever draws it, whenever, and whatever was drawn before
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import prod
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +14,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.frozen import dataclass
 from cardan.border.table import nearest
 from cardan.model.movable import meant
-from cardan.model.variants import Spread, Variants
+from cardan.model.variants import Spread, Variants, crossed
 
 Points: TypeAlias = Literal["even", "random", "saltelli"]
 """How variants are spread: evenly (Sobol), by dice, or in the pairs that share out variance."""
@@ -72,7 +71,7 @@ class Drawing:
         """Variants that belong together: a whole grid, a base point with its pairs."""
         if self.points == "saltelli":
             return len(self.factors) + 2
-        return prod(len(g.spread.values) for g in self.grids)
+        return crossed(g.spread for g in self.grids)
 
     def called(self, factor: Factor) -> str:
         """Return the name of what a factor changes."""

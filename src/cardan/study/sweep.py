@@ -22,7 +22,7 @@ from cardan.files.study import of_numbers
 from cardan.model import variants as model
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES, meant, movable
-from cardan.model.variants import Ask, Variants
+from cardan.model.variants import MOST, Ask, Variants
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, assess
@@ -397,8 +397,8 @@ class Bench:
 
         One grid where nothing is drawn: a second would be the same.
         """
-        if count < 1:
-            msg = f"a study needs at least one variant, got {count}"
+        if not 1 <= count <= MOST:
+            msg = f"a study has from 1 to {MOST} variants (--n), got {count}"
             raise ValueError(msg)
         period = self.drawing.period
         return -(-count // period) * period if self.drawing.factors else period
