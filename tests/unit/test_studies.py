@@ -29,6 +29,7 @@ from cardan.cli import cli
 from cardan.files.study import read as read_study
 from cardan.model.variants import Ask, Spread, Variants
 from cardan.report import study as report
+from cardan.report.language import EN
 from cardan.report.study import parallel
 from cardan.report.svg import GRADED
 from cardan.study import reduce, shards
@@ -292,6 +293,24 @@ def test_shards_of_any_size_come_to_the_same_counts():
 # --------------------------------------------------------------------------- statistics
 
 
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [(1.0, "100.0 %"), (0.0, "0.0 %"), (0.8479, "84.8 %"), (1 - 1 / 8192, "99.99 %"),
+     (1 / 8192, "0.01 %"), (0.1, "10.0 %"), (1e-6, "0.0001 %")],
+)  # fmt: skip
+def test_a_share_is_all_or_none_only_where_it_is(share, told):
+    """One of 8192 that failed was told as 100.0 % that may be built."""
+    assert report.share(share, EN) == told
+
+
+def test_a_level_is_told_as_it_was_given():
+    """A confidence of 99.5 % was told as 100 %, the quantile of 2.5 % as that of 2 %."""
+    asked = variants_of({}, TOLERANCES, ask=Ask(confidence=0.995, quantiles=(0.025,)))
+    told = "\n".join(report.terminal(study(application(), asked, count=16)))
+    assert "with 99.5 % confidence" in told
+    assert "2.5 %" in told
+
+
 def test_intervals_are_those_of_the_binomial():
     for hits, count in ((0, 20), (3, 20), (17, 40), (40, 40), (250, 1000)):
         test = stats.binomtest(hits, count)
@@ -474,6 +493,18 @@ def test_what_cannot_exist_fails_and_is_told():
     alone = assess(files.change(application(), {rows.names[0]: float(lengths[fine])}))
     assert rows.verdicts[fine] == alone.verdict
     assert (rows.answers.grades[:, rows.answers.refused] == NOTHING).all()
+
+
+def test_the_variance_says_of_how_many_groups_it_is():
+    """Groups in which a variant cannot exist fell out of a margin's indices, and nobody said so."""
+    wide = {"driveline.shafts[1].length_mm": {"normal": 800}}
+    found = study(
+        application(), variants_of({}, wide, ask=Ask(sobol=True, rows="float64")), count=96
+    )
+    refused = found.rows.answers.refused.reshape(-1, 3)
+    known = int((~refused.any(axis=1)).sum())
+    assert known < 32
+    assert f"among the {known} of 32 groups" in "\n".join(report.terminal(found))
 
 
 def test_ends_of_what_is_chosen_must_be_possible():

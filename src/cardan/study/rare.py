@@ -162,10 +162,13 @@ class Scatter:
         """Return the inputs (V, names) of standard normal numbers (V, tolerances)."""
         from scipy.special import ndtr
 
-        unit = np.full((len(u), len(self.drawing.factors)), 0.5)
-        own = [k for k, f in enumerate(self.drawing.factors) if f.tolerance]
+        drawn = replace(
+            self.drawing, factors=(*self.drawing.factors, *self.drawing.grids), grids=()
+        )
+        unit = np.full((len(u), len(drawn.factors)), 0.5)
+        own = [k for k, f in enumerate(drawn.factors) if f.tolerance]
         unit[:, own] = np.clip(ndtr(u), 1e-300, 1 - 2.0**-53)
-        return replace(self.drawing, grids=()).of(unit)
+        return drawn.of(unit)
 
 
 def tolerances(drawing: Drawing) -> Scatter:
