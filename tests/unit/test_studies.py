@@ -886,6 +886,14 @@ SHAFT = "driveline.shafts[1].length_mm"
          "wall_mm.grid: must be [lowest, highest, how many], of 2 to 200"),
         ("[-2, 2]", '{grid: [-2, 2, 200]}\n    "driveline.slopes.side_deg[*]": {grid: [1, 2, 4]}',
          "study.vary: grids of 200 × 4 × 4 × 4 × 4 × 3 places are 153600 variants, of 100000"),
+        # Of a number named twice, or a pair tied twice, what stood last counted.
+        ("driveline.shafts[1].length_mm: {u", "driveline.slopes.side_deg[2]: {u",
+         "27:5: study.tolerances.driveline.slopes.side_deg[2]: driveline.slopes.side_deg[2] goes "
+         "by driveline.slopes.side_deg[*] too; name each number once"),
+        ("correlation: 0.5}", 'correlation: 0.5}\n    - between: ["driveline.slopes.side_deg[*]", '
+         '"driveline.slopes.side_deg[1]"]\n      correlation: 0',
+         "30:7: study.correlated[2]: driveline.slopes.side_deg[1] and driveline.slopes.side_deg[2] "
+         "have a correlation already; keep one"),
         ("correlation: 0.5", "correlation: 1.5",
          "must be a number above -1 and below 1 (got 1.5)"),
         ('"driveline.slopes.side_deg[2]"]', '"axle.ratio"]',

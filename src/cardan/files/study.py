@@ -11,6 +11,7 @@ key in `adjust`.
 
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -90,7 +91,10 @@ class SpreadTable(ToleranceTable):
         if self.grid is not None:
             low, high, count = self.grid
             if not low < high or not 2 <= count <= LEVELS or count != int(count):
-                self.at("grid").refuse(f"must be [lowest, highest, how many], of 2 to {LEVELS}")
+                got = f"[{low:g}, {high:g}, {count:g}]"
+                self.at("grid").refuse(
+                    f"must be [lowest, highest, how many], of 2 to {LEVELS}", got=got
+                )
             return Spread(kind="grid", values=tuple(np.linspace(low, high, int(count)).tolist()))
         return super().build()
 
@@ -194,9 +198,14 @@ class StudyTable(Table):
             self.at().refuse("needs vary or tolerances")
         named = set[str]()
         for entry in ("vary", "tolerances"):
+            whose: dict[str, str] = {}
             for name in getattr(self, entry):
                 found = meant(name, every)
                 named |= {name, *found}
+                if twice := next((one for one in found if one in whose), ""):
+                    both = f"{twice} goes by {whose[twice]} too"
+                    self._named(entry, name).note(both, "name each number once")
+                whose.update((one, name) for one in found)
                 if not found:
                     hint = nearest(name.replace("*", "1"), every)
                     self._named(entry, name).note("no number has this address", hint)
@@ -205,11 +214,18 @@ class StudyTable(Table):
             crossed(s for n, s in gone.items() for _ in meant(n, every) if s.kind == "grid")
         except ValueError as error:
             self.at("vary").note(str(error), "give fewer places, or a range")
+        scatter = [n for t in self.tolerances for n in meant(t, every)]
+        tied = set[frozenset[str]]()
         for k, (*pair, _) in enumerate(self.correlated, 1):
             for name in pair:
                 if not any(name in (t, *meant(t, every)) for t in self.tolerances):
                     hint = nearest(name, self.tolerances)
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
+            now = {frozenset(p) for p in product(*(meant(n, scatter) for n in pair))}
+            if twice := next((p for p in now & tied if len(p) > 1), None):
+                both = " and ".join(sorted(twice))
+                self.at("correlated", k).note(f"{both} have a correlation already", "keep one")
+            tied |= now
         if self.ask.search and self.tolerances:
             self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
         if self.ask.rare and not self.tolerances:
@@ -225,7 +241,8 @@ class StudyTable(Table):
                     self.at("ask").note("maps: this does not vary", nearest(name, named), got=name)
         return Variants(
             vary=self.vary, tolerances=self.tolerances, correlated=self.correlated, ask=self.ask,
-            places={name: self._named("vary", name).place for name in self.vary},
+            places={name: self._named("vary", name).place for name in self.vary}
+            | {name: self.at(name).place for name in ("ask", "correlated")},
         )  # fmt: skip
 
     def _named(self, entry: str, name: str) -> Here:

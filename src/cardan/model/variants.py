@@ -102,7 +102,8 @@ class Variants:
     `vary` and `tolerances` go by the address of a number, or the key of something that can
     be moved; `[*]` stands for every part. `correlated` are pairs of names of tolerances with
     their correlation, of the normal numbers they are made of. Where it was read, errors name
-    the `file` (that of the application without) and the `places`, line and column, of what varies.
+    the `file` (that of the application without) and the `places`, line and column, of what varies,
+    of `correlated` and of `ask`.
     """
 
     vary: Mapping[str, Spread] = field(default_factory=dict[str, Spread])

@@ -230,7 +230,7 @@ def _mixed(of: Drawing, variants: Variants) -> tuple[tuple[float, ...], ...] | N
     if not variants.correlated:
         return None
     if of.points == "saltelli":
-        msg = "sobol shares variance out among independent inputs: ask without correlated"
+        msg = "ask: sobol shares variance out among independent inputs: ask without correlated"
         raise ValueError(msg)
     names = [of.called(f) for f in of.factors if f.tolerance]
     whole = np.eye(len(names))
@@ -253,9 +253,14 @@ def _each(
     spreads: Mapping[str, Spread], known: Mapping[str, float]
 ) -> Iterator[tuple[str, Spread]]:
     """Yield what varies by its name, for `[*]` one after the other."""
+    whose: dict[str, str] = {}
     for name, spread in spreads.items():
         found: Sequence[str] = meant(name, known)
         if not found:
             msg = f"no number has the address {name}; {nearest(name.replace('*', '1'), known)}"
             raise ValueError(msg)
-        yield from ((one, spread) for one in found)
+        for one in found:
+            if (other := whose.setdefault(one, name)) != name:
+                msg = f"{name}: {one} goes by {other} too; name each number once"
+                raise ValueError(msg)
+            yield one, spread

@@ -376,7 +376,7 @@ class Bench:
         drawn = drawing(variants, known, seed=seed, points=points)
         bench = cls(installed=assess(application), drawing=drawn, quantities=variants.ask.limits)
         if not bench.limits:
-            msg = f"no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
+            msg = f"ask: no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
             raise ValueError(msg)
         for k, name in enumerate(drawn.names):
             for end in _ends(drawn, k) if name not in bench._moves else ():
