@@ -100,6 +100,18 @@ def test_several_ways_to_fail_are_told_together(slopes, limit, scatter, exact, w
     assert found.sampled.error < 0.1 * exact
 
 
+@pytest.mark.parametrize("chosen", [[1.8, 2.2], {"grid": [1.8, 2.2, 3]}, {"choice": [1.8, 2, 2.2]}])
+def test_what_is_chosen_stays_in_the_middle_and_that_is_told(chosen):
+    """A grid's stayed as it is, at 1.0 deg; and nobody said that an end fails more often."""
+    sides = ("driveline.slopes.side_deg[2]", "driveline.slopes.side_deg[3]")
+    text = LINE.replace("LIMIT", "2.9")
+    asked = variants_of({sides[0]: chosen}, {sides[1]: {"normal": 0.1}}, ask=Ask(rare=True))
+    found = study(files.loads(text), asked, count=30)
+    (angle,) = (r for r in found.rare if r.limit.maximum == pytest.approx(np.radians(2.9)))
+    assert angle.first_order.beta == pytest.approx(4, abs=1e-3)
+    assert "about the middle of what is chosen" in "\n".join(report.terminal(found))
+
+
 def test_without_dice_all_ways_are_summed():
     text = LINE.replace("LIMIT", str(4 * TWO)).replace("[3.0, 1.0, 4.5, 2.0]", STRAIGHT)
     found = rare(Bench.of(files.loads(text), variants_of({}, SIDE)), 0, draws=0)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.special import ndtr
 
 from cardan import files
 from cardan.base.errors import BadFile
@@ -180,3 +181,29 @@ def test_a_limit_that_asks_in_some_trucks_alone_is_no_slope():
     asked = trucks.survival((), np.empty(0), asked=300)
     assert found.share == pytest.approx(asked.share, abs=0.02)
     assert asked.share > 0.9
+
+
+def unmoved(text: str, asked: int):
+    """How many trucks keep a line with its shim left where it is."""
+    application = files.loads(text.replace("maximum: 3.2", "maximum: 9") + ADJUST)
+    ways = tuple(a for a in application.adjustables if a.what == "shim")
+    trucks = Trucks.of(application, "main")
+    return trucks, trucks.survival(ways, np.zeros(len(ways)), asked=asked)
+
+
+@pytest.mark.parametrize("asked", [0, 100])
+def test_trucks_scatter_by_what_arrays_cannot_hold(asked):
+    """A joint's own cap, 3.6 ± 0.1 deg, at 3.5 deg: Φ(1) keep it. Such a file `fix` refused."""
+    study = "study: {tolerances: {driveline.joints.angle_max_deg: {normal: 0.1}}}\n"
+    _, found = unmoved(LINE.replace('"1810"', "{name: ours, angle_max_deg: 3.6}") + study, asked)
+    assert found.share == pytest.approx(ndtr(1), abs=0.08 if asked else 0.02)
+    assert found.lost == "joint_angle"
+
+
+def test_a_truck_that_cannot_exist_keeps_nothing():
+    """One shaft in twelve is shorter than the place of its bearing; `fix --draws` ended there."""
+    study = "study: {tolerances: {'driveline.shafts[1].length_mm': {normal: 800}}}\n"
+    trucks, found = unmoved(LINE + study, 300)
+    refused = (trucks.drawing.values(0, 300)[:, 0] <= 140).mean()
+    assert refused > 0.05
+    assert 0.5 < found.share <= 1 - refused

@@ -24,11 +24,12 @@ from scipy import stats
 import cardan
 from cardan import files
 from cardan.base.errors import BadFile, CardanError
-from cardan.base.verdict import GRADES, VERDICTS
+from cardan.base.verdict import GRADES, VERDICTS, badness
 from cardan.cli import cli
 from cardan.files.study import read as read_study
 from cardan.model.variants import Ask, Spread, Variants
 from cardan.report import study as report
+from cardan.report.language import EN
 from cardan.report.study import parallel
 from cardan.report.svg import GRADED
 from cardan.study import reduce, shards
@@ -292,6 +293,24 @@ def test_shards_of_any_size_come_to_the_same_counts():
 # --------------------------------------------------------------------------- statistics
 
 
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [(1.0, "100.0 %"), (0.0, "0.0 %"), (0.8479, "84.8 %"), (1 - 1 / 8192, "99.99 %"),
+     (1 / 8192, "0.01 %"), (0.1, "10.0 %"), (1e-6, "0.0001 %")],
+)  # fmt: skip
+def test_a_share_is_all_or_none_only_where_it_is(share, told):
+    """One of 8192 that failed was told as 100.0 % that may be built."""
+    assert report.share(share, EN) == told
+
+
+def test_a_level_is_told_as_it_was_given():
+    """A confidence of 99.5 % was told as 100 %, the quantile of 2.5 % as that of 2 %."""
+    asked = variants_of({}, TOLERANCES, ask=Ask(confidence=0.995, quantiles=(0.025,)))
+    told = "\n".join(report.terminal(study(application(), asked, count=16)))
+    assert "with 99.5 % confidence" in told
+    assert "2.5 %" in told
+
+
 def test_intervals_are_those_of_the_binomial():
     for hits, count in ((0, 20), (3, 20), (17, 40), (40, 40), (250, 1000)):
         test = stats.binomtest(hits, count)
@@ -426,6 +445,39 @@ def test_a_number_that_arrays_cannot_hold_is_read_anew_for_each_variant():
     assert len(set(rows.verdicts)) > 1
 
 
+def test_a_bound_that_varies_is_still_its_own_limits():
+    """A joint's cap that left those of its like was told of the limit behind it, or of none."""
+    joints = "[{name: a, angle_max_deg: 5}, {name: b, angle_max_deg: 5}, {name: c}]"
+    text = LINE.replace('"1810"', joints).replace("normal: 350, ", "") + (
+        "  - {quantity: end_angle_difference, maximum: 1, source: ours}\n"
+    )
+    other = "driveline.joints[2].angle_max_deg"
+    vary = {
+        other: {"choice": [2.0, 5.0]}, "limits[1].maximum": {"choice": [30.0, 500.0]},
+        "driveline.slopes.side_deg[4]": [1.9, 2.1],
+    }  # fmt: skip
+    own = files.loads(text)
+    found = study(own, variants_of(vary, ask=Ask(rows="float64")), count=16)
+    rows, seen = found.rows, set()
+    for k in range(16):
+        numbers = {v.name: float(v.values[k]) for v in rows.varied}
+        alone = assess(files.change(own, numbers))
+        for place, (_, limit) in enumerate(found.limits):
+            mine = [
+                c
+                for c in alone.checks
+                if c.quantity == limit.quantity and c.limit.source == limit.source
+            ]
+            worst = min(mine, key=badness)
+            assert GRADES[rows.answers.grades[place, k]] == worst.grade
+            assert rows.answers.values[place, k] == pytest.approx(worst.value)
+            left = min(c.limit.margin(c.value, to="maximum") for c in mine)
+            assert rows.answers.left[place, k] == pytest.approx(left)
+            seen.add((limit.quantity, worst.grade))
+    assert {("joint_angle", "fail"), ("joint_angle", "pass")} <= seen
+    assert {("torsional_acceleration", "fail"), ("torsional_acceleration", "pass")} <= seen
+
+
 def test_what_cannot_exist_fails_and_is_told():
     # A bearing 140 mm ahead of its joint needs a shaft longer than that.
     asked = variants_of({}, {"driveline.shafts[1].length_mm": {"normal": 800}}, ask=ASK)
@@ -441,6 +493,18 @@ def test_what_cannot_exist_fails_and_is_told():
     alone = assess(files.change(application(), {rows.names[0]: float(lengths[fine])}))
     assert rows.verdicts[fine] == alone.verdict
     assert (rows.answers.grades[:, rows.answers.refused] == NOTHING).all()
+
+
+def test_the_variance_says_of_how_many_groups_it_is():
+    """Groups in which a variant cannot exist fell out of a margin's indices, and nobody said so."""
+    wide = {"driveline.shafts[1].length_mm": {"normal": 800}}
+    found = study(
+        application(), variants_of({}, wide, ask=Ask(sobol=True, rows="float64")), count=96
+    )
+    refused = found.rows.answers.refused.reshape(-1, 3)
+    known = int((~refused.any(axis=1)).sum())
+    assert known < 32
+    assert f"among the {known} of 32 groups" in "\n".join(report.terminal(found))
 
 
 def test_ends_of_what_is_chosen_must_be_possible():
@@ -590,17 +654,27 @@ def test_a_folder_is_of_one_study(tmp_path):
         (tmp_path / MANIFEST).write_text(broken)
         with pytest.raises(CardanError, match=r"manifest\.json is none of this version's"):
             study(application(), variants, count=20, folder=tmp_path, resume=True)
+    # Shards of a study that nobody names were told as those of the next one.
+    (tmp_path / MANIFEST).unlink()
+    for resume in (False, True):
+        with pytest.raises(CardanError, match=r"holds shards, but no manifest\.json says of which"):
+            study(other, variants, count=20, folder=tmp_path, resume=resume)
 
 
 @pytest.mark.parametrize("bytes_", [0, 300])
 def test_half_a_shard_and_lost_rows_are_asked_again(tmp_path, bytes_):
     variants = variants_of({}, TOLERANCES, ask=Ask(rows="float64"))
-    study(application(), variants, count=60, shard=20, folder=tmp_path)
+    study(application(), variants, count=80, shard=20, folder=tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     (tmp_path / "shard-000001.npz").write_bytes(before["shard-000001.npz"][:bytes_])
+    whole = bytearray(before["shard-000000.npz"])
+    whole[len(whole) // 2] ^= 0xFF
+    (tmp_path / "shard-000000.npz").write_bytes(whole)
     (rows,) = tmp_path.glob("rows-000002.*")
     rows.unlink()
-    study(application(), variants, count=60, shard=20, folder=tmp_path, resume=True)
+    (rows,) = tmp_path.glob("rows-000003.*")
+    rows.write_bytes(before[rows.name][:bytes_])
+    study(application(), variants, count=80, shard=20, folder=tmp_path, resume=True)
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
 
 
@@ -810,6 +884,16 @@ SHAFT = "driveline.shafts[1].length_mm"
          f"study.tolerances.{SHAFT}.unform: unknown key; did you mean uniform?"),
         ("[3, 5, 3]", "[3, 5, 1]",
          "wall_mm.grid: must be [lowest, highest, how many], of 2 to 200"),
+        ("[-2, 2]", '{grid: [-2, 2, 200]}\n    "driveline.slopes.side_deg[*]": {grid: [1, 2, 4]}',
+         "study.vary: grids of 200 × 4 × 4 × 4 × 4 × 3 places are 153600 variants, of 100000"),
+        # Of a number named twice, or a pair tied twice, what stood last counted.
+        ("driveline.shafts[1].length_mm: {u", "driveline.slopes.side_deg[2]: {u",
+         "27:5: study.tolerances.driveline.slopes.side_deg[2]: driveline.slopes.side_deg[2] goes "
+         "by driveline.slopes.side_deg[*] too; name each number once"),
+        ("correlation: 0.5}", 'correlation: 0.5}\n    - between: ["driveline.slopes.side_deg[*]", '
+         '"driveline.slopes.side_deg[1]"]\n      correlation: 0',
+         "30:7: study.correlated[2]: driveline.slopes.side_deg[1] and driveline.slopes.side_deg[2] "
+         "have a correlation already; keep one"),
         ("correlation: 0.5", "correlation: 1.5",
          "must be a number above -1 and below 1 (got 1.5)"),
         ('"driveline.slopes.side_deg[2]"]', '"axle.ratio"]',

@@ -139,7 +139,9 @@ def study(
         except Stopped as error:
             stopped, found = True, error.studied
         except ValueError as error:  # a name, a range, a correlation
-            raise BadFile(str(beside or file), (Problem(message=str(error)),)) from error
+            at = variants.places.get(str(error).partition(":")[0], (0, 0))
+            problem = Problem(message=str(error), line=at[0], column=at[1])
+            raise BadFile(str(beside or file), (problem,)) from error
     if json_out is not None:
         write_json(report.document(found), json_out)
     if html or pdf:

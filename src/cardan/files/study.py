@@ -11,6 +11,7 @@ key in `adjust`.
 
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -37,14 +38,14 @@ from cardan.border.table import (
 )  # fmt: skip
 from cardan.model.application import Application
 from cardan.model.movable import meant, movable
-from cardan.model.variants import Ask, Goal, Spread, Variants
+from cardan.model.variants import MOST, Ask, Goal, Spread, Variants, crossed
 from cardan.quantity.quantities import ANSWERED
 
 VARYING, LEVELS, WORST = 200, 200, 1000
 """Names that vary, places of a grid, and worst variants that are kept, at most."""
 
-BRED, FORETOLD = 1_000_000, 100_000_000
-"""Variants that are bred, and that are foretold, at most."""
+BRED = 1_000_000
+"""Variants that are bred, at most."""
 
 _ANY = Number()
 _SHARE = Number(above=0, below=1)
@@ -90,7 +91,10 @@ class SpreadTable(ToleranceTable):
         if self.grid is not None:
             low, high, count = self.grid
             if not low < high or not 2 <= count <= LEVELS or count != int(count):
-                self.at("grid").refuse(f"must be [lowest, highest, how many], of 2 to {LEVELS}")
+                got = f"[{low:g}, {high:g}, {count:g}]"
+                self.at("grid").refuse(
+                    f"must be [lowest, highest, how many], of 2 to {LEVELS}", got=got
+                )
             return Spread(kind="grid", values=tuple(np.linspace(low, high, int(count)).tolist()))
         return super().build()
 
@@ -150,7 +154,7 @@ class AskTable(Table):
         "quantities whose limits count; all by default, and fewer are faster", default=()
     )
     rare: bool = key("how often limits fail that hardly ever do", default=False)
-    foretold: Annotated[int, Whole(FORETOLD)] = key(
+    foretold: Annotated[int, Whole(MOST)] = key(
         "variants foretold from those asked: the yield to a narrower interval", default=0
     )
     rows: Literal["float32", "float64"] | None = key(
@@ -194,17 +198,34 @@ class StudyTable(Table):
             self.at().refuse("needs vary or tolerances")
         named = set[str]()
         for entry in ("vary", "tolerances"):
+            whose: dict[str, str] = {}
             for name in getattr(self, entry):
                 found = meant(name, every)
                 named |= {name, *found}
+                if twice := next((one for one in found if one in whose), ""):
+                    both = f"{twice} goes by {whose[twice]} too"
+                    self._named(entry, name).note(both, "name each number once")
+                whose.update((one, name) for one in found)
                 if not found:
                     hint = nearest(name.replace("*", "1"), every)
                     self._named(entry, name).note("no number has this address", hint)
+        gone = {} if self.ask.sobol else self.vary  # whose pairs take places by chance
+        try:
+            crossed(s for n, s in gone.items() for _ in meant(n, every) if s.kind == "grid")
+        except ValueError as error:
+            self.at("vary").note(str(error), "give fewer places, or a range")
+        scatter = [n for t in self.tolerances for n in meant(t, every)]
+        tied = set[frozenset[str]]()
         for k, (*pair, _) in enumerate(self.correlated, 1):
             for name in pair:
                 if not any(name in (t, *meant(t, every)) for t in self.tolerances):
                     hint = nearest(name, self.tolerances)
                     self.at("correlated", k).note("there is no such tolerance", hint, got=name)
+            now = {frozenset(p) for p in product(*(meant(n, scatter) for n in pair))}
+            if twice := next((p for p in now & tied if len(p) > 1), None):
+                both = " and ".join(sorted(twice))
+                self.at("correlated", k).note(f"{both} have a correlation already", "keep one")
+            tied |= now
         if self.ask.search and self.tolerances:
             self.at("ask").note("search: breeds what vary chooses", "ask it without tolerances")
         if self.ask.rare and not self.tolerances:
@@ -220,7 +241,8 @@ class StudyTable(Table):
                     self.at("ask").note("maps: this does not vary", nearest(name, named), got=name)
         return Variants(
             vary=self.vary, tolerances=self.tolerances, correlated=self.correlated, ask=self.ask,
-            places={name: self._named("vary", name).place for name in self.vary},
+            places={name: self._named("vary", name).place for name in self.vary}
+            | {name: self.at(name).place for name in ("ask", "correlated")},
         )  # fmt: skip
 
     def _named(self, entry: str, name: str) -> Here:

@@ -1,13 +1,36 @@
 """Variants of an application: what varies, what scatters, and what is asked of all of them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import field
+from math import prod
 from typing import Literal, TypeAlias
 
 from cardan.base.frozen import dataclass
 
 Kind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform"]
 Goal: TypeAlias = Literal["margin", "cost", "mass"]
+
+MOST = 100_000_000
+"""Variants that are asked, or foretold, at most."""
+
+CROSSED = 100_000
+"""Places of all grids crossed, at most: each shard holds them all."""
+
+
+def crossed(grids: Iterable["Spread"]) -> int:
+    """Return how many places grids have together, each with every other's.
+
+    Raises
+    ------
+    ValueError
+        If they are too many.
+    """
+    each = [len(g.values) for g in grids]
+    if (found := prod(each)) > CROSSED:
+        places = " × ".join(map(str, each))
+        msg = f"grids of {places} places are {found} variants, of {CROSSED} at most"
+        raise ValueError(msg)
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +102,8 @@ class Variants:
     `vary` and `tolerances` go by the address of a number, or the key of something that can
     be moved; `[*]` stands for every part. `correlated` are pairs of names of tolerances with
     their correlation, of the normal numbers they are made of. Where it was read, errors name
-    the `file` (that of the application without) and the `places`, line and column, of what varies.
+    the `file` (that of the application without) and the `places`, line and column, of what varies,
+    of `correlated` and of `ask`.
     """
 
     vary: Mapping[str, Spread] = field(default_factory=dict[str, Spread])

@@ -74,7 +74,7 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "May be built (pass or warn): {share}; with {confidence} confidence {low} to {high} "
             "(Clopper and Pearson).",
             share=share(of.yield_, say),
-            confidence=share(of.variants.ask.confidence, say, 0),
+            confidence=level(of.variants.ask.confidence, say),
             low=share(low, say, 2),
             high=share(high, say, 2),
         )
@@ -94,6 +94,11 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "{names}.",
             far=say.short(FAR), names=say.list(*names),
         )  # fmt: skip
+    if of.rare and any(not f.tolerance for f in (*of.drawing.factors, *of.drawing.grids)):
+        yield say(
+            "What hardly ever fails is told of what scatters about the middle of what is chosen; "
+            "elsewhere there it may fail more often."
+        )
     if of.variants.correlated:
         pairs = [
             say("{one} with {other} {r}", one=one, other=other, r=say.short(r))
@@ -124,6 +129,13 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "{count} variants cannot exist, and count as failed; the first: {why}",
             count=refused, why=str(of.states["worst"]["why"][0]),
         )  # fmt: skip
+    if refused and "sobol" in of.states:
+        known, groups = of.states["sobol"]["count"][:2].tolist()
+        yield say(
+            "Of a margin the variance is shared out among the {known} of {groups} groups in which "
+            "all variants can exist.",
+            known=known, groups=groups,
+        )  # fmt: skip
     if of.bench.single:
         yield say(
             "Read anew for each variant, which is slower, because arrays cannot hold it: {names}.",
@@ -142,7 +154,7 @@ def _foretold(of: Studied, say: Language) -> str:
         count=f.count,
         taught=f.taught,
         share=share(f.share, say, 2),
-        confidence=share(of.variants.ask.confidence, say, 0),
+        confidence=level(of.variants.ask.confidence, say),
         low=share(f.low, say, 2),
         high=share(f.high, say, 2),
         missed=f.missed,
@@ -163,8 +175,15 @@ def terminal(of: Studied, say: Language = EN) -> Iterator[str]:
 
 
 def share(value: float, say: Language, digits: int = 1) -> str:
-    """Return a share in per cent."""
+    """Return a share in per cent; what is not none or all of them never reads so."""
+    while 0 < value < 1 and digits < 9 and float(f"{100 * value:.{digits}f}") in (0, 100):
+        digits += 1
     return say.pointed(f"{100 * value:.{digits}f} %")
+
+
+def level(value: float, say: Language) -> str:
+    """Return a share that somebody gave, as they gave it, in per cent."""
+    return say.pointed(f"{100 * value:.9g} %")
 
 
 # --------------------------------------------------------------------------- tables
@@ -260,7 +279,7 @@ def _limits(of: Studied, say: Language) -> Table:
         caption=say("Every limit over all variants"),
         head=(
             say("limit"), *(say(g) for g in GRADES), say("fails alone"), say("smallest margin"),
-            say("median margin"), *(say("{share} quantile", share=share(q, say, 0)) for q in asked),
+            say("median margin"), *(say("{share} quantile", share=level(q, say)) for q in asked),
         ),
         rows=tuple(row(k) for k in ordered(of)),
     )  # fmt: skip

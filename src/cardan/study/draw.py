@@ -6,7 +6,6 @@ a shard draws the same whoever draws it, whenever, and whatever was drawn before
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import prod
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +14,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.frozen import dataclass
 from cardan.border.table import nearest
 from cardan.model.movable import meant
-from cardan.model.variants import Spread, Variants
+from cardan.model.variants import Spread, Variants, crossed
 
 Points: TypeAlias = Literal["even", "random", "saltelli"]
 """How variants are spread: evenly (Sobol), by dice, or in the pairs that share out variance."""
@@ -72,7 +71,7 @@ class Drawing:
         """Variants that belong together: a whole grid, a base point with its pairs."""
         if self.points == "saltelli":
             return len(self.factors) + 2
-        return prod(len(g.spread.values) for g in self.grids)
+        return crossed(g.spread for g in self.grids)
 
     def called(self, factor: Factor) -> str:
         """Return the name of what a factor changes."""
@@ -231,7 +230,7 @@ def _mixed(of: Drawing, variants: Variants) -> tuple[tuple[float, ...], ...] | N
     if not variants.correlated:
         return None
     if of.points == "saltelli":
-        msg = "sobol shares variance out among independent inputs: ask without correlated"
+        msg = "ask: sobol shares variance out among independent inputs: ask without correlated"
         raise ValueError(msg)
     names = [of.called(f) for f in of.factors if f.tolerance]
     whole = np.eye(len(names))
@@ -254,9 +253,14 @@ def _each(
     spreads: Mapping[str, Spread], known: Mapping[str, float]
 ) -> Iterator[tuple[str, Spread]]:
     """Yield what varies by its name, for `[*]` one after the other."""
+    whose: dict[str, str] = {}
     for name, spread in spreads.items():
         found: Sequence[str] = meant(name, known)
         if not found:
             msg = f"no number has the address {name}; {nearest(name.replace('*', '1'), known)}"
             raise ValueError(msg)
-        yield from ((one, spread) for one in found)
+        for one in found:
+            if (other := whose.setdefault(one, name)) != name:
+                msg = f"{name}: {one} goes by {other} too; name each number once"
+                raise ValueError(msg)
+            yield one, spread

@@ -14,7 +14,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
-from cardan.base.verdict import Limit
+from cardan.base.verdict import EQUAL, Limit
 from cardan.fatigue.reliability import Estimate, Form, Normal, Sorm, monte_carlo, sorm, ways
 from cardan.study.draw import Drawing
 from cardan.study.sweep import CHUNK, Bench
@@ -110,7 +110,7 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
         found: list[FloatArray] = []
         for first in range(0, len(inputs), CHUNK):
             answers = narrow.ask(inputs[first : first + CHUNK])
-            margin = limit.margin(answers.values[which], to="maximum")
+            margin = answers.left[which] + EQUAL  # equality passes
             found.append(np.where(answers.refused, -1.0, margin))
         return np.concatenate(found)
 
@@ -162,10 +162,13 @@ class Scatter:
         """Return the inputs (V, names) of standard normal numbers (V, tolerances)."""
         from scipy.special import ndtr
 
-        unit = np.full((len(u), len(self.drawing.factors)), 0.5)
-        own = [k for k, f in enumerate(self.drawing.factors) if f.tolerance]
+        drawn = replace(
+            self.drawing, factors=(*self.drawing.factors, *self.drawing.grids), grids=()
+        )
+        unit = np.full((len(u), len(drawn.factors)), 0.5)
+        own = [k for k, f in enumerate(drawn.factors) if f.tolerance]
         unit[:, own] = np.clip(ndtr(u), 1e-300, 1 - 2.0**-53)
-        return replace(self.drawing, grids=()).of(unit)
+        return drawn.of(unit)
 
 
 def tolerances(drawing: Drawing) -> Scatter:

@@ -452,16 +452,11 @@ class Taught:
 
     def of(self, rows: Sweep, start: int) -> State:
         """Return the variants of a shard."""
-        values = zip(rows.limits, rows.answers.values, strict=True)
-        left = [
-            limit.margin(v, to="maximum") if limit.maximum is not None else np.full_like(v, np.nan)
-            for (_, limit), v in values
-        ]
         return self._first(
             {
                 "place": start + np.arange(rows.count),
                 "inputs": rows.inputs,
-                "left": np.stack(left, axis=-1),
+                "left": rows.answers.left.T,
                 "fit": rows.grades <= MAY,
             }
         )

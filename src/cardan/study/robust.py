@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.errors import BadFile, DesignError
 from cardan.base.frozen import dataclass
 from cardan.base.verdict import EQUAL
 from cardan.demand.states import demand, resolve
@@ -19,7 +20,7 @@ from cardan.model.movable import MOVABLES, movable
 from cardan.model.variants import Spread, Variants
 from cardan.quantity.response import Response, respond
 from cardan.study.draw import Drawing, drawing
-from cardan.study.margins import PLENTY, Bound, both, limits, margins
+from cardan.study.margins import PLENTY, Bound, both, limits
 from cardan.study.moves import UNMEASURED, tried
 from cardan.study.sweep import CHUNK, names, with_numbers
 
@@ -121,8 +122,9 @@ class Trucks:
         """Return the line at a setting (ways) in trucks that are `off` (V, tolerances)."""
         every = movable(i.line for i in self.application.lines)
         called = self.drawing.names
+        alone = off[0] if len(off) == 1 else off.T  # a number that arrays cannot hold, by itself
         numbers: dict[str, Any] = {
-            n: self.drawing.at[k] + off[:, k] for k, n in enumerate(called) if n not in every
+            n: self.drawing.at[k] + alone[k] for k, n in enumerate(called) if n not in every
         }
         changed = with_numbers(self.application, numbers)
         installed = next(i for i in changed.lines if i.line.name == self.line)
@@ -133,6 +135,33 @@ class Trucks:
         both = np.concatenate([set_, off[:, moves] * worth], axis=1)
         merged = _merged(parts, both)
         return tried(respond(changed, demand(resolve(changed, installed))), *merged)
+
+    def left(
+        self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
+    ) -> dict[Bound, FloatArray]:
+        """Return the margins (V, M) to either bound of trucks (V, tolerances) at a setting.
+
+        One by one where arrays cannot hold what scatters, as a joint's rating. A truck that
+        cannot exist has none.
+        """
+        try:
+            found = both(self.response(ways, amounts, off))
+        except (BadFile, DesignError):
+            if len(off) == 1:
+                raise
+        else:
+            return {to: np.broadcast_to(m, (len(off), m.shape[-1])) for to, m in found.items()}
+        lost: dict[Bound, FloatArray] = {
+            to: np.full_like(m, -PLENTY)
+            for to, m in self.left(ways, amounts, np.zeros_like(off[:1])).items()
+        }
+        some: list[dict[Bound, FloatArray]] = []
+        for row in off:
+            try:
+                some.append(self.left(ways, amounts, row[None]))
+            except (BadFile, DesignError):
+                some.append(lost)
+        return {to: np.concatenate([m[to] for m in some]) for to in lost}
 
     def survival(
         self, ways: tuple[Adjustable, ...], amounts: FloatArray, *, asked: int = 0
@@ -149,15 +178,12 @@ class Trucks:
         """
         still = np.zeros((1, len(self.drawing.names)))
         at = self.response(ways, amounts, still)
-        promised, each = both(at), limits(at)
+        promised, each = self.left(ways, amounts, still), limits(at)
         held = (promised["maximum"][0] >= -EQUAL) & [m.maximum is not None for m in each]
         calm = (promised["normal"][0] >= -EQUAL) & [m.warns for m in each]
         if asked:
             off = self.drawing.values(0, asked) - np.array(self.drawing.at)
-            some = [
-                both(self.response(ways, amounts, off[k : k + CHUNK]))
-                for k in range(0, asked, CHUNK)
-            ]
+            some = [self.left(ways, amounts, off[k : k + CHUNK]) for k in range(0, asked, CHUNK)]
             left, near = (np.concatenate([m[to] for m in some]) for to in ("maximum", "normal"))
             kept = _kept(left, held)
             return Survival(
@@ -191,7 +217,7 @@ class Trucks:
         """Return the standard deviation of each margin at a setting, from its slopes."""
         wide = self._wide
         each = np.concatenate([np.diag(wide), -np.diag(wide)]) * REACH
-        found = margins(self.response(ways, amounts, each), to=to)
+        found = self.left(ways, amounts, each)[to]
         forth, back = np.split(found, 2)
         return np.sqrt((((forth - back) / (2 * REACH)) ** 2).sum(0))
 
@@ -201,7 +227,7 @@ class Trucks:
         """Return margins (V, M) to either bound of trucks so many deviations (V, T) off."""
         step = np.diag(self._wide) * REACH
         off = np.concatenate([np.zeros((1, len(step))), step, -step])
-        found = both(self.response(ways, amounts, off))
+        found = self.left(ways, amounts, off)
         return {to: _parabola(m) for to, m in found.items()}
 
     def _normal(self, unit: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ computed: at once, by many, or in pieces after the computer went down.
 """
 
 import json
+import zlib
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -628,6 +629,12 @@ class Store:
             "inputs": list(job.bench.drawing.names), "points": job.bench.drawing.points,
         }  # fmt: skip
         if not manifest.exists():
+            if any(folder.glob("shard-*.npz")):
+                msg = (
+                    f"{folder} holds shards, but no {MANIFEST} says of which study: name another "
+                    "folder"
+                )
+                raise DesignError(msg)
             writer.write(manifest, json.dumps(now, indent=1, ensure_ascii=False) + "\n")
             return found
         if not resume:
@@ -655,18 +662,21 @@ class Store:
     def has(self, k: int, span: tuple[int, int]) -> bool:
         """Return whether a shard of this stretch is there, with its rows; no shorter one."""
         rows = not self.rows or any(
-            (self.folder / f"rows-{k:06d}{kind}").exists() for kind in (".parquet", ".npz")
+            _length(self.folder / f"rows-{k:06d}{kind}") == span[1] - span[0]
+            for kind in (".parquet", ".npz")
         )
         return rows and self._span(self._path(k)) == span
 
     @staticmethod
     def _span(path: Path) -> tuple[int, int] | None:
-        """Return the stretch of a shard; None where none can be read, as of half a file."""
+        """Return the stretch of a shard; None where it cannot be read whole, as of half a file."""
         try:
             with path.open("rb") as whole, np.load(whole) as file:
+                if file.zip.testzip():
+                    return None
                 start, stop = file["span"].tolist()
                 return start, stop
-        except (OSError, ValueError, EOFError, KeyError, BadZipFile):
+        except _UNREAD:
             return None
 
     def keep(self, k: int, span: tuple[int, int], shard: Shard, job: Job) -> None:
@@ -702,6 +712,22 @@ class Store:
 
     def _path(self, k: int) -> Path:
         return self.folder / f"shard-{k:06d}.npz"
+
+
+_UNREAD = (OSError, ValueError, EOFError, KeyError, BadZipFile, zlib.error)
+"""What reading a file comes to that is damaged, or not there."""
+
+
+def _length(path: Path) -> int | None:
+    """Return how many variants a file of rows holds; None where it is not there, or cut off."""
+    tables = _tables()
+    try:
+        if path.suffix == ".parquet":
+            return tables[1].read_metadata(path).num_rows if tables else None
+        with path.open("rb") as whole, np.load(whole) as file:
+            return len(file["verdict"])
+    except _UNREAD:
+        return None
 
 
 def _packed(arrays: Mapping[str, Any]) -> bytes:

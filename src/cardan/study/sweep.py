@@ -22,7 +22,7 @@ from cardan.files.study import of_numbers
 from cardan.model import variants as model
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES, meant, movable
-from cardan.model.variants import Ask, Variants
+from cardan.model.variants import MOST, Ask, Variants
 from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response, respond
 from cardan.study.approval import Approval, assess
@@ -83,6 +83,8 @@ class Answers:
     Attributes
     ----------
     values, margins : (L, V) SI, 1
+    left : (L, V) 1
+        Margin to the maximum, whatever grade it comes to; nan where there is none.
     grades : (L, V)
     missed : (L, V)
     mass : (V,) kg
@@ -95,6 +97,7 @@ class Answers:
 
     values: FloatArray
     margins: FloatArray
+    left: FloatArray
     grades: IntArray
     missed: BoolArray
     mass: FloatArray
@@ -373,7 +376,7 @@ class Bench:
         drawn = drawing(variants, known, seed=seed, points=points)
         bench = cls(installed=assess(application), drawing=drawn, quantities=variants.ask.limits)
         if not bench.limits:
-            msg = f"no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
+            msg = f"ask: no limit asks about {', '.join(variants.ask.limits) or 'this line'}"
             raise ValueError(msg)
         for k, name in enumerate(drawn.names):
             for end in _ends(drawn, k) if name not in bench._moves else ():
@@ -394,8 +397,8 @@ class Bench:
 
         One grid where nothing is drawn: a second would be the same.
         """
-        if count < 1:
-            msg = f"a study needs at least one variant, got {count}"
+        if not 1 <= count <= MOST:
+            msg = f"a study has from 1 to {MOST} variants (--n), got {count}"
             raise ValueError(msg)
         period = self.drawing.period
         return -(-count // period) * period if self.drawing.factors else period
@@ -408,6 +411,15 @@ class Bench:
             for r in self.installed.responses
             for limit in dict.fromkeys(q.limit for q in self._questions(r))
         )
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[int, ...]]:
+        """By line, which of its limits each question is about: a bound that varies is the same."""
+        found: dict[str, tuple[int, ...]] = {}
+        for r in self.installed.responses:
+            each = [q.limit for q in self._questions(r)]
+            found[r.line.name] = tuple(map(list(dict.fromkeys(each)).index, each))
+        return found
 
     def _questions(self, response: Response) -> tuple[Asked, ...]:
         """Return what is asked of a line."""
@@ -480,13 +492,14 @@ class Bench:
                 parts = tuple(moves[self.drawing.names[k]] for k in mine)
                 worth = np.array([MOVABLES[p.what].worth for p in parts])
                 response = tried(response, parts, inputs[:, mine] * worth)
-            found.append(_answers(response, self._questions(response), count))
+            places = self._places[response.line.name]
+            found.append(_answers(response, self._questions(response), places, count))
         return replace(
             found[0],
             **{
                 f.name: np.concatenate([getattr(a, f.name) for a in found])
                 for f in fields(Answers)
-                if f.name in ("values", "margins", "grades", "missed")
+                if f.name in ("values", "margins", "left", "grades", "missed")
             },
             mass=sum((a.mass for a in found), np.zeros(count)),
         )
@@ -504,6 +517,7 @@ class Bench:
         return Answers(
             values=nothing,
             margins=nothing,
+            left=nothing,
             grades=np.full(nothing.shape, NOTHING),
             missed=np.zeros(nothing.shape, dtype=bool),
             mass=np.array([np.nan]),
@@ -590,36 +604,49 @@ def _ends(of: Drawing, k: int) -> tuple[float, ...]:
     )
 
 
-def _answers(response: Response, questions: Sequence[Asked], count: int) -> Answers:
+def _answers(
+    response: Response, questions: Sequence[Asked], places: Sequence[int], count: int
+) -> Answers:
     """Return what each limit of a line comes to; the same of several parts is one."""
     # What nothing varied changes has no axis of variants: asked once, for all of them.
-    every: dict[Limit, list[Asked]] = {}
-    for question in questions:
-        every.setdefault(question.limit, []).append(question)
+    every: dict[int, list[Asked]] = {}
+    for place, question in zip(places, questions, strict=True):
+        every.setdefault(place, []).append(question)
     shape = (len(every), count)
-    values, margins = np.empty(shape), np.empty(shape)
+    values, margins, left = (np.empty(shape) for _ in range(3))
     grades, missed = np.empty(shape, dtype=int), np.empty(shape, dtype=bool)
-    for k, (limit, alike) in enumerate(every.items()):
+    for k, alike in every.items():
         found, asks = (_side_by_side([getattr(q, n) for q in alike]) for n in ("values", "asks"))
         known = ~np.isnan(found)
-        graded = np.where(known, limit.grades(found), NOTHING)
-        left = limit.margins(found)
+        graded = np.where(known, _side_by_side([q.limit.grades(q.values) for q in alike]), NOTHING)
+        free = _side_by_side([q.limit.margins(q.values) for q in alike])
         worst = graded.max(axis=-1, initial=NOTHING)
         among = known & (graded == worst[:, None])
-        at = np.where(among, left, np.inf).argmin(axis=-1)[:, None]
+        at = np.where(among, free, np.inf).argmin(axis=-1)[:, None]
         values[k] = np.take_along_axis(found, at, axis=-1)[:, 0]
-        margins[k] = np.take_along_axis(left, at, axis=-1)[:, 0]
+        margins[k] = np.take_along_axis(free, at, axis=-1)[:, 0]
+        last = _side_by_side([_to_failure(q) for q in alike])
+        least = np.where(np.isnan(last), np.inf, last).min(axis=-1)
+        left[k] = np.where(np.isinf(least), np.nan, least)
         grades[k] = worst
-        missed[k] = limit.required & (asks & ~known).any(axis=-1)
+        missed[k] = alike[0].limit.required & (asks & ~known).any(axis=-1)
     mass = sum((np.asarray(s.mass, dtype=float) for s in response.line.shafts), np.zeros(()))
     return Answers(
         values=values,
         margins=margins,
+        left=left,
         grades=grades,
         missed=missed,
         mass=np.broadcast_to(mass.reshape(-1) if mass.ndim else mass, count).copy(),
         refused=np.zeros(count, dtype=bool),
     )
+
+
+def _to_failure(of: Asked) -> FloatArray:
+    """Return the margin to the maximum of each state and part; nan where there is none."""
+    if of.limit.maximum is None:
+        return np.full_like(of.values, np.nan)
+    return of.limit.margin(of.values, to="maximum")
 
 
 def _side_by_side(of: list[Any]) -> Any:
