@@ -38,7 +38,7 @@ from cardan.study.ride import Reach, ride
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
-from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, other
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -443,11 +443,9 @@ def _graded(a: Asked) -> Json:
     """Return the values of a limit with what it makes of them, (states, parts)."""
     known = ~np.isnan(a.values)
     grades = np.where(known, a.limit.grades(a.values), -1)
-    margins = np.where(known, a.limit.margins(a.values), np.nan)
-    values = a.values / QUANTITIES[a.limit.quantity].factor
     return {
-        "values": [[g(v) for v in row] for row in values.tolist()],
-        "margins": [[g(v) for v in row] for row in margins.tolist()],
+        "values": gs(a.values / QUANTITIES[a.limit.quantity].factor),
+        "margins": gs(np.where(known, a.limit.margins(a.values), np.nan)),
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
     }
 
