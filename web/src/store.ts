@@ -220,6 +220,8 @@ export class Store {
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
         break;
       case "done": {
+        // What is held side by side has its life by now.
+        if (m.job === "campaign") this.set({ jobs: (({ compare: _, ...rest }) => rest)(this.known.jobs) });
         const why = m.fault ? faulty(m.fault) : (m.problems?.[0]?.message ?? "");
         this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems, of: this.known.jobs[m.job]?.was ?? "" } : { running: false, answer: m, why });
         break;

@@ -242,7 +242,7 @@ def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
 def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return variants beside the text itself: verdicts, what they say and what it does.
 
-    Of a campaign what they say: its life is asked by itself.
+    Of a campaign what they say, and the lives of those that have been asked.
     """
     given = args.get("variants", [])
     named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
@@ -250,12 +250,21 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         texts = [one.manuscript for _, one in named]
         every = dict.fromkeys(at for of in texts for at in of.addresses)
         rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
+        lives: list[dict[str, str]] = args.get("lives", [])
+        gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
             "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
             "differences": [
                 {"name": at, "values": said} for at, said in rows if len(set(said)) > 1
             ],
-            "effects": [],
+            "effects": [
+                {
+                    "name": f"{gauge}: {say('hours to failure')}",
+                    "values": [life.get(gauge, "-") for life in lives],
+                    "grades": [None] * len(lives),
+                }
+                for gauge in gauges
+            ],
         }
     found: list[Variant] = []
     for k, (name, one) in enumerate(named):

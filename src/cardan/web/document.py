@@ -126,8 +126,8 @@ def gs(values: FloatArray) -> Any:
     """Return numbers as lists, with six figures; None where there is none."""
     some = np.where(np.isfinite(values) & (values != 0), values, 1.0)
     places = 5 - np.floor(np.log10(np.abs(some)))
-    up, down = 10.0 ** np.maximum(places, 0), 10.0 ** np.maximum(-places, 0)
-    return _told(np.round(values * up / down) / up * down)
+    up, down = (np.power(10.0, np.maximum(p, 0.0)) for p in (places, -places))
+    return _told(np.rint(values * up / down) / up * down)
 
 
 def fs(values: FloatArray, digits: int) -> Any:
@@ -135,7 +135,7 @@ def fs(values: FloatArray, digits: int) -> Any:
     return _told(np.round(np.asarray(values, dtype=float), digits))
 
 
-def _told(values: FloatArray) -> Any:
+def _told(values: Any) -> Any:
     """Return numbers as lists; None where there is none."""
     values = values + 0.0
     if (known := np.isfinite(values)).all():
