@@ -57,6 +57,7 @@ function Fix({ known, shown }: Both) {
           </li>
         ))}
       </ol>
+      {found && <pre tabindex={0}>{job?.answer?.command}</pre>}
     </Card>
   );
 }
