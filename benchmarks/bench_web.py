@@ -100,23 +100,28 @@ next();
 
 JOBS = (
     (
-        "forces over speed, state by state", "speed", 300, 12, ".waterfall canvas",
+        "forces over speed, state by state", "speed", 300, 12, "", ".waterfall canvas",
         "const all = [...document.querySelectorAll('.left .chips')[0].children];"
         "all[(all.findIndex(b => b.ariaPressed === 'true') + 1) % all.length].click()",
         "document.querySelector('[aria-labelledby=forces] .note').innerText",
     ),
     (
-        "`fix`: its first answer", "change", 1000, 1, ".fix .asking button",
+        "`fix`: its first answer", "change", 1000, 1, "", ".fix .asking button",
         "document.querySelector('.fix .asking button').click()",
         "document.querySelectorAll('.fix .first li, .fix .proposals li').length",
     ),
     (
-        "`fix`: stopped", "change", 300, 1, ".fix .asking button",
+        # The first is answered by now: another, with one thing held, is under way.
+        "`fix`: stopped", "change", 300, 1,
+        "document.querySelector('.fix fieldset input').click();"
+        "setTimeout(() => document.querySelector('.fix .asking button').click(), 300)",
+        ".fix .asking progress",
         "document.querySelector('.fix .asking button').click()",
         "document.querySelector('.fix .asking .fail') ? 1 : 0",
     ),
 )  # fmt: skip
-"""What takes a process of its own: name, view, target, how often, once it is there, hand, seen."""
+"""What takes a process of its own: name, view, target, how often, what comes before, what is there
+then, hand, seen."""
 
 LINE = ", the line alone"
 """What is drawn while the limits are still being asked."""
@@ -251,8 +256,9 @@ def main() -> None:
                     ours.refresh()  # what would help is not known yet
                     until(ours, "document.querySelector('.strip .counts .pass')")
                     until(ours, "!document.querySelector('.strip.open')")
-                    for name, view, _target, count, there, act, seen in JOBS:
+                    for name, view, _target, count, before, there, act, seen in JOBS:
                         ours.execute_script(f"document.querySelector('[data-view={view}]').click()")
+                        ours.execute_script(before)
                         until(ours, f"document.querySelector('{there}')")
                         found = ours.execute_async_script(WAITED, act, seen, count)
                         took.setdefault(name, []).extend(found)

@@ -236,6 +236,36 @@ def test_a_parquet_of_one_value_for_ever(tmp_path):
     refused(tmp_path / "a.parquet", "claims more samples than it can hold")
 
 
+@pytest.mark.parametrize("claimed", [17_000, 1_000_000])
+def test_a_parquet_that_lies_of_its_rows_is_no_recording(tmp_path, claimed):
+    """Fewer rows than it said came without a word, as if the rest had never been."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = tmp_path / "a.parquet"
+    table = pa.table({"S1": np.arange(20_000.0)}).replace_schema_metadata({"rate_Hz": "500"})
+    pq.write_table(table, path)
+    assert open_recording(path).whole().shape == (1, 20_000)
+    data, said, lie = bytearray(path.read_bytes()), thrift(20_000), thrift(claimed)
+    footer = len(data) - 8 - int.from_bytes(data[-8:-4], "little")
+    at = data.index(said, footer)  # the first number of the footer that is so large
+    data[at : at + len(said)] = lie
+    path.write_bytes(data)
+    recording = open_recording(path)
+    assert recording.samples == claimed
+    with pytest.raises(BadFile, match=f"of {claimed} rows it holds 20000"):
+        recording.whole()
+
+
+def thrift(number):
+    """Return a whole number as Thrift's compact protocol writes it."""
+    left, found = number << 1, b""
+    while left > 127:
+        found += bytes([left & 127 | 128])
+        left >>= 7
+    return found + bytes([left])
+
+
 def test_a_wav_of_65281_channels(tmp_path):
     head = struct.pack(
         "<4sI4s4sIHHIIHH", b"RIFF", 99, b"WAVE", b"fmt ", 16, 1, 65281, 500, 0, 0, 16

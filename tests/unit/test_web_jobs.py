@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from chief import chief
+from click.testing import CliRunner
 from websockets.exceptions import ConnectionClosed
 from workbench import PATIENCE, page, running
 
 from cardan import files
 from cardan.base.verdict import VERDICTS, worst
+from cardan.cli import cli
 from cardan.report.language import EN, Language
 from cardan.report.wording import scattered, survives, won
 from cardan.study.approval import approve, assess
@@ -550,6 +552,24 @@ def test_a_command_counts_with_what_is_not_saved_yet(tmp_path):
     checks = assess(files.loads(now["text"])).checks
     counts = [sum(c.grade == g for c in checks) for g in ("fail", "warn", "pass")]
     assert "({} fail, {} warn, {} pass".format(*counts) in shell
+
+
+def test_corrections_are_those_of_the_command_beside_them(tmp_path, monkeypatch):
+    """With what is held: `cardan fix` alone had moved the bearing that was to stay."""
+    (tmp_path / "a truck.yaml").write_text(TRUCK, "utf-8")
+    question = {"text": TRUCK, "name": "a truck.yaml", "folder": None, "lang": "it"}
+    held = {"line": 0, "hold": ["bearing_height 1"]}
+    told = answer({**question, "job": "fix", "args": held})
+    monkeypatch.chdir(tmp_path)
+    _, *asked = shlex.split(told["command"])
+    document = json.loads(CliRunner().invoke(cli, [*asked, "--quiet", "--json"]).stdout)
+    assert len(document) == len(told["proposals"]) > 1
+    for mine, theirs in zip(told["proposals"], document, strict=True):
+        assert mine["verdict"] == theirs["verdict"]
+        assert mine["cost"] == pytest.approx(theirs["cost"], abs=1e-4)
+        assert mine["margin"] == pytest.approx(theirs["smallest_margin"], rel=1e-5)
+        assert len(mine["moves"]) == len(theirs["moves"])
+        assert ("bearing_height", 1) not in {(m["what"], m["part"]) for m in theirs["moves"]}
 
 
 @pytest.mark.parametrize("name", ["a'$(touch x)`touch x`.yaml", "it's.yaml", "two words.yaml"])

@@ -372,6 +372,32 @@ def test_a_campaign_is_held_beside_another_and_asked_again_by_a_script(run, monk
     assert done.stdout.strip() == str(cardan.life(path.name)).strip()
 
 
+def test_variants_of_a_campaign_are_held_side_by_side_with_the_lives_that_were_asked(run, tmp_path):
+    """Of one that was not asked nothing is known; the other says what `cardan life` does."""
+    text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]
+    path = run.with_name("lives.yaml")
+    path.write_text(text, "utf-8")
+    other = text.replace("slope: 5", "slope: 4")
+    with running(path, tmp_path / "drafts") as own, page(own) as one:
+        one.hello()
+        one.open()
+        variants = {"variants": [{"name": "b", "text": other}]}
+        one.say("job", id=2, job="compare", text=text, args=variants)
+        assert one.hear("done")["effects"] == []
+        one.say("job", id=3, job="campaign", text=text, args={})
+        asked = one.hear("done")
+        one.say("job", id=4, job="compare", text=text, args=variants)
+        told = one.hear("done")
+    assert wrong("Compared", {k: told[k] for k in ("variants", "differences", "effects")}) == []
+    mix = listen_to_all(path).answer
+    for gauge in mix.lives:
+        (row,) = [e for e in told["effects"] if e["name"] == f"{gauge.name}: hours to failure"]
+        assert row["values"][1] == "-"
+        if not gauge.vetoes:
+            assert float(row["values"][0]) == pytest.approx(gauge.life.hours, rel=5e-4)
+        assert row["values"][0] == asked["lives"][gauge.name]
+
+
 def test_a_campaign_has_no_workbook(run):
     told = of_campaign("report", CAMPAIGNED, run.parent, kind="xlsx")
     assert told["problems"][0]["message"] == "a campaign has no workbook: take html, pdf or json"

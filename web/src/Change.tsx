@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Card } from "./Card";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
-import { fixed, number, percent } from "./format";
+import { fixed, number, percent, pointed } from "./format";
 import { VERDICTS } from "./marks";
 import { Asking, edges } from "./Speed";
 import { store, type Job, type Known } from "./store";
@@ -57,6 +57,7 @@ function Fix({ known, shown }: Both) {
           </li>
         ))}
       </ol>
+      {found && <pre tabindex={0}>{job?.answer?.command}</pre>}
     </Card>
   );
 }
@@ -149,7 +150,7 @@ const SIGMA: Record<string, number> = { mm: 1, deg: 0.17, percent: 5 };
 function Scatter({ known, shown }: Both) {
   const every = shown.line.movable;
   const [given, give] = useKept<Record<string, string>>(`sigma/${known.file}/${shown.index}`, {});
-  const sigma = (m: Movable): string => given[m.id] ?? (m.choice ? "1" : m.free ? String(SIGMA[m.unit] ?? 1) : "0");
+  const sigma = (m: Movable): string => given[m.id] ?? (m.choice ? "1" : m.free ? pointed(String(SIGMA[m.unit] ?? 1)) : "0");
   const sigmas = every.map((m) => ({ id: m.id, amount: Math.abs(Number(sigma(m).replace(",", "."))) || 0 })).filter((s) => s.amount > 0);
   const args = { line: shown.index, sigmas, count: 4096 };
   const job = known.jobs.yield as Job<Yield, { yield?: Yield }> | undefined;

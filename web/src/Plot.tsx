@@ -60,7 +60,7 @@ export function Plot(of: {
         cursor: { show: false },
         scales: { x: { time: false }, ...(of.beside?.top ? { y: { range: [0, of.beside.top] as [number, number] } } : {}) },
         pxAlign: 0,
-        padding: [8, 12, 0, 0],
+        padding: [8, 18, 0, 0],
         axes: [
           { ...axis, size: 22, values: ticks("") },
           { ...axis, size: 44, values: ticks(of.degrees ? "°" : "") },

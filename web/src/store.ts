@@ -220,6 +220,8 @@ export class Store {
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
         break;
       case "done": {
+        // What is held side by side has its life by now.
+        if (m.job === "campaign") this.set({ jobs: (({ compare: _, ...rest }) => rest)(this.known.jobs) });
         const why = m.fault ? faulty(m.fault) : (m.problems?.[0]?.message ?? "");
         this.worked(m.job, m.id, why ? { running: false, why, problems: m.problems, of: this.known.jobs[m.job]?.was ?? "" } : { running: false, answer: m, why });
         break;
@@ -687,7 +689,7 @@ export class Store {
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
-  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up: ask for less, or run its command in a shell"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), "too much work": t("it has used half an hour of processors, as much as an answer may: ask for less, or run its command in a shell"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
 
 /** What a row is sorted by: failures first, then warnings, each by margin. */
 export function worst(row: Row): number {

@@ -52,7 +52,9 @@ def stacked(values: Iterable[ArrayLike]) -> FloatArray:
     In memory that axis comes first (`apart`).
     """
     columns = [np.asarray(v, dtype=float) for v in values]
-    found = np.empty((len(columns), *np.broadcast_shapes(*(c.shape for c in columns))))
+    shapes = {c.shape for c in columns}  # of one there is nothing to find out: most are
+    shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+    found = np.empty((len(columns), *shape))
     for k, column in enumerate(columns):
         found[k] = column
     return last(found)

@@ -59,8 +59,10 @@ def parquet(path: Path) -> Table:
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         names = [fields[k].name for k in places]
         begun: dict[str, _Clock] = {f.name: _Clock(f.type) for f in clocks}
+        claimed, read = file.metadata.num_rows, 0
         try:
             for batch in file.iter_batches(batch_size=SIZE, columns=names):
+                read += len(batch)
                 columns = [
                     begun[n].seconds(batch.column(n))
                     if n in begun
@@ -71,6 +73,8 @@ def parquet(path: Path) -> Table:
                 yield np.stack([c.astype(kind, copy=False) for c in columns])
         except (pa.ArrowInvalid, OSError) as error:
             raise bad(path, f"it is damaged: {error}") from error
+        if read != claimed:
+            raise bad(path, f"it is damaged: of {claimed} rows it holds {read}")
 
     def channel(f: Any) -> Channel:
         if f in clocks:  # the only one is the clock, whatever its name

@@ -369,8 +369,8 @@ def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
             gauge=one.name, kinds=say.list(*map(say, one.vetoes)),
         )  # fmt: skip
     else:
-        hours = one.life.hours if one.heard else math.nan
-        yield say("{gauge}: lives {hours} h of the mix", gauge=one.name, hours=_long(hours, say))
+        hours = mix_life(one, say)
+        yield say("{gauge}: lives {hours} h of the mix", gauge=one.name, hours=hours)
     if evidence := of.evidence(one.name):
         yield say(
             "{gauge}: {share} of the mix's damage would go with the joints "
@@ -378,6 +378,11 @@ def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
             gauge=one.name, finding=say(evidence.finding).upper(),
             **_shares(evidence, say),
         )  # fmt: skip
+
+
+def mix_life(of: Mixed, say: Language) -> str:
+    """Return how many hours of a mix a gauge lives, or why nobody knows."""
+    return say("vetoed") if of.vetoes else _long(of.life.hours if of.heard else math.nan, say)
 
 
 def _shares(of: Evidence, say: Language) -> dict[str, str]:

@@ -287,8 +287,10 @@ def _joined(*parts: FloatArray) -> FloatArray:
 
 def _stacked(rows: list[FloatArray], lead: tuple[int, ...]) -> FloatArray:
     """Stack rows (..., 2 or 1, N) or (N,) to (*lead, 2, rows, N)."""
-    shape = (*lead, 2, rows[0].shape[-1])
-    return np.stack([np.broadcast_to(r, shape) for r in rows], axis=-2)
+    found = np.empty((*lead, 2, len(rows), rows[0].shape[-1]))
+    for k, row in enumerate(rows):
+        found[..., k, :] = row
+    return found
 
 
 def assembled(beams: Beams, elements: int) -> System:

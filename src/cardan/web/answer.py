@@ -38,7 +38,7 @@ from cardan.study.ride import Reach, ride
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
-from cardan.web.document import Document, Json, Tell, document, f, fs, g, other
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, other
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -242,7 +242,7 @@ def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
 def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return variants beside the text itself: verdicts, what they say and what it does.
 
-    Of a campaign what they say: its life is asked by itself.
+    Of a campaign what they say, and the lives of those that have been asked.
     """
     given = args.get("variants", [])
     named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
@@ -250,12 +250,21 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         texts = [one.manuscript for _, one in named]
         every = dict.fromkeys(at for of in texts for at in of.addresses)
         rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
+        lives: list[dict[str, str]] = args.get("lives", [])
+        gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
             "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
             "differences": [
                 {"name": at, "values": said} for at, said in rows if len(set(said)) > 1
             ],
-            "effects": [],
+            "effects": [
+                {
+                    "name": f"{gauge}: {say('hours to failure')}",
+                    "values": [life.get(gauge, "-") for life in lives],
+                    "grades": [None] * len(lives),
+                }
+                for gauge in gauges
+            ],
         }
     found: list[Variant] = []
     for k, (name, one) in enumerate(named):
@@ -443,11 +452,9 @@ def _graded(a: Asked) -> Json:
     """Return the values of a limit with what it makes of them, (states, parts)."""
     known = ~np.isnan(a.values)
     grades = np.where(known, a.limit.grades(a.values), -1)
-    margins = np.where(known, a.limit.margins(a.values), np.nan)
-    values = a.values / QUANTITIES[a.limit.quantity].factor
     return {
-        "values": [[g(v) for v in row] for row in values.tolist()],
-        "margins": [[g(v) for v in row] for row in margins.tolist()],
+        "values": gs(a.values / QUANTITIES[a.limit.quantity].factor),
+        "margins": gs(np.where(known, a.limit.margins(a.values), np.nan)),
         "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
     }
 

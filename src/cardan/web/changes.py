@@ -1,5 +1,6 @@
 """What to change: corrections, maps of two moves, and what remains where moves scatter."""
 
+import shlex
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -23,6 +24,7 @@ from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, wilson
 from cardan.study.sweep import CHUNK, NOTHING, Answers, Bench, Spread, variants_of, verdicts
 from cardan.web.document import Document, Json, Tell, f, fs, g
+from cardan.web.script import argument
 
 SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
 """Quantities that are sought over all operating points: a later answer than the others."""
@@ -36,6 +38,9 @@ STEPS = (4, 2, 1)
 
 BATCH = 128
 """Cases of a yield that are told at a time."""
+
+PROPOSED = 6
+"""Corrections at most."""
 
 SURE = 0.95
 """How sure the interval is that a yield is told with."""
@@ -82,11 +87,14 @@ def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     free = {_id(a) for a in adjustables(r)}
     hold = [name for name in args.get("hold", []) if name in free]
     found = fix(
-        read.application, line=r.line.name, hold=hold, count=6,
+        read.application, line=r.line.name, hold=hold, count=PROPOSED,
         tell=lambda done, of: tell({"done": done, "of": of} if of > 1 else {}),
     )  # fmt: skip
+    options = {"line": [r.line.name], "hold": hold, "count": [PROPOSED], "lang": [say.code]}
+    said = (f"--{key}={shlex.quote(str(v))}" for key, values in options.items() for v in values)
     return {
         "line": r.line.name,
+        "command": " ".join(("cardan fix", argument(read.name), *said)),
         "scatter": scattered(found[0].trucks, say) if found else "",
         "proposals": [_proposal(read, p, say) for p in found],
     }

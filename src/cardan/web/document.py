@@ -122,13 +122,26 @@ def g(value: float) -> float | None:
     return float(f"{value:.6g}") if isfinite(value) else None
 
 
+def gs(values: FloatArray) -> Any:
+    """Return numbers as lists, with six figures; None where there is none."""
+    some = np.where(np.isfinite(values) & (values != 0), values, 1.0)
+    places = 5 - np.floor(np.log10(np.abs(some)))
+    up, down = (np.power(10.0, np.maximum(p, 0.0)) for p in (places, -places))
+    return _told(np.rint(values * up / down) / up * down)
+
+
 def fs(values: FloatArray, digits: int) -> Any:
     """Return numbers as lists, with some decimals."""
-    rounded = np.round(np.asarray(values, dtype=float), digits) + 0.0
-    if np.isfinite(rounded).all():
-        return rounded.tolist()
-    told = rounded.astype(object)
-    told[~np.isfinite(rounded)] = None
+    return _told(np.round(np.asarray(values, dtype=float), digits))
+
+
+def _told(values: Any) -> Any:
+    """Return numbers as lists; None where there is none."""
+    values = values + 0.0
+    if (known := np.isfinite(values)).all():
+        return values.tolist()
+    told = values.astype(object)
+    told[~known] = None
     return told.tolist()
 
 

@@ -19,7 +19,7 @@ from cardan.files.recordings import open_recording
 from cardan.report import recording_story as story
 from cardan.report.blocks import Issue, Story
 from cardan.report.language import Language
-from cardan.report.life import under_way
+from cardan.report.life import mix_life, under_way
 from cardan.study import recording as study
 from cardan.study.campaign import SPEED, STRAIN, STRESS, TORQUE, Campaign
 from cardan.study.finding import Finding
@@ -134,6 +134,7 @@ def mixed(read: Document, _: Json, say: Language, tell: Tell) -> Json:
             for row in _orders(heard)
         ][:DRAWN],
         "causes": [{**_removed(n, e, say), "shares": []} for n, e in evidence.items() if e],
+        "lives": {one.name: mix_life(one, say) for one in mix.lives},
         **_story(told),
     }
 

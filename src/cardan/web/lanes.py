@@ -7,16 +7,21 @@ A process that takes too long, or ends, is replaced by a new one.
 import asyncio
 import json
 import os
+import signal
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from math import nan
 from typing import Any, NamedTuple, TypeAlias
 
 from cardan.web.worker import LENGTH, MOST, PART
 
 LONGEST = 30.0
 """Seconds an answer may take."""
+
+XCPU = getattr(signal, "SIGXCPU", nan)
+"""What ends a process that has used its seconds of processors; nothing does on Windows."""
 
 Json: TypeAlias = dict[str, Any]
 Tell: TypeAlias = Callable[[Json], Awaitable[None]]
@@ -50,8 +55,8 @@ class Lane:
                 await self._end()
                 return {"fault": "too slow"}
             except (OSError, asyncio.IncompleteReadError):
-                await self._end()
-                return {"fault": "ended"}
+                spent = await self._end() == -XCPU
+                return {"fault": "too much work" if spent else "ended"}
             except asyncio.CancelledError:
                 # Half an answer may be on its way: nobody could tell it from the next.
                 await self._end()
@@ -105,14 +110,16 @@ class Lane:
             )  # fmt: skip
         return self._process
 
-    async def _end(self) -> None:
+    async def _end(self) -> int | None:
+        """End the process; return what it ended with, its own end where that came first."""
         process, self._process = self._process, None
         if process is None:
-            return
+            return None
         with suppress(ProcessLookupError):
             process.kill()
         with suppress(Exception):
             await process.wait()
+        return process.returncode
 
 
 class Lanes(NamedTuple):

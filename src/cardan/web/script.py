@@ -44,8 +44,7 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
     if rows:
         lines.append("app = cardan.change(app, {\n" + rows + "})")
     text = "\n".join([*lines, f"found = {asked}", "print(found)", ""])
-    # A name is never an option, nor anything a shell does.
-    quoted = shlex.quote(f"./{name}" if name.startswith("-") else name)
+    quoted = argument(name)
     return {
         "script": text,
         "commands": [
@@ -58,3 +57,8 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
         ],
         "other": other[:20],
     }
+
+
+def argument(name: str) -> str:
+    """Return a file's name for a POSIX shell: never an option, nor anything a shell does."""
+    return shlex.quote(f"./{name}" if name.startswith("-") else name)

@@ -85,6 +85,8 @@ class Session:
         self._sending = asyncio.Lock()
         self._seen = (0, 0)
         self._rest: asyncio.Task[None] | None = None
+        self._lived: dict[tuple[str, str], Json] = {}
+        """Lives of campaigns that were asked, by text and language: to be held side by side."""
 
     async def run(self) -> None:
         """Listen and answer until the page goes, or says what it should not."""
@@ -215,6 +217,9 @@ class Session:
             args["variants"] = [
                 {"name": every[k]["name"], "text": every[k]["text"]} for k in files if k in every
             ]
+        if job == "compare":
+            texts = question["text"], *(v["text"] for v in args.get("variants", []))
+            args["lives"] = [self._lived.get((text, self.lang), {}) for text in texts]
         number = question["id"]
         if number in self._jobs:
             raise Wrong
@@ -274,6 +279,10 @@ class Session:
             await self._tell("done", **which, fault="cancelled")
             return
         answer.pop("text", None)
+        if lives := answer.get("lives"):
+            self._lived[question["text"], question["lang"]] = lives
+            for old in list(self._lived)[: -jobs.VARIANTS - 1]:
+                del self._lived[old]
         await self._tell("done", **which, **answer)
 
     async def _keep(self, said: Json) -> None:

@@ -29,7 +29,9 @@ WORDS: tuple[str, ...] = (
     "Everything passes.",
     "Still missing:",
     "The file is gone from the disk: Save writes it again.",
-    "it took too long, and was given up",
+    "it has used half an hour of processors, as much as an answer may: ask for less, or run its "
+    "command in a shell",
+    "it took too long, and was given up: ask for less, or run its command in a shell",
     "File",
     "Files",
     "Fill in the slopes and lengths: the verdict follows.",
