@@ -1,6 +1,7 @@
 """The public face: what `import cardan` costs, asks and shows."""
 
 import json
+import re
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -115,6 +116,16 @@ def test_a_notebook_shows_the_verdict_and_each_limit(found):
     ):
         assert text in said
     assert not {"script", "link", "img", "style"} & tags.seen
+
+
+def test_figures_and_grades_are_read_in_a_dark_notebook_too(found):
+    """They had been black on black: their colours are those of print, and so is what is behind."""
+    shown = found._repr_html_()
+    assert shown.count("<svg") == shown.count('<div style="background:#fff"><svg') > 0
+    colours = re.findall(r'style="[^"]*?(?<!-)color:[^"]*"', shown.split("<svg")[0])
+    colours += re.findall(r'<td style="[^"]*;color:[^"]*"', shown)
+    assert len(colours) > 5
+    assert all("background:#fff" in c for c in colours)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from websockets.exceptions import ConnectionClosed
 from workbench import PATIENCE, page, running
 
+import cardan
 from cardan import files
 from cardan.base.verdict import VERDICTS, worst
 from cardan.cli import cli
@@ -438,12 +439,22 @@ def test_a_yield_fills_in_and_gets_surer():
 
 
 def test_a_share_of_none_or_all_is_not_certain():
-    """Wilson's interval by hand: z² / (n + z²) where none of n was seen."""
+    """Clopper and Pearson's interval by hand: 1 - (α/2)^(1/n) where none of n was seen."""
     sigmas = [{"id": "shim 1", "amount": 1e-6}]
     told = job("yield", text=CHAIN, sigmas=sigmas, count=100)
     assert told["count"] == 100
-    assert told["yield"] == pytest.approx([1, 1 - 1.96**2 / (100 + 1.96**2), 1], abs=1e-4)
-    assert told["shares"]["fail"] == pytest.approx([0, 0, 1.96**2 / (100 + 1.96**2)], abs=1e-4)
+    assert told["yield"] == pytest.approx([1, 0.025**0.01, 1], abs=1e-4)
+    assert told["shares"]["fail"] == pytest.approx([0, 0, 1 - 0.025**0.01], abs=1e-4)
+
+
+def test_a_yield_and_its_interval_are_those_of_a_study():
+    """One of 256 trucks had two intervals: Wilson's here, Clopper and Pearson's there."""
+    sigmas = [{"id": "bearing_height 1", "amount": 8.0}, {"id": "shim 1", "amount": 1.0}]
+    told = job("yield", text=CHAIN, sigmas=sigmas, count=256, sought=True)
+    spread = {"bearing_height_mm[1]": {"normal": 8.0}, "shim_deg": {"normal": 1.0}}
+    found = cardan.study(files.loads(CHAIN), tolerances=spread, n=256)
+    assert 0 < found.yield_ < 1
+    assert told["yield"] == pytest.approx([found.yield_, *found.interval()], abs=6e-5)
 
 
 # ------------------------------------------------------------------ the library

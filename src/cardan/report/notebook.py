@@ -16,7 +16,10 @@ from cardan.report.svg import GRADED, Value, element
 from cardan.report.wording import counts
 from cardan.study.approval import Approval
 
-COLOURS = {**GRADED, "incomplete": "#6639ba"}
+PAPER = "background:#fff"
+"""What figures and grades stand on: their colours are those of print, the notebook may be dark."""
+
+COLOURS = {k: f"color:{v};{PAPER}" for k, v in {**GRADED, "incomplete": "#6639ba"}.items()}
 TITLE = 200
 """Characters of a title that have room."""
 
@@ -47,10 +50,10 @@ def approval(of: Approval, say: Language) -> Markup:
             "p",
             tag("strong", shortened(of.application.title, TITLE)),
             ": ",
-            tag("strong", said, style=f"color:{COLOURS[grade]}"),
+            tag("strong", said, style=COLOURS[grade]),
             f" ({counts(of, say)}; {say('limits: {profile}', profile=of.application.profile)})",
         ),
-        *(Markup(view(r, say, name="side").svg) for r in of.responses),
+        *(_figure(view(r, say, name="side").svg) for r in of.responses),
         blocks(verdict(of, say)),
     )
 
@@ -63,6 +66,10 @@ def blocks(of: Iterable[Block]) -> Markup:
 def chapters(of: Iterable[Chapter]) -> Markup:
     """Return chapters of a story one below the other."""
     return tag("div", *(blocks(chapter.blocks) for chapter in of))
+
+
+def _figure(svg: str) -> Markup:
+    return tag("div", Markup(svg), style=PAPER)
 
 
 def text(said: str) -> Markup:
@@ -87,15 +94,15 @@ def _block(of: Block) -> Iterable[Markup]:
         case Table():
             yield _table(of)
         case Figures():
-            yield from (tag("div", Markup(f.svg)) for f in of.figures)
+            yield from (_figure(f.svg) for f in of.figures)
         case _:
             return
 
 
 def _table(of: Table) -> Markup:
     def cell(name: str, said: str, k: int, grade: str = "") -> Markup:
-        style = f"text-align:{'left' if k < of.words else 'right'}"
-        return tag(name, said, style=style + (f";color:{COLOURS[grade]}" if grade else ""))
+        style = "text-align:" + ("left" if k < of.words else "right;white-space:nowrap")
+        return tag(name, said, style=style + (f";{COLOURS[grade]}" if grade else ""))
 
     graded = of.grades or (("",) * len(of.head),) * len(of.rows)
     return tag(

@@ -21,7 +21,7 @@ from cardan.report.wording import left, move, moves, scattered, survives, won
 from cardan.study.approval import Approval
 from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
-from cardan.study.reduce import MAY, wilson
+from cardan.study.reduce import MAY, clopper_pearson
 from cardan.study.sweep import CHUNK, NOTHING, Answers, Bench, Spread, variants_of, verdicts
 from cardan.web.document import Document, Json, Tell, f, fs, g
 from cardan.web.script import argument
@@ -299,7 +299,7 @@ def _yield(of: IntArray, margins: FloatArray, lost: Counter[str]) -> Json:
     left = np.clip(np.nan_to_num(margins, nan=-1.0), -1, 1)
 
     def share(hits: int) -> list[float | None]:
-        return [f(v, 4) for v in (hits / count, *wilson(hits, count, confidence=SURE))]
+        return [f(v, 4) for v in (hits / count, *clopper_pearson(hits, count, confidence=SURE))]
 
     return {
         "count": count,
