@@ -294,6 +294,22 @@ class FatigueCurve:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Bolts:
+    """What tightens a bracket: each bolt's force, N, and friction between flange and frame."""
+
+    preload: float
+    friction: float = 0.15
+
+    def __post_init__(self) -> None:
+        if not (self.preload > 0 and 0 < self.friction < 2):
+            msg = (
+                "bolts need a preload above 0 and a friction above 0 and below 2, got "
+                f"{self.preload:g} N, {self.friction:g}"
+            )
+            raise DesignError(msg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """Sizes to choose from, and the life in s over the duty cycle that is wanted.
 
@@ -335,6 +351,8 @@ class Bracket:
     """What its cut edges, weld toes and bolt borders bear, where the file says it."""
     search: Search | None = None
     """What `--optimise` may choose."""
+    bolts: Bolts | None = None
+    """Its flange is in contact with the frame; None where the two ways to be held are all."""
 
     def __post_init__(self) -> None:
         if not self.carried_mass >= 0:
