@@ -242,12 +242,12 @@ def condensed(
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
         moved = body.solve(forces[some].toarray())
-        compliance[some] = (forces @ moved.T).T
+        compliance[some] = np.asarray(forces @ moved.T).T
         told = read(moved)
         stress = stress if len(stress) else np.zeros((len(told), count, 6))
         stress[:, some] = told
     return Joint(
-        compliance=compliance, rigid=forces @ held.rigid.T, rubs=rubs, stress=stress,
+        compliance=compliance, rigid=np.asarray(forces @ held.rigid.T), rubs=rubs, stress=stress,
         upright=upright, bolts=len(bolts),
     )  # fmt: skip
 
@@ -275,7 +275,10 @@ def _rounds(held: Elastic, bolts: tuple[str, ...], upright: int) -> list[_Round]
 
 
 def _patches(
-    held: Elastic, rounds: Sequence[_Round], bolts: tuple[str, ...], upright: int,
+    held: Elastic,
+    rounds: Sequence[_Round],
+    bolts: tuple[str, ...],
+    upright: int,
     thickness: Metre,
 ) -> tuple[FloatArray, BoolArray]:
     """Return unit forces (3 patches, unknowns) spread over patches of the plane, and which rub.
@@ -325,9 +328,7 @@ def _patches(
     return forces.reshape(3 * len(first), -1), rubs[first]
 
 
-def _heads(
-    held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre
-) -> FloatArray:
+def _heads(held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre) -> FloatArray:
     """Return the forces (bolts, unknowns) of bolts' heads of unit force, out to the frame."""
     ngs = engine().ngs
     place = (ngs.x, ngs.y, ngs.z)

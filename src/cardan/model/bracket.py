@@ -309,6 +309,15 @@ class Bolts:
             raise DesignError(msg)
 
 
+def usual_preload(hole: Metre) -> float:
+    """Return the force (N) that tightens a bolt of class 8.8 in a hole: 27.3 kN for an M10 in 11.
+
+    470 MPa on its stress area, 0.58 d², its thread a tenth smaller than its hole. Source: VDI 2230
+    part 1 (2015), table A1 at a friction of 0.12, from memory.
+    """
+    return 470e6 * 0.58 * (hole / 1.1) ** 2
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """Sizes to choose from, and the life in s over the duty cycle that is wanted.
