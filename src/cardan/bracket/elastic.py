@@ -193,6 +193,25 @@ class Elastic:
             other.__dict__[known] = getattr(self, known)
         return other
 
+    def floating(self) -> "Elastic":
+        """Return the same solid held by nothing but three points: loads in balance strain it alone.
+
+        The first is held, the second may move towards it, the third in the plane of all three.
+        """
+        points = np.array([v.point for v in self.mesh.vertices])
+        first = int((points @ [1.0, 0.3, 0.1]).argmin())
+        away = points - points[first]
+        second = int(np.linalg.norm(away, axis=1).argmax())
+        along = away[second]
+        square = np.cross(along, away)
+        third = int(np.linalg.norm(square, axis=1).argmax())
+        free = np.ones((self.space.ndof, 3), dtype=bool)
+        free[first] = False
+        free[second, np.argsort(np.abs(along))[:2]] = False
+        free[third, np.abs(square[third]).argmax()] = False
+        inverse = _factors(self.stiffness, free.ravel())
+        return replace(self, free_dofs=free.ravel(), inverse=inverse)
+
     def traction(self, face: str, vector: Any) -> FloatArray:
         """Load vector (unknowns,) of a traction, N/m², on the faces of a name.
 
@@ -206,14 +225,14 @@ class Elastic:
         v = self.space.TestFunction()
         value = vector if isinstance(vector, ngs.CoefficientFunction) else ngs.CF(tuple(vector))
         form = ngs.LinearForm(ngs.InnerProduct(value, v) * ngs.ds(face, bonus_intorder=2))
-        return self._assembled(form)
+        return self.assembled(form)
 
     def inertia(self, acceleration: ArrayLike) -> FloatArray:
         """Load vector (unknowns,) of the solid's own mass when its frame accelerates, m/s²."""
         ngs = engine().ngs
         a = -self.material.density * np.asarray(acceleration, dtype=float)
         v = self.space.TestFunction()
-        return self._assembled(ngs.LinearForm(ngs.InnerProduct(ngs.CF(tuple(a)), v) * ngs.dx))
+        return self.assembled(ngs.LinearForm(ngs.InnerProduct(ngs.CF(tuple(a)), v) * ngs.dx))
 
     def strained(self, weights: FloatArray, direction: ArrayLike) -> FloatArray:
         """Load vector (unknowns,) whose work on a displacement is a mean of its stress.
@@ -230,10 +249,11 @@ class Elastic:
         stress = _stress_of(v, self.material)
         where = ngs.BitArray((np.asarray(weights) != 0).tolist())
         volume = ngs.dx(definedonelements=where)
-        return self._assembled(ngs.LinearForm(share * ngs.InnerProduct(asked, stress) * volume))
+        return self.assembled(ngs.LinearForm(share * ngs.InnerProduct(asked, stress) * volume))
 
     @staticmethod
-    def _assembled(form: Any) -> FloatArray:
+    def assembled(form: Any) -> FloatArray:
+        """Return the load vector (unknowns,) of a linear form of the engine."""
         form.Assemble()
         return np.array(form.vec.FV().NumPy(), dtype=float)
 

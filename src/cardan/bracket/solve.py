@@ -16,11 +16,21 @@ from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.afar import too_high
 from cardan.bracket.apart import Crashed, apart
-from cardan.bracket.elastic import Nodes, Progress, silent
+from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
-from cardan.bracket.refine import LEVELS, UNSETTLED, Problem, Refined, Solution, refined
-from cardan.bracket.shape import Picked, Solid, longest_on, solid
+from cardan.bracket.joint import PATCH, Joint, condensed
+from cardan.bracket.refine import (
+    LEVELS,
+    UNSETTLED,
+    Problem,
+    Refined,
+    Solution,
+    refined,
+    telling,
+)  # fmt: skip
+from cardan.bracket.shape import MOUNT, Picked, Solid, longest_on, solid
+from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
@@ -30,6 +40,8 @@ from cardan.model.seat import LOSS, Seat
 MODES = 6
 OWN = 3
 """Modes by which a bracket swings beyond statics: orders of the shaft reach none of them."""
+_HIGH = 0.6
+"""Share of a feature's highest stress above which a place of it may be the worst in contact."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -58,6 +70,8 @@ class Task:
     loss: float = LOSS
     levels: int = LEVELS
     """Meshes at most."""
+    bolted: bool = False
+    """Whether its flange's contact with the frame is condensed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,6 +130,14 @@ class Held:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Bolted:
+    """A flange's joint with its frame, and where its stress is read: `places` of each way held."""
+
+    joint: Joint
+    places: tuple[IntArray, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Solved:
     """A bracket solved: what is left of it when the process that did it is gone.
 
@@ -136,6 +158,8 @@ class Solved:
         As it is drawn, and as it was solved with where the CAD kernel breaks on that.
     found
         What a STEP file had where faces were picked.
+    bolted : Bolted
+        Its flange in its bolts; None where that was not asked.
     expected
         What was estimated beforehand.
     """
@@ -154,6 +178,7 @@ class Solved:
     expected: Estimate
     fillet: tuple[Metre, Metre] | None = None
     found: tuple[Picked, ...] = ()
+    bolted: Bolted | None = None
 
     @property
     def both(self) -> tuple[Held, Held]:
@@ -253,6 +278,9 @@ def solve(task: Task, tell: Progress) -> Solved:
     for face in body.shape.faces:
         if face.name in body.bolts:  # at a washer's border stress is read close by
             face.maxh = min(size, 0.5 * body.thickness)
+            if task.bolted:
+                low, high = face.bounding_box
+                face.maxh = min(face.maxh, PATCH * (high.x - low.x + high.y - low.y) / 4)
         elif (most := longest_on(face, body.thickness)) < size:
             face.maxh = most
     problem = Problem(
@@ -292,6 +320,7 @@ def solve(task: Task, tell: Progress) -> Solved:
         meshes=len(done.tops),
         expected=expected,
         found=body.found,
+        bolted=_bolted(body, done, task, tell) if task.bolted else None,
     )
 
 
@@ -343,6 +372,40 @@ def _swing(
         reactions=units.borne(shapes, inert),
         influence=read,
     )
+
+
+def _bolted(body: Solid, done: Refined, task: Task, tell: Progress) -> Bolted:
+    """Return the flange's joint, and the places of either way held where its stress is read.
+
+    Those are the highest of each feature, under the loads that tell most; of the plane against the
+    frame none: what presses it is no crack's business.
+    """
+    ways, nodes = (done.last, done.firm), done.last.elastic.nodes
+    pressed = np.zeros(len(nodes.points), dtype=bool)
+    pressed[nodes.faces[nodes.face_names == MOUNT]] = True
+    places: list[IntArray] = []
+    for way in ways:
+        assert way is not None
+        level = von_mises(superpose(way.unit, telling(way.unit, task.cases)))
+        own = way.zones.own
+        level[: len(own)][pressed[own]] = 0.0
+        top = np.zeros((len(way.zones.features), level.shape[1]))
+        np.maximum.at(top, way.zones.feature, level)
+        high = (level > 0) & (level >= _HIGH * top[way.zones.feature])
+        places.append(np.flatnonzero(high.any(axis=1)))
+
+    def read(displacements: FloatArray) -> FloatArray:
+        stress = done.last.elastic.stress_at_nodes(displacements)
+        return np.concatenate([
+            way.zones.stress(nodes, stress)[at]
+            for way, at in zip(ways, places, strict=True) if way is not None
+        ])  # fmt: skip
+
+    joint = condensed(
+        done.last.elastic, done.last.loads, bolts=body.bolts, upright=body.upright,
+        thickness=body.thickness, read=read, tell=tell,
+    )  # fmt: skip
+    return Bolted(joint=joint, places=tuple(places))
 
 
 def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:

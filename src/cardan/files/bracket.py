@@ -36,6 +36,7 @@ from cardan.fatigue.detail import sheet_amplitude
 from cardan.files.catalogue import ADetail, AMaterial
 from cardan.model.application import Installed
 from cardan.model.bracket import (
+    Bolts,
     Bracket,
     BracketCase,
     BracketRecording,
@@ -48,6 +49,7 @@ from cardan.model.bracket import (
     StepShape,
     UShape,
     Zone,
+    usual_preload,
 )  # fmt: skip
 from cardan.model.parts import STEEL, Material
 from cardan.model.seat import LOSS
@@ -68,6 +70,7 @@ Acceleration: TypeAlias = Annotated[
 Rubber: TypeAlias = Annotated[
     tuple[float, float, float], ListOf(Number(*STIFFNESSES, least=1, most=1e12), *AXES)
 ]
+Clamp: TypeAlias = Annotated[float, Number(*FORCES, least=1, most=1e7)]
 Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most=1e-3)]
 FORCE_CHANNELS = ("x_N", "y_N", "z_N")
 MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
@@ -340,6 +343,26 @@ Sizes: TypeAlias = Annotated[tuple[float, ...], ListOf(SIZE, least=1, most=20)]
 Distances: TypeAlias = Annotated[tuple[float, ...], ListOf(DISTANCE, least=1, most=20)]
 
 
+class BoltsTable(Table):
+    """What tightens the bracket: its flange is then in contact with the frame, with friction."""
+
+    preload: Clamp | None = key(
+        "of each bolt; default that of class 8.8 by the hole's size, 27 kN for an M10", default=None
+    )
+    friction: Annotated[float, Number(least=0.01, most=1)] = key(
+        "between flange and frame, assumed if left out", default=0.15
+    )
+
+    def bolts(self, shape: Shape) -> Bolts:
+        """Return the bolts in SI."""
+        preload = self.preload
+        if preload is None:
+            if isinstance(shape, StepShape):
+                self.at().refuse("needs the preload of a STEP file's bolts", "preload_kN: 27")
+            preload = usual_preload(shape.bolt_diameter)
+        return Bolts(preload=preload, friction=self.friction)
+
+
 class OptimiseTable(Table):
     """Sizes that `cardan bracket --optimise` may choose from, for the lightest that lives."""
 
@@ -397,6 +420,9 @@ class BracketTable(Table):
     ] = key("what was measured on it", default=())
     fatigue: FatigueTable | None = key("S-N curves, for damage and life", default=None)
     reinforced: ReinforcedTable | None = key("a variant shown beside it", default=None)
+    bolts: BoltsTable | None = key(
+        "contact between flange and frame; without it the two ways it may be held", default=None
+    )
     optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
     order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
@@ -440,6 +466,7 @@ class BracketTable(Table):
                 order=self.order,
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
                 details=self.fatigue.details() if self.fatigue else {},
+                bolts=self.bolts.bolts(shape) if self.bolts else None,
                 search=self.optimise.search(shape) if self.optimise else None,
             )
         )

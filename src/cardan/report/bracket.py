@@ -23,6 +23,7 @@ from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_contact import InBolts
 from cardan.study.bracket_forced import Forced, Swept
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
@@ -270,12 +271,31 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
     yield from folded([f"  {means}"], width)
+    if v.in_bolts is not None:
+        yield from folded([f"  {in_bolts(v, v.in_bolts, say)}"], width)
     if vague := [say.part(f.part) for f in v.shown if f.error > UNSETTLED]:
         what = say(
             "{parts}: known to more than a quarter only; two thirds of the present `element_mm` "
             "(left out, one and a half thicknesses) tell it better.", parts=", ".join(vague),
         )  # fmt: skip
         yield from folded([f"  {what}"], width)
+
+
+def in_bolts(v: Judged, of: InBolts, say: Language) -> str:
+    """Return what contact made of fatigue and life, beside the two ways the flange is held."""
+    k, f = int(np.nanargmax(of.told)), int(np.nanargmax(of.told * of.times))
+    told = say(
+        "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
+        "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
+        "{more} %, at {other}. Fatigue and life are those in contact, stresses are not.",
+        preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
+        case=say.occasion(of.when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
+        part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
+        other=say.part(v.features[k].part),
+    )  # fmt: skip
+    if np.isnan(of.life_told):
+        return told
+    return told + " " + say("Life by those: {hours} h.", hours=hours(of.life_told, say))
 
 
 def telling_cases(v: Judged) -> list[Outcome]:
@@ -524,6 +544,20 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
             }
             for k, f in enumerate(v.features)
         ],
+        "contact": None
+        if v.in_bolts is None
+        else {
+            "preload_N": v.in_bolts.bolts.preload,
+            "friction": v.in_bolts.bolts.friction,
+            "case": EN.occasion(v.in_bolts.when),
+            "swing_over_held": v.in_bolts.times.tolist(),
+            "fatigue_utilisation_held": [
+                None if np.isnan(x) else x for x in v.in_bolts.told.tolist()
+            ],
+            "life_hours_held": (
+                v.in_bolts.life_told if np.isfinite(v.in_bolts.life_told) else None
+            ),
+        },
         "unit_loads": list(UNITS),
         "gauges": [
             {

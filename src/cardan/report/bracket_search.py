@@ -46,11 +46,16 @@ def terminal(
     ]  # fmt: skip
     yield from table(head, rows, width, right=(3, 4))
     yield ""
-    careful = say(
+    pair = say(
         "Judged by the worse of a sliding and a clamped flange. With bolts, contact and friction "
         "the gallery's bracket used 11 % less of its fatigue limit, about what one more millimetre "
         "of sheet gives: what is chosen may be that much heavier than it need be."
     )
+    bolted = say(
+        "Meshes made finer are judged in contact, in their bolts; first ones by the worse of a "
+        "sliding and a clamped flange."
+    )
+    careful = bolted if of.bracket is not None and of.bracket.bolts is not None else pair
     yield from folded([careful], width)
     if found.best is None:
         yield say("None of them lives that long.")

@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import FloatArray
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, NotConverged
 from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
 from cardan.bracket.elastic import IntArray, Nodes, Progress
@@ -26,7 +26,8 @@ from cardan.bracket.stress import extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
 from cardan.fatigue.rainflow import turns
-from cardan.model.bracket import ZONES, Bracket, Shape, Zone
+from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
+from cardan.study.bracket_contact import InBolts, ends_of, swings
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -199,6 +200,8 @@ class Judged:
         A mean second of the application's duty cycle, in each state that lasts.
     forced : Forced
         The listed features over speed; None where nobody knows what hangs in it.
+    in_bolts : InBolts
+        What contact made of the fatigue and life told here; None where that was not asked.
     """
 
     name: str
@@ -210,6 +213,7 @@ class Judged:
     duty: tuple[Endured, ...] = ()
     damage: FloatArray
     forced: Forced | None = None
+    in_bolts: InBolts | None = None
 
     @property
     def mass(self) -> float:
@@ -418,10 +422,11 @@ def _span(
     passes: Sequence[Pass],
     strength: Mapping[Zone, Strength],
     error: FloatArray,
+    times: FloatArray,
 ) -> FloatArray:
     """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
     off = np.minimum(error, 1.0)
-    each = (_damage(way, at, passes, strength, 1 + sign * off) for sign in (-1, 1))
+    each = (_damage(way, at, passes, strength, times * (1 + sign * off)) for sign in (-1, 1))
     return np.stack([*each], axis=-1)
 
 
@@ -464,7 +469,7 @@ def judge(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
         cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
-        loss=bracket.loss, levels=levels,
+        loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
@@ -480,12 +485,25 @@ def judge(
     ways, known = _ways(solved)
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
+    one = np.ones(len(known))
     outcomes, peaks = zip(
-        *(_outcome(case, solved, ways, error, strength, modulus) for case in cases), strict=True
+        *(_outcome(case, solved, ways, error, strength, modulus, one) for case in cases),
+        strict=True,
     )
+    in_bolts, times = None, one
+    if bracket.bolts is not None and strength:
+        told("contact between flange and frame")
+        spent, *_ = _duty(solved, ways, duty or {}, strength, modulus, error, times)
+        in_bolts = _in_bolts(bracket.bolts, solved, ways, outcomes, peaks, strength)
+        in_bolts = replace(in_bolts, life_told=min((e.hours for e in spent), default=np.nan))
+        times = in_bolts.times
+        outcomes, peaks = zip(
+            *(_outcome(case, solved, ways, error, strength, modulus, times) for case in cases),
+            strict=True,
+        )
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
-    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error)
+    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error, times)
     order = _worst_first(known, outcomes, spent, _weights(strength))
     spots = _spots(worn or [*chain.from_iterable(peaks)], order)
     features = tuple(
@@ -505,7 +523,44 @@ def judge(
         outcomes=tuple(_sorted(o, order) for o in outcomes),
         duty=tuple(e.at(order) for e in spent),
         damage=damage,
-    )
+        in_bolts=None if in_bolts is None else replace(
+            in_bolts, times=in_bolts.times[order], told=in_bolts.told[order]
+        ),
+    )  # fmt: skip
+
+
+def _in_bolts(
+    bolts: Bolts,
+    solved: Solved,
+    ways: tuple[_Way, ...],
+    outcomes: Sequence[Outcome],
+    peaks: Sequence[Sequence[_Peak]],
+    strength: Mapping[Zone, Strength],
+) -> InBolts:
+    """Return what contact makes of swings: of the case that uses most of a fatigue limit.
+
+    Raises
+    ------
+    DesignError
+        If its bolts do not bear it.
+    """
+    lasting = [k for k, o in enumerate(outcomes) if not np.isnan(o.used).all()]
+    if not lasting:
+        msg = "no load of the bracket repeats, and contact in its bolts is followed over a swing"
+        raise DesignError(msg, about="bracket.bolts")
+    k = max(lasting, key=lambda k: float(np.nanmax(outcomes[k].used)))
+    case, worst = outcomes[k].case, int(np.nanargmax(outcomes[k].used))
+    peak = max(peaks[k], key=lambda p: float(p.values[worst]))
+    at = int(peak.places[worst])
+    ends = ends_of(peak.way.held, at, peak.way.loads(case), case.places)
+    try:
+        times = swings(
+            solved, [way.feature for way in ways], ends, bolts=bolts, strength=strength,
+            count=ways[0].count,
+        )  # fmt: skip
+    except NotConverged as error:
+        raise DesignError(str(error), about="bracket.bolts") from error
+    return InBolts(bolts=bolts, when=case.when, times=times, told=outcomes[k].used)
 
 
 def _weights(strength: Mapping[Zone, Strength]) -> tuple[float, ...]:
@@ -523,8 +578,12 @@ def _outcome(
     error: FloatArray,
     strength: Mapping[Zone, Strength],
     modulus: float,
+    times: FloatArray,
 ) -> tuple[Outcome, list[_Peak]]:
-    """Return what one case does, the worse of both ways of holding, and the peaks of each."""
+    """Return what one case does, the worse of both ways of holding, and the peaks of each.
+
+    In fatigue of so many `times` (features,) the stress that is told.
+    """
     count = ways[0].count
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
@@ -554,12 +613,14 @@ def _outcome(
         if strength and case.repeats:
             kinds = way.held.zones.kind[top]
             share = np.array([
-                float(strength[ZONES[k]].used(x, y)) for k, x, y in zip(kinds, a, m, strict=True)
+                float(strength[ZONES[k]].used(x, y))
+                for k, x, y in zip(kinds, a * times, m * times, strict=True)
             ])  # fmt: skip
             passes = [Pass(np.stack(np.split(loads, case.places)))]
-            every = _damage(way, flat, passes, strength).reshape(places.shape)
+            every = _damage(way, flat, passes, strength, times[way.feature[flat]])
+            every = every.reshape(places.shape)
             worn = places[np.arange(count), every.argmax(axis=1)]
-            within = _span(way, worn, passes, strength, error) * way.has[:, None]
+            within = _span(way, worn, passes, strength, error, times) * way.has[:, None]
             span = np.fmax(span, within)
             done = every.max(axis=1)
             used = np.fmax(used, share * way.has)
@@ -623,6 +684,7 @@ def _duty(
     strength: Mapping[Zone, Strength],
     modulus: float,
     error: FloatArray,
+    times: FloatArray,
 ) -> tuple[list[Endured], FloatArray, list[_Peak]]:
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
@@ -640,10 +702,10 @@ def _duty(
         for way in ways:
             at = np.unique(np.concatenate([way.places(way.loads(c)).ravel() for _, c in parts]))
             passes = _passes(way, parts)
-            done = _damage(way, at, passes, strength)
+            done = _damage(way, at, passes, strength, times[way.feature[at]])
             top = at[_highest_of(way, done, at)]
             np.maximum.at(worst, way.feature[at], done)
-            within = _span(way, top, passes, strength, error)
+            within = _span(way, top, passes, strength, error, times)
             span = np.maximum(span, within * way.has[:, None])
         gauges = [
             (share, Endured(
@@ -660,10 +722,10 @@ def _duty(
     spots, span = spent[state].spots.copy(), np.zeros((ways[0].count, 2))
     for way in ways:
         passes = _passes(way, duty[spent[state].when])
-        every = _damage(way, np.arange(len(way.feature)), passes, strength)
+        every = _damage(way, np.arange(len(way.feature)), passes, strength, times[way.feature])
         top = _highest_of(way, every)
         peaks.append(_Peak.of(way, top, every[top]))
-        within = _span(way, top, passes, strength, error)
+        within = _span(way, top, passes, strength, error, times)
         span = np.maximum(span, within * way.has[:, None])
         np.maximum.at(spots, way.feature, every)
         damage = np.maximum(damage, every[way.held.zones.told_by])
