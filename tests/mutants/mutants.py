@@ -648,6 +648,10 @@ RECORDED = (
 )  # fmt: skip
 
 BRACKET = (
+    mutant("bracket/joint.py", "still = np.where(pressed, forces[normal] < 0, moved[normal] > 0)",
+           "still = pressed", "a flange never lifts off", "unit/test_bracket_joint.py"),
+    mutant("bracket/joint.py", "bears = self.bolts.friction *", "bears = 2 * self.bolts.friction *",
+           "a flange rubs twice as much", "unit/test_bracket_joint.py"),
     mutant("bracket/gauges.py", "np.diff([at.of(nodes, nodes.points) for at in grid], axis=0)",
            "np.diff([at.points for at in grid], axis=0)",
            "a gauge on a round is as long as its facets", "unit/test_bracket_units.py"),
