@@ -5,7 +5,7 @@ import pytest
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.bracket.joint import Joint
-from cardan.model.bracket import Bolts, UShape, usual_preload
+from cardan.model.bracket import Bolts, usual_preload
 
 WIDE, COUNT = 0.3, 60
 Y = (np.arange(COUNT) + 0.5) / COUNT * WIDE - WIDE / 2
