@@ -8,13 +8,13 @@ import numpy as np
 
 from cardan.base.units import MPa, N, mm, rpm
 from cardan.model.bracket import Zone
-from cardan.model.seat import LOSS
 from cardan.report import svg
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.bracket import (
     MARKED,
     MICRO,
     SHOWN,
+    bent_far,
     better,
     crossed,
     curve,
@@ -22,6 +22,7 @@ from cardan.report.bracket import (
     hours,
     hours_of,
     hours_within,
+    in_contact,
     lives,
     picture,
     pulled_off,
@@ -30,6 +31,7 @@ from cardan.report.bracket import (
     span,
     telling_cases,
     used,
+    vague,
     worn,
 )  # fmt: skip
 from cardan.report.bracket_scene import scene
@@ -372,7 +374,12 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "The flange is held in two ways that have the truth between them, sliding under its bolts "
         "and clamped as one with the frame; of each feature the worse is told."
     )
-    yield from dict.fromkeys(told for v in of.variants for told in pulled_off(v, say))
+    for note in (in_contact, pulled_off, bent_far):
+        yield from dict.fromkeys(told for v in of.variants for told in note(v, say))
+    yield from (
+        f"{say(v.name)}: {told}"
+        for v in of.variants for told in vague(v, say)
+    )  # fmt: skip
     if found := strengths(of.bracket):
         yield say(
             "Zones bear: {list}, amplitude at the knee.",
@@ -388,7 +395,7 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
             "At the worst points and over the duty cycle the line swings on its rubber and on this "
             "bracket, which swings itself; the bracket loses {loss} of its energy in a radian, "
             "assumed. States at their own torque and top speed, on rigid bearings, and loads by "
-            "hand are quasi-static.", loss=say.number(LOSS),
+            "hand are quasi-static.", loss=say.number(of.bracket.loss),
         )  # fmt: skip
     else:
         yield say("Loads are quasi-static: right below the natural frequencies.")
