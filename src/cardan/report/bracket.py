@@ -257,7 +257,7 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
     share, lasts, within = used(v), hours_of(v), hours_within(v)
     rows: list[tuple[str, ...]] = []
     for k, f in enumerate(v.shown):
-        at = "  ".join(say.pointed(f"{p / mm:.0f}") for p in f.point)
+        at = "  ".join(f"{round(p / mm)}" for p in f.point)
         error = f"{f.error * stress[k] / MPa:.1f}"
         told = f"{stress[k] / MPa:.1f} ±{error:>5}{' ' if f.error <= SETTLED else '!'}"
         use = "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %"

@@ -85,7 +85,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
         if lives(v):
             yield _damage(v, say)
     yield Figures(figures=tuple(figures(of, say)))
-    yield Text(paragraphs=tuple(_notes(of, say)))
+    yield Text(paragraphs=tuple(notes(of, say)))
 
 
 def _compared(of: BracketAnswer, say: Language) -> Table:
@@ -143,7 +143,7 @@ def _features(v: Judged, say: Language) -> Table:
             (
                 f"H{k + 1} {say.part(f.part)}" if k < MARKED else say.part(f.part),
                 say.occasion(cases[k].case.when),
-                say.pointed("  ".join(f"{x / mm:.0f}" for x in f.point)),
+                say.pointed("  ".join(f"{round(x / mm)}" for x in f.point)),
                 say.pointed(f"{stress[k] / MPa:.1f} ± {f.error * stress[k] / MPa:.1f}"),
                 "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %",
                 hours(float(lasts[k]), say, within[k]),
@@ -363,7 +363,7 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
     )  # fmt: skip
 
 
-def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
+def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what a reader of the numbers should know."""
     yield say(
         "Every place of the surface is asked. At toes and clamped borders, where the stress of a "
