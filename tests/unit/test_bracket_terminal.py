@@ -12,12 +12,14 @@ from brackets import BRACKET, LINE
 from cardan import files
 from cardan.base.part import Occasion
 from cardan.bracket.shape import Picked
-from cardan.report import bracket_scene
-from cardan.report.bracket import terminal, verdict
+from cardan.model.bracket import Bolts
+from cardan.report import bracket_chapter, bracket_scene
+from cardan.report.bracket import bent_far, terminal, verdict
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
+from cardan.study.bracket_contact import InBolts
 from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import Finding, silence
@@ -54,7 +56,7 @@ def judged(name: str, wear: float = 1.0) -> Judged:
     )  # fmt: skip
     solved = SimpleNamespace(
         unknowns=72705, mass=1.25, sliding=held, clamped=held, influence_change=0.012,
-        fillet=(0.006, 0.0042),
+        fillet=(0.006, 0.0042), nodes=SimpleNamespace(points=np.array([[0.0] * 3, [0.24] * 3])),
         found=(
             Picked(name="seat", faces=2, area=5.655e-3, radius=0.03),
             Picked(name="bolt 1", faces=1, area=3e-4),
@@ -167,3 +169,48 @@ def test_a_bar_too_wide_to_use_says_what_would_narrow_it(code):
     more = [line for line in after if line not in before and "`element_mm`" in line]
     assert len(more) == 1
     assert say.part(first.features[0].part) in more[0]
+
+
+def changed(**how) -> BracketAnswer:
+    """The answer with something else in its one variant."""
+    answer = approved("original").findings[0].answer
+    return replace(answer, variants=(replace(answer.variants[0], **how),))
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_seat_that_moves_as_far_as_the_bracket_is_large_is_told(code):
+    """A gigannewton moved one of 240 mm by 12 km, and all that was asked of it passed."""
+    say = Language(code)
+    (still,) = approved("original").findings[0].answer.variants
+    assert not [*bent_far(still, say)]
+    far = replace(still, outcomes=(replace(still.outcomes[0], motion=11.9e3), *still.outcomes[1:]))
+    (said,) = bent_far(far, say)
+    assert "240 mm" in said
+    assert said in report_of(changed(outcomes=far.outcomes), say)
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_report_says_what_narrows_a_bar_as_the_terminal_does(code):
+    """45 % stood in the report by itself: the terminal alone said what to do."""
+    say = Language(code)
+    (first,) = approved("original").findings[0].answer.variants
+    wide = tuple(replace(f, error=0.45) for f in first.features)
+    assert not [line for line in report_of(changed(), say) if "`element_mm`" in line]
+    assert [line for line in report_of(changed(features=wide), say) if "`element_mm`" in line]
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_contact_is_told_with_the_two_ways_beside_it(code):
+    """7.7 times its limit in its bolts, 11.8 where the flange slides or is clamped."""
+    contact = InBolts(
+        bolts=Bolts(preload=35e3), when=Occasion("case", "gvw", "combined"),
+        times=np.array([0.65, 1.0]), told=np.array([11.8, 5.0]), life_told=120.0,
+    )  # fmt: skip
+    (said,) = [x for x in report_of(changed(in_bolts=contact), Language(code)) if "767 %" in x]
+    assert "1180 %" in said
+    assert "120" in said
+
+
+def report_of(answer: BracketAnswer, say: Language) -> list[str]:
+    """What a report says of its numbers."""
+    return [*bracket_chapter.notes(answer, say)]

@@ -30,6 +30,8 @@ from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
 
 MICRO = 1e-6
+_SMALL = 0.1
+"""Share of a bracket's size its seat may move by before small strains mean nothing."""
 SHOWN = 8
 """Cases that tables show; the contract has all."""
 DECADES = 1e-6
@@ -255,7 +257,7 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
     share, lasts, within = used(v), hours_of(v), hours_within(v)
     rows: list[tuple[str, ...]] = []
     for k, f in enumerate(v.shown):
-        at = "  ".join(say.pointed(f"{p / mm:.0f}") for p in f.point)
+        at = "  ".join(f"{round(p / mm)}" for p in f.point)
         error = f"{f.error * stress[k] / MPa:.1f}"
         told = f"{stress[k] / MPa:.1f} ±{error:>5}{' ' if f.error <= SETTLED else '!'}"
         use = "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %"
@@ -271,17 +273,26 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
     yield from folded([f"  {means}"], width)
-    if v.in_bolts is not None:
-        yield from folded([f"  {in_bolts(v, v.in_bolts, say)}"], width)
-    if vague := [say.part(f.part) for f in v.shown if f.error > UNSETTLED]:
-        what = say(
-            "{parts}: known to more than a quarter only; two thirds of the present `element_mm` "
-            "(left out, one and a half thicknesses) tell it better.", parts=", ".join(vague),
-        )  # fmt: skip
+    for what in (*in_contact(v, say), *vague(v, say)):
         yield from folded([f"  {what}"], width)
 
 
-def in_bolts(v: Judged, of: InBolts, say: Language) -> str:
+def vague(v: Judged, say: Language) -> Iterator[str]:
+    """Yield which places shown are known to more than a quarter only, and what tells more."""
+    if parts := [say.part(f.part) for f in v.shown if f.error > UNSETTLED]:
+        yield say(
+            "{parts}: known to more than a quarter only; two thirds of the present `element_mm` "
+            "(left out, one and a half thicknesses) tell it better.", parts=", ".join(parts),
+        )  # fmt: skip
+
+
+def in_contact(v: Judged, say: Language) -> Iterator[str]:
+    """Yield what contact made of fatigue and life, where that was asked."""
+    if v.in_bolts is not None:
+        yield _in_bolts(v, v.in_bolts, say)
+
+
+def _in_bolts(v: Judged, of: InBolts, say: Language) -> str:
     """Return what contact made of fatigue and life, beside the two ways the flange is held."""
     k, f = int(np.nanargmax(of.told)), int(np.nanargmax(of.told * of.times))
     told = say(
@@ -323,8 +334,8 @@ def _stresses(v: Judged, say: Language, width: int) -> Iterator[str]:
     left = len(v.outcomes) - SHOWN
     if left > 0:
         yield "  " + say("and {count} milder cases: --json", count=left)
-    for lifted in pulled_off(v, say):
-        yield from folded([f"  {lifted}"], width)
+    for told in (*pulled_off(v, say), *bent_far(v, say)):
+        yield from folded([f"  {told}"], width)
 
 
 def pulled_off(v: Judged, say: Language) -> Iterator[str]:
@@ -337,6 +348,19 @@ def pulled_off(v: Judged, say: Language) -> Iterator[str]:
             "stress under the washers' rims and a third more in a cut edge beside them.",
             cases=say.list(*cases),
         )
+
+
+def bent_far(v: Judged, say: Language) -> Iterator[str]:
+    """Yield which cases move the seat by more than small strains can mean."""
+    size = float(np.ptp(v.solved.nodes.points, axis=0).max())
+    if far := [o for o in v.outcomes if o.motion > _SMALL * size]:
+        worst = max(far, key=lambda o: o.motion)
+        yield say(
+            "{case} moves the bearing's seat by {motion} mm, of a bracket {size} mm large: linear "
+            "elasticity means nothing there. Look at its loads.",
+            case=say.occasion(worst.case.when), motion=say.number(worst.motion / mm),
+            size=f"{size / mm:.0f}",
+        )  # fmt: skip
 
 
 def _readings(v: Judged, names: list[str], say: Language, width: int) -> Iterator[str]:

@@ -8,13 +8,13 @@ import numpy as np
 
 from cardan.base.units import MPa, N, mm, rpm
 from cardan.model.bracket import Zone
-from cardan.model.seat import LOSS
 from cardan.report import svg
 from cardan.report.blocks import Block, Figures, Picture, Table, Text
 from cardan.report.bracket import (
     MARKED,
     MICRO,
     SHOWN,
+    bent_far,
     better,
     crossed,
     curve,
@@ -22,6 +22,7 @@ from cardan.report.bracket import (
     hours,
     hours_of,
     hours_within,
+    in_contact,
     lives,
     picture,
     pulled_off,
@@ -30,6 +31,7 @@ from cardan.report.bracket import (
     span,
     telling_cases,
     used,
+    vague,
     worn,
 )  # fmt: skip
 from cardan.report.bracket_scene import scene
@@ -83,7 +85,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
         if lives(v):
             yield _damage(v, say)
     yield Figures(figures=tuple(figures(of, say)))
-    yield Text(paragraphs=tuple(_notes(of, say)))
+    yield Text(paragraphs=tuple(notes(of, say)))
 
 
 def _compared(of: BracketAnswer, say: Language) -> Table:
@@ -141,7 +143,7 @@ def _features(v: Judged, say: Language) -> Table:
             (
                 f"H{k + 1} {say.part(f.part)}" if k < MARKED else say.part(f.part),
                 say.occasion(cases[k].case.when),
-                say.pointed("  ".join(f"{x / mm:.0f}" for x in f.point)),
+                say.pointed("  ".join(f"{round(x / mm)}" for x in f.point)),
                 say.pointed(f"{stress[k] / MPa:.1f} ± {f.error * stress[k] / MPa:.1f}"),
                 "-" if np.isnan(share[k]) else f"{100 * share[k]:.0f} %",
                 hours(float(lasts[k]), say, within[k]),
@@ -361,7 +363,7 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
     )  # fmt: skip
 
 
-def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
+def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
     """Yield what a reader of the numbers should know."""
     yield say(
         "Every place of the surface is asked. At toes and clamped borders, where the stress of a "
@@ -372,7 +374,12 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "The flange is held in two ways that have the truth between them, sliding under its bolts "
         "and clamped as one with the frame; of each feature the worse is told."
     )
-    yield from dict.fromkeys(told for v in of.variants for told in pulled_off(v, say))
+    for note in (in_contact, pulled_off, bent_far):
+        yield from dict.fromkeys(told for v in of.variants for told in note(v, say))
+    yield from (
+        f"{say(v.name)}: {told}"
+        for v in of.variants for told in vague(v, say)
+    )  # fmt: skip
     if found := strengths(of.bracket):
         yield say(
             "Zones bear: {list}, amplitude at the knee.",
@@ -388,7 +395,7 @@ def _notes(of: BracketAnswer, say: Language) -> Iterator[str]:
             "At the worst points and over the duty cycle the line swings on its rubber and on this "
             "bracket, which swings itself; the bracket loses {loss} of its energy in a radian, "
             "assumed. States at their own torque and top speed, on rigid bearings, and loads by "
-            "hand are quasi-static.", loss=say.number(LOSS),
+            "hand are quasi-static.", loss=say.number(of.bracket.loss),
         )  # fmt: skip
     else:
         yield say("Loads are quasi-static: right below the natural frequencies.")
