@@ -1,10 +1,12 @@
 """A rigid foot on springs that only push: Navier's trapezium, and beyond the core a triangle."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cardan.base.errors import DesignError, NotConverged
-from cardan.bracket.joint import Joint
+from cardan.bracket.joint import Joint, _flipped
 from cardan.model.bracket import Bolts, usual_preload
 
 WIDE, COUNT = 0.3, 60
@@ -24,6 +26,19 @@ def foot(*, out_of_middle=0.0):
         compliance=np.diag(gives), rigid=rigid, rubs=np.ones(len(places), dtype=bool),
         stress=np.zeros((0, len(ways), 6)), upright=2, bolts=1,
     )  # fmt: skip
+
+
+def coupled(rng):
+    """The same on an elastic ground that what presses dents around it."""
+    of = foot()
+    places = np.array([(x, y) for x in (-0.01, 0.01) for y in Y])
+    apart = np.linalg.norm(places[:, None] - places[None], axis=-1)
+    dent = 1e-9 / (1 + apart / 0.01) * (1 + 0.3 * rng.random())
+    compliance = np.zeros_like(of.compliance)
+    compliance[: 6 * COUNT, : 6 * COUNT] = np.kron(dent, np.diag([1.2, 1.2, 1.0]))
+    return replace(of, compliance=compliance, rigid=np.concatenate([
+        of.rigid[: 6 * COUNT + 4], np.eye(6)[3:], np.zeros((3, 6))
+    ]))  # fmt: skip
 
 
 def pressure(tight):
@@ -53,6 +68,35 @@ def test_a_foot_holds_by_friction_and_no_more():
     assert held[: 6 * COUNT].reshape(-1, 3)[:, 1].sum() == pytest.approx(-140.0)
     with pytest.raises(NotConverged, match="slip or open"):
         tight.under([0, 200.0, 0, *6 * [0]])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_a_foot_bears_obeys_contact_and_friction(seed):
+    """Patches that lift off and come back as they slip do not go round for ever."""
+    rng = np.random.default_rng(seed)
+    joint = coupled(rng)
+    tight = joint.tightened(Bolts(preload=1000.0, friction=0.3))
+    for _ in range(25):
+        push, turned = np.array([60, 60, 300]), np.array([60, 3, 3])
+        load = np.concatenate(
+            [rng.uniform(-1, 1, 3) * push, rng.uniform(-1, 1, 3) * turned, np.zeros(3)]
+        )
+        whole = tight.forces + tight.under(load)
+        each = whole[: 3 * joint.patches].reshape(-1, 3)
+        assert np.abs(joint.rigid.T @ whole).max() < 1e-6
+        assert np.maximum(each[:, 2], 0.0).sum() <= 2e-3 * np.abs(each[:, 2]).sum()
+        rub = np.hypot(*each[:, :2].T)
+        over = np.maximum(rub - 0.3 * np.maximum(-each[:, 2], 0), 0.0)
+        assert over.sum() <= 0.021 * rub.sum()
+
+
+def test_patches_that_go_round_change_one_by_one_in_the_end():
+    """All that are wrong at first, then the one that is furthest off."""
+    pressed, still = np.array([True, True, False]), np.array([False, True, True])
+    off = np.array([2.0, 0.0, -3.0])
+    assert (_flipped(pressed, still, off, 0) == still).all()
+    assert _flipped(pressed, still, off, 50).tolist() == [True, True, True]
+    assert (_flipped(pressed, pressed, off, 50) == pressed).all()
 
 
 def test_a_foot_pulled_off_by_more_than_its_bolt_is_told():

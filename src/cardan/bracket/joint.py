@@ -44,7 +44,10 @@ _STUCK = 0.05
 """What sticks gives by this share of what its patch gives by itself."""
 _SAME = 0.02
 """Share by which the flange may rub more than its friction bears, before it is tried again."""
-_TRIES = 200
+_NIL = 1e-3
+"""Share of all pressure that may pull where a patch presses, or is lacking where one lifts off."""
+_TRIES, _ALL = 200, 20
+"""Tries at most, and up to which all patches change at once that are wrong."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,10 +122,10 @@ class Tight:
         given = self.forces.copy()
         given[: 3 * n] = 0.0
         given[-len(UNITS) :] = loads
-        own = np.diagonal(of.compliance)[: 3 * n].reshape(n, 3)[:, :2].mean(axis=1)
-        least = _STUCK * own
+        own = np.diagonal(of.compliance)[: 3 * n].reshape(n, 3)
+        least = _STUCK * own[:, :2].mean(axis=1)
         pressed, gives = self.pressed, least
-        for _ in range(_TRIES):
+        for tried in range(_TRIES):
             normal = 3 * np.flatnonzero(pressed) + 2
             stuck = np.flatnonzero(pressed & of.rubs)
             flat = (3 * stuck[:, None] + [0, 1]).ravel()
@@ -136,10 +139,14 @@ class Tight:
             rub = np.linalg.norm(each[:, :2], axis=1)
             bears = self.bolts.friction * np.maximum(-each[:, 2], 0.0)
             over = float(np.maximum(rub - bears, 0.0).sum())
-            if (still == pressed).all() and over <= _SAME * rub.sum():
+            off = np.where(pressed, each[:, 2], moved[2 : 3 * n : 3] / own[:, 2])
+            wrong = float(off[still != pressed].sum())
+            if wrong <= _NIL * np.abs(each[:, 2]).sum() and over <= _SAME * rub.sum():
                 return forces - self.forces
-            pressed = still
-            gives = np.maximum(least, gives * rub / np.maximum(bears, 1e-3 * rub + 1e-300))
+            pressed = _flipped(pressed, still, off, tried)
+            by = rub / np.maximum(bears, 1e-3 * rub + 1e-300)
+            yields = np.maximum(least, gives * (by if tried < _ALL else np.sqrt(by)))
+            gives = np.where(pressed, yields, gives)
         msg = (
             f"no contact between flange and frame bears {np.round(np.asarray(loads)[:3])} N with "
             f"bolts of {self.bolts.preload:.4g} N: they slip or open; tighten them, or use more"
@@ -156,15 +163,30 @@ def _pressed(
     `normal` (k,) press.
     """
     pressed = np.ones(len(normal), dtype=bool)
-    for _ in range(_TRIES):
+    for tried in range(_TRIES):
         nil = np.zeros(int(pressed.sum()))
         forces, moved = _balanced(given, compliance, rigid, normal[pressed], asked=nil, gives=nil)
         still = np.where(pressed, forces[normal] < 0, moved[normal] > 0)
         if (still == pressed).all():
             return forces, moved, pressed
-        pressed = still
+        own = np.diagonal(compliance)[normal]
+        off = np.where(pressed, forces[normal], moved[normal] / own)
+        pressed = _flipped(pressed, still, off, tried)
     msg = "the flange finds no rest against its frame: do its bolts lie in one line?"
     raise NotConverged(msg)
+
+
+def _flipped(pressed: BoolArray, still: BoolArray, off: FloatArray, tried: int) -> BoolArray:
+    """Return which patches press next: all that are wrong change, or they may go round for ever.
+
+    After `_ALL` tries only the one changes that is furthest `off`, N.
+    """
+    wrong = still != pressed
+    if tried < _ALL or not wrong.any():
+        return still
+    worst = np.zeros_like(wrong)
+    worst[int(np.where(wrong, np.abs(off), -1.0).argmax())] = True
+    return pressed ^ worst
 
 
 def _balanced(
