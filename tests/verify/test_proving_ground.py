@@ -78,13 +78,14 @@ def statistics(seeds):
 def test_ten_drives():
     """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.
 
-    Of the fourteen clear ones four or fewer are told once in sixty times, if 60 % are of many.
+    Of the fourteen clear ones three or fewer are told once in 250 times, if 60 % are of many.
+    Four are: the rule for crests that go with the torque leaves one more innocent untold.
     """
     inside, wrong, told, spoiled = statistics(range(50_000, 50_010))
     assert not wrong
     assert not spoiled
     assert inside >= 0.75
-    assert told > 0.3
+    assert told > 0.25
 
 
 @pytest.mark.slow
