@@ -8,6 +8,7 @@ import pytest
 from cardan.base.errors import DesignError, NotConverged
 from cardan.bracket.joint import Joint, _flipped
 from cardan.model.bracket import Bolts, usual_preload
+from cardan.study.bracket_contact import on_its_safe_side
 
 WIDE, COUNT = 0.3, 60
 Y = (np.arange(COUNT) + 0.5) / COUNT * WIDE - WIDE / 2
@@ -109,3 +110,10 @@ def test_a_bolt_of_8_8_is_tightened_by_its_hole():
     assert usual_preload(11e-3) == pytest.approx(27.3e3, rel=1e-2)
     with pytest.raises(DesignError, match="preload above 0"):
         Bolts(preload=0.0)
+
+
+def test_contact_is_told_on_its_safe_side():
+    """As CalculiX had more; no more than two ways to be held have, unless contact itself has."""
+    zones = ("sheet", "bolt border", "cut edge", "weld toe")
+    found = on_its_safe_side(np.array([0.6, 0.6, 0.95, 1.2]), zones)
+    assert found == pytest.approx([0.69, 0.81, 1.0, 1.2])

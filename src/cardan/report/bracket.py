@@ -298,8 +298,8 @@ def _in_bolts(v: Judged, of: InBolts, say: Language) -> str:
     told = say(
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
-        "{more} %, at {other}. Fatigue and life are those in contact, to 15 %, at bolts' borders "
-        "35 %; stresses are not.",
+        "{more} %, at {other}. Fatigue and life are those in contact with 15 % more, at bolts' "
+        "borders 35 %, as far as it may be wrong; stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
         case=say.occasion(of.when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",

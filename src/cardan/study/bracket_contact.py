@@ -38,7 +38,8 @@ class InBolts:
     when
         The case that was followed.
     times : (features,)
-        Swing of each feature in contact, over that told by the worse of the two ways held.
+        Swing of each feature in contact, on its safe side, over that told by the worse of the two
+        ways held.
     told : (features,)
         What that case uses of each feature's fatigue limit by the two ways.
     life_told
@@ -83,6 +84,15 @@ def swings(
             np.maximum.at(into, own[at], _used(held, at, stress, strength))
     counts = told >= _LOW * told.max()
     return np.where(counts, found / np.where(counts, told, 1.0), 1.0)
+
+
+def on_its_safe_side(times: FloatArray, zones: Sequence[Zone]) -> FloatArray:
+    """Return swings (features,) over those told, as much larger as contact may be wrong.
+
+    By that alone no swing is more than the worse of the two ways has.
+    """
+    apart = np.array([APART[zone] for zone in zones])
+    return np.maximum(times, np.minimum(times * (1 + apart), 1.0))
 
 
 def ends_of(held: Held, at: int, loads: FloatArray, places: int) -> FloatArray:

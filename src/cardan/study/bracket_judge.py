@@ -27,7 +27,7 @@ from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
 from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
-from cardan.study.bracket_contact import APART, InBolts, ends_of, swings
+from cardan.study.bracket_contact import InBolts, ends_of, on_its_safe_side, swings
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -487,27 +487,24 @@ def judge(
     modulus = bracket.material.youngs_modulus
     one = np.ones(len(known))
     outcomes, peaks = zip(
-        *(_outcome(case, solved, ways, error, strength, modulus, one, error) for case in cases),
+        *(_outcome(case, solved, ways, error, strength, modulus, one) for case in cases),
         strict=True,
     )
-    in_bolts, times, doubt = None, one, error
+    in_bolts, times = None, one
     if bracket.bolts is not None and strength:
         told("contact between flange and frame")
         spent, *_ = _duty(solved, ways, duty or {}, strength, modulus, error, times)
         in_bolts = _in_bolts(bracket.bolts, solved, ways, outcomes, peaks, strength)
         in_bolts = replace(in_bolts, life_told=min((e.hours for e in spent), default=np.nan))
-        times = in_bolts.times
-        doubt = error + np.array([APART[ZONES[kind]] for kind, _ in known])
+        times = on_its_safe_side(in_bolts.times, [ZONES[kind] for kind, _ in known])
+        in_bolts = replace(in_bolts, times=times)
         outcomes, peaks = zip(
-            *(
-                _outcome(case, solved, ways, error, strength, modulus, times, doubt)
-                for case in cases
-            ),
+            *(_outcome(case, solved, ways, error, strength, modulus, times) for case in cases),
             strict=True,
         )
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
-    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, doubt, times)
+    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error, times)
     order = _worst_first(known, outcomes, spent, _weights(strength))
     spots = _spots(worn or [*chain.from_iterable(peaks)], order)
     features = tuple(
@@ -583,11 +580,10 @@ def _outcome(
     strength: Mapping[Zone, Strength],
     modulus: float,
     times: FloatArray,
-    doubt: FloatArray,
 ) -> tuple[Outcome, list[_Peak]]:
     """Return what one case does, the worse of both ways of holding, and the peaks of each.
 
-    In fatigue of so many `times` (features,) the stress that is told, in `doubt` by that share.
+    In fatigue of so many `times` (features,) the stress that is told.
     """
     count = ways[0].count
     if not np.isfinite(case.loads).all():
@@ -625,7 +621,7 @@ def _outcome(
             every = _damage(way, flat, passes, strength, times[way.feature[flat]])
             every = every.reshape(places.shape)
             worn = places[np.arange(count), every.argmax(axis=1)]
-            within = _span(way, worn, passes, strength, doubt, times) * way.has[:, None]
+            within = _span(way, worn, passes, strength, error, times) * way.has[:, None]
             span = np.fmax(span, within)
             done = every.max(axis=1)
             used = np.fmax(used, share * way.has)
