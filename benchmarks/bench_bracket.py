@@ -25,7 +25,7 @@ from cardan.base.units import mm
 from cardan.bracket.shape import solid
 from cardan.bracket.unit import unit_solutions
 from cardan.model.bracket import LShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 BRACKET = LShape(
     seat_diameter=52 * mm, width=180 * mm, wall_width=144 * mm, depth=90 * mm, thickness=8 * mm,

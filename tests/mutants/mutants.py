@@ -182,7 +182,7 @@ MODEL = (
            "sum(self.yoke_mass)", "a spline weighs nothing", "verify/test_truck_by_hand.py::test_every_quantity_of_every_part"),
     mutant("model/layout.py", "np.tan(top), -np.tan(side)", "np.tan(top), np.tan(side)",
            "down to the rear is up", "property/test_files_laws.py::test_slopes_joint_angles_and_points_are_one_geometry"),
-    mutant("model/parts.py", "(2 * (1 + self.poisson))", "(2 * (1 - self.poisson))",
+    mutant("model/material.py", "(2 * (1 + self.poisson))", "(2 * (1 - self.poisson))",
            "Poisson's ratio stiffens in shear", "verify/test_whirl_beams.py::test_a_pinned_timoshenko_shaft"),
 )  # fmt: skip
 

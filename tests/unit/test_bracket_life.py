@@ -20,7 +20,7 @@ from cardan.fatigue.strength import SNCurve
 from cardan.loads.statics import loads
 from cardan.model.application import DutyPoint
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
-from cardan.model.parts import Material
+from cardan.model.material import Material
 from cardan.study.approval import assess
 from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
 from cardan.study.bracket_judge import Case, Feature

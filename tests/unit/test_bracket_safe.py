@@ -20,7 +20,7 @@ from cardan.bracket.estimate import affordable, estimate
 from cardan.bracket.solve import Task, solved_apart
 from cardan.cli import cli
 from cardan.model.bracket import UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 LIMITS = {"memory": 4e9, "seconds": 60.0}
 CRASHES = UShape(

@@ -26,7 +26,7 @@ from cardan.bracket.unit import unit_loads, unit_solutions
 from cardan.bracket.zones import CUT, SHEET, TOE
 from cardan.cli import cli
 from cardan.model.bracket import Gauge, LShape, Pick, StepShape, UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 pytestmark = pytest.mark.bracket
 

@@ -12,7 +12,7 @@ from cardan.bracket.shape import solid
 from cardan.bracket.surface import edges_of, nearest
 from cardan.bracket.zones import BORDER, CUT, SHEET, TOE, depth, zones_of
 from cardan.model.bracket import UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 pytestmark = pytest.mark.bracket
 

@@ -10,7 +10,8 @@ import cardan
 from cardan.base.errors import BadFile
 from cardan.base.units import MPa, deg, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, CompositeTube
-from cardan.model.parts import STEEL, Tube
+from cardan.model.material import STEEL
+from cardan.model.parts import Tube
 from cardan.report.language import Language
 from cardan.report.workbook import workbook
 from cardan.shaft.composite import buckling_torques, critical_speed

@@ -6,7 +6,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import MPa, inch, mm
 from cardan.border.table import Reading
 from cardan.files.catalogue import TABLES, Catalogue, Sheet, find, shipped
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 TUBES = "name,outer_mm,wall_mm,material,source\nours,90,3,steel,drawing\n"
 

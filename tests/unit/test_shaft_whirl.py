@@ -7,7 +7,8 @@ import pytest
 
 from cardan.base.errors import DesignError
 from cardan.base.units import kg, mm
-from cardan.model.parts import CentreBearing, Line, Material, Shaft, Spline, Tube
+from cardan.model.material import Material
+from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
 from cardan.shaft.beams import Beams, line_beams
 from cardan.shaft.whirl import (
     bearing_resonance,

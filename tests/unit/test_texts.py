@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.base.source import ASSUMED
 from cardan.border.table import ListOf, MapOf, TableRule, Text
 from cardan.cli import cli
 from cardan.files import limit
@@ -21,7 +22,6 @@ from cardan.files.campaign import (
 )
 from cardan.files.cycle import cycle
 from cardan.files.cycle import names as cycles
-from cardan.model.parts import ASSUMED
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report import language
 from cardan.report.language import CODES, EN, Language, catalogue

@@ -10,7 +10,7 @@ from cardan.bracket.stress import von_mises
 from cardan.bracket.surface import away_from, sharp_edges
 from cardan.bracket.unit import unit_solutions
 from cardan.model.bracket import LShape, UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 pytestmark = [pytest.mark.oracle, pytest.mark.bracket]
 

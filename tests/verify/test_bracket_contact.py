@@ -18,7 +18,7 @@ from cardan.bracket.stress import von_mises
 from cardan.bracket.unit import solved, unit_loads
 from cardan.bracket.zones import BORDER, CUT, SHEET, zones_of
 from cardan.model.bracket import Bolts, UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 pytestmark = [pytest.mark.oracle, pytest.mark.bracket]
 

@@ -9,7 +9,7 @@ from cardan.bracket.engine import engine
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import von_mises
 from cardan.model.bracket import UShape
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 pytestmark = pytest.mark.bracket
 

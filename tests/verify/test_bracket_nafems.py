@@ -8,7 +8,7 @@ from cardan.bracket.elastic import elastic, hooke, mesh
 from cardan.bracket.engine import engine
 from cardan.bracket.refine import Problem, refined
 from cardan.bracket.stress import von_mises
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 pytestmark = pytest.mark.bracket
 

@@ -18,7 +18,7 @@ from cardan.bracket.shape import solid
 from cardan.bracket.stress import von_mises
 from cardan.bracket.surface import nearest
 from cardan.model.bracket import UShape
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 
 pytestmark = [pytest.mark.oracle, pytest.mark.bracket]
 

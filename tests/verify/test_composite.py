@@ -14,7 +14,8 @@ from scipy.linalg import eigh
 from cardan.base.errors import DesignError
 from cardan.base.units import GPa, MPa, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, GLASS_EPOXY, CompositeTube, Layer, metal
-from cardan.model.parts import STEEL, Line, Shaft, Tube
+from cardan.model.material import STEEL
+from cardan.model.parts import Line, Shaft, Tube
 from cardan.shaft import composite
 from cardan.shaft.beams import line_beams
 from cardan.shaft.composite import (

@@ -14,7 +14,8 @@ from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import suspended
 from cardan.loads.running import running
 from cardan.model.layout import Layout, direction, unit
-from cardan.model.parts import CentreBearing, Line, Material, Shaft, Spline, Tube
+from cardan.model.material import Material
+from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
 from cardan.shaft.beams import assembled, line_beams
 
 RUBBER = (200e3, 120e3, 0.0)

@@ -16,7 +16,7 @@ from cardan.base.arrays import FloatArray
 from cardan.bracket.elastic import Elastic, shape_functions
 from cardan.bracket.engine import engine
 from cardan.bracket.stress import von_mises
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 _UNSEEN = 1.5
 """True over told: means over elements that meet are off themselves. 1.4 to 1.6 at a hole in a sheet

@@ -21,7 +21,7 @@ from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
 from cardan.bracket.stress import von_mises
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 IntArray: TypeAlias = npt.NDArray[np.int64]
 Progress: TypeAlias = Callable[[str], None]

@@ -20,7 +20,7 @@ from cardan.bracket.stress import some, superpose, von_mises
 from cardan.bracket.surface import OnSurface, nearest
 from cardan.bracket.zones import TOE, Zones, zones_of
 from cardan.model.bracket import ZONES
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 LEVELS = 4
 """Meshes at most."""

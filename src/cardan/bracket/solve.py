@@ -34,7 +34,7 @@ from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
 from cardan.model.bracket import ZONES, Gauge, Hold, Shape, StepShape, Vector
-from cardan.model.parts import Material
+from cardan.model.material import Material
 from cardan.model.seat import LOSS, Seat
 
 MODES = 6

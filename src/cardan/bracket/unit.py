@@ -16,7 +16,7 @@ from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, mesh, sile
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import SEAT, WALL, Solid
 from cardan.model.bracket import Hold
-from cardan.model.parts import Material
+from cardan.model.material import Material
 from cardan.model.seat import LOSS, Seat, seat
 
 UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")

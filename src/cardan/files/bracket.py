@@ -51,7 +51,7 @@ from cardan.model.bracket import (
     Zone,
     usual_preload,
 )  # fmt: skip
-from cardan.model.parts import STEEL, Material
+from cardan.model.material import STEEL, Material
 from cardan.model.seat import LOSS
 
 AXES = ("x", "y", "z")

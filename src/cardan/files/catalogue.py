@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.base.errors import BadFile, DesignError, Problem
-from cardan.base.source import HOW_READ, Source
+from cardan.base.source import ASSUMED, HOW_READ, Source
 from cardan.base.units import deg
 from cardan.border.document import Mapping, Node, Scalar, refuse_hidden
 from cardan.border.measure import (
@@ -59,7 +59,8 @@ from cardan.fatigue.detail import at_knee
 from cardan.files.how_read import HowRead, with_reading
 from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.laminate import CompositeTube, Layer, Ply, metal
-from cardan.model.parts import ASSUMED, STEEL, JointSize, Material, Tube
+from cardan.model.material import STEEL, Material
+from cardan.model.parts import JointSize, Tube
 
 PLIES = 400
 """Of one tube: 50 mm of wall, and a limit far above what is wound keeps a mistake short."""

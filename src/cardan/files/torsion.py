@@ -21,7 +21,7 @@ from cardan.border.measure import (
 )  # fmt: skip
 from cardan.border.table import ListOf, Number, Table, Text, Whole, key
 from cardan.files.typical import find_row, rows
-from cardan.model.parts import STEEL
+from cardan.model.material import STEEL
 from cardan.model.turning import (
     Clutch,
     Converter,

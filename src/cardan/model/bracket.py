@@ -11,9 +11,9 @@ from typing import Literal, TypeAlias
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
-from cardan.base.source import Source
+from cardan.base.source import ASSUMED, Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
-from cardan.model.parts import ASSUMED, STEEL, Material
+from cardan.model.material import STEEL, Material
 from cardan.model.seat import LOSS
 
 Vector: TypeAlias = tuple[float, float, float]

@@ -22,9 +22,9 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.frozen import dataclass
-from cardan.base.source import Source
+from cardan.base.source import ASSUMED, Source
 from cardan.base.units import GPa, Metre, MPa, Pascal, Radian, deg, mm
-from cardan.model.parts import ASSUMED, Material
+from cardan.model.material import Material
 
 _GAUSS = np.array([-1.0, 0.0, 1.0]) * sqrt(0.6), np.array([5.0, 8.0, 5.0]) / 18
 """Places in a ply from -1 to 1 and their weights: exact for powers of z up to the fifth."""

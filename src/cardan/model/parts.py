@@ -1,48 +1,15 @@
 """The parts of a line: tube, joint, centre bearing, spline, shaft. All SI."""
 
 from math import isnan, pi
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.frozen import dataclass
-from cardan.base.source import Source
-from cardan.base.units import GPa, Kilogram, Metre, NewtonMetre, Pascal, Radian, mm
+from cardan.base.source import ASSUMED, Source
+from cardan.base.units import Kilogram, Metre, NewtonMetre, Radian, mm
+from cardan.model.laminate import CompositeTube
+from cardan.model.material import STEEL, Material
 from cardan.model.seat import LOSS
-
-if TYPE_CHECKING:
-    from cardan.model.laminate import CompositeTube
-
-ASSUMED = Source("Assumed: not given in the application")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
-    """An isotropic material."""
-
-    name: str
-    youngs_modulus: Pascal
-    density: float
-    poisson: float = 0.3
-    yield_strength: Pascal | None = None
-    ultimate_strength: Pascal | None = None
-    fatigue_shear: Pascal | None = None
-    source: Source = ASSUMED
-
-    def __post_init__(self) -> None:
-        positive("a material", youngs_modulus=self.youngs_modulus, density=self.density)
-
-    @property
-    def shear_modulus(self) -> Pascal:
-        """G = E / (2 (1 + nu))."""
-        return self.youngs_modulus / (2 * (1 + self.poisson))
-
-
-STEEL = Material(
-    name="steel",
-    youngs_modulus=206 * GPa,
-    density=7850.0,
-    source=Source("EN 13906-1, spring steel: E = 206 GPa", how_read="from memory"),
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -293,7 +260,7 @@ class Shaft:
     """
 
     length: Metre
-    tube: "Tube | CompositeTube | None" = None
+    tube: Tube | CompositeTube | None = None
     phase: Radian = 0.0
     centre_bearing: CentreBearing | None = None
     spline: Spline | None = None

@@ -26,7 +26,7 @@ from cardan.fatigue.strength import SNCurve
 from cardan.files.bracket import DEFAULTS
 from cardan.files.catalogue import find
 from cardan.model.bracket import ZONES, Bracket, FatigueCurve, Zone
-from cardan.model.parts import Material
+from cardan.model.material import Material
 
 ALONE = Occasion("case", "")
 """A history that nobody named."""

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
 from cardan.base.frozen import dataclass
-from cardan.base.source import Source
+from cardan.base.source import ASSUMED, Source
 from cardan.model.application import Application
-from cardan.model.parts import ASSUMED, Line, Tube
+from cardan.model.parts import Line, Tube
 
 Kind: TypeAlias = Literal["joint", "tube", "material"]
 
