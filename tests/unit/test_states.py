@@ -364,6 +364,38 @@ def test_a_front_axle_turns_the_other_way_in_its_line():
     assert found.driven_load[0] + rear.driven_load[0] == pytest.approx(108e3, rel=1e-14)
 
 
+def test_a_nose_that_rises_rises_whichever_way_it_faces():
+    """A pitch that is given, by a state or by the linkage, is in the sense of a shim."""
+    linkage = Linkage(travel=(-0.2, 0.2), pitch=(-2 * deg, 2 * deg))
+    application = with_states(
+        State(name="gvw", kind="gvw"), State(name="turned", travel=0.0, pitch=1 * deg),
+        State(name="up", travel=0.1), vehicle=replace(TRUCK.vehicle, drive="4x4"),
+    )  # fmt: skip
+    line = front_line(suspension=replace(TRUCK.suspension, linkage=linkage))
+    found = asked(application, line)
+    np.testing.assert_allclose(found.pitch, [0, 1 * deg, 1 * deg], atol=1e-12)
+    shimmed = found.corrected(shim=1 * deg)
+    np.testing.assert_allclose(found.layout.points[1], shimmed.points[0], atol=1e-14)
+    # Its joint is the nose, 400 mm on the gearbox's side of the wheels: the joint rises with it.
+    assert found.layout.points[1, -1, 2] - line.layout.points[-1, 2] == pytest.approx(
+        0.4 * np.sin(1 * deg), rel=1e-9
+    )
+
+
+def test_an_engine_behind_its_axle_winds_it_up_the_other_way():
+    """The line runs forward to a rear axle: what moves that moves it as a front axle's."""
+    states = tuple(State(name=kind, kind=kind) for kind in ("gvw", "jounce", "windup"))
+    rearward = asked(with_states(*states), MAIN)
+    forward = asked(with_states(*states), replace(MAIN, runs="forward"))
+    went = forward.layout.points[1, -1] - MAIN.layout.points[-1]
+    np.testing.assert_allclose(
+        went, (rearward.layout.points[1, -1] - MAIN.layout.points[-1]) * (-1, 1, 1), atol=1e-14
+    )
+    np.testing.assert_allclose(forward.pitch[2], -rearward.pitch[2], rtol=1e-12)
+    assert rearward.pitch[2] > 0.01
+    np.testing.assert_array_equal(forward.slip_torque, rearward.slip_torque)
+
+
 def test_a_line_to_the_transfer_case_stays_where_it_is():
     line = replace(MAIN, axle=None, drives="all")
     found = asked(with_states(*TRUCK.states, vehicle=replace(TRUCK.vehicle, drive="4x4")), line)

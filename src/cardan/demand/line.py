@@ -110,7 +110,7 @@ class ResolvedLine:
     @property
     def ahead(self) -> float:
         """Sign of the vehicle's x and pitch in the line's frame: they turn on the way forward."""
-        return -1.0 if self.installed.drives == "front" else 1.0
+        return -1.0 if self.installed.forward else 1.0
 
     @property
     def free(self) -> BoolArray:

@@ -1,8 +1,8 @@
 """What the vehicle asks of one line in every state: `demand`, and `demand_under` other torques.
 
-Every line is seen in its own frame, x along the flow of torque. An axle moves in the
-vehicle's frame; for a line that runs forward to a front axle, fore-aft motion and pitch
-change sign on the way.
+Every line is seen in its own frame, x along the flow of torque. An axle moves fore and aft,
+and is wound up, in the vehicle's frame; for a line that runs forward, to a front axle, both
+change sign on the way. Pitch that is given is of the pinion's nose, and so the line's own.
 
 All of it is array code: the states are the last leading axis, the variants of a study,
 whose numbers come as (V, 1), the one before it.
@@ -575,7 +575,7 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
         braked=loads.braked,
         ride=Ride(
             shift=stacked((line.ahead * dx, 0.0, travel)),
-            pitch=line.ahead * np.where(yields, pitch, turned),
+            pitch=np.where(yields, pitch, turned),  # the pinion's nose up, whichever way it faces
             arm=stacked((x, 0.0, z)),
             lead=_by_state(
                 2 * s.articulation if f else 0.0 for s, f in zip(states, free, strict=True)
