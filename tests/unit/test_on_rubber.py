@@ -147,6 +147,29 @@ def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_pa
         assert row["verdict"] == "warn"
 
 
+@pytest.mark.parametrize(
+    ("top", "driven", "half"), [(2300, 1750, 1750), (1600, 1750, 1600), (2300, 500, 2300)]
+)
+def test_half_critical_is_asked_of_the_speeds_a_line_stays_at(tmp_path, top, driven, half):
+    """Faster alone clears nothing: at 2300 rpm a shaft of 3675 was told 0.63, at home at 0.48."""
+    line = f"""\
+title: a long shaft
+speed_rpm: {top}
+torque_Nm: 500
+driveline:
+  slopes: {{side_deg: [4, 0, 4]}}
+  joints: "2035"
+  shafts: [{{length_mm: 1900, tube: {{outer_mm: 80, wall_mm: 3, material: E355-N}}, phase_deg: 0}}]
+limits: [{{quantity: half_critical_band, band: [0.42, 0.58], above_angle: 3, source: ours}}]
+duty: [{{share_percent: 100, torque_Nm: 400, speed_rpm: {driven}}}]
+"""
+    # Of a pinned tube, METHOD 8: 30 pi/L^2 sqrt(E (D^2 + d^2)/(16 rho)).
+    critical = 30 * np.pi / 1.9**2 * np.sqrt(210e9 * (0.08**2 + 0.074**2) / 16 / 7850)
+    (check,) = (c for c in told(tmp_path, line)["checks"] if c["part"] == "shaft 1")
+    assert check["value"] == pytest.approx(half / critical, rel=1e-3)
+    assert check["verdict"] == ("warn" if 0.42 < half / critical < 0.58 else "pass")
+
+
 @pytest.fixture(scope="module")
 def truck():
     return assess(files.read(EXAMPLES / "medium-truck-4x2.yaml"))

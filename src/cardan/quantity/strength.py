@@ -33,7 +33,7 @@ from cardan.quantity.declared import (
 from cardan.quantity.response import Response
 from cardan.shaft.life import n_beta, wear
 from cardan.shaft.strength import cup_pressure, tube_utilisation
-from cardan.shaft.whirl import critical_speed
+from cardan.shaft.whirl import HALF_CRITICAL, critical_speed
 
 _RPM = Constant(1 / rpm, "30/π", "30/PI()")
 
@@ -63,6 +63,23 @@ def _speed_ratios(r: Response) -> FloatArray:
     """Return top speed over the critical speed of each shaft, and over that of the line."""
     critical = [*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed]
     return _share(r.demand.speed[..., None], stacked(critical))
+
+
+def near_half(r: Response) -> FloatArray:
+    """Return the speed over the critical one that lies nearest to the half-critical band.
+
+    Of top speed and, in states that last, of the duty cycle's speeds up to it: what turns
+    faster than the band passes through it, and what counts is whether it stays there.
+    """
+    critical = stacked([*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed])
+    found = _share(r.demand.speed[..., None], critical)
+    low, high = HALF_CRITICAL
+    for point in r.duty:
+        speed = np.asarray(point.speed, dtype=float)[..., None]
+        driven = _share(np.where(speed <= r.demand.speed[..., None], speed, np.nan), critical)
+        off, other = (np.maximum((low - v) / low, (v - high) / high) for v in (found, driven))
+        found = np.where(r.lasting[:, None] & (other < off), driven, found)
+    return found
 
 
 def _wound(r: Response) -> tuple[Part, ...]:
@@ -173,8 +190,9 @@ DECLARED = (
         unit="1",
         equation="n / nc outside 0.42 … 0.58",
         source=AE7.at("p. 267"),
-        use="The joints excite twice a turn; matters above about 3 deg of joint angle.",
-        of=_speed_ratios,
+        use="The joints excite twice a turn; matters above about 3 deg of joint angle. Of top "
+        "speed and the duty cycle's speeds the nearest: a line that turns faster passes through.",
+        of=near_half,
         parts=_whirling,
         needs=(LENGTHS, SPEED, _WHIRLING),
     ),

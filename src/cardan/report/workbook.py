@@ -37,6 +37,7 @@ from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.quantity.strength import near_half
 from cardan.report import front
 from cardan.report.book import (
     EITHER_WAY,
@@ -769,7 +770,8 @@ class _Line:
             share = self._followed(
                 "critical_speed_ratio", r.demand.speed / alone, part=part, n=self.speed, nc=critical
             )
-            self._result("half_critical_band", share, r.demand.speed / alone, part=part)
+            if np.array_equal(near_half(r)[:, k - 1], r.demand.speed / alone, equal_nan=True):
+                self._result("half_critical_band", share, r.demand.speed / alone, part=part)
             if shaft.tube.material.yield_strength:
                 self._followed(
                     "tube_shear_utilisation", r.tube_shear_utilisation[:, k - 1], part=part,
