@@ -244,6 +244,8 @@ DEMAND = (
            "a front axle moves as a rear one in its line", "unit/test_states.py::test_a_front_axle_turns_the_other_way_in_its_line"),
     mutant("demand/states.py", "pitch=np.where(yields, pitch, turned),", "pitch=line.ahead * np.where(yields, pitch, turned),",
            "a nose that is said to rise sinks where it faces rearward", "unit/test_states.py::test_a_nose_that_rises_rises_whichever_way_it_faces"),
+    mutant("demand/line.py", "share = _largest_share(application, installed)", "share = usual",
+           "a locked differential shares as an open one", "unit/test_states.py::test_a_locked_differential_may_leave_all_to_the_axle_behind"),
     mutant("quantity/strength.py", "r.lasting[:, None] & (other < off), driven, found)", "r.lasting[:, None] & (other < off), found, found)",
            "half the critical speed is asked of top speed alone", "unit/test_on_rubber.py::test_half_critical_is_asked_of_the_speeds_a_line_stays_at"),
     mutant("quantity/strength.py", "np.where(speed <= r.demand.speed[..., None], speed, np.nan)", "speed",

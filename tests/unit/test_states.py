@@ -14,6 +14,7 @@ from cardan.demand.suspension import spring_deflection
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
+from cardan.model.turning import InterAxle
 from cardan.model.vehicle import (
     Axle,
     Engine,
@@ -325,6 +326,30 @@ def test_an_inter_axle_line_rides_on_two_axles():
     # In wind-up the front axle's output, behind its wheels, sinks; the gear tilts with it.
     assert found.layout.points[2, 0, 2] < 0
     assert found.layout.side[2, 0] == pytest.approx(2 * deg + found.pitch[2], rel=1e-12)
+
+
+def test_a_locked_differential_may_leave_all_to_the_axle_behind():
+    """With the axle ahead on ice: what the engine gives, up to what its own wheels hold."""
+    between = replace(MAIN, torque_ratio=0.5, load_share=0.5, output_joint=(0.35, 0.1))
+    vehicle = replace(TRUCK.vehicle, drive="6x4")
+    states = tuple(State(name=kind, kind=kind) for kind in ("empty", "gvw"))
+    engine = Engine(speed=(150.0, 220.0), torque=(330.0, 300.0))
+    application = with_states(*states, vehicle=vehicle, lines=(MAIN, between), engine=engine)
+    ahead, half = asked(application), asked(application, between)
+    locked = replace(application, inter_axle=InterAxle(locked=True))
+    whole = asked(locked, between)
+    np.testing.assert_allclose(whole.engine_torque, 2 * half.engine_torque, rtol=1e-14)
+    np.testing.assert_array_equal(whole.slip_torque, half.slip_torque)
+    wanted = np.minimum(ahead.engine_torque, half.slip_torque)
+    np.testing.assert_allclose(whole.torque, wanted, rtol=1e-14)
+    assert (whole.torque > half.torque).any()
+    np.testing.assert_array_equal(
+        asked(locked).torque, ahead.torque
+    )  # the main line has all as it is
+    for line in (half, whole):
+        assert line.standing.line.usual_share == 0.5
+    open_ = replace(application, inter_axle=InterAxle(locked=False))
+    np.testing.assert_array_equal(asked(open_, between).torque, half.torque)
 
 
 def front_line(**changes):
