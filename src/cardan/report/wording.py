@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import pi
-from typing import TYPE_CHECKING
+from math import isnan, pi
+from typing import TYPE_CHECKING, Any
 
 from cardan.base.errors import BadFile, Problem, RefusedInFile
 from cardan.base.part import LINE
@@ -348,6 +348,31 @@ def notes(of: Approval, say: Language) -> list[str]:
             more=say.number(a.forces[0]),
             high=say.short(a.factors[1]),
             less=say.number(a.forces[1]),
+        )
+        found.append(say("Note: {note}.", note=note))
+    for one in of.giving:
+        told: dict[str, Any] = {
+            "bearing": one.bearing,
+            "line": one.line,
+            "moves": say.short(one.moves / mm, 3),
+            "state": say.state(one.state),
+            "steady": say.short(one.steady / mm, 3),
+        }
+        free = isnan(one.clearance)
+        note = (
+            say(
+                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily",
+                **told,
+            )
+            if free
+            else say(
+                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; "
+                "clearances leave that out, the smallest there is {clearance} mm",
+                clearance=say.short(one.clearance / mm, 4),
+                **told,
+            )
         )
         found.append(say("Note: {note}.", note=note))
     for one in of.lifted:

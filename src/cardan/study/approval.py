@@ -27,9 +27,11 @@ from cardan.study.finding import (
 )
 from cardan.study.notes import (
     AssumedLoss,
+    GivingRubber,
     LiftedAxle,
     SpringMismatch,
     assumed_losses,
+    giving_rubber,
     lifted_axles,
     mismatches,
 )
@@ -118,6 +120,11 @@ class Approval:
         return tuple(assumed_losses(self.responses))
 
     @cached_property
+    def giving(self) -> tuple[GivingRubber, ...]:
+        """How far rubber gives where something is in a line's way."""
+        return tuple(giving_rubber(self.responses))
+
+    @cached_property
     def lifted(self) -> tuple[LiftedAxle, ...]:
         """Where a front axle lifts before the driven wheels slip."""
         return tuple(lifted_axles(self.responses))
@@ -130,7 +137,8 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        return tuple(str(m) for m in (*self.mismatches, *self.assumed, *self.lifted))
+        told = *self.mismatches, *self.assumed, *self.giving, *self.lifted
+        return tuple(str(m) for m in told)
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""
