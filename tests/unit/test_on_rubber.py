@@ -151,6 +151,18 @@ def test_how_far_the_rubber_gives_is_told_where_something_is_in_the_way(tmp_path
     assert 15 < float(re.search(r"up to (\S+) mm", note)[1]) < 25
 
 
+@pytest.mark.parametrize(
+    ("key", "says"), [("brake_torque_Nm: 250", "coasting is not asked"),
+                      ("reverse_ratio: 6.0", "backing is not asked")]
+)  # fmt: skip
+def test_a_way_to_drive_that_nobody_can_ask_is_told(tmp_path, key, says):
+    """A truck whose engine brake nobody knows passed without a word about coasting."""
+    text = (EXAMPLES / "medium-truck-4x2.yaml").read_text(encoding="utf-8")
+    assert not any("not asked" in n for n in told(tmp_path, text)["notes"])
+    (note,) = (n for n in told(tmp_path, text.replace(key, ""))["notes"] if "not asked" in n)
+    assert note.startswith(says)
+
+
 @pytest.mark.parametrize(("speed", "off"), [(500, 0.0940), (380, 0.1106), (600, 0.0872)])
 def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_path, speed, off):
     """METHOD 15: order 2 meets the modes at 427.25 and 551.90 rpm; tubes move them by 0.3 %."""

@@ -17,6 +17,7 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
 from cardan.study.moves import Move
+from cardan.study.notes import NOT_DRIVEN
 from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
@@ -382,6 +383,7 @@ def notes(of: Approval, say: Language) -> list[str]:
             states=say.list(*map(say.state, one.states)),
         )
         found.append(say("Note: {note}.", note=note))
+    found += [say("Note: {note}.", note=say.given(NOT_DRIVEN[one.way])) for one in of.not_driven]
     return found
 
 

@@ -29,11 +29,13 @@ from cardan.study.notes import (
     AssumedLoss,
     GivingRubber,
     LiftedAxle,
+    NotDriven,
     SpringMismatch,
     assumed_losses,
     giving_rubber,
     lifted_axles,
     mismatches,
+    not_driven,
 )
 from cardan.study.studies import STUDIES, VibrationStudy
 
@@ -130,6 +132,11 @@ class Approval:
         return tuple(lifted_axles(self.responses))
 
     @cached_property
+    def not_driven(self) -> tuple[NotDriven, ...]:
+        """Ways in which the vehicle is driven, and no line is asked."""
+        return tuple(not_driven(self.responses))
+
+    @cached_property
     def data(self) -> tuple[Datum, ...]:
         """The rows of catalogues that it stands on, and how each was read."""
         return tuple(data_of(self.application))
@@ -137,7 +144,7 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        told = *self.mismatches, *self.assumed, *self.giving, *self.lifted
+        told = *self.mismatches, *self.assumed, *self.giving, *self.lifted, *self.not_driven
         return tuple(str(m) for m in told)
 
     def of(self, study: str) -> Any:

@@ -1,6 +1,7 @@
 """What a reader should know: where an application contradicts itself, what is assumed."""
 
 from collections.abc import Iterable, Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -230,6 +231,40 @@ def lifted_axles(responses: Iterable[Response]) -> Iterator[LiftedAxle]:
         if states and states not in seen:
             seen.add(states)
             yield LiftedAxle(states=states)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotDriven:
+    """A way in which a vehicle can be driven, and that no point asks, as the file lacks a number.
+
+    `way` is coast, where nobody knows what holds back, or reverse, where nobody gives its ratio.
+    """
+
+    way: Literal["coast", "reverse"]
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        return NOT_DRIVEN[self.way]
+
+
+NOT_DRIVEN = {
+    "coast": "coasting is not asked, and the swing of a joint's torque starts from 0: brake_torque "
+    "of the engine, retarder_torque of the gearbox or coast_torque would say what holds back",
+    "reverse": "backing is not asked: reverse_ratio of the gearbox would say its torque",
+}
+
+
+def not_driven(responses: Iterable[Response]) -> Iterator[NotDriven]:
+    """Yield the ways in which a vehicle is driven by its engine, and some line is not asked."""
+    of = [
+        r.demand for r in responses
+        if (line := r.demand.standing.line).engine is not None and line.vehicle is not None
+        and line.torque is None
+    ]  # fmt: skip
+    if any(np.isnan(d.coast_torque).all() for d in of):
+        yield NotDriven(way="coast")
+    if any(d.standing.line.reverse is None for d in of):
+        yield NotDriven(way="reverse")
 
 
 def mismatches(application: Application) -> Iterator[SpringMismatch]:
