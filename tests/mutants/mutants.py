@@ -254,6 +254,8 @@ DEMAND = (
            "unit/test_on_rubber.py::test_how_far_the_rubber_gives_is_told_where_something_is_in_the_way"),
     mutant("study/notes.py", "[[0.0, 1 / b.across[1], 1 / b.across[0]]", "[[0.0, 1 / b.across[0], 1 / b.across[1]]",
            "rubber gives sideways as up and down", "unit/test_on_rubber.py::test_how_far_the_rubber_gives_is_told_where_something_is_in_the_way"),
+    mutant("quantity/response.py", "THIN * (s.tube.outer - s.tube.wall) / 2", "THIN * (s.tube.outer - s.tube.wall) / 20",
+           "thin metal does not buckle", "unit/test_composite_files.py::test_thin_metal_buckles_whichever_way_it_is_written"),
     mutant("quantity/strength.py", "r.lasting[:, None] & (other < off), driven, found)", "r.lasting[:, None] & (other < off), found, found)",
            "half the critical speed is asked of top speed alone", "unit/test_on_rubber.py::test_half_critical_is_asked_of_the_speeds_a_line_stays_at"),
     mutant("quantity/strength.py", "np.where(speed <= r.demand.speed[..., None], speed, np.nan)", "speed",

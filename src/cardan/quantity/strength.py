@@ -9,7 +9,6 @@ from cardan.base.formula import Constant, written
 from cardan.base.part import LINE, Part
 from cardan.base.source import AE7, DERIVED, GWB, SEHERR, SOUZA, Source
 from cardan.base.units import rpm
-from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import (
     ALL_TUBES,
     DUTY,
@@ -82,13 +81,9 @@ def near_half(r: Response) -> FloatArray:
     return found
 
 
-def _wound(r: Response) -> tuple[Part, ...]:
-    """Return the shafts whose tubes are wound of plies."""
-    return tuple(Part("shaft", k + 1) for k in _of_plies(r))
-
-
-def _of_plies(r: Response) -> list[int]:
-    return [k for k, s in enumerate(r.line.shafts) if isinstance(s.tube, CompositeTube)]
+def _shells(r: Response) -> tuple[Part, ...]:
+    """Return the shafts whose wall may buckle before it yields."""
+    return tuple(Part("shaft", k + 1) for k in r.shells)
 
 
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
@@ -322,11 +317,12 @@ DECLARED = (
             "G(n)": "work of the shear flow of 1 N·m on the wall's turning",
         },
         source=Source("Flügge, Stresses in Shells, 1973", "ch. 8"),
-        use="Of tubes wound of plies. Perfectly round, ends pinned at the joint centres, in the "
+        use="Of tubes wound of plies, and of metal thinner than 1/20 of its radius, which else "
+        "yields before. Perfectly round, ends pinned at the joint centres, in the "
         "sense of torque that the plies hold less well.",
-        of=lambda r: r.tube_buckling_utilisation[..., _of_plies(r)],
-        parts=_wound,
-        needs=(TORQUE,),
+        of=lambda r: r.tube_buckling_utilisation[..., list(r.shells)],
+        parts=_shells,
+        needs=(LENGTHS, TORQUE),
         section="Speed and strength",
     ),
     Quantity(
