@@ -50,13 +50,6 @@ from cardan.quantity import points
 from cardan.quantity.points import Points, Spread
 from cardan.shaft import beams, composite, life, strength, whirl
 
-THIN = 0.05
-"""Wall over mean radius from which on metal yields in shear before it buckles.
-
-Long tubes buckle at E (t/r)^1.5 / (3 √2 (1 - ν²)^0.75) (Flügge): here 0.0028 E, 195 MPa of
-aluminium and 590 MPa of steel, which yield in shear at 160 and at 200 to 400 MPa.
-"""
-
 SAMPLES = 16
 """Samples of a turn for the loads: under a constant torque they have orders 0 and 2 alone."""
 
@@ -110,8 +103,12 @@ class Response:
         """
         installed, named = self.demand.installed, self.application.duty_cycle
         if named is not None:
-            torque, speed = map(self._largest, (self.demand.torque, self.demand.speed))
-            return cycle_points(named, torque=torque, speed=speed)
+            torque, line = np.abs(self.demand.torque), self.demand.standing.line
+            if np.any(line.share != line.usual_share):  # behind a locked differential, at times
+                usual = line.usual_share / line.share * self.demand.engine_torque
+                torque = np.fmin(torque, np.abs(usual))
+            most, speed = map(self._largest, (torque, self.demand.speed))
+            return cycle_points(named, torque=most, speed=speed)
         share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
         return tuple(
             replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
@@ -653,29 +650,25 @@ class Response:
 
         return stacked(used(s.tube) for s in self.line.shafts)
 
-    @property
-    def shells(self) -> tuple[int, ...]:
-        """Shafts, from 0, whose wall may buckle before it yields: of plies, or of thin metal."""
-        return tuple(
-            k for k, s in enumerate(self.line.shafts)
-            if isinstance(s.tube, CompositeTube)
-            or (s.tube and np.any(s.tube.wall < THIN * (s.tube.outer - s.tube.wall) / 2))
-        )  # fmt: skip
-
     @cached_property
     def tube_buckling_utilisation(self) -> FloatArray:
-        """Torque over what buckles the wall of each of its `shells`, (..., n-1); nan for others.
+        """Torque over what buckles the wall of each tube, (..., n-1); nan without a tube.
 
         Between the joint centres, ends pinned, in the sense plies hold less well.
         """
-        shells = self.shells if self.line.measured else ()
         lengths = np.moveaxis(self.demand.installed.layout.lengths, -1, 0)
-        holds = stacked(
-            composite.buckling_torque(s.tube, length) if s.tube and k in shells else np.nan
-            for k, (s, length) in enumerate(zip(self.line.shafts, lengths, strict=True))
-        )
+
+        def holds(tube: Tube | CompositeTube | None, length: FloatArray) -> ArrayLike:
+            if tube is None:
+                return np.nan
+            if isinstance(tube, Tube):
+                return composite.metal_buckling_torque(tube, length)
+            return composite.buckling_torque(tube, length)
+
+        tubes = (s.tube for s in self.line.shafts)
+        held = stacked(holds(t, length) for t, length in zip(tubes, lengths, strict=True))
         torque = np.abs(self.demand.torque) * self.application.shock_factor
-        return torque[..., None] / holds
+        return torque[..., None] / held
 
     @property
     def life_ratings(self) -> FloatArray:

@@ -81,9 +81,9 @@ def near_half(r: Response) -> FloatArray:
     return found
 
 
-def _shells(r: Response) -> tuple[Part, ...]:
-    """Return the shafts whose wall may buckle before it yields."""
-    return tuple(Part("shaft", k + 1) for k in r.shells)
+def _with_tubes(r: Response) -> list[int]:
+    """Return the shafts, from 0, that have a tube: nobody misses the wall of others."""
+    return [k for k, s in enumerate(r.line.shafts) if s.tube is not None]
 
 
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
@@ -317,12 +317,12 @@ DECLARED = (
             "G(n)": "work of the shear flow of 1 N·m on the wall's turning",
         },
         source=Source("Flügge, Stresses in Shells, 1973", "ch. 8"),
-        use="Of tubes wound of plies, and of metal thinner than 1/20 of its radius, which else "
-        "yields before. Perfectly round, ends pinned at the joint centres, in the "
-        "sense of torque that the plies hold less well.",
-        of=lambda r: r.tube_buckling_utilisation[..., list(r.shells)],
-        parts=_shells,
-        needs=(LENGTHS, TORQUE),
+        use="Perfectly round, ends pinned at the joint centres, in the sense of torque that plies "
+        "hold less well. Metal thicker than 1/20 of its radius, which yields before, as an "
+        "endless tube: the safe side.",
+        of=lambda r: r.tube_buckling_utilisation[..., _with_tubes(r)],
+        parts=lambda r: tuple(Part("shaft", k + 1) for k in _with_tubes(r)),
+        needs=(TORQUE,),
         section="Speed and strength",
     ),
     Quantity(
