@@ -244,6 +244,8 @@ DEMAND = (
            "a front axle moves as a rear one in its line", "unit/test_states.py::test_a_front_axle_turns_the_other_way_in_its_line"),
     mutant("demand/states.py", "pitch=np.where(yields, pitch, turned),", "pitch=line.ahead * np.where(yields, pitch, turned),",
            "a nose that is said to rise sinks where it faces rearward", "unit/test_states.py::test_a_nose_that_rises_rises_whichever_way_it_faces"),
+    mutant("demand/states.py", 'first = line.ahead if line.installed.drives == "rear" else 1.0', "first = 1.0",
+           "torque from behind comes to the forward axle first", "unit/test_delivered.py::test_articulation_moves_the_shaft_from_axle_to_axle"),
     mutant("demand/line.py", "share = _largest_share(application, installed)", "share = usual",
            "a locked differential shares as an open one", "unit/test_states.py::test_a_locked_differential_may_leave_all_to_the_axle_behind"),
     mutant("study/notes.py", "if any(np.isnan(d.coast_torque).all() for d in of):", "if False:", "nobody says that coasting is not asked",
