@@ -45,7 +45,7 @@ JOINT = {**RATED, "cross_width_mm": 140, "cup_diameter_mm": 57, "cup_length_mm":
 """A joint without limits of its own on angle and speed: what is asked is asked by one limit."""
 
 OF_KINDS = ("joint_swing", "joint_orbit", "tube_buckling_utilisation")
-"""What crosses and steel tubes have not."""
+"""What crosses have not, and what the workbook does not follow: a wall's buckling."""
 KINDS = [
     {**JOINT, "kind": "double cardan", "centre_distance_mm": 80, "ball_from_rear_mm": 44},
     JOINT, JOINT,

@@ -44,7 +44,8 @@ SPENT = {
     " {share_percent: 70, torque_Nm: 1500, speed_rpm: 1500, angle_deg: 5}]",
     "cycle": "construction",
 }
-"""Duties of a tandem, whose second line carries half the torque; and of the truck that is
+"""Duties of a tandem, whose second line carries half the torque, but all behind a locked
+differential at times; and of the truck that is
 calculated by hand, whose second line turns faster too."""
 
 
@@ -54,6 +55,8 @@ def lasting():
     hand = files.read(HAND)
     for what, duty in SPENT.items():
         yield f"tandem-{what}", files.loads(f"{tandem}\nduty: {duty}\n")
+        locked = "inter_axle: {torque_split: 0.5, locked: true}"
+        yield f"tandem-locked-{what}", files.loads(f"{tandem}\n{locked}\nduty: {duty}\n")
     yield "hand-points", hand
     yield "hand-cycle", replace(hand, duty=(), duty_cycle=files.cycle("long-haul"))
 

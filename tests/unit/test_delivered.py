@@ -196,6 +196,13 @@ def test_articulation_moves_the_shaft_from_axle_to_axle():
     slope = np.arctan2(start[2] - end[2] + 100 * mm, end[0] - start[0])
     assert between.layout.side[rocked, 1] == pytest.approx(slope, rel=0.02)
     assert main.layout.side[rocked, 1:-2] == pytest.approx(main.layout.side[level, 1:-2])
+    # From an engine behind the bogie the torque comes to the hindmost axle first.
+    turned = text.replace("  - jounce\n", states)
+    turned = turned.replace("    points_mm:", "    runs: forward\n    points_mm:")
+    found = assess(files.loads(turned))
+    risen, moved = (r.layout.points[rocked] - r.layout.points[level] for r in found.responses)
+    heights = [risen[-1, 2], moved[0, 2], moved[-1, 2]]
+    assert heights == pytest.approx([-50 * mm, -50 * mm, 50 * mm], abs=1.5 * mm)
     with pytest.raises(CardanError, match="no line runs from axle to axle"):
         files.loads(ONE + "states: [{name: gvw, articulation_mm: 10}]\n")
 

@@ -135,6 +135,34 @@ def test_a_check_names_the_mode_that_an_order_meets_where_it_is_worst(tmp_path):
     assert "1000 N·m, order 2 meets lateral at 14.2 Hz" in " ".join(done.stdout.split())
 
 
+def test_how_far_the_rubber_gives_is_told_where_something_is_in_the_way(tmp_path):
+    """METHOD 15: 207.2 N in the lateral mode over 120 N/mm are 1.73 mm."""
+    text = rods(1000, {426.6: 0}).replace("limits: protractor", "include: [gravity]")
+    near = "obstacles: [{name: ball, start_mm: [600, 0, -200], radius_mm: 20}]\n"
+    assert not told(tmp_path, text)["notes"]
+    (note,) = told(tmp_path, text + near)["notes"]
+    found = re.search(r"moves by up to (\S+) mm in 426.6, (\S+) mm .* there is (\S+) mm", note)
+    moves, steady, clearance = map(float, found.groups())
+    assert steady < 0.05  # 5.1 N, and none of the weight: that hung there before
+    assert moves - steady == pytest.approx(207.225 / 120, rel=0.02)
+    assert clearance == pytest.approx(200 - 600 * np.tan(np.radians(1)) - 20 - 250, abs=1)
+    # Ten times the torque: 17 mm, which no rubber gives, is told without an obstacle too.
+    (note,) = told(tmp_path, rods(10000, {426.6: 0}).replace("limits: protractor", ""))["notes"]
+    assert 15 < float(re.search(r"up to (\S+) mm", note)[1]) < 25
+
+
+@pytest.mark.parametrize(
+    ("key", "says"), [("brake_torque_Nm: 250", "coasting is not asked"),
+                      ("reverse_ratio: 6.0", "backing is not asked")]
+)  # fmt: skip
+def test_a_way_to_drive_that_nobody_can_ask_is_told(tmp_path, key, says):
+    """A truck whose engine brake nobody knows passed without a word about coasting."""
+    text = (EXAMPLES / "medium-truck-4x2.yaml").read_text(encoding="utf-8")
+    assert not any("not asked" in n for n in told(tmp_path, text)["notes"])
+    (note,) = (n for n in told(tmp_path, text.replace(key, ""))["notes"] if "not asked" in n)
+    assert note.startswith(says)
+
+
 @pytest.mark.parametrize(("speed", "off"), [(500, 0.0940), (380, 0.1106), (600, 0.0872)])
 def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_path, speed, off):
     """METHOD 15: order 2 meets the modes at 427.25 and 551.90 rpm; tubes move them by 0.3 %."""
@@ -145,6 +173,29 @@ def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_pa
     for row in rows:
         assert row["value"] == pytest.approx(off, abs=3e-3)
         assert row["verdict"] == "warn"
+
+
+@pytest.mark.parametrize(
+    ("top", "driven", "half"), [(2300, 1750, 1750), (1600, 1750, 1600), (2300, 500, 2300)]
+)
+def test_half_critical_is_asked_of_the_speeds_a_line_stays_at(tmp_path, top, driven, half):
+    """Faster alone clears nothing: at 2300 rpm a shaft of 3675 was told 0.63, at home at 0.48."""
+    line = f"""\
+title: a long shaft
+speed_rpm: {top}
+torque_Nm: 500
+driveline:
+  slopes: {{side_deg: [4, 0, 4]}}
+  joints: "2035"
+  shafts: [{{length_mm: 1900, tube: {{outer_mm: 80, wall_mm: 3, material: E355-N}}, phase_deg: 0}}]
+limits: [{{quantity: half_critical_band, band: [0.42, 0.58], above_angle: 3, source: ours}}]
+duty: [{{share_percent: 100, torque_Nm: 400, speed_rpm: {driven}}}]
+"""
+    # Of a pinned tube, METHOD 8: 30 pi/L^2 sqrt(E (D^2 + d^2)/(16 rho)).
+    critical = 30 * np.pi / 1.9**2 * np.sqrt(210e9 * (0.08**2 + 0.074**2) / 16 / 7850)
+    (check,) = (c for c in told(tmp_path, line)["checks"] if c["part"] == "shaft 1")
+    assert check["value"] == pytest.approx(half / critical, rel=1e-3)
+    assert check["verdict"] == ("warn" if 0.42 < half / critical < 0.58 else "pass")
 
 
 @pytest.fixture(scope="module")

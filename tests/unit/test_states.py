@@ -14,6 +14,7 @@ from cardan.demand.suspension import spring_deflection
 from cardan.model.application import Application, Installed, State
 from cardan.model.layout import from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
+from cardan.model.turning import InterAxle
 from cardan.model.vehicle import (
     Axle,
     Engine,
@@ -327,6 +328,30 @@ def test_an_inter_axle_line_rides_on_two_axles():
     assert found.layout.side[2, 0] == pytest.approx(2 * deg + found.pitch[2], rel=1e-12)
 
 
+def test_a_locked_differential_may_leave_all_to_the_axle_behind():
+    """With the axle ahead on ice: what the engine gives, up to what its own wheels hold."""
+    between = replace(MAIN, torque_ratio=0.5, load_share=0.5, output_joint=(0.35, 0.1))
+    vehicle = replace(TRUCK.vehicle, drive="6x4")
+    states = tuple(State(name=kind, kind=kind) for kind in ("empty", "gvw"))
+    engine = Engine(speed=(150.0, 220.0), torque=(330.0, 300.0))
+    application = with_states(*states, vehicle=vehicle, lines=(MAIN, between), engine=engine)
+    ahead, half = asked(application), asked(application, between)
+    locked = replace(application, inter_axle=InterAxle(locked=True))
+    whole = asked(locked, between)
+    np.testing.assert_allclose(whole.engine_torque, 2 * half.engine_torque, rtol=1e-14)
+    np.testing.assert_array_equal(whole.slip_torque, half.slip_torque)
+    wanted = np.minimum(ahead.engine_torque, half.slip_torque)
+    np.testing.assert_allclose(whole.torque, wanted, rtol=1e-14)
+    assert (whole.torque > half.torque).any()
+    np.testing.assert_array_equal(
+        asked(locked).torque, ahead.torque
+    )  # the main line has all as it is
+    for line in (half, whole):
+        assert line.standing.line.usual_share == 0.5
+    open_ = replace(application, inter_axle=InterAxle(locked=False))
+    np.testing.assert_array_equal(asked(open_, between).torque, half.torque)
+
+
 def front_line(**changes):
     return Installed(
         line=Line(name="front", shafts=(Shaft(length=1.1),)),
@@ -362,6 +387,38 @@ def test_a_front_axle_turns_the_other_way_in_its_line():
     assert found.layout.points[2, -1, 2] < line.layout.points[-1, 2]
     # All wheels at the limit: mu W, split as the loads are.
     assert found.driven_load[0] + rear.driven_load[0] == pytest.approx(108e3, rel=1e-14)
+
+
+def test_a_nose_that_rises_rises_whichever_way_it_faces():
+    """A pitch that is given, by a state or by the linkage, is in the sense of a shim."""
+    linkage = Linkage(travel=(-0.2, 0.2), pitch=(-2 * deg, 2 * deg))
+    application = with_states(
+        State(name="gvw", kind="gvw"), State(name="turned", travel=0.0, pitch=1 * deg),
+        State(name="up", travel=0.1), vehicle=replace(TRUCK.vehicle, drive="4x4"),
+    )  # fmt: skip
+    line = front_line(suspension=replace(TRUCK.suspension, linkage=linkage))
+    found = asked(application, line)
+    np.testing.assert_allclose(found.pitch, [0, 1 * deg, 1 * deg], atol=1e-12)
+    shimmed = found.corrected(shim=1 * deg)
+    np.testing.assert_allclose(found.layout.points[1], shimmed.points[0], atol=1e-14)
+    # Its joint is the nose, 400 mm on the gearbox's side of the wheels: the joint rises with it.
+    assert found.layout.points[1, -1, 2] - line.layout.points[-1, 2] == pytest.approx(
+        0.4 * np.sin(1 * deg), rel=1e-9
+    )
+
+
+def test_an_engine_behind_its_axle_winds_it_up_the_other_way():
+    """The line runs forward to a rear axle: what moves that moves it as a front axle's."""
+    states = tuple(State(name=kind, kind=kind) for kind in ("gvw", "jounce", "windup"))
+    rearward = asked(with_states(*states), MAIN)
+    forward = asked(with_states(*states), replace(MAIN, runs="forward"))
+    went = forward.layout.points[1, -1] - MAIN.layout.points[-1]
+    np.testing.assert_allclose(
+        went, (rearward.layout.points[1, -1] - MAIN.layout.points[-1]) * (-1, 1, 1), atol=1e-14
+    )
+    np.testing.assert_allclose(forward.pitch[2], -rearward.pitch[2], rtol=1e-12)
+    assert rearward.pitch[2] > 0.01
+    np.testing.assert_array_equal(forward.slip_torque, rearward.slip_torque)
 
 
 def test_a_line_to_the_transfer_case_stays_where_it_is():

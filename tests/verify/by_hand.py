@@ -798,12 +798,14 @@ def axle_motion(truck, line, state, load, torque):
         pitch = springs.pitch_rate * rise
     through_axle = line.axle_ratio / line.axles_behind
     if state.kind == "windup":
-        # The wheels push the ground back; the housing is turned nose up.
-        pitch += torque["torque"] * through_axle * line.axle_efficiency / springs.windup
+        # The wheels push the ground back; the housing turns a nose that faces ahead up.
+        pitch += (
+            line.ahead * torque["torque"] * through_axle * line.axle_efficiency / springs.windup
+        )
     if state.kind == "windup brake":
         held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
-        pitch -= (min(held, grip) if springs.brake else grip) / springs.windup
+        pitch -= line.ahead * (min(held, grip) if springs.brake else grip) / springs.windup
     if not isnan(state.pitch):
         pitch = state.pitch
     return rise, rearward, pitch
@@ -851,15 +853,15 @@ def ridden(line, motion):
     def carried(point, arm):
         arm = np.array([arm[0], 0.0, arm[1]])
         moved = np.array([line.ahead * rearward, 0.0, rise])
-        return point + moved + nose_up(arm, line.ahead * pitch) - arm
+        return point + moved + nose_up(arm, pitch) - arm
 
     new, along = points.copy(), d.copy()
     if line.output:
-        new[0], along[0] = carried(points[0], line.output), nose_up(d[0], line.ahead * pitch)
+        new[0], along[0] = carried(points[0], line.output), nose_up(d[0], pitch)
     for k, shaft in enumerate(line.shafts[:-1]):
         bearing = points[k] + shaft.to_bearing * d[k + 1]  # fixed to the frame
         new[k + 1] = new[k] + shaft.length * unit(bearing - new[k])
-    new[-1], along[-1] = carried(points[-1], line.pinion), nose_up(d[-1], line.ahead * pitch)
+    new[-1], along[-1] = carried(points[-1], line.pinion), nose_up(d[-1], pitch)
     for k in range(len(line.shafts)):
         along[k + 1] = unit(new[k + 1] - new[k])
     return new, along

@@ -67,7 +67,10 @@ class ResolvedLine:
     suspension
         What moves its axle; the application's own is that of the rear axles.
     share
-        Its torque over that of the gearbox output.
+        The largest part it may have of the gearbox output's torque: behind a locked
+        differential all that goes there.
+    usual_share
+        What it has of that torque while all wheels hold.
     torque, coast_torque, speed : N m, N m, rad/s
         Of the gearbox output where the application says so, in place of engine and tyres.
     gears
@@ -90,6 +93,7 @@ class ResolvedLine:
     tyre: Tyre | None
     suspension: Suspension | None
     share: float
+    usual_share: float
     torque: NewtonMetre | None
     coast_torque: NewtonMetre | None
     speed: RadianPerSecond | None
@@ -110,7 +114,7 @@ class ResolvedLine:
     @property
     def ahead(self) -> float:
         """Sign of the vehicle's x and pitch in the line's frame: they turn on the way forward."""
-        return -1.0 if self.installed.drives == "front" else 1.0
+        return -1.0 if self.installed.forward else 1.0
 
     @property
     def free(self) -> BoolArray:
@@ -141,7 +145,8 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
     if suspension is None and installed.drives == "rear":
         suspension = application.suspension
     reference = State(name="reference", kind=suspension.reference if suspension else "gvw")
-    share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+    usual = _usual_share(installed)
+    share = _largest_share(application, installed)
     engine, gearbox = application.engine, application.gearbox or DIRECT
     line_over_output = {"torque_ratio": share, "speed_ratio": installed.speed_ratio}
     return ResolvedLine(
@@ -157,6 +162,7 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
         tyre=application.tyre,
         suspension=suspension,
         share=share,
+        usual_share=usual,
         torque=application.torque,
         coast_torque=application.coast_torque,
         speed=application.speed,
@@ -164,6 +170,29 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
         reverse=engine and reverse_gears(engine, gearbox, **line_over_output),
         obstacles=tuple(o for o in application.obstacles if o.line == installed.line.name),
     )
+
+
+def _usual_share(installed: Installed) -> float:
+    """Return what a line has of the gearbox output's torque while all wheels hold."""
+    return installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+
+
+def _largest_share(application: Application, installed: Installed) -> float:
+    """Return the same where the wheels of the axle ahead hold nothing.
+
+    A locked inter-axle differential then leaves it all to the line between the axles; an open
+    one lets no side have more than it has of what the other slips with.
+    """
+    usual, between = _usual_share(installed), application.inter_axle
+    if between is None or not between.locked or installed.output_joint is None:
+        return usual
+    return np.maximum.reduce([
+        usual,
+        *(
+            _usual_share(ahead) for ahead in application.lines
+            if ahead.output_joint is None and ahead.drives == installed.drives
+        ),
+    ])  # fmt: skip
 
 
 def _loading(vehicle: Vehicle | None, state: State) -> Loading:

@@ -1,14 +1,14 @@
 """What the vehicle asks of one line in every state: `demand`, and `demand_under` other torques.
 
-Every line is seen in its own frame, x along the flow of torque. An axle moves in the
-vehicle's frame; for a line that runs forward to a front axle, fore-aft motion and pitch
-change sign on the way.
+Every line is seen in its own frame, x along the flow of torque. An axle moves fore and aft,
+and is wound up, in the vehicle's frame; for a line that runs forward, to a front axle, both
+change sign on the way. Pitch that is given is of the pinion's nose, and so the line's own.
 
 All of it is array code: the states are the last leading axis, the variants of a study,
 whose numbers come as (V, 1), the one before it.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 from functools import partial
 
@@ -17,6 +17,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, apart, stacked
 from cardan.base.errors import DesignError, about
 from cardan.base.frozen import dataclass
+from cardan.base.units import Metre
 from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
@@ -551,13 +552,18 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     for k, (s, loading) in enumerate(zip(line.states, line.loadings, strict=True)):
         with about(f"states[{k + 1}]"):
             risen.append(rise(s, loading, free=bool(line.free[k])))
-    # A tandem's forward axle is behind its main line, the other behind that from axle to axle.
+    # A tandem's forward axle is behind its main line, the other behind that from axle to axle;
+    # where torque flows forward the hindmost is the first.
     sign = 1.0 if line.installed.output_joint is None else -1.0
-    rocked = (
-        sign * s.articulation if f and line.installed.drives == "rear" else 0.0
-        for s, f in zip(line.states, line.free, strict=True)
-    )
+    rocked = (sign * a if line.installed.drives == "rear" else 0.0 for a in _rocked(line))
     return _by_state(risen) + _by_state(rocked)
+
+
+def _rocked(line: ResolvedLine) -> Iterator[Metre]:
+    """Yield how far a tandem's first axle rises over the mean of both, state by state."""
+    first = line.ahead if line.installed.drives == "rear" else 1.0
+    for state, free in zip(line.states, line.free, strict=True):
+        yield first * state.articulation if free else 0.0
 
 
 def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
@@ -575,11 +581,9 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
         braked=loads.braked,
         ride=Ride(
             shift=stacked((line.ahead * dx, 0.0, travel)),
-            pitch=line.ahead * np.where(yields, pitch, turned),
+            pitch=np.where(yields, pitch, turned),  # the pinion's nose up, whichever way it faces
             arm=stacked((x, 0.0, z)),
-            lead=_by_state(
-                2 * s.articulation if f else 0.0 for s, f in zip(states, free, strict=True)
-            ),
+            lead=_by_state(2 * a for a in _rocked(line)),
         ),
         yields=yields,
         slip_back=slip_back,

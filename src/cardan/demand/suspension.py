@@ -1,7 +1,8 @@
 """Where the suspension puts the axle: spring, height in each state, its path, wind-up.
 
 Deflection counts from the free spring, in its direction of load; the axle rises by as much
-towards the frame. Motions are in the vehicle's frame: x rearward, z up, pitch about y.
+towards the frame. Motions are in the vehicle's frame, x rearward and z up; pitch is of the
+pinion's nose, and of wind-up about y.
 """
 
 from math import nan

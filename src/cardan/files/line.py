@@ -52,7 +52,7 @@ from cardan.model.layout import Layout
 from cardan.model.movable import MOVABLES, Movable
 from cardan.model.parts import RIGID_FLANGE, CentreBearing, Flange, JointSize, Line, Shaft, Spline
 from cardan.model.seat import LOSS
-from cardan.model.vehicle import Axle, Drives
+from cardan.model.vehicle import Axle, Drives, Runs
 
 SHAFTS = 12
 """Of one line: trucks have up to five, and a limit far above keeps a mistake short."""
@@ -381,6 +381,10 @@ class LineTable(GeometryTable):
         "what moves this line's axle, if not the vehicle's rear suspension", default=None
     )
     drives: Drives = key("which axles turn behind this line", default="rear")
+    runs: Runs | None = key(
+        "which way its torque flows; forward to a front axle, else rearward, if not said",
+        default=None,
+    )
     load_share: Share = key("share of their load on wheels behind this line", default=1.0)
     torque_share: Share = key("share of the gearbox output's torque", default=1.0)
     torque_ratio: LineRatio = key("torque over that share: a transfer case's gears", default=1.0)
@@ -435,6 +439,7 @@ class LineTable(GeometryTable):
                 torque_ratio=self.torque_ratio * self.torque_share,
                 speed_ratio=self.speed_ratio,
                 drives=self.drives,
+                runs=self.runs,
                 load_share=self.load_share,
                 output_joint=self.output_joint,
                 suspension=self.suspension,

@@ -547,7 +547,7 @@ def _output_behind(application: Application) -> Found:
 def _reach(application: Application) -> Found:
     for line in _lines(application):
         vehicle, axle = application.vehicle, line.installed.axle
-        if vehicle and line.installed.drives == "rear":
+        if vehicle and line.installed.drives == "rear" and not line.installed.forward:
             x = line.installed.layout.points[:, 0]
             ahead = -axle.pinion_joint[0] if axle else 0.0
             yield ("vehicle.wheelbase",), (x[-1] - x[0] + ahead) / vehicle.wheelbase

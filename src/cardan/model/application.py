@@ -20,6 +20,7 @@ from cardan.model.vehicle import (
     Drives,
     Engine,
     Gearbox,
+    Runs,
     Suspension,
     SuspensionState,
     Tyre,
@@ -48,8 +49,8 @@ class State:
 
     `kind` says how the suspension places the axle; None leaves the geometry as given.
     `travel` places the axle by hand instead (rise from the reference state), `pitch` turns
-    it (from the reference state, positive as traction winds it: the pinion of a rear axle
-    rises). What is given here replaces what the vehicle would ask: `layouts` by line name,
+    it (from the reference state, positive as the pinion's nose rises, whichever way it
+    faces). What is given here replaces what the vehicle would ask: `layouts` by line name,
     torque and speed (of the gearbox output, from which each line has its share).
     """
 
@@ -162,8 +163,9 @@ class Installed:
     """A line as installed: its parts, its layout in the reference state, its axle.
 
     The layout runs with the flow of torque: x points along it, z up, y to the right of it.
-    So a line to a front axle lies in the vehicle's frame turned half round about z, and
-    every line has its gearbox end first and its pinion facing back at it.
+    So a line that runs forward, to a front axle or from an engine behind its axle, lies in
+    the vehicle's frame turned half round about z, and every line has its gearbox end first
+    and its pinion facing back at it.
     """
 
     line: Line
@@ -175,6 +177,8 @@ class Installed:
     drives: Drives = "rear"
     """Which axles turn behind this line; its pinion sits on one of them, or, where it
     drives all, on a transfer case held by the frame."""
+    runs: Runs | None = None
+    """Which way torque flows in the vehicle; None: forward to a front axle, else rearward."""
     load_share: float = 1.0
     """Share of their load that is on wheels behind this line: 0.5 between two axles."""
     output_joint: tuple[Metre, Metre] | None = None
@@ -197,6 +201,11 @@ class Installed:
                 f"{wrong[0]:g}"
             )
             raise DesignError(msg)
+
+    @property
+    def forward(self) -> bool:
+        """Whether torque flows forward: then the axle's pinion faces rearward."""
+        return (self.runs or ("forward" if self.drives == "front" else "rearward")) == "forward"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

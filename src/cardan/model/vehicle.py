@@ -13,6 +13,7 @@ from cardan.model.turning import GearboxRotors, Rotors
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
 Drives: TypeAlias = Literal["rear", "front", "all"]
+Runs: TypeAlias = Literal["rearward", "forward"]
 """Which axles a line turns."""
 
 SuspensionState: TypeAlias = Literal[
@@ -273,13 +274,13 @@ class Spring:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Linkage:
-    """How the axle moves fore and aft and pitches as it rises, in the vehicle's frame.
+    """How the axle moves fore and aft and pitches as it rises.
 
     A leaf spring is an equivalent link of `radius` (about three quarters of the front half
     length) from its pivot ahead of the axle, at `angle` above the horizontal in the
     reference state (pivot above axle positive), with `pitch_rate` rad per metre of rise.
     A table from CAD replaces it: travel (up positive) against dx (rearward), pitch. Pitch
-    is positive as traction winds the axle: a pinion that faces forward rises.
+    is positive as the pinion's nose rises, whichever way it faces: as a shim's.
     """
 
     radius: Metre | None = None

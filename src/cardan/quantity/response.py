@@ -103,8 +103,12 @@ class Response:
         """
         installed, named = self.demand.installed, self.application.duty_cycle
         if named is not None:
-            torque, speed = map(self._largest, (self.demand.torque, self.demand.speed))
-            return cycle_points(named, torque=torque, speed=speed)
+            torque, line = np.abs(self.demand.torque), self.demand.standing.line
+            if np.any(line.share != line.usual_share):  # behind a locked differential, at times
+                usual = line.usual_share / line.share * self.demand.engine_torque
+                torque = np.fmin(torque, np.abs(usual))
+            most, speed = map(self._largest, (torque, self.demand.speed))
+            return cycle_points(named, torque=most, speed=speed)
         share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
         return tuple(
             replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
@@ -648,19 +652,23 @@ class Response:
 
     @cached_property
     def tube_buckling_utilisation(self) -> FloatArray:
-        """Torque over what buckles each composite tube, (..., n-1); nan for others.
+        """Torque over what buckles the wall of each tube, (..., n-1); nan without a tube.
 
-        Between the joint centres, ends pinned, in the sense the plies hold less well.
+        Between the joint centres, ends pinned, in the sense plies hold less well.
         """
         lengths = np.moveaxis(self.demand.installed.layout.lengths, -1, 0)
-        holds = stacked(
-            composite.buckling_torque(s.tube, length)
-            if isinstance(s.tube, CompositeTube)
-            else np.nan
-            for s, length in zip(self.line.shafts, lengths, strict=True)
-        )
+
+        def holds(tube: Tube | CompositeTube | None, length: FloatArray) -> ArrayLike:
+            if tube is None:
+                return np.nan
+            if isinstance(tube, Tube):
+                return composite.metal_buckling_torque(tube, length)
+            return composite.buckling_torque(tube, length)
+
+        tubes = (s.tube for s in self.line.shafts)
+        held = stacked(holds(t, length) for t, length in zip(tubes, lengths, strict=True))
         torque = np.abs(self.demand.torque) * self.application.shock_factor
-        return torque[..., None] / holds
+        return torque[..., None] / held
 
     @property
     def life_ratings(self) -> FloatArray:

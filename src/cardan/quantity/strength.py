@@ -9,7 +9,6 @@ from cardan.base.formula import Constant, written
 from cardan.base.part import LINE, Part
 from cardan.base.source import AE7, DERIVED, GWB, SEHERR, SOUZA, Source
 from cardan.base.units import rpm
-from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import (
     ALL_TUBES,
     DUTY,
@@ -33,7 +32,7 @@ from cardan.quantity.declared import (
 from cardan.quantity.response import Response
 from cardan.shaft.life import n_beta, wear
 from cardan.shaft.strength import cup_pressure, tube_utilisation
-from cardan.shaft.whirl import critical_speed
+from cardan.shaft.whirl import HALF_CRITICAL, critical_speed
 
 _RPM = Constant(1 / rpm, "30/π", "30/PI()")
 
@@ -65,13 +64,26 @@ def _speed_ratios(r: Response) -> FloatArray:
     return _share(r.demand.speed[..., None], stacked(critical))
 
 
-def _wound(r: Response) -> tuple[Part, ...]:
-    """Return the shafts whose tubes are wound of plies."""
-    return tuple(Part("shaft", k + 1) for k in _of_plies(r))
+def near_half(r: Response) -> FloatArray:
+    """Return the speed over the critical one that lies nearest to the half-critical band.
+
+    Of top speed and, in states that last, of the duty cycle's speeds up to it: what turns
+    faster than the band passes through it, and what counts is whether it stays there.
+    """
+    critical = stacked([*np.moveaxis(r.critical_speeds, -1, 0), r.line_critical_speed])
+    found = _share(r.demand.speed[..., None], critical)
+    low, high = HALF_CRITICAL
+    for point in r.duty:
+        speed = np.asarray(point.speed, dtype=float)[..., None]
+        driven = _share(np.where(speed <= r.demand.speed[..., None], speed, np.nan), critical)
+        off, other = (np.maximum((low - v) / low, (v - high) / high) for v in (found, driven))
+        found = np.where(r.lasting[:, None] & (other < off), driven, found)
+    return found
 
 
-def _of_plies(r: Response) -> list[int]:
-    return [k for k, s in enumerate(r.line.shafts) if isinstance(s.tube, CompositeTube)]
+def _with_tubes(r: Response) -> list[int]:
+    """Return the shafts, from 0, that have a tube: nobody misses the wall of others."""
+    return [k for k, s in enumerate(r.line.shafts) if s.tube is not None]
 
 
 def _in_every_state(r: Response, value: ArrayLike) -> FloatArray:
@@ -173,8 +185,9 @@ DECLARED = (
         unit="1",
         equation="n / nc outside 0.42 … 0.58",
         source=AE7.at("p. 267"),
-        use="The joints excite twice a turn; matters above about 3 deg of joint angle.",
-        of=_speed_ratios,
+        use="The joints excite twice a turn; matters above about 3 deg of joint angle. Of top "
+        "speed and the duty cycle's speeds the nearest: a line that turns faster passes through.",
+        of=near_half,
         parts=_whirling,
         needs=(LENGTHS, SPEED, _WHIRLING),
     ),
@@ -304,10 +317,11 @@ DECLARED = (
             "G(n)": "work of the shear flow of 1 N·m on the wall's turning",
         },
         source=Source("Flügge, Stresses in Shells, 1973", "ch. 8"),
-        use="Of tubes wound of plies. Perfectly round, ends pinned at the joint centres, in the "
-        "sense of torque that the plies hold less well.",
-        of=lambda r: r.tube_buckling_utilisation[..., _of_plies(r)],
-        parts=_wound,
+        use="Perfectly round, ends pinned at the joint centres, in the sense of torque that plies "
+        "hold less well. Metal thicker than 1/20 of its radius, which yields before, as an "
+        "endless tube: the safe side.",
+        of=lambda r: r.tube_buckling_utilisation[..., _with_tubes(r)],
+        parts=lambda r: tuple(Part("shaft", k + 1) for k in _with_tubes(r)),
         needs=(TORQUE,),
         section="Speed and strength",
     ),

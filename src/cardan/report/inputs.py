@@ -154,6 +154,8 @@ def _suspension(s: Suspension | None, say: Language) -> Iterator[tuple[str, str]
 
 def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
     line, layout = of.line, of.layout
+    if of.forward:
+        yield say("the line runs"), say("forward")
     if of.axle:
         yield say("axle ratio"), say.short(of.axle.ratio)
         yield say("axle efficiency"), say.short(of.axle.efficiency)

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import pi
-from typing import TYPE_CHECKING
+from math import isnan, pi
+from typing import TYPE_CHECKING, Any
 
 from cardan.base.errors import BadFile, Problem, RefusedInFile
 from cardan.base.part import LINE
@@ -17,6 +17,7 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
 from cardan.study.moves import Move
+from cardan.study.notes import NOT_DRIVEN
 from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
@@ -350,6 +351,31 @@ def notes(of: Approval, say: Language) -> list[str]:
             less=say.number(a.forces[1]),
         )
         found.append(say("Note: {note}.", note=note))
+    for one in of.giving:
+        told: dict[str, Any] = {
+            "bearing": one.bearing,
+            "line": one.line,
+            "moves": say.short(one.moves / mm, 3),
+            "state": say.state(one.state),
+            "steady": say.short(one.steady / mm, 3),
+        }
+        free = isnan(one.clearance)
+        note = (
+            say(
+                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily",
+                **told,
+            )
+            if free
+            else say(
+                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; "
+                "clearances leave that out, the smallest there is {clearance} mm",
+                clearance=say.short(one.clearance / mm, 4),
+                **told,
+            )
+        )
+        found.append(say("Note: {note}.", note=note))
     for one in of.lifted:
         note = say(
             "the front axle would lift before the driven wheels slip in {states}: the slip torque "
@@ -357,6 +383,7 @@ def notes(of: Approval, say: Language) -> list[str]:
             states=say.list(*map(say.state, one.states)),
         )
         found.append(say("Note: {note}.", note=note))
+    found += [say("Note: {note}.", note=say.given(NOT_DRIVEN[one.way])) for one in of.not_driven]
     return found
 
 

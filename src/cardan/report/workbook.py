@@ -37,6 +37,7 @@ from cardan.model.laminate import CompositeTube
 from cardan.quantity.declared import LOAD, SPEED, TORQUE
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.quantity.strength import near_half
 from cardan.report import front
 from cardan.report.book import (
     EITHER_WAY,
@@ -246,8 +247,7 @@ def _duty(sheet: Sheet, a: Application) -> None:
 def _line_inputs(sheet: Sheet, r: Response, *, tag: str) -> None:
     """Write what belongs to one line but not to a state of it."""
     say, book, line, installed = sheet.book.say, sheet.book, r.line, r.demand.installed
-    axle = installed.axle
-    share = installed.torque_ratio * (axle.torque_share if axle else 1.0)
+    axle, share = installed.axle, r.demand.standing.line.share
 
     def put(
         label: str, unit: str, cells: Sequence[Cell], name: str, allow: Allowed = POSITIVE
@@ -354,9 +354,7 @@ class _Line:
         """
         given, d = self.r.application.states[state], self.r.demand
         if given.kind == "windup brake":
-            installed = d.installed
-            share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1)
-            torque = float(d.torque[state] / share)
+            torque = float(d.torque[state] / d.standing.line.share)
             return UNKNOWN if isnan(torque) else torque
         if given.torque is None:
             return '=IF(ISNUMBER(torque_given),torque_given,"")'
@@ -534,7 +532,7 @@ class _Line:
             Tm="MAX(engine_torques)", i="MAX(gear_ratios)*MAX(1,transfer_ratio)",
             η="gearbox_efficiency", k="converter_ratio", s=f"{tag}torque_share",
         )  # fmt: skip
-        engine = self._result(
+        engine = self.engine = self._result(
             "engine_torque", f'IF(COUNT(engine_torques)=0,"",{through})', d.engine_torque
         )
         load = self._of_state(self.driven)
@@ -769,7 +767,8 @@ class _Line:
             share = self._followed(
                 "critical_speed_ratio", r.demand.speed / alone, part=part, n=self.speed, nc=critical
             )
-            self._result("half_critical_band", share, r.demand.speed / alone, part=part)
+            if np.array_equal(near_half(r)[:, k - 1], r.demand.speed / alone, equal_nan=True):
+                self._result("half_critical_band", share, r.demand.speed / alone, part=part)
             if shaft.tube.material.yield_strength:
                 self._followed(
                     "tube_shear_utilisation", r.tube_shear_utilisation[:, k - 1], part=part,
@@ -813,13 +812,17 @@ class _Line:
         A cycle of the gearbox output gives the line its share. A named one is of the largest
         torque and the top speed that the line has in any state that lasts.
         """
+        line = self.r.demand.standing.line
+        # A locked differential leaves a line all the torque at times, but not for its life.
+        usual = "" if line.share == line.usual_share else f"*{line.usual_share / line.share:.15g}"
         if self.r.application.duty_cycle is None:
-            return f"{self.tag}torque_share", f"{self.tag}speed_ratio", ""
+            return f"{self.tag}torque_share{usual}", f"{self.tag}speed_ratio", ""
         say, lasting = self.say, self._of_state(self.lasting)
+        most = f"MIN(ABS({self.torque}),ABS({self.engine}){usual})" if usual else None
         found = (
             self._row(label, unit, f'IF({lasting}=1,ABS({of}),"")')
             for label, unit, of in (
-                (say("torque, where it counts for the life"), "N·m", self.torque),
+                (say("torque, where it counts for the life"), "N·m", most or self.torque),
                 (say("speed, where it counts for the life"), "rpm", self.speed),
             )
         )

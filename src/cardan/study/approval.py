@@ -27,11 +27,15 @@ from cardan.study.finding import (
 )
 from cardan.study.notes import (
     AssumedLoss,
+    GivingRubber,
     LiftedAxle,
+    NotDriven,
     SpringMismatch,
     assumed_losses,
+    giving_rubber,
     lifted_axles,
     mismatches,
+    not_driven,
 )
 from cardan.study.studies import STUDIES, VibrationStudy
 
@@ -118,9 +122,19 @@ class Approval:
         return tuple(assumed_losses(self.responses))
 
     @cached_property
+    def giving(self) -> tuple[GivingRubber, ...]:
+        """How far rubber gives where something is in a line's way."""
+        return tuple(giving_rubber(self.responses))
+
+    @cached_property
     def lifted(self) -> tuple[LiftedAxle, ...]:
         """Where a front axle lifts before the driven wheels slip."""
         return tuple(lifted_axles(self.responses))
+
+    @cached_property
+    def not_driven(self) -> tuple[NotDriven, ...]:
+        """Ways in which the vehicle is driven, and no line is asked."""
+        return tuple(not_driven(self.responses))
 
     @cached_property
     def data(self) -> tuple[Datum, ...]:
@@ -130,7 +144,8 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        return tuple(str(m) for m in (*self.mismatches, *self.assumed, *self.lifted))
+        told = *self.mismatches, *self.assumed, *self.giving, *self.lifted, *self.not_driven
+        return tuple(str(m) for m in told)
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""

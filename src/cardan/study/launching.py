@@ -387,7 +387,7 @@ def _bent(
         own = d.standing.line
         if own.line.name in parts.left_out:
             continue
-        T = parts.sense * target * own.share / asked[0].standing.line.share * shares
+        T = parts.sense * target * own.usual_share / asked[0].standing.line.usual_share * shares
         under = demand_under(d, torque=np.repeat(T[:, None], len(parts.states), axis=1), speed=0.0)
         beta, place = pins(under.layout.directions[:, state], own.line.phases, own.line.crosses)
         leads.append(np.tan(beta / 2) * np.exp(1j * parts.sense * place))

@@ -1,13 +1,17 @@
 """What a reader should know: where an application contradicts itself, what is assumed."""
 
 from collections.abc import Iterable, Iterator
+from typing import Literal
 
 import numpy as np
 
+from cardan.base.arrays import FloatArray
 from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, mm
 from cardan.demand.suspension import spring_load, table_rates
+from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import LOSS
+from cardan.loads.statics import resting
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
 from cardan.quantity import points
@@ -16,6 +20,9 @@ from cardan.quantity.response import Response
 
 MISMATCH = 0.005
 """Share by which stated rates may miss the loads of their table before it is worth a word."""
+
+LINEAR = 10 * mm
+"""How far the rubber of a centre bearing may be taken to go without stiffening: house practice."""
 
 OTHERWISE = (LOSS / 2, 2 * LOSS)
 """Loss factors between which rubber mounts lie."""
@@ -123,6 +130,79 @@ def assumed_losses(responses: Iterable[Response]) -> Iterator[AssumedLoss]:
 
 
 @dataclass(frozen=True, kw_only=True)
+class GivingRubber:
+    """How far a line moves on its rubber, taken as linear and without a stop.
+
+    Clearances leave it out. Of the centre bearing that moves most `steady` is how far torque
+    and thrust set it off, `moves` that with what shakes it besides. `clearance` is the smallest
+    of the line in that state, nan where nothing is in its way.
+    """
+
+    line: str
+    bearing: int
+    state: str
+    steady: Metre
+    moves: Metre
+    clearance: Metre
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        said = (
+            "rubber is taken as linear and without a stop: centre bearing "
+            f"{self.bearing} of line {self.line} moves by up to {self.moves / mm:.3g} mm in "
+            f"{self.state}, {self.steady / mm:.3g} mm of it steadily"
+        )
+        if np.isnan(self.clearance):
+            return said
+        return (
+            f"{said}; clearances leave that out, the smallest there is {self.clearance / mm:.4g} mm"
+        )
+
+
+def giving_rubber(responses: Iterable[Response]) -> Iterator[GivingRubber]:
+    """Yield, line by line, how far rubber gives: if much, or if something is in the way."""
+    for r in responses:
+        if r.held is None or "peak" not in r.worst or r.layout.points.ndim > 3:
+            continue
+        steady, moves = _given_way(r)
+        if np.isnan(moves).all() or np.isnan(QUANTITIES["centre_bearing_peak"].values(r)).all():
+            continue  # of a line whose speed nobody knows, or that swings
+        s, k = np.unravel_index(int(np.nanargmax(moves)), moves.shape)
+        if r.obstacles or moves[s, k] > LINEAR:
+            yield GivingRubber(
+                line=r.line.name,
+                bearing=int(k) + 1,
+                state=r.demand.states[s],
+                steady=float(steady[s, k]),
+                moves=float(moves[s, k]),
+                clearance=_least_clearance(r, int(s)),
+            )
+
+
+def _least_clearance(r: Response, state: int) -> float:
+    """Return the smallest clearance in a state, at any of its points, m; nan without obstacles."""
+    asked = (r, *((r.spread.response,) if r.spread else ()))
+    gaps = [one.clearances[..., state, :, :].ravel() for one in asked]
+    return float(np.nanmin(np.concatenate(gaps))) if r.obstacles else np.nan
+
+
+def _given_way(r: Response) -> tuple[FloatArray, FloatArray]:
+    """Return how far each bearing moves where it carries most, (S, n-2) m: steadily, and at most.
+
+    Across the shaft, by its force over its stiffness. Weight is not in it: a layout is that of
+    a line that already hangs.
+    """
+    found = r.worst["peak"].running
+    weight, _ = resting(r.layout, r.line, gravity=r.gravity)
+    bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
+    gives = np.array([[0.0, 1 / b.across[1], 1 / b.across[0]] if b.across else [0.0] * 3
+                      for b in bearings])  # fmt: skip
+    steady = np.linalg.norm((found.mean - weight) * gives, axis=-1)
+    shaken = major_axis(found.waves * gives[:, None]).sum(-1) + found.order1 * gives.max(-1)
+    return steady, steady + shaken
+
+
+@dataclass(frozen=True, kw_only=True)
 class LiftedAxle:
     """States in which the front axle would lift before the driven wheels of a line slip.
 
@@ -151,6 +231,40 @@ def lifted_axles(responses: Iterable[Response]) -> Iterator[LiftedAxle]:
         if states and states not in seen:
             seen.add(states)
             yield LiftedAxle(states=states)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotDriven:
+    """A way in which a vehicle can be driven, and that no point asks, as the file lacks a number.
+
+    `way` is coast, where nobody knows what holds back, or reverse, where nobody gives its ratio.
+    """
+
+    way: Literal["coast", "reverse"]
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        return NOT_DRIVEN[self.way]
+
+
+NOT_DRIVEN = {
+    "coast": "coasting is not asked, and the swing of a joint's torque starts from 0: brake_torque "
+    "of the engine, retarder_torque of the gearbox or coast_torque would say what holds back",
+    "reverse": "backing is not asked: reverse_ratio of the gearbox would say its torque",
+}
+
+
+def not_driven(responses: Iterable[Response]) -> Iterator[NotDriven]:
+    """Yield the ways in which a vehicle is driven by its engine, and some line is not asked."""
+    of = [
+        r.demand for r in responses
+        if (line := r.demand.standing.line).engine is not None and line.vehicle is not None
+        and line.torque is None
+    ]  # fmt: skip
+    if any(np.isnan(d.coast_torque).all() for d in of):
+        yield NotDriven(way="coast")
+    if any(d.standing.line.reverse is None for d in of):
+        yield NotDriven(way="reverse")
 
 
 def mismatches(application: Application) -> Iterator[SpringMismatch]:

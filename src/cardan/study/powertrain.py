@@ -524,7 +524,7 @@ class _Vehicle:
         cage: dict[Any, float] = {pinion: 1.0}
         if behind is not None:
             given = self.app.inter_axle
-            split = given.torque_split if given else behind.share / line.share
+            split = given.torque_split if given else behind.usual_share / line.usual_share
             if not self._locked:
                 cage = {pinion: 1 - split, self._start(parts, behind): split}
             through = given and given.through_inertia

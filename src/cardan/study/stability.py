@@ -402,7 +402,7 @@ class _Running:
         T = self.torque(low)
         for asked in self.asked:
             line = asked.standing.line
-            share = line.share / self.main.standing.line.share
+            share = line.usual_share / self.main.standing.line.usual_share
             under = demand_under(asked, torque=share * T, speed=low)
             if line.line.name in self.parts.left_out:
                 continue
@@ -634,7 +634,7 @@ class _Running:
         shafts = asked.installed.line.shafts[:-1]
         ranges = self.closed_ranges
         pace = asked.installed.speed_ratio / self.main.installed.speed_ratio
-        share = asked.standing.line.share / self.main.standing.line.share
+        share = asked.standing.line.usual_share / self.main.standing.line.usual_share
         found: list[list[float]] = []
         for k in range(len(self.gears)):
             if np.isnan(ranges[k]).all():  # nothing turns in this gear
