@@ -13,8 +13,9 @@ from cardan.model.turning import GearboxRotors, Rotors
 
 Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
 Drives: TypeAlias = Literal["rear", "front", "all"]
-Runs: TypeAlias = Literal["rearward", "forward"]
 """Which axles a line turns."""
+Runs: TypeAlias = Literal["rearward", "forward"]
+"""Which way torque flows along a line, in the vehicle."""
 
 SuspensionState: TypeAlias = Literal[
     "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce",
