@@ -157,8 +157,12 @@ def test_a_retarder_alone_holds_in_every_gear():
 def test_brakes_are_asked_with_the_strongest_coast():
     of = asked()
     held = 350 * 9.2 / 0.95 + 1000
-    assert torque(of, "brake", "", 2500 * rpm) == pytest.approx(-held, rel=1e-13)
-    assert np.isnan(torque(of, "brake", "", 2501 * rpm))
+    first = 2500 * rpm / 9.2
+    assert torque(of, "brake", "1", first) == pytest.approx(-held, rel=1e-13)
+    # No engine of 2500 rpm turns faster in first gear; sixth reaches that, and holds less.
+    assert np.isnan(torque(of, "brake", "1", 1.001 * first))
+    assert torque(of, "brake", "6", 2500 * rpm) == pytest.approx(-(350 / 0.95 + 1000), rel=1e-13)
+    assert np.isnan(torque(of, "brake", "6", 2501 * rpm))
     plain = asked(files.loads(TEXT))
     assert "brake" not in curves(plain).directions  # nobody gives a brake torque
     silent = replace(TRUCK, engine=replace(TRUCK.engine, brake_torque=None),
@@ -191,7 +195,8 @@ def test_what_a_state_says_holds():
         ("drive", ""): (nan, 200, nan, nan, nan),
         ("coast", "6"): (600, 200, 2000, nan, nan),
         ("reverse", "R"): (2500 / 6.6, 200, 2500 / 6.6, nan, nan),
-        ("brake", ""): (600, 200, 2000, nan, 2000),
+        ("brake", "6"): (600, 200, 2000, nan, 2000),
+        ("brake", "1"): (first, 200, first, nan, first),
     }.items():
         np.testing.assert_allclose(ends[key], end, rtol=1e-13, err_msg=str(key))
     assert torque(of, "drive", "", 100 * rpm, "strong") == 12e3  # it is the tyres' no matter
@@ -245,11 +250,11 @@ def test_the_axle_winds_up_by_the_torque_of_its_point():
     astern = 950 * 6.6 * 0.95 * 4.88 * 0.96 / STIFF
     assert at(of, "reverse", "R", 0).pitch[0, k] == pytest.approx(-astern, rel=1e-12)
     held = 2000 + (350 * 9.2 / 0.95 + 1000) * 4.88 / 0.96
-    assert at(of, "brake", "", 0).pitch[0, k] == pytest.approx(-held / STIFF, rel=1e-12)
+    assert at(of, "brake", "1", 0).pitch[0, k] == pytest.approx(-held / STIFF, rel=1e-12)
     strong = asked(replace(TRUCK, suspension=replace(TRUCK.suspension, brake_torque=9e3)))
     braked = 0.6 * 23000 * g * (3.548 - 0.8 * 1.5) / 4.8  # every wheel at its limit
     expected = -0.8 * 0.48 * braked / STIFF
-    assert at(strong, "brake", "", 0).pitch[0, k] == pytest.approx(expected, rel=1e-12)
+    assert at(strong, "brake", "1", 0).pitch[0, k] == pytest.approx(expected, rel=1e-12)
 
 
 def test_springs_place_the_axle_as_in_its_state_and_torque_turns_it_there():
@@ -275,7 +280,7 @@ def test_a_front_axle_winds_up_the_other_way_in_its_line():
 
 
 @pytest.mark.parametrize(
-    ("state", "direction", "gear"), [("windup", "drive", "1"), ("windup brake", "brake", "")]
+    ("state", "direction", "gear"), [("windup", "drive", "1"), ("windup brake", "brake", "1")]
 )
 def test_a_windup_state_is_one_of_its_points(state, direction, gear):
     """To the last bit: there is one path to both."""

@@ -14,7 +14,7 @@ from scipy.linalg import eigh
 from cardan.base.errors import DesignError
 from cardan.base.units import GPa, MPa, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, GLASS_EPOXY, CompositeTube, Layer, metal
-from cardan.model.material import STEEL
+from cardan.model.material import STEEL, Material
 from cardan.model.parts import Line, Shaft, Tube
 from cardan.shaft import composite
 from cardan.shaft.beams import line_beams
@@ -32,7 +32,7 @@ from cardan.shaft.composite import (
     tsai_hill,
     tsai_wu,
 )
-from cardan.shaft.strength import tube_shear
+from cardan.shaft.strength import tube_buckling_torque, tube_shear
 from cardan.shaft.whirl import critical_modes, line_critical_speed
 
 E355 = replace(STEEL, yield_strength=355 * MPa)
@@ -362,6 +362,35 @@ def test_a_long_steel_tube_buckles_as_the_books_have_it():
     found = buckling_torques(tube, np.array([60, 140]) * r) / (2 * np.pi * r**2 * t * shear)
     np.testing.assert_allclose(found[:, 0], found[:, 1], rtol=1e-9)
     assert 1 < found[1, 0] < 1.03 < found[0, 0] < 1.07
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_metal_buckles_by_its_curve_as_the_shell_does(seed):
+    """Against the shell's own eigenvalue: the curve is below it, by 5 % at most."""
+    rng = np.random.default_rng(seed)
+    of = Material(name="any", youngs_modulus=rng.uniform(60e9, 210e9), density=2700.0,
+                  poisson=rng.uniform(0.25, 0.35))  # fmt: skip
+    r, thin = rng.uniform(0.02, 0.2), rng.uniform(0.012, 0.05)
+    tube, length = Tube(outer=(2 + thin) * r, wall=thin * r, material=of), rng.uniform(6, 60) * r
+    assert 0.6 < length / r * np.sqrt(thin) < 14
+    told = tube_buckling_torque(
+        outer=tube.outer, inner=tube.inner, modulus=of.youngs_modulus, poisson=of.poisson,
+        length=length,
+    )  # fmt: skip
+    assert 0.945 < told / buckling_torque(tube, length) < 1.002
+
+
+def test_metal_too_short_or_of_unknown_length_is_told_on_the_safe_side():
+    """As the root of the length, as Donnell's short shells; as endless where nobody knows it."""
+    of = {"outer": 0.1, "inner": 0.096, "modulus": 70e9, "poisson": 0.33}
+    t, r = 0.002, 0.049
+    endless = (
+        2 * np.pi * r**2 * t * 70e9 * (t / r) ** 1.5 / (3 * np.sqrt(2) * (1 - 0.33**2) ** 0.75)
+    )
+    assert tube_buckling_torque(**of, length=np.nan) == pytest.approx(endless, rel=1e-12)
+    # 0.5 and 0.125 of the curve's own length.
+    ends = tube_buckling_torque(**of, length=np.array([0.125, 0.5]) * r / np.sqrt(t / r))
+    assert ends == pytest.approx(endless / 0.245 * np.array([2.0, 1.0]), rel=1e-12)
 
 
 @pytest.mark.oracle

@@ -17,6 +17,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, own, stacked, steps
 from cardan.base.frozen import dataclass
+from cardan.demand.line import ResolvedLine
 from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
 
@@ -57,6 +58,12 @@ class Curves:
     def torque_at(self, speed: ArrayLike) -> FloatArray:
         """Return the torque at speeds (Q, C, ..., S) rad/s, N m; nan where a curve has none."""
         return _torque(np.asarray(speed, dtype=float), *self._all)
+
+    def shown(self, state: int) -> list[int]:
+        """Return the curves (C, S) to draw of a state: those that drive it, or else brake it."""
+        moves = np.flatnonzero(self.fastest[:, state] > 0).tolist()
+        drives = [k for k in moves if self.directions[k] in ("drive", "reverse")]
+        return drives or [k for k in moves if self.directions[k] == "brake"]
 
     def of(self, which: IntArray) -> "Curves":
         """Return some of the curves."""
@@ -232,8 +239,9 @@ def curves(asked: Demand) -> Curves:
     """Return the torque over speed that a line can have in each state.
 
     In drive and reverse each gear gives its largest torque from standstill, a clutch slipping
-    or a converter stalled, then what full load gives up to governed speed; in coast it holds
-    with engine brake and retarder, as much at any speed; tyres hold no more than their grip.
+    or a converter stalled, then what full load gives up to governed speed; in coast and
+    braking it holds with engine brake and retarder, as much at any speed that the gear
+    reaches; tyres hold no more than their grip.
     What a state or the application says replaces it: a torque that of all gears in drive, a
     coast torque that in coast, and no point is faster than a speed said. A wind-up state has
     drive, a brake wind-up state braking alone; others all that is known, braking where the
@@ -241,9 +249,9 @@ def curves(asked: Demand) -> Curves:
 
     Notes
     -----
-    A converter's stall ratio counts at any speed, and coast and braking take the largest
-    torque at any speed: upper bounds. Where nobody knows a speed the line stands still. Part
-    load is not asked. Derived from Souza (2014), eq. 1 to 3.
+    A converter's stall ratio counts at any speed, and coast and braking take the engine
+    brake's largest torque at any speed of a gear: upper bounds. Where nobody knows a speed
+    the line stands still. Part load is not asked. Derived from Souza (2014), eq. 1 to 3.
     """
     found = [c for c in (*_drive(asked), *_coast(asked), *_reverse(asked), *_brake(asked))
              if not np.isnan(c.fastest).all()]  # fmt: skip
@@ -339,20 +347,24 @@ def _drive(asked: Demand) -> Iterator[_Curve]:
 
 
 def _coast(asked: Demand) -> Iterator[_Curve]:
-    line, there = asked.standing.line, _driven(asked)
-    if line.engine is None or line.gears is None or line.coast_torque is not None:
+    there = _driven(asked)
+    if (held := _held_back(asked.standing.line)) is None:
         yield from _level(asked, "coast", 0.0 - asked.coast_torque, there=there)
-        return
+    elif not np.isnan(held[1]).any():
+        yield from _geared(asked, "coast", *held, most=asked.standing.slip_back, there=there)
+
+
+def _held_back(line: ResolvedLine) -> tuple[Gears, FloatArray, FloatArray] | None:
+    """Return gears, torques and speeds (..., G, 2) at which each holds a line back.
+
+    None where a coast torque is said, or nobody knows the gears.
+    """
+    if line.engine is None or line.gears is None or line.coast_torque is not None:
+        return None
     held = np.asarray(line.share)[..., None] * brake_torques(line.engine, line.gearbox)
-    speed = line.gears.speed.max(-1)
-    both = np.broadcast_arrays(held, speed)
+    both = np.broadcast_arrays(held, line.gears.speed.max(-1))
     torque, reach = (np.stack([v, v], axis=-1) for v in both)
-    reach = reach * (0.0, 1.0)
-    if not np.isnan(torque).any():
-        yield from _geared(
-            asked, "coast", line.gears, 0.0 - torque, reach,
-            most=asked.standing.slip_back, there=there,
-        )  # fmt: skip
+    return line.gears, 0.0 - torque, reach * (0.0, 1.0)
 
 
 def _reverse(asked: Demand) -> Iterator[_Curve]:
@@ -370,7 +382,13 @@ def _brake(asked: Demand) -> Iterator[_Curve]:
     line = asked.standing.line
     wound = line.winds("windup brake")
     given = np.asarray(line.suspension.brake_torque if line.suspension else 0.0) > 0
-    coasting = np.where(wound, asked.torque, 0.0 - asked.coast_torque)
-    yield from _level(
-        asked, "brake", np.nan_to_num(coasting), there=wound | (given & ~line.winds("windup"))
-    )
+    there = wound | (given & ~line.winds("windup"))
+    coasting = np.nan_to_num(np.where(wound, asked.torque, 0.0 - asked.coast_torque))
+    held = _held_back(line)
+    if held is None or np.isnan(held[1]).any():
+        yield from _level(asked, "brake", coasting, there=there)
+        return
+    said = wound & np.array([s.torque is not None for s in line.states])
+    if said.any():
+        yield from _level(asked, "brake", coasting, there=there & said)
+    yield from _geared(asked, "brake", *held, most=np.abs(coasting), there=there & ~said)

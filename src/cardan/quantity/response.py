@@ -662,7 +662,10 @@ class Response:
             if tube is None:
                 return np.nan
             if isinstance(tube, Tube):
-                return composite.metal_buckling_torque(tube, length)
+                return strength.tube_buckling_torque(
+                    outer=tube.outer, inner=tube.inner, length=length,
+                    modulus=tube.material.youngs_modulus, poisson=tube.material.poisson,
+                )  # fmt: skip
             return composite.buckling_torque(tube, length)
 
         tubes = (s.tube for s in self.line.shafts)

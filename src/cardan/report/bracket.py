@@ -20,11 +20,11 @@ from cardan.report.contract import CONTRACT, check, coverage, operating_point, p
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
-from cardan.report.wording import cited, unanswered
+from cardan.report.wording import cited, curve, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import InBolts
-from cardan.study.bracket_forced import Forced, Swept
+from cardan.study.bracket_forced import Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
@@ -174,13 +174,6 @@ def response(v: Judged, say: Language = EN) -> Iterator[str]:
         speed=say.short(round(float(of.speed[q]) / rpm)), state=say.state(of.state),
         gear=curve(of, c, say), rigid=say.number(float(np.nanmax(v.forced.rigid[..., k])) / MPa),
     )  # fmt: skip
-
-
-def curve(of: Swept, c: int, say: Language) -> str:
-    """Return the name of a curve of torque over speed."""
-    names = {"reverse": say("reverse"), "brake": say("braking")}
-    gear = say("gear {gear}", gear=of.gears[c]) if of.gears[c] else say("drive")
-    return names.get(of.directions[c]) or gear
 
 
 def remarks(v: Judged, say: Language = EN) -> Iterator[str]:

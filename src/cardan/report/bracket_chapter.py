@@ -17,7 +17,6 @@ from cardan.report.bracket import (
     bent_far,
     better,
     crossed,
-    curve,
     highest,
     hours,
     hours_of,
@@ -38,6 +37,7 @@ from cardan.report.bracket_scene import scene
 from cardan.report.chart import Chart, Level, Series, bars, plot
 from cardan.report.language import Language
 from cardan.report.svg import INK, Figure
+from cardan.report.wording import curve
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_forced import Forced
 from cardan.study.bracket_judge import ORDERS, Judged

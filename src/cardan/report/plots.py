@@ -26,6 +26,7 @@ from cardan.report.chart import Chart, Level, Series, bars, bounds, limit_bands,
 from cardan.report.drawing import worst_state
 from cardan.report.language import Language
 from cardan.report.svg import FAINT, GRADED, INK, PALETTE, Figure
+from cardan.report.wording import curve
 
 ROUND = 181
 """Points of a turn that a curve is drawn through."""
@@ -246,10 +247,7 @@ def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Iterator[
     found, part = worst.curves, Part("centre bearing", bearing + 1)
     assert r.held is not None  # the caller asks
     s = int(np.nan_to_num(worst.running.dynamic[:, bearing]).argmax())
-    drawn = [
-        k for k, (way, end) in enumerate(zip(found.directions, found.fastest[:, s], strict=True))
-        if way != "coast" and end > 0
-    ]  # fmt: skip
+    drawn = found.shown(s)
     if not drawn:
         return
     top = float(np.nanmax(found.fastest[drawn, s]))
@@ -261,12 +259,9 @@ def bearing_over_speed(r: Response, say: Language, *, bearing: int) -> Iterator[
     speed = np.unique(np.concatenate([np.linspace(top / 60, top, 60), near.ravel()]))
     speed = speed[speed <= top]
     force = points.swept(r, speed, curves_=drawn).running.dynamic[:, :, s, bearing]
-    names = {"reverse": say("reverse"), "brake": say("braking")}
     series = [
         Series(
-            name=names.get(found.directions[k]) or (
-                say("gear {gear}", gear=found.gears[k]) if found.gears[k] else say("drive")
-            ),
+            name=curve(found, k, say),
             x=speed[~np.isnan(of)] / rpm,
             y=of[~np.isnan(of)],
         )

@@ -21,6 +21,8 @@ from cardan.study.notes import NOT_DRIVEN
 from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
+    from cardan.demand.points import Curves
+    from cardan.study.bracket_forced import Swept
     from cardan.study.fix import Proposal
     from cardan.study.robust import Survival, Trucks
 
@@ -90,17 +92,28 @@ def occasion(c: Check | Unanswered, say: Language) -> str:
         "drive": "gear {gear} at {speed} rpm" if at.gear else "drive at {speed} rpm",
         "coast": "coast in gear {gear} at {speed} rpm" if at.gear else "coast at {speed} rpm",
         "reverse": "reverse at {speed} rpm",
-        "brake": "braking at {speed} rpm",
+        "brake": "braking in gear {gear} at {speed} rpm" if at.gear else "braking at {speed} rpm",
     }
     still = {
         "drive": "pulling away in gear {gear}" if at.gear else "pulling away",
         "coast": "coasting to a stop in gear {gear}" if at.gear else "coasting to a stop",
         "reverse": "pulling away in reverse",
-        "brake": "braking to a stop",
+        "brake": "braking to a stop in gear {gear}" if at.gear else "braking to a stop",
     }
     means = (moving if at.speed else still)[at.direction]
     said = say(means, gear=at.gear, speed=say.short(round(at.speed / rpm), 6))
     return say.list(say.occasion(c.when), said)
+
+
+def curve(of: "Curves | Swept", k: int, say: Language) -> str:
+    """Return the name of a curve of torque over speed: reverse, gear 3, braking, gear 3."""
+    way, gear = of.directions[k], of.gears[k]
+    if way == "reverse":
+        return say("reverse")
+    geared = say("gear {gear}", gear=gear) if gear else ""
+    if way == "brake":
+        return say.list(*filter(None, (say("braking"), geared)))
+    return geared or say("drive")
 
 
 def sense(c: Check, say: Language) -> str:

@@ -327,38 +327,6 @@ def buckling_torque(
     return buckling_torques(tube, length, ends=ends).min(-1)
 
 
-THIN = 0.05
-"""Wall over mean radius from which on metal yields in shear before it buckles.
-
-Long tubes buckle at 0.0028 E there: 195 MPa of aluminium and 590 MPa of steel, which yield in
-shear at 160 and at 200 to 400 MPa.
-"""
-
-
-def metal_buckling_torque(tube: Tube, length: ArrayLike) -> FloatArray:
-    r"""Torque (...) N m that buckles the wall of a tube of metal, (...) m between its joints.
-
-    Thin ones by `buckling_torque`; from `THIN` on, or where the length is nan, as if endless,
-
-    $$T = 2 \pi r^2 t \, \frac{E}{3 \sqrt 2 \, (1 - \nu^2)^{3/4}} \left(\frac{t}{r}\right)^{3/2}$$
-
-    which ends that keep the wall round can only raise. Source: Flügge, Stresses in Shells, 1973.
-    """
-    t, outer, L = np.broadcast_arrays(
-        *(np.asarray(v, dtype=float) for v in (tube.wall, tube.outer, length))
-    )
-    r, of = (outer - t) / 2, tube.material
-    endless = 2 * pi * r**2 * t * of.youngs_modulus * (t / r) ** 1.5
-    found = np.array(endless / (3 * np.sqrt(2) * (1 - of.poisson**2) ** 0.75))
-    thin = (t < THIN * r) & np.isfinite(L)
-    if thin.any():
-        each = zip(outer[thin].tolist(), t[thin].tolist(), L[thin].tolist(), strict=True)
-        found[thin] = [
-            buckling_torque(Tube(outer=d, wall=wall, material=of), one) for d, wall, one in each
-        ]
-    return found
-
-
 # ----- whirl ------------------------------------------------------------------------------
 
 

@@ -1,7 +1,7 @@
 """Whether tube and joints carry the torque: stress, ratings, and the smallest size that does."""
 
 from collections.abc import Iterable
-from math import inf, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 
@@ -68,6 +68,54 @@ def tube_utilisation(
     """
     _, T, Re, shock = floats(torque, yield_strength, shock_factor)
     return tube_shear(abs(T) * shock, outer=outer, inner=inner) / (Re / _ROOT3)
+
+
+_SLENDER = (
+    0.5, 0.7, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0,
+    20.0, 60.0,
+)  # fmt: skip
+_SHARE = (
+    0.245, 0.291, 0.345, 0.419, 0.470, 0.506, 0.554, 0.622, 0.688, 0.738, 0.777, 0.808, 0.855,
+    0.887, 0.909, 0.937, 0.954, 0.968, 0.979, 1.0,
+)  # fmt: skip
+"""Buckling torque of an endless tube over that of one L long, at L/r √(t/r): the largest for
+t/r of 0.012 to 0.05 by `composite.buckling_torque`, which 0.03 s a tube is too long for a study."""
+
+
+def tube_buckling_torque(
+    *, outer: ArrayLike, inner: ArrayLike, modulus: ArrayLike, poisson: ArrayLike, length: ArrayLike
+) -> FloatArray:
+    r"""Torque (...) N m that buckles the wall of a tube of metal, pinned where it ends.
+
+    That of an endless one, at the mean radius r of a wall t,
+
+    $$T = 2 \pi r^2 t \, \frac{E}{3 \sqrt 2 \, (1 - \nu^2)^{3/4}} \left(\frac{t}{r}\right)^{3/2}$$
+
+    raised by the ends, which keep it round: on one curve over $(L/r) \sqrt{t/r}$ whatever its wall.
+
+    Parameters
+    ----------
+    outer, inner, length : (...) m
+        A length of nan counts as endless, the safe side.
+    modulus, poisson : (...) Pa and 1
+
+    Returns
+    -------
+    (...) N m
+
+    Notes
+    -----
+    0 to 5 % below the shell's own eigenvalue. Source: Flügge, Stresses in Shells (1973), ch. 8; the
+    curve by `composite.buckling_torque`.
+    """
+    _, d, inside, E, nu, L = floats(outer, inner, modulus, poisson, length)
+    t, r = (d - inside) / 2, (d + inside) / 4
+    thin = t / r
+    endless = 2 * pi * r**2 * t * E * thin**1.5 / (3 * sqrt(2) * (1 - nu**2) ** 0.75)
+    slender = np.nan_to_num(L / r * thin**0.5, nan=inf)
+    # Shorter than the curve: as the root of the length, as short shells have it.
+    share = np.interp(slender, _SLENDER, _SHARE) * np.minimum(slender / _SLENDER[0], 1.0) ** 0.5
+    return endless / share
 
 
 def tube_fatigue_utilisation(

@@ -149,7 +149,7 @@ def swept(response: Response, bearing: int) -> Swept | None:
     modes = held.of_case(s).modes()
     low = response.line.swings  # the rest bends tubes and brackets
     speed = _speeds(modes.frequency, top=float(np.nanmax(end)), low=low)
-    drawn = [k for k in np.flatnonzero(end > 0).tolist() if worst.curves.directions[k] != "coast"]
+    drawn = worst.curves.shown(s)
     torque, waves = _along(response, speed, worst.curves, drawn, state=s, bearing=bearing)
     stiff = replace(response, seats={})
     counted = modes.frequency < 2 * np.pi * _LISTED
