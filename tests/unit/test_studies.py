@@ -900,6 +900,12 @@ SHAFT = "driveline.shafts[1].length_mm"
          "29:7: study.correlated[1]: there is no such tolerance (got axle.ratio)"),
         ('[[shim_deg, "phase_deg[2]"]]', '[[shim_deg, "phase_deg[1]"]]',
          "30:3: study.ask: maps: this does not vary (got phase_deg[1])"),
+        ("worst: 2", "pareto: [margin, mass, margin]",
+         "30:57: study.ask.pareto[3]: is weighed already (got margin); name each once"),
+        ('[[shim_deg, "phase_deg[2]"]]', '[["driveline.slopes.side_deg[*]", '
+         '"driveline.slopes.side_deg[1]"]]',
+         "30:3: study.ask: maps: both axes are the same number (got driveline.slopes.side_deg[*], "
+         "driveline.slopes.side_deg[1]); name two"),
         ("worst: 2", "worst: 0",
          "study.ask.worst: must be a whole number from 1 to 1000"),
         ("rows: float32", "rows: float16",
@@ -912,6 +918,21 @@ def test_what_is_wrong_with_a_study_is_told_where_it_stands(was, now, told):
     with pytest.raises(BadFile) as error:
         files.loads(text, name="line.yaml")
     assert told in str(error.value)
+
+
+def test_nothing_is_weighed_against_itself():
+    with pytest.raises(ValueError, match="pareto weighs each once, against others, got mass, mass"):
+        cardan.study(application(), {"shim_deg": [-1, 1]}, n=8, pareto=("mass", "mass"))
+
+
+def test_a_map_of_several_parts_is_of_the_first_however_they_are_named():
+    names = ("a[10]", "a[2]", "b")
+    spread = Spread(kind="normal", values=(1.0,))
+    drawn = Drawing(
+        names=names, at=(0.0,) * 3,
+        factors=tuple(Factor(input=k, spread=spread, tolerance=True) for k in range(3)),
+    )  # fmt: skip
+    assert reduce.Map.over(("a[*]", "b"), drawn).columns == (1, 2)
 
 
 def test_editors_know_what_a_study_may_hold():

@@ -94,6 +94,11 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "{names}.",
             far=say.short(FAR), names=say.list(*names),
         )  # fmt: skip
+    if any(r.lost for r in (*of.rare, *of.beyond)):
+        yield say(
+            "Some of those asked about rare failures cannot exist: they fail no limit, and how "
+            "often they occur is not told."
+        )
     if of.rare and any(not f.tolerance for f in (*of.drawing.factors, *of.drawing.grids)):
         yield say(
             "What hardly ever fails is told of what scatters about the middle of what is chosen; "
@@ -147,6 +152,12 @@ def _foretold(of: Studied, say: Language) -> str:
     """Return the yield of many, foretold, and how often that was wrong."""
     f = of.foretold
     assert f is not None  # who asks has looked
+    if f.plain:
+        return say(
+            "Foretelling others tells no more narrowly: of {taught} asked, {missed} were foretold "
+            "to fail that fit, and {praised} to fit that fail. The interval above stands.",
+            taught=f.taught, missed=f.missed, praised=f.praised,
+        )  # fmt: skip
     return say(
         "Of {count} more, foretold from {taught} asked: {share}; with {confidence} confidence "
         "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, "
@@ -861,6 +872,7 @@ def document(of: Studied) -> dict[str, Any]:
             "interval": [f.low, f.high],
             "wrongly_failing": f.missed,
             "wrongly_fit": f.praised,
+            "of_those_asked": f.plain,
         }
     if "pareto" in of.states:
         found["pareto"] = [

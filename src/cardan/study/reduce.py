@@ -14,7 +14,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
 from cardan.base.verdict import GRADES, VERDICTS
 from cardan.model.application import Adjustable
-from cardan.model.movable import MOVABLES, movable
+from cardan.model.movable import MOVABLES, first, movable
 from cardan.model.variants import Ask, Goal, Spread
 from cardan.study.draw import Drawing
 from cardan.study.moves import Move
@@ -94,14 +94,14 @@ class Counts:
         grades = a.grades[:, own]
         fails = grades == GRADES.index("fail")
         left = a.deciding[:, own]
-        first = np.bincount(left.argmin(axis=0), minlength=len(left))
+        least = np.bincount(left.argmin(axis=0), minlength=len(left))
         return {
             "count": np.array(own.sum()),
             "asked": np.array(rows.count),
             "verdicts": np.bincount(rows.grades[own], minlength=len(VERDICTS)),
             "grades": np.stack([(grades == g).sum(-1) for g in (0, 1, 2, NOTHING)], axis=-1),
             "alone": (fails & (fails.sum(axis=0) == 1)).sum(-1),
-            "first": first,
+            "first": least,
             "refused": np.array(a.refused[own].sum()),
         }
 
@@ -231,13 +231,13 @@ class Worst:
         """Return the worst of a shard."""
         a = rows.answers
         refused, there = np.flatnonzero(a.refused)[:1], np.flatnonzero(~a.refused)
-        first = np.where(np.isnan(rows.margins), NOTHING, a.deciding.argmin(axis=0))
+        decides = np.where(np.isnan(rows.margins), NOTHING, a.deciding.argmin(axis=0))
         return self._least(
             {
                 "place": start + there,
                 "margin": rows.margins[there],
                 "verdict": rows.grades[there],
-                "limit": first[there],
+                "limit": decides[there],
                 "inputs": rows.inputs[there],
                 "refused": rows.inputs[refused],
                 "why": np.array([a.why] if refused.size else [], dtype=str),
@@ -569,9 +569,7 @@ class Map:
     @classmethod
     def over(cls, pair: tuple[str, str], drawing: Drawing) -> "Map":
         """Return the map of a pair of names; of several parts the first."""
-        from cardan.model.movable import meant
-
-        columns = tuple(drawing.names.index(meant(n, drawing.names)[0]) for n in pair)
+        columns = tuple(drawing.names.index(first(n, drawing.names)) for n in pair)
         one, other = (_edges(drawing, k) for k in columns)
         return cls(pair=pair, columns=(columns[0], columns[1]), edges=(one, other))
 

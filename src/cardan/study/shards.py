@@ -173,8 +173,7 @@ class Studied:
     @property
     def fit(self) -> int:
         """How many may be built: they pass or only warn."""
-        found = dict(zip(VERDICTS, self.states["counts"]["verdicts"].tolist(), strict=True))
-        return found["pass"] + found["warn"]
+        return _fit(self.states["counts"])[0]
 
     @property
     def yield_(self) -> float:
@@ -404,7 +403,7 @@ def study(
         rare=tuple(r for r in hardly if not r.far), beyond=tuple(r for r in hardly if r.far),
         foretold=None if stopped or not asked.foretold else foretold(
             bench.drawing, told["taught"], count=asked.foretold, start=count,
-            confidence=asked.confidence, workers=workers,
+            confidence=asked.confidence, workers=workers, asked=_fit(told["counts"]),
         ),
         seconds=perf_counter() - begun,
     )  # fmt: skip
@@ -482,6 +481,12 @@ def _told(
             n: joined(r, [total[n], states[n]]) if total else states[n] for n, r in every.items()
         }
     return total
+
+
+def _fit(counts: State) -> tuple[int, int]:
+    """Return how many variants may be built, and of how many drawn by themselves."""
+    found = dict(zip(VERDICTS, counts["verdicts"].tolist(), strict=True))
+    return found["pass"] + found["warn"], int(counts["count"])
 
 
 def _hardly(bench: Bench, counts: State) -> list[int]:
