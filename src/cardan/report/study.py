@@ -39,6 +39,11 @@ def progress(of: Progress, say: Language = EN) -> str:
     """Return how far a study has come, with rate and time left."""
     if of.rare:
         return say("rare failures: {done} of {count} limits", done=of.rare[0], count=of.rare[1])
+    if of.idle:
+        return say(
+            "{done} of {count} variants; the cluster has no worker: waiting for one",
+            done=of.done, count=of.count,
+        )  # fmt: skip
     rate = say.short(float(f"{of.rate:.3g}")) if of.rate else "-"
     left = clock(of.left, say) if isfinite(of.left) else "-"
     return say(

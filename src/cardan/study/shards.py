@@ -23,6 +23,7 @@ from functools import cache
 from hashlib import sha256
 from importlib import import_module
 from io import BytesIO
+from os import cpu_count
 from pathlib import Path
 from threading import Event
 from time import perf_counter
@@ -61,6 +62,9 @@ SHARD = 512
 HARDLY = 20
 """Variants: of a limit that fewer fail the share is known badly."""
 
+WAIT = 10.0
+"""Seconds without a shard after which it is asked whether a cluster has workers at all."""
+
 AHEAD = 3
 """Shards handed out for each worker: what waits costs memory."""
 
@@ -75,6 +79,7 @@ class Progress:
     """How far a study has come: variants done before this run and in all, and how many to do.
 
     With all of them done, how many limits have been asked how often they fail, and of how many.
+    `idle` where nobody is there to ask any: a cluster without workers waits for some.
     """
 
     before: int
@@ -82,6 +87,7 @@ class Progress:
     count: int
     seconds: float
     rare: tuple[int, int] | None = None
+    idle: bool = False
 
     @property
     def rate(self) -> float:
@@ -294,6 +300,9 @@ def _bench(of: _Once) -> Bench:
 
 def _asked(job: Job, start: int, stop: int) -> Shard:
     """Return a shard, wherever this is called."""
+    import_module(
+        "scipy.linalg"
+    )  # before it is looked for: a thread beside would load it meanwhile
     with single_threaded(), memory_kept():
         return job.shard(start, stop)
 
@@ -308,7 +317,7 @@ def study(
     folder: Path | None = None,
     resume: bool = False,
     executor: Executor | None = None,
-    workers: int = 1,
+    workers: int | None = 1,
     shard: int = SHARD,
     hear: Heard = silent,
 ) -> Studied:
@@ -328,7 +337,7 @@ def study(
         Go on with what the folder holds; without, it must hold no study.
     executor
         Who asks shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
-        default threads of this process.
+        default threads of this process; None as many as this machine, or a cluster, has.
     shard
         How many variants are asked at a time, about.
     hear
@@ -353,9 +362,11 @@ def study(
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
-    def now(done: int, rare: tuple[int, int] | None = None) -> None:
+    def now(done: int, rare: tuple[int, int] | None = None, *, idle: bool = False) -> None:
         seconds, total = perf_counter() - begun, count + asked.search
-        hear(Progress(before=before, done=done, count=total, seconds=seconds, rare=rare))
+        hear(Progress(
+            before=before, done=done, count=total, seconds=seconds, rare=rare, idle=idle,
+        ))  # fmt: skip
 
     def keep(k: int, got: Shard) -> None:
         nonlocal finished, stamps
@@ -374,7 +385,10 @@ def study(
     todo = [k for k in range(len(spans)) if k not in done]
     stopped = False
     try:
-        _run(job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers)
+        _run(
+            job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers,
+            idle=lambda: now(finished, idle=True),
+        )  # fmt: skip
     except KeyboardInterrupt:
         stopped = True
         if not done:
@@ -403,7 +417,8 @@ def study(
         rare=tuple(r for r in hardly if not r.far), beyond=tuple(r for r in hardly if r.far),
         foretold=None if stopped or not asked.foretold else foretold(
             bench.drawing, told["taught"], count=asked.foretold, start=count,
-            confidence=asked.confidence, workers=workers, asked=_fit(told["counts"]),
+            confidence=asked.confidence, asked=_fit(told["counts"]),
+            workers=workers or cpu_count() or 1,
         ),
         seconds=perf_counter() - begun,
     )  # fmt: skip
@@ -426,23 +441,32 @@ def _run(
     keep: Callable[[int, Shard], None],
     *,
     executor: Executor | None,
-    workers: int,
+    workers: int | None,
+    idle: Callable[[], None],
 ) -> None:
-    """Have shards asked, and keep each as it comes."""
+    """Have shards asked, and keep each as it comes; say so while nobody is there to ask."""
     stop = Event()
-    with _workers(executor, workers) as (of, own):
+
+    def there() -> int:
+        return executor.there if isinstance(executor, Cluster) else cpu_count() or 1
+
+    with _workers(executor, workers or there()) as (of, own):
         pending: dict[Future[Shard], int] = {}
         waiting = iter(spans.items())
         try:
             while True:
-                while len(pending) < max(workers, 1) * AHEAD and (one := next(waiting, None)):
+                most = max(there() if workers is None else workers, 1) * AHEAD
+                while len(pending) < most and (one := next(waiting, None)):
                     k, span = one
                     pending[
                         of.submit(job.shard, *span, stop) if own else of.submit(_asked, job, *span)
                     ] = k
                 if not pending:
                     return
-                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                done = wait(pending, timeout=WAIT, return_when=FIRST_COMPLETED).done
+                if not done and not there():
+                    idle()
+                for future in done:
                     keep(pending.pop(future), future.result())
         finally:
             stop.set()
@@ -458,6 +482,7 @@ def _workers(
     if executor is not None:
         yield executor, False
         return
+    import_module("scipy.linalg")
     with (
         single_threaded(),
         ThreadPoolExecutor(max(workers, 1), thread_name_prefix="study") as own,
@@ -777,10 +802,29 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
             raise NotInstalled(msg) from error
         with dask.Client(kind) as client:
             try:
-                yield client.get_executor()
+                yield Cluster(client)
             except (CancelledError, dask.KilledWorker) as error:
                 msg = f"the cluster at {kind} is gone, or loses every worker{gone}"
                 raise DesignError(msg) from error
+
+
+class Cluster(Executor):
+    """A Dask cluster by its client: an executor that knows how many there are to work."""
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._executor = client, client.get_executor()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whoever is free."""
+        return self._executor.submit(fn, *args, **kwargs)
+
+    @property
+    def there(self) -> int:
+        """How many threads of workers there are now; 1 where the scheduler does not answer."""
+        try:
+            return sum(self._client.ncores().values())
+        except (OSError, TimeoutError, RuntimeError, AttributeError):
+            return 1  # its client is closed, or closing: the shards it loses tell that
 
 
 def _bound() -> None:
