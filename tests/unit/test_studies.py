@@ -283,6 +283,58 @@ def test_a_map_counts_what_lies_in_each_cell():
     assert state["count"].sum() == 900
 
 
+def test_what_stands_for_a_cell_is_the_choice_in_it():
+    """Of 0, 30 and 90 the middle one stood at 37.5, half way between its neighbours' edges."""
+    vary = {"phase_deg[2]": {"choice": [90, 0, 30]}, "shim_deg": [-1, 1]}
+    ask = Ask(maps=(("phase_deg[2]", "shim_deg"),))
+    found = study(application(), variants_of(vary, ask=ask), count=64)
+    ((chart, state),) = found.maps
+    assert chart.middles[0] == (0, 30, 90)
+    assert chart.middles[1][:2] == pytest.approx((-0.95, -0.85))
+    only = {k: np.where(np.arange(3)[:, None] == 1, v, 0) for k, v in state.items()}
+    assert "Best at 30 and" in report.heat(found, chart, only).alt
+
+
+def test_a_front_of_many_inputs_has_their_numbers_for_heads(monkeypatch):
+    """Eleven names beside each other ran into one another on paper."""
+    monkeypatch.setattr(report, "BESIDE", 3)
+    vary = {"driveline.slopes.side_deg[*]": {"normal": 0.1}, "shim_deg": [-1, 1]}
+    ask = Ask(pareto=("margin", "cost"))
+    found = study(application(), variants_of(vary, ask=ask), count=64)
+    varied, *_ = tables = list(report.tables(found))
+    assert [row[0] for row in varied.rows][3:] == ["4 driveline.slopes.side_deg[4]", "5 shim_deg"]
+    fronts = [t for t in tables if "no other variant beats" in t.caption]
+    assert [t.head[-2:] for t in fronts] == [("2", "3"), ("4", "5")]
+    assert all("by their numbers" in t.caption for t in fronts)
+    state = found.states["pareto"]
+    for table, last in zip(fronts, (2, 4), strict=True):
+        row = table.rows[-1]
+        assert row[0] == str(state["place"][-1])
+        assert float(row[-1]) == pytest.approx(state["inputs"][-1, last], rel=1e-3)
+    few = study(application(), variants_of({"shim_deg": [-1, 1]}, ask=ask), count=16)
+    assert list(report.tables(few))[-1].head[-1] == "shim_deg"
+
+
+def test_a_bound_is_drawn_where_its_range_begins():
+    """Of a limit from below the line stood at the range's other end."""
+    angle = "  - {quantity: joint_angle_min, normal: 1, maximum: 0.5, source: ours}\n"
+    limits = {m.quantity: m for m in files.loads(LINE + angle).limits}
+    below = list(report._bands(limits["joint_angle_min"], 1.0, (0.0, 9.0)))
+    above = list(report._bands(limits["torsional_acceleration"], 1.0, (0.0, 900.0)))
+    assert [b.from_above for b in below] == [True, True]
+    assert [b.from_above for b in above] == [False, False]
+    angle = limits["joint_angle_min"]
+    assert [(b.low, b.high) for b in below] == [(angle.maximum, angle.normal), (0.0, angle.maximum)]
+
+
+def test_what_wins_nothing_is_drawn_against_a_per_cent():
+    """Ticks of 2e-10 % stood under bars of none."""
+    tolerances = {"driveline.shafts[*].length_mm": {"uniform": 0.1}}
+    found = study(application(), variants_of({}, tolerances), count=40)
+    svg = next(f for f in report.figures(found) if "halving" in f.title).svg
+    assert "e-" not in "".join(re.findall(r"<text[^>]*>([^<]*)<", svg))
+
+
 def test_shards_of_any_size_come_to_the_same_counts():
     variants = variants_of(VARY, TOLERANCES, ask=ASK)
     one = study(application(), variants, count=900, shard=900)
