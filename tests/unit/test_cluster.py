@@ -176,8 +176,10 @@ class Waiting:
 
         def asked():
             self.begin.wait()
-            self.pending -= 1
-            return fn(*args)
+            try:
+                return fn(*args)
+            finally:
+                self.pending -= 1
 
         return self.threads.submit(asked)
 

@@ -6,6 +6,7 @@ computed: at once, by many, or in pieces after the computer went down.
 """
 
 import json
+import pickle
 import zlib
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
@@ -19,7 +20,7 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from importlib import import_module
 from io import BytesIO
@@ -298,13 +299,24 @@ def _bench(of: _Once) -> Bench:
     return Bench.of(job.application, job.variants, seed=job.seed, points=job.points)
 
 
-def _asked(job: Job, start: int, stop: int) -> Shard:
+def packed(job: Job) -> bytes:
+    """Return a job as it is handed out with each shard: written once, and read once by a worker."""
+    return pickle.dumps(job, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+@lru_cache(4)
+def unpacked(job: bytes) -> Job:
+    """Return the job that was handed out."""
+    return pickle.loads(job)
+
+
+def _asked(job: bytes, start: int, stop: int) -> Shard:
     """Return a shard, wherever this is called."""
     import_module(
         "scipy.linalg"
     )  # before it is looked for: a thread beside would load it meanwhile
     with single_threaded(), memory_kept():
-        return job.shard(start, stop)
+        return unpacked(job).shard(start, stop)
 
 
 def study(
@@ -451,6 +463,7 @@ def _run(
         return executor.there if isinstance(executor, Cluster) else cpu_count() or 1
 
     with _workers(executor, workers or there()) as (of, own):
+        parcel = b"" if own else packed(job)
         pending: dict[Future[Shard], int] = {}
         waiting = iter(spans.items())
         try:
@@ -459,7 +472,9 @@ def _run(
                 while len(pending) < most and (one := next(waiting, None)):
                     k, span = one
                     pending[
-                        of.submit(job.shard, *span, stop) if own else of.submit(_asked, job, *span)
+                        of.submit(job.shard, *span, stop)
+                        if own
+                        else of.submit(_asked, parcel, *span)
                     ] = k
                 if not pending:
                     return
