@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from threading import Event
+from types import SimpleNamespace
 
 import pytest
 
@@ -232,6 +233,20 @@ def test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes(numb
     if at_once < 10_000:
         pytest.skip("another C library, which was not told so")
     assert held < at_once / 10
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of the GNU C library")
+def test_the_last_of_several_threads_hands_memory_back_again(monkeypatch):
+    told = []
+    monkeypatch.setenv(TRIM, "65536")
+    monkeypatch.setattr("ctypes.CDLL", lambda _: SimpleNamespace(mallopt=lambda *a: told.append(a)))
+    one, other = memory_kept(), memory_kept()
+    one.__enter__()
+    other.__enter__()
+    one.__exit__(None, None, None)
+    assert (-1, 65536) not in told
+    other.__exit__(None, None, None)
+    assert told[-2:] == [(-1, 65536), (-3, 2**17)]
 
 
 def test_who_was_told_nothing_is_left_alone(monkeypatch):

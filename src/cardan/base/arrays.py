@@ -140,7 +140,8 @@ def memory_kept() -> Generator[None, None, None]:
 
     Dask tells its workers so: then arrays, which come and go, cost twice their time. Told where to
     trim, the C library no longer learns either from which size on memory is worth a mapping of its
-    own: every array of 128 KiB is one, whose pages are all faulted in anew.
+    own: every array of 128 KiB is one, whose pages are all faulted in anew. The last of several
+    threads that are inside together goes back to what was told.
     """
     told = os.environ.get(TRIM)
     if told is None or not sys.platform.startswith("linux"):
@@ -153,13 +154,22 @@ def memory_kept() -> Generator[None, None, None]:
     if adjust is None:
         yield
         return
-    adjust(trim, 2**28)
-    adjust(mapped, 2**25)  # as far as it would learn by itself
+    with _ALONE:
+        _KEEPING.append(None)
+        adjust(trim, 2**28)
+        adjust(mapped, 2**25)  # as far as it would learn by itself
     try:
         yield
     finally:
-        adjust(trim, int(told))
-        adjust(mapped, 2**17)  # where it begins
+        with _ALONE:
+            _KEEPING.pop()
+            if not _KEEPING:
+                adjust(trim, int(told))
+                adjust(mapped, 2**17)  # where it begins
+
+
+_KEEPING: list[None] = []
+"""One for each thread that keeps memory."""
 
 
 @cache
