@@ -10,9 +10,10 @@ several they are the clock's, one worker and two in turn.
 import os
 import resource
 import sys
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time, thread_time
@@ -20,7 +21,7 @@ from time import perf_counter, process_time, thread_time
 from cardan import files
 from cardan.base.arrays import memory_kept, single_threaded
 from cardan.model.variants import Ask
-from cardan.study.shards import Job, study, workers_of
+from cardan.study.shards import Job, packed, study, unpacked, workers_of
 from cardan.study.sweep import Bench, variants_of
 
 TRUCK = Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml"
@@ -74,28 +75,40 @@ def main() -> None:
         )  # fmt: skip
 
     asked = variants_of(SET, TOLERANCES, ask=Ask(limits=GEOMETRY))
-    job = Job.of(truck, asked, seed=0, points=None)
+    parcel = packed(Job.of(truck, asked, seed=0, points=None))
 
     def told(what: str, target: str, pool: Executor) -> None:
         def of_two() -> tuple[float, float]:
             """Return the clock's seconds of two at a time, and the processor's of a shard."""
             begun = perf_counter()
-            each = [pool.submit(cost, job, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
+            each = [pool.submit(cost, parcel, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
             spent = [f.result() for f in each]
             return perf_counter() - begun, sum(spent) / SHARDS
 
+        def of_halves() -> float:
+            """Return the clock's seconds of two that are handed half of the shards at once."""
+            begun = perf_counter()
+            ends = range(0, SHARDS + 1, SHARDS // 2)
+            each = [pool.submit(costs, parcel, a, b) for a, b in pairwise(ends)]
+            wait(each)
+            return perf_counter() - begun
+
         def of_one() -> tuple[float, float]:
             begun = perf_counter()
-            spent = [cost(job, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
+            spent = [cost(parcel, k * SHARD, (k + 1) * SHARD) for k in range(SHARDS)]
             return perf_counter() - begun, sum(spent) / SHARDS
 
         of_two(), of_one()  # warm: whoever computes has read everything
-        each = [(of_one(), of_two()) for _ in range(TURNS)]
-        clock = median(one[0] / two[0] / 2 for one, two in each)
-        work = median(one[1] / two[1] for one, two in each)
+        each = [(of_one(), of_two(), of_halves()) for _ in range(TURNS)]
+        clock = median(one[0] / two[0] / 2 for one, two, _ in each)
+        work = median(one[1] / two[1] for one, two, _ in each)
+        most = median(one[0] / halves / 2 for one, _, halves in each)
+        given = median(halves / two[0] for _, two, halves in each)
         print(
-            f"| two {what}: efficiency by the clock; processor time of a shard, alone over there "
-            f"| {target} | {clock:.2f}; {work:.2f} |", flush=True,
+            f"| two {what}: efficiency by the clock; of two that are handed half at once; the "
+            f"first over the second, which is what handing out costs; processor time of a shard, "
+            f"alone over there | {target} | {clock:.2f}; {most:.2f}; {given:.2f}; {work:.2f} |",
+            flush=True,
         )  # fmt: skip
 
     if (os.cpu_count() or 1) < 2:
@@ -109,12 +122,17 @@ def main() -> None:
             told("workers of a Dask cluster", "0.8", pool)
 
 
-def cost(job: Job, start: int, stop: int) -> float:
+def cost(job: bytes, start: int, stop: int) -> float:
     """Return the processor time of a shard, s, of the thread that asks it."""
     with single_threaded(), memory_kept():
         begun = thread_time()
-        job.shard(start, stop)
+        unpacked(job).shard(start, stop)
         return thread_time() - begun
+
+
+def costs(job: bytes, first: int, last: int) -> float:
+    """Return the processor time of several shards, one after the other, with nobody to wait for."""
+    return sum(cost(job, k * SHARD, (k + 1) * SHARD) for k in range(first, last))
 
 
 if __name__ == "__main__":

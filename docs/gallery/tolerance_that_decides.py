@@ -1,7 +1,7 @@
 """Which tolerance decides whether the refuse collector's line passes: the wedge under its springs.
 
-After the cheapest correction of its geometry, bearing 2 up 15 mm and the pinion up 0.5 deg, nothing
-fails on paper. As trucks scatter 15 in a hundred do not keep it. A wedge half as far off wins
+After one of the two cheapest corrections, bearing 2 up 15 mm and the pinion up 0.5 deg, nothing of
+its geometry fails on paper. As trucks scatter 15 in a hundred do not keep it. A wedge half as far off wins
 nearly all of those back; half the scatter of everything else together wins little.
 """
 

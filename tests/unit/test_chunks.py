@@ -88,3 +88,55 @@ def test_blas_keeps_to_one_thread_and_gets_its_own_back():
         assert inside == [{1}]
         assert threads() == before
         assert chunked(lambda x: x * 0 + max(threads()), np.zeros(10), size=5).tolist() == [1] * 10
+
+
+def test_threads_that_begin_together_look_for_blas_once():
+    """While one looks for it and another loads a library both wait for each other, for ever."""
+    code = """
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+from time import sleep
+
+import threadpoolctl
+
+looks = []
+
+class Slow(threadpoolctl.ThreadpoolController):
+    def __init__(self):
+        looks.append(inside[:])
+        sleep(0.1)
+        super().__init__()
+
+threadpoolctl.ThreadpoolController = Slow
+from cardan.base.arrays import single_threaded
+
+inside, together = [], Barrier(4)
+
+def asked(_):
+    together.wait()
+    with single_threaded():
+        inside.append(1)
+
+with ThreadPoolExecutor(4) as pool:
+    list(pool.map(asked, range(4)))
+print(looks)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[[]]"
+
+
+def test_the_last_of_several_threads_gives_blas_its_own_back():
+    """The first to leave gave it back to all, and the last left it with one thread for ever."""
+
+    def threads():
+        return {b["num_threads"] for b in threadpool_info() if b["user_api"] == "blas"}
+
+    one, other = single_threaded(), single_threaded()
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        one.__enter__()
+        other.__enter__()
+        one.__exit__(None, None, None)
+        assert threads() == {1}
+        other.__exit__(None, None, None)
+        assert threads() == before

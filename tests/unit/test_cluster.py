@@ -5,11 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from threading import Event
+from types import SimpleNamespace
 
 import pytest
 
+from cardan import files
 from cardan.base.arrays import TRIM, memory_kept
+from cardan.report import study as report
+from cardan.study import shards
 
 pytest.importorskip("distributed", reason="a cluster needs pip install 'cardan[cluster]'")
 
@@ -58,16 +64,22 @@ def running(*command, env=None):
 
 
 @pytest.fixture
-def cluster(tmp_path):
+def schedulers():
+    """Give those of the clusters of a test."""
+    return []
+
+
+@pytest.fixture
+def cluster(tmp_path, schedulers):
     """Give the address of a scheduler with two workers, and those."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), TRIM: "65536"}
     where = tmp_path / "scheduler.json"
     dask = (sys.executable, "-m", "dask")
     local = ("--scheduler-file", str(where), "--no-dashboard")
     with ExitStack() as stack:
-        stack.enter_context(running(
+        schedulers.append(stack.enter_context(running(
             *dask, "scheduler", *local, "--host", "127.0.0.1", "--port", "0", env=env,
-        ))  # fmt: skip
+        )))  # fmt: skip
         until(where.exists, "a scheduler")
         workers = [
             stack.enter_context(running(
@@ -98,7 +110,7 @@ def test_killed_on_a_cluster_it_goes_on_to_the_same_bits(tmp_path, cluster):
     command = [sys.executable, "-m", "cardan", "study", str(tmp_path / "line.yaml"), "--n", COUNT]
     whole, out = tmp_path / "whole", tmp_path / "out"
     subprocess.run([*command, "--out", str(whole), "--workers", "1"], check=True)
-    there = [*command, "--out", str(out), "--executor", address, "--workers", "2"]
+    there = [*command, "--out", str(out), "--executor", address]
     # The one who hands out the work.
     with running(*there) as study:
         until(lambda: len(kept(out)) >= 3, "the first shards")
@@ -120,6 +132,78 @@ def test_killed_on_a_cluster_it_goes_on_to_the_same_bits(tmp_path, cluster):
     assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in whole.iterdir())
     for path in whole.iterdir():
         assert path.read_bytes() == (out / path.name).read_bytes(), path.name
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="has no such signal")
+def test_a_lost_scheduler_is_told_and_what_is_done_is_kept(tmp_path, cluster, schedulers):
+    address, _ = cluster
+    (tmp_path / "line.yaml").write_text(LINE)
+    command = [sys.executable, "-m", "cardan", "study", str(tmp_path / "line.yaml"), "--n", COUNT]
+    out, whole = tmp_path / "out", tmp_path / "whole"
+    env = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "2s"}
+    with subprocess.Popen(
+        [*command, "--out", str(out), "--executor", address],
+        env=env, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    ) as study:  # fmt: skip
+        until(lambda: len(kept(out)) >= 3, "the first shards")
+        schedulers[0].kill()
+        _, said = study.communicate(timeout=WAIT)
+    assert study.returncode == 2
+    assert f"the cluster at {address} is gone" in said
+    assert 3 <= len(kept(out)) < SHARDS
+    subprocess.run([*command, "--out", str(out), "--resume"], check=True)
+    subprocess.run([*command, "--out", str(whole)], check=True)
+    for path in whole.iterdir():
+        assert path.read_bytes() == (out / path.name).read_bytes(), path.name
+
+
+class Waiting:
+    """Stands for a client whose cluster gets a worker when it is told that it has none."""
+
+    def __init__(self):
+        self.begin, self.most, self.pending = Event(), 0, 0
+        self.threads = ThreadPoolExecutor(16)
+
+    def ncores(self):
+        return {"one": 4} if self.begin.is_set() else {}
+
+    def get_executor(self):
+        return self
+
+    def submit(self, fn, *args):
+        self.pending += 1
+        self.most = max(self.most, self.pending)
+
+        def asked():
+            self.begin.wait()
+            try:
+                return fn(*args)
+            finally:
+                self.pending -= 1
+
+        return self.threads.submit(asked)
+
+
+def test_a_cluster_without_workers_is_told_and_waited_for(monkeypatch):
+    monkeypatch.setattr(shards, "WAIT", 0.05)
+    client, told = Waiting(), []
+
+    def hear(progress):
+        told.append(progress)
+        if progress.idle:
+            client.begin.set()
+
+    application = files.loads(LINE.replace("rows: float64, ", ""))
+    found = shards.study(
+        application, application.variants, count=600, shard=20, executor=shards.Cluster(client),
+        workers=None, hear=hear,
+    )  # fmt: skip
+    assert found.count == 600
+    assert any(p.idle and p.done == 0 for p in told)
+    assert "no worker" in report.progress(next(p for p in told if p.idle))
+    # Nobody there gets as much as one would; four, what keeps four at it.
+    assert 4 < client.most <= 4 * shards.AHEAD
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of the GNU C library")
@@ -149,6 +233,20 @@ def test_a_worker_that_hands_memory_back_at_once_keeps_it_while_it_computes(numb
     if at_once < 10_000:
         pytest.skip("another C library, which was not told so")
     assert held < at_once / 10
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of the GNU C library")
+def test_the_last_of_several_threads_hands_memory_back_again(monkeypatch):
+    told = []
+    monkeypatch.setenv(TRIM, "65536")
+    monkeypatch.setattr("ctypes.CDLL", lambda _: SimpleNamespace(mallopt=lambda *a: told.append(a)))
+    one, other = memory_kept(), memory_kept()
+    one.__enter__()
+    other.__enter__()
+    one.__exit__(None, None, None)
+    assert (-1, 65536) not in told
+    other.__exit__(None, None, None)
+    assert told[-2:] == [(-1, 65536), (-3, 2**17)]
 
 
 def test_who_was_told_nothing_is_left_alone(monkeypatch):

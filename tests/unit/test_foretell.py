@@ -15,6 +15,7 @@ from cardan.model.variants import Ask, Spread
 from cardan.report import study as report
 from cardan.study.draw import Drawing, Factor
 from cardan.study.foretell import FOLDS, foretold
+from cardan.study.reduce import clopper_pearson
 from cardan.study.shards import study
 from cardan.study.sweep import variants_of
 
@@ -102,6 +103,34 @@ def test_what_is_foretold_badly_is_mended_and_its_interval_says_so():
     # Mended, they scatter about the truth: 400 tell an error of half of them to 3.5 %.
     errors = np.array([f.share - truth for f in found])
     assert abs(errors.mean()) < 3 * errors.std() / np.sqrt(len(errors))
+
+
+def test_where_those_asked_know_it_as_narrowly_they_tell():
+    drawing = dice(seed=1)
+    for margins, plain in ((ball, False), (waves, True)):
+        known = taught(drawing, margins, 2000)
+        asked = int(known["fit"].sum()), 2000
+        found = foretold(
+            drawing, known, count=20_000, start=2000, confidence=0.9, asked=asked
+        )  # fmt: skip
+        alone = foretold(drawing, known, count=20_000, start=2000, confidence=0.9)
+        low, high = clopper_pearson(*asked, confidence=0.9)
+        assert found.plain == plain == (alone.high - alone.low >= high - low)
+        assert (found.low, found.high) == ((low, high) if plain else (alone.low, alone.high))
+        assert found.share == (asked[0] / 2000 if plain else alone.share)
+
+
+def test_a_study_that_foretells_badly_tells_what_it_asked():
+    """A limit that asks above an angle alone jumps, and no parabola follows."""
+    jump = "  - {quantity: critical_speed_ratio, maximum: 0.01, above_angle: 3.55, source: ours}\n"
+    found = study(
+        application(jump), variants_of({}, TOLERANCES, ask=Ask(foretold=10_000)), count=400
+    )  # fmt: skip
+    assert found.foretold.plain
+    assert (found.foretold.low, found.foretold.high) == found.interval()
+    assert found.foretold.share == found.yield_
+    assert "The interval above stands" in "\n".join(report.terminal(found))
+    assert report.document(found)["foretold"]["of_those_asked"]
 
 
 def test_errors_are_counted_on_those_it_has_not_learned_from():

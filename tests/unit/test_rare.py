@@ -112,6 +112,23 @@ def test_what_is_chosen_stays_in_the_middle_and_that_is_told(chosen):
     assert "about the middle of what is chosen" in "\n".join(report.terminal(found))
 
 
+def test_what_cannot_exist_fails_no_limit():
+    """A shaft shorter than its bearing's place, at 3.1 σ: it was told as this limit's failure."""
+    short = {"driveline.shafts[1].length_mm": {"normal": 1060 / 3.1}}
+    application = files.loads(LINE.replace("LIMIT", "4.1"))
+    found = study(application, variants_of({}, {**SIDE, **short}, ask=Ask(rare=True)), count=4096)
+    counts = found.states["counts"]
+    assert counts["refused"] > 0
+    assert counts["grades"][0, 2] == 0
+    (one,) = found.rare
+    # Of those that exist, 999 in 1000.
+    assert one.first_order.beta == pytest.approx(0.6 / (0.1 * 2**0.5), abs=1e-3)
+    assert abs(one.sampled.failure - ndtr(-0.6 / (0.1 * 2**0.5))) < 4 * one.sampled.error
+    said = "\n".join(report.terminal(found))
+    assert "they fail no limit" in said
+    assert [r.limit.quantity for r in found.beyond] == ["joint_speed"]
+
+
 def test_without_dice_all_ways_are_summed():
     text = LINE.replace("LIMIT", str(4 * TWO)).replace("[3.0, 1.0, 4.5, 2.0]", STRAIGHT)
     found = rare(Bench.of(files.loads(text), variants_of({}, SIDE)), 0, draws=0)

@@ -192,6 +192,18 @@ def unmoved(text: str, asked: int):
 
 
 @pytest.mark.parametrize("asked", [0, 100])
+def test_trucks_scatter_where_nothing_is_moved(asked):
+    """Numbers of the file alone: it ended in words about arrays."""
+    study = "study: {tolerances: {'driveline.slopes.side_deg[*]': {normal: 0.1}}}\n"
+    text = LINE.replace("maximum: 3.2", "maximum: 3.6") + study
+    trucks = Trucks.of(files.loads(text), "main")
+    found = trucks.survival((), np.empty(0), asked=asked)
+    # Of three joints at 2, 3.5 and 2.5 deg one is near its cap, 0.1 off by 0.14 deg.
+    assert found.share == pytest.approx(ndtr(0.1 / (0.1 * 2**0.5)), abs=0.13 if asked else 0.02)
+    assert found.lost == "joint_angle"
+
+
+@pytest.mark.parametrize("asked", [0, 100])
 def test_trucks_scatter_by_what_arrays_cannot_hold(asked):
     """A joint's own cap, 3.6 ± 0.1 deg, at 3.5 deg: Φ(1) keep it. Such a file `fix` refused."""
     study = "study: {tolerances: {driveline.joints.angle_max_deg: {normal: 0.1}}}\n"

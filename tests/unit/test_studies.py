@@ -283,6 +283,58 @@ def test_a_map_counts_what_lies_in_each_cell():
     assert state["count"].sum() == 900
 
 
+def test_what_stands_for_a_cell_is_the_choice_in_it():
+    """Of 0, 30 and 90 the middle one stood at 37.5, half way between its neighbours' edges."""
+    vary = {"phase_deg[2]": {"choice": [90, 0, 30]}, "shim_deg": [-1, 1]}
+    ask = Ask(maps=(("phase_deg[2]", "shim_deg"),))
+    found = study(application(), variants_of(vary, ask=ask), count=64)
+    ((chart, state),) = found.maps
+    assert chart.middles[0] == (0, 30, 90)
+    assert chart.middles[1][:2] == pytest.approx((-0.95, -0.85))
+    only = {k: np.where(np.arange(3)[:, None] == 1, v, 0) for k, v in state.items()}
+    assert "Best at 30 and" in report.heat(found, chart, only).alt
+
+
+def test_a_front_of_many_inputs_has_their_numbers_for_heads(monkeypatch):
+    """Eleven names beside each other ran into one another on paper."""
+    monkeypatch.setattr(report, "BESIDE", 3)
+    vary = {"driveline.slopes.side_deg[*]": {"normal": 0.1}, "shim_deg": [-1, 1]}
+    ask = Ask(pareto=("margin", "cost"))
+    found = study(application(), variants_of(vary, ask=ask), count=64)
+    varied, *_ = tables = list(report.tables(found))
+    assert [row[0] for row in varied.rows][3:] == ["4 driveline.slopes.side_deg[4]", "5 shim_deg"]
+    fronts = [t for t in tables if "no other variant beats" in t.caption]
+    assert [t.head[-2:] for t in fronts] == [("2", "3"), ("4", "5")]
+    assert all("by their numbers" in t.caption for t in fronts)
+    state = found.states["pareto"]
+    for table, last in zip(fronts, (2, 4), strict=True):
+        row = table.rows[-1]
+        assert row[0] == str(state["place"][-1])
+        assert float(row[-1]) == pytest.approx(state["inputs"][-1, last], rel=1e-3)
+    few = study(application(), variants_of({"shim_deg": [-1, 1]}, ask=ask), count=16)
+    assert list(report.tables(few))[-1].head[-1] == "shim_deg"
+
+
+def test_a_bound_is_drawn_where_its_range_begins():
+    """Of a limit from below the line stood at the range's other end."""
+    angle = "  - {quantity: joint_angle_min, normal: 1, maximum: 0.5, source: ours}\n"
+    limits = {m.quantity: m for m in files.loads(LINE + angle).limits}
+    below = list(report._bands(limits["joint_angle_min"], 1.0, (0.0, 9.0)))
+    above = list(report._bands(limits["torsional_acceleration"], 1.0, (0.0, 900.0)))
+    assert [b.from_above for b in below] == [True, True]
+    assert [b.from_above for b in above] == [False, False]
+    angle = limits["joint_angle_min"]
+    assert [(b.low, b.high) for b in below] == [(angle.maximum, angle.normal), (0.0, angle.maximum)]
+
+
+def test_what_wins_nothing_is_drawn_against_a_per_cent():
+    """Ticks of 2e-10 % stood under bars of none."""
+    tolerances = {"driveline.shafts[*].length_mm": {"uniform": 0.1}}
+    found = study(application(), variants_of({}, tolerances), count=40)
+    svg = next(f for f in report.figures(found) if "halving" in f.title).svg
+    assert "e-" not in "".join(re.findall(r"<text[^>]*>([^<]*)<", svg))
+
+
 def test_shards_of_any_size_come_to_the_same_counts():
     variants = variants_of(VARY, TOLERANCES, ask=ASK)
     one = study(application(), variants, count=900, shard=900)
@@ -900,6 +952,12 @@ SHAFT = "driveline.shafts[1].length_mm"
          "29:7: study.correlated[1]: there is no such tolerance (got axle.ratio)"),
         ('[[shim_deg, "phase_deg[2]"]]', '[[shim_deg, "phase_deg[1]"]]',
          "30:3: study.ask: maps: this does not vary (got phase_deg[1])"),
+        ("worst: 2", "pareto: [margin, mass, margin]",
+         "30:57: study.ask.pareto[3]: is weighed already (got margin); name each once"),
+        ('[[shim_deg, "phase_deg[2]"]]', '[["driveline.slopes.side_deg[*]", '
+         '"driveline.slopes.side_deg[1]"]]',
+         "30:3: study.ask: maps: both axes are the same number (got driveline.slopes.side_deg[*], "
+         "driveline.slopes.side_deg[1]); name two"),
         ("worst: 2", "worst: 0",
          "study.ask.worst: must be a whole number from 1 to 1000"),
         ("rows: float32", "rows: float16",
@@ -912,6 +970,21 @@ def test_what_is_wrong_with_a_study_is_told_where_it_stands(was, now, told):
     with pytest.raises(BadFile) as error:
         files.loads(text, name="line.yaml")
     assert told in str(error.value)
+
+
+def test_nothing_is_weighed_against_itself():
+    with pytest.raises(ValueError, match="pareto weighs each once, against others, got mass, mass"):
+        cardan.study(application(), {"shim_deg": [-1, 1]}, n=8, pareto=("mass", "mass"))
+
+
+def test_a_map_of_several_parts_is_of_the_first_however_they_are_named():
+    names = ("a[10]", "a[2]", "b")
+    spread = Spread(kind="normal", values=(1.0,))
+    drawn = Drawing(
+        names=names, at=(0.0,) * 3,
+        factors=tuple(Factor(input=k, spread=spread, tolerance=True) for k in range(3)),
+    )  # fmt: skip
+    assert reduce.Map.over(("a[*]", "b"), drawn).columns == (1, 2)
 
 
 def test_editors_know_what_a_study_may_hold():

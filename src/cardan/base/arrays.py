@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import cache, lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -101,9 +102,32 @@ def vectors(points: Iterable[Iterable[ArrayLike]], *, size: int = 3) -> FloatArr
 
 @contextmanager
 def single_threaded() -> Generator[None, None, None]:
-    """Keep BLAS to one thread: on many small matrices its own cost far more than they bring."""
-    with _blas("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
+    """Keep BLAS to one thread: on many small matrices its own cost far more than they bring.
+
+    Of threads that are inside together the first sets that and the last takes it back: it holds
+    for the whole process. The libraries are looked for by one thread while no other is inside
+    (`_blas`), but where SciPy's came meanwhile.
+    """
+    scipys = "scipy.linalg" in sys.modules
+    with _ALONE:
+        if scipys not in _LIMITS and True not in _LIMITS:
+            _LIMITS[scipys] = _blas(scipys).limit(limits=1, user_api="blas")
+        _INSIDE.append(None)
+    try:
         yield
+    finally:
+        with _ALONE:
+            _INSIDE.pop()
+            while _LIMITS and not _INSIDE:
+                _LIMITS.popitem()[1].restore_original_limits()
+
+
+_ALONE = Lock()
+_INSIDE: list[None] = []
+"""One for each thread, and each call of it, that keeps BLAS to one thread."""
+
+_LIMITS: dict[bool, Any] = {}
+"""What takes that back: of NumPy's, and of SciPy's where its linear algebra was there."""
 
 
 TRIM = "MALLOC_TRIM_THRESHOLD_"
@@ -116,7 +140,8 @@ def memory_kept() -> Generator[None, None, None]:
 
     Dask tells its workers so: then arrays, which come and go, cost twice their time. Told where to
     trim, the C library no longer learns either from which size on memory is worth a mapping of its
-    own: every array of 128 KiB is one, whose pages are all faulted in anew.
+    own: every array of 128 KiB is one, whose pages are all faulted in anew. The last of several
+    threads that are inside together goes back to what was told.
     """
     told = os.environ.get(TRIM)
     if told is None or not sys.platform.startswith("linux"):
@@ -129,19 +154,32 @@ def memory_kept() -> Generator[None, None, None]:
     if adjust is None:
         yield
         return
-    adjust(trim, 2**28)
-    adjust(mapped, 2**25)  # as far as it would learn by itself
+    with _ALONE:
+        _KEEPING.append(None)
+        adjust(trim, 2**28)
+        adjust(mapped, 2**25)  # as far as it would learn by itself
     try:
         yield
     finally:
-        adjust(trim, int(told))
-        adjust(mapped, 2**17)  # where it begins
+        with _ALONE:
+            _KEEPING.pop()
+            if not _KEEPING:
+                adjust(trim, int(told))
+                adjust(mapped, 2**17)  # where it begins
+
+
+_KEEPING: list[None] = []
+"""One for each thread that keeps memory."""
 
 
 @cache
 def _blas(scipys: bool) -> Any:  # noqa: FBT001  a key of the cache
     """Return what controls the threads of BLAS; to look for it takes milliseconds.
 
+    While one thread looks, no other may load a library: the look holds the loader's lock and waits
+    for the interpreter, who loads holds the interpreter and waits for the loader's. A worker of a
+    cluster, with threads of which one began its first shard while another imported what its own
+    needed, stood still for ever.
     SciPy brings one of its own, which is there once its linear algebra is: `scipys`.
     """
     del scipys

@@ -57,7 +57,10 @@ from cardan.cli.ending import STOPPED, Once, kindly
     help="Who computes; an address is that of a Dask cluster, tcp://host:8786.",
 )
 @click.option(
-    "--workers", type=click.IntRange(1), default=None, help="At a time; by default one a core."
+    "--workers",
+    type=click.IntRange(1),
+    default=None,
+    help="At a time; by default one a core, here or of the cluster.",
 )
 @JSON
 @click.option("--html", metavar="OUT", type=OUT, help="A page with histograms, bars and maps.")
@@ -120,18 +123,22 @@ def study(
         msg = f"{file} has no study: say what varies in it, or in a file of --study"
         raise DesignError(msg)
     stopped = False
-    number = workers or os.cpu_count() or 1
-    last = 0.0
+    here = workers or os.cpu_count() or 1
+    number = here if executor in ("threads", "processes") else workers  # a cluster's own number
+    last, idle = 0.0, False
     with of(file, application), progress(say("asking"), quiet=quiet) as line:
 
         def hear(told: Any) -> None:
-            nonlocal last
+            nonlocal last, idle
+            if told.idle and not (idle or line.seen or quiet):
+                note(report.progress(told, say))
+            idle = told.idle
             if line.seen and (perf_counter() - last > 0.2 or told.done == told.count):
                 last = perf_counter()
                 line.at(report.progress(told, say))
 
         try:
-            with workers_of(executor, number) as pool:
+            with workers_of(executor, here) as pool:
                 found = run(
                     application, variants, count=count, seed=seed, folder=folder, resume=resume,
                     executor=pool, workers=number, hear=hear,

@@ -37,7 +37,7 @@ from cardan.border.table import (
     nearest,
 )  # fmt: skip
 from cardan.model.application import Application
-from cardan.model.movable import meant, movable
+from cardan.model.movable import first, meant, movable
 from cardan.model.variants import MOST, Ask, Goal, Spread, Variants, crossed
 from cardan.quantity.quantities import ANSWERED
 
@@ -165,6 +165,10 @@ class AskTable(Table):
         """Return what is asked."""
         if self.search and not self.pareto:
             self.at("search").refuse("needs pareto", "say there what is weighed")
+        for k, goal in enumerate(self.pareto):
+            if goal in self.pareto[:k]:
+                # Against itself nothing is weighed.
+                self.at("pareto", k + 1).refuse("is weighed already", "name each once", got=goal)
         return Ask(
             yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
             worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
@@ -239,6 +243,12 @@ class StudyTable(Table):
             for name in pair:
                 if name not in named:
                     self.at("ask").note("maps: this does not vary", nearest(name, named), got=name)
+            # Of several parts a map shows the first.
+            firsts = [first(name, every) for name in pair if meant(name, every)]
+            if len(firsts) > len(set(firsts)):
+                self.at("ask").note(
+                    "maps: both axes are the same number", "name two", got=", ".join(pair)
+                )
         return Variants(
             vary=self.vary, tolerances=self.tolerances, correlated=self.correlated, ask=self.ask,
             places={name: self._named("vary", name).place for name in self.vary}

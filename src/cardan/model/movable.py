@@ -252,3 +252,14 @@ def meant(name: str, known: Iterable[str]) -> list[str]:
         return [k for k in known if k == name]
     pattern = re.compile(re.escape(name).replace(r"\[\*\]", r"\[\d+\]"))
     return [k for k in known if pattern.fullmatch(k)]
+
+
+def first(name: str, known: Iterable[str]) -> str:
+    """Return the known name one stands for; of several parts the first, however they are listed.
+
+    Raises
+    ------
+    ValueError
+        If it stands for none.
+    """
+    return min(meant(name, known), key=lambda one: [int(k) for k in re.findall(r"\d+", one)])

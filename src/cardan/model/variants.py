@@ -94,6 +94,11 @@ class Ask:
     foretold: int = 0
     rows: Literal["float32", "float64"] | None = None
 
+    def __post_init__(self) -> None:
+        if len(set(self.pareto)) < len(self.pareto):
+            msg = f"pareto weighs each once, against others, got {', '.join(self.pareto)}"
+            raise ValueError(msg)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variants:

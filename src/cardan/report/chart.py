@@ -37,12 +37,16 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """A range of a chart's values in which a check warns or fails; `along` says of which axis."""
+    """A range of a chart's values in which a check warns or fails; `along` says of which axis.
+
+    It begins at its low end, with a line there, or `from_above` at its high one.
+    """
 
     low: float
     high: float
     grade: str = "fail"
     along: str = "y"
+    from_above: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,10 +156,9 @@ class Chart:
         colour = GRADED[band.grade]
         self.put(svg.rect(x1, y1, x2 - x1, y2 - y1, fill=colour, fill_opacity=0.13))
         edge = {"stroke": colour, "stroke_width": 1, "stroke_dasharray": "4 3"}
+        x, y = (x2, y2) if band.from_above else (x1, y1)
         self.put(
-            svg.line(x1, y1, x1, y2, **edge)
-            if band.along == "x"
-            else svg.line(x1, y1, x2, y1, **edge)
+            svg.line(x, y1, x, y2, **edge) if band.along == "x" else svg.line(x1, y, x2, y, **edge)
         )
 
     def level(self, level: Level) -> None:

@@ -28,6 +28,9 @@ SHOWN = 6
 AXES = 7
 """Inputs across which lines of variants go, at most."""
 
+NAMED, BESIDE = 4, 12
+"""Inputs that stand by name at the head of a front's columns, and beside each other, at most."""
+
 BINS = 40
 """Bars of a histogram, about."""
 
@@ -39,6 +42,11 @@ def progress(of: Progress, say: Language = EN) -> str:
     """Return how far a study has come, with rate and time left."""
     if of.rare:
         return say("rare failures: {done} of {count} limits", done=of.rare[0], count=of.rare[1])
+    if of.idle:
+        return say(
+            "{done} of {count} variants; the cluster has no worker: waiting for one",
+            done=of.done, count=of.count,
+        )  # fmt: skip
     rate = say.short(float(f"{of.rate:.3g}")) if of.rate else "-"
     left = clock(of.left, say) if isfinite(of.left) else "-"
     return say(
@@ -94,6 +102,11 @@ def told(of: Studied, say: Language = EN) -> Iterator[str]:
             "{names}.",
             far=say.short(FAR), names=say.list(*names),
         )  # fmt: skip
+    if any(r.lost for r in (*of.rare, *of.beyond)):
+        yield say(
+            "Some of those asked about rare failures cannot exist: they fail no limit, and how "
+            "often they occur is not told."
+        )
     if of.rare and any(not f.tolerance for f in (*of.drawing.factors, *of.drawing.grids)):
         yield say(
             "What hardly ever fails is told of what scatters about the middle of what is chosen; "
@@ -147,6 +160,12 @@ def _foretold(of: Studied, say: Language) -> str:
     """Return the yield of many, foretold, and how often that was wrong."""
     f = of.foretold
     assert f is not None  # who asks has looked
+    if f.plain:
+        return say(
+            "Foretelling others tells no more narrowly: of {taught} asked, {missed} were foretold "
+            "to fail that fit, and {praised} to fit that fail. The interval above stands.",
+            taught=f.taught, missed=f.missed, praised=f.praised,
+        )  # fmt: skip
     return say(
         "Of {count} more, foretold from {taught} asked: {share}; with {confidence} confidence "
         "{low} to {high}. Foretold wrongly, of those asked: {missed} to fail that fit, "
@@ -202,13 +221,18 @@ def tables(of: Studied, say: Language = EN) -> Iterator[Table]:
     if len(of.states["worst"]["place"]):
         yield _worst(of, say)
     if "pareto" in of.states:
-        yield _front(of, say)
+        yield from _front(of, say)
 
 
 def _varied(of: Studied, say: Language) -> Table:
     drawn = of.drawing
+    numbered = "pareto" in of.states and _numbered(of)
     rows = [
-        (drawn.called(f), say.short(drawn.at[f.input], 5), _spread(f, say))
+        (
+            f"{f.input + 1} {drawn.called(f)}" if numbered else drawn.called(f),
+            say.short(drawn.at[f.input], 5),
+            _spread(f, say),
+        )
         for f in (*drawn.grids, *drawn.factors)
     ]
     return Table(
@@ -216,6 +240,11 @@ def _varied(of: Studied, say: Language) -> Table:
         head=(say("input"), say("as it is"), say("how it varies")),
         rows=tuple(rows),
     )
+
+
+def _numbered(of: Studied) -> bool:
+    """Return whether inputs stand by their numbers at the head of a front's columns."""
+    return len(of.drawing.names) > NAMED
 
 
 def _spread(of: Factor, say: Language) -> str:
@@ -367,11 +396,15 @@ def _output(of: Studied, column: int, say: Language) -> str:
 
 
 def _index(found: Indices, c: int, k: int, say: Language) -> str:
-    return say.pointed(f"{found.first[c, k]:.2f} ± {2 * found.first_error[c, k]:.2f}")
+    return _with_errors(found.first[c, k], found.first_error[c, k], say)
 
 
 def _total(found: Indices, c: int, k: int, say: Language) -> str:
-    return say.pointed(f"{found.total[c, k]:.2f} ± {2 * found.total_error[c, k]:.2f}")
+    return _with_errors(found.total[c, k], found.total_error[c, k], say)
+
+
+def _with_errors(value: float, error: float, say: Language) -> str:
+    return say.pointed(f"{round(value, 2) + 0.0:.2f} ± {2 * error:.2f}")  # no "-0.00"
 
 
 def _rare(of: Studied, say: Language) -> Table:
@@ -395,19 +428,25 @@ def _rare(of: Studied, say: Language) -> Table:
                 say.pointed(f"{first.beta:.2f}"),
                 "-" if first.met else once(first.failure),
                 once(second.failure) if second else "-",
-                once(sampled.failure) if sampled else "-",
-                say.pointed(f"± {200 * sampled.error / sampled.failure:.0f} %")
-                if sampled and sampled.failure
+                once(sampled.failure)
+                + (
+                    say.pointed(f" ± {200 * sampled.error / sampled.failure:.0f} %")
+                    if sampled.failure
+                    else ""
+                )
+                if sampled
                 else "-",
                 f"{drawn.called(most)} {say.short(float(one.inputs[most.input]), 4)}",
             )
         )
     return Table(
-        caption=say("Limits that fail hardly ever: how often, and where most likely"),
+        caption=say(
+            "Limits that fail hardly ever: how often, sampled with two standard errors, and where "
+            "most likely"
+        ),
         head=(
-            say("limit"), say("ways to fail"), say("distance of the nearest [σ]"),
-            say("first order"), say("second order"), say("sampled about all"),
-            say("two standard errors"), say("what has most to do with it, there"),
+            say("limit"), say("ways to fail"), say("nearest [σ]"), say("first order"),
+            say("second order"), say("sampled"), say("most of it by"),
         ),
         rows=tuple(rows),
     )  # fmt: skip
@@ -436,7 +475,8 @@ def _worst(of: Studied, say: Language) -> Table:
     )
 
 
-def _front(of: Studied, say: Language) -> Table:
+def _front(of: Studied, say: Language) -> Iterator[Table]:
+    """Yield what no other variant beats; of many inputs some at a time, by numbers for names."""
     state, goals = of.states["pareto"], of.variants.ask.pareto
     titles = {"margin": say("smallest margin"), "cost": say("cost"), "mass": say("mass [kg]")}
 
@@ -450,21 +490,33 @@ def _front(of: Studied, say: Language) -> Table:
         if len(state["place"])
         else []
     )
-    return Table(
-        caption=say(
-            "What no other variant beats ({count} in all): margin, cost of moves, mass",
-            count=len(state["place"]),
-        ),
-        head=(say("verdict"), *(titles[g] for g in goals), *of.drawing.names),
-        rows=tuple(
-            (
-                say(VERDICTS[int(state["verdict"][k])]),
-                *(shown(g, float(v)) for g, v in zip(goals, state["goals"][k], strict=True)),
-                *(say.short(float(v), 5) for v in state["inputs"][k]),
-            )
-            for k in few
-        ),
+    names = of.drawing.names
+    numbered = _numbered(of)
+    caption = say(
+        "What no other variant beats ({count} in all): margin, cost of moves, mass; inputs by "
+        "their numbers above"
+        if numbered
+        else "What no other variant beats ({count} in all): margin, cost of moves, mass",
+        count=len(state["place"]),
     )
+    for first in range(0, len(names), BESIDE):
+        some = range(first, min(first + BESIDE, len(names)))
+        yield Table(
+            caption=caption,
+            head=(
+                say("variant"), say("verdict"), *(titles[g] for g in goals),
+                *(str(i + 1) if numbered else names[i] for i in some),
+            ),
+            rows=tuple(
+                (
+                    str(int(state["place"][k])),
+                    say(VERDICTS[int(state["verdict"][k])]),
+                    *(shown(g, float(v)) for g, v in zip(goals, state["goals"][k], strict=True)),
+                    *(say.short(float(state["inputs"][k, i]), 4 if numbered else 5) for i in some),
+                )
+                for k in few
+            ),
+        )  # fmt: skip
 
 
 # --------------------------------------------------------------------------- figures
@@ -552,10 +604,12 @@ def _bands(limit: Limit, factor: float, x: tuple[float, float]) -> Iterator[Band
     above = limit.sense == "<="
     if first is not None:
         end = last if last is not None else (x[1] if above else x[0])
-        yield Band(low=min(first, end), high=max(first, end), grade="warn", along="x")
+        low, high = min(first, end), max(first, end)
+        yield Band(low=low, high=high, grade="warn", along="x", from_above=not above)
     if last is not None:
         end = max(x[1], last) if above else min(x[0], last)
-        yield Band(low=min(last, end), high=max(last, end), grade="fail", along="x")
+        low, high = min(last, end), max(last, end)
+        yield Band(low=low, high=high, grade="fail", along="x", from_above=not above)
 
 
 def _gains(of: Studied, say: Language) -> Figure:
@@ -570,6 +624,8 @@ def _gains(of: Studied, say: Language) -> Figure:
         values=gain,
         errors=spread,
         x_label=say("gain in yield [%]"),
+        least=1.0,
+        digits=1,
     )
 
 
@@ -597,10 +653,15 @@ def _sideways(
     errors: FloatArray,
     x_label: str,
     inner: FloatArray | None = None,
+    least: float = 0.01,
+    digits: int = 2,
 ) -> Figure:
-    """Return bars that lie, longest on top, names in the chart."""
+    """Return bars that lie, longest on top, names in the chart, which reaches to `least` at least.
+
+    Values are told to so many digits behind the point.
+    """
     order = np.argsort(np.nan_to_num(values), kind="stable")[-16:]
-    high = float(np.nan_to_num(values + errors).max(initial=1e-9))
+    high = float(np.nan_to_num(values + errors).max(initial=least))
     low = min(0.0, float(np.nan_to_num(values - errors).min(initial=0.0)))
     chart = Chart(
         say=say, x=bounds(np.array([low, high]), zero=True), y=(0.0, float(len(order))),
@@ -619,7 +680,7 @@ def _sideways(
         (x1, y1), (x2, _) = (chart.spot(value + s * error, row + 0.31) for s in (-1, 1))
         chart.put(svg.line(x1, y1, x2, y1, stroke=INK, stroke_width=1.2))
         (x0, y0) = chart.spot(max(low, 0.0), row + 0.58)
-        said = f"{names[k]}: {say.short(float(f'{value:.3g}'))}"
+        said = f"{names[k]}: {say.pointed(f'{round(value, digits) + 0.0:.{digits}f}')}"
         chart.put(svg.text(x0 + 4, y0, said, font_size=11))
     most = names[int(order[-1])] if len(order) else ""
     return chart.figure(title=title, alt=f"{title}. {say('most')}: {most}")
@@ -655,8 +716,8 @@ def heat(of: Studied, chart: Map, state: State, say: Language = EN) -> Figure:
     note = say(
         "From red, none may be built, to green, all of them; white where no variant lies. Best at "
         "{one} and {other}.",
-        one=say.short((a[best[0]] + a[best[0] + 1]) / 2, 3),
-        other=say.short((b[best[1]] + b[best[1] + 1]) / 2, 3),
+        one=say.short(chart.middles[0][best[0]], 3),
+        other=say.short(chart.middles[1][best[1]], 3),
     )
     return drawn.figure(title=title, alt=f"{title}. {note}", note=note)
 
@@ -861,6 +922,7 @@ def document(of: Studied) -> dict[str, Any]:
             "interval": [f.low, f.high],
             "wrongly_failing": f.missed,
             "wrongly_fit": f.praised,
+            "of_those_asked": f.plain,
         }
     if "pareto" in of.states:
         found["pareto"] = [

@@ -13,7 +13,7 @@ is good, so few variants tell them narrowly, and their intervals are those of th
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,6 +48,8 @@ class Foretold:
         That may be built, mended by what was foretold wrongly; and its interval.
     missed, praised
         Of those taught: foretold to fail and fit, foretold to fit and failing.
+    plain
+        Whether share and interval are those of the variants asked, foretold no more narrowly.
     """
 
     count: int
@@ -57,6 +59,7 @@ class Foretold:
     high: float
     missed: int
     praised: int
+    plain: bool = False
 
 
 def foretold(
@@ -66,6 +69,7 @@ def foretold(
     count: int,
     start: int,
     confidence: float,
+    asked: tuple[int, int] | None = None,
     workers: int = 1,
 ) -> Foretold | None:
     """Return the yield of `count` variants foretold; None where too few were asked to learn from.
@@ -78,6 +82,9 @@ def foretold(
         Those asked (`cardan.study.reduce.Taught`).
     start
         The place of the first of those foretold, behind all that were asked.
+    asked
+        How many of those asked may be built, and of how many; where their own interval is no
+        wider, it is told instead.
     confidence
         Of the interval, at least: the bounds of both errors and of the dice together.
 
@@ -95,15 +102,15 @@ def foretold(
     if drawing.points != "random" or drawing.grids:
         msg = "foretold: needs tolerances, drawn by dice: ask it without sobol and grids"
         raise ValueError(msg)
-    asked, fit = taught["inputs"], taught["fit"]
+    inputs, fit = taught["inputs"], taught["fit"]
     number = len(fit)
     part = np.arange(number) % FOLDS
-    if number < FOLDS or (seen := _Seen.of(asked, taught["left"])) is None:
+    if number < FOLDS or (seen := _Seen.of(inputs, taught["left"])) is None:
         return None
     each = [seen.learned(part != k) for k in range(FOLDS)]
     said = np.empty(number, dtype=bool)
     for k, one in enumerate(each):
-        said[part == k] = one.fits(asked[part == k])
+        said[part == k] = one.fits(inputs[part == k])
     missed, praised = int((fit & ~said).sum()), int((said & ~fit).sum())
 
     def passed(piece: int) -> int:
@@ -117,7 +124,7 @@ def foretold(
     errors = 1 - doubt * (1 - DICE) / 2
     less, more = (clopper_pearson(hits, number, confidence=errors) for hits in (praised, missed))
     low, high = clopper_pearson(whole, count, confidence=1 - doubt * DICE)
-    return Foretold(
+    found = Foretold(
         count=count,
         taught=number,
         share=min(max(share + (missed - praised) / number, 0.0), 1.0),
@@ -126,6 +133,12 @@ def foretold(
         missed=missed,
         praised=praised,
     )
+    if asked is None:
+        return found
+    low, high = clopper_pearson(*asked, confidence=confidence)
+    if high - low > found.high - found.low:
+        return found
+    return replace(found, share=asked[0] / asked[1], low=low, high=high, plain=True)
 
 
 @dataclass(frozen=True, kw_only=True)

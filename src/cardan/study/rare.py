@@ -29,6 +29,9 @@ BEND = 0.05
 """Standard deviations over which the surface's bend is taken: limits are exact to far less of it,
 but for where their worst point changes."""
 
+SAFE = 1.0
+"""Margin of what cannot exist: that of a limit of which nothing is used."""
+
 FAR = 6.0
 """Failure that lies farther away, in standard deviations, is told by its distance alone."""
 
@@ -51,6 +54,8 @@ class Rare:
         How often, by variants drawn about all of them; None where it was not asked.
     inputs : (names,)
         What varies, where it fails most likely.
+    lost
+        How many of those asked on the way cannot exist: they fail no limit.
     """
 
     line: str
@@ -59,6 +64,7 @@ class Rare:
     second_order: Sorm | None = None
     sampled: Estimate | None = None
     inputs: FloatArray
+    lost: int = 0
 
     @property
     def first_order(self) -> Form | None:
@@ -104,32 +110,42 @@ def rare(bench: Bench, k: int, *, draws: int = DRAWS, seed: int = 1) -> Rare:
     which = narrow.limits.index((line, limit))
     scatter = tolerances(bench.drawing)
 
+    lost = 0
+
     def left(u: FloatArray) -> FloatArray:
-        """Return the margin to failure (V,) of standard normal numbers (V, tolerances)."""
+        """Return the margin to failure (V,) of standard normal numbers (V, tolerances).
+
+        What cannot exist fails no limit, as in the counts of a study.
+        """
+        nonlocal lost
         inputs = scatter.at_normal(np.atleast_2d(u))
         found: list[FloatArray] = []
         for first in range(0, len(inputs), CHUNK):
             answers = narrow.ask(inputs[first : first + CHUNK])
             margin = answers.left[which] + EQUAL  # equality passes
-            found.append(np.where(answers.refused, -1.0, margin))
+            found.append(np.where(answers.refused, SAFE, margin))
+            lost += int(answers.refused.sum())
         return np.concatenate(found)
 
     variables = [Normal(mean=0.0, deviation=1.0)] * scatter.count
     every = ways(left, variables, far=FAR, tolerance=1e-3)
     if not every:
-        return Rare(line=line, limit=limit, ways=(), inputs=scatter.centre)
+        return Rare(line=line, limit=limit, ways=(), inputs=scatter.centre, lost=lost)
     nearest = every[0]
-    found = Rare(line=line, limit=limit, ways=every, inputs=scatter.at_normal(nearest.u[None])[0])
+    found = Rare(
+        line=line, limit=limit, ways=every, inputs=scatter.at_normal(nearest.u[None])[0], lost=lost
+    )
     if abs(nearest.beta) >= FAR:
         return found
     around = every if nearest.beta > NEAR else ()
-    return replace(
+    found = replace(
         found,
         second_order=None if nearest.met else _bent(left, variables, nearest),
         sampled=monte_carlo(left, variables, samples=draws, seed=seed, around=around)
         if draws
         else None,
     )
+    return replace(found, lost=lost)
 
 
 def _bent(

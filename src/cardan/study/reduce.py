@@ -7,6 +7,7 @@ the last bit, whoever computed them and whenever.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray, IntArray
 from cardan.base.verdict import GRADES, VERDICTS
 from cardan.model.application import Adjustable
-from cardan.model.movable import MOVABLES, movable
+from cardan.model.movable import MOVABLES, first, movable
 from cardan.model.variants import Ask, Goal, Spread
 from cardan.study.draw import Drawing
 from cardan.study.moves import Move
@@ -94,14 +95,14 @@ class Counts:
         grades = a.grades[:, own]
         fails = grades == GRADES.index("fail")
         left = a.deciding[:, own]
-        first = np.bincount(left.argmin(axis=0), minlength=len(left))
+        least = np.bincount(left.argmin(axis=0), minlength=len(left))
         return {
             "count": np.array(own.sum()),
             "asked": np.array(rows.count),
             "verdicts": np.bincount(rows.grades[own], minlength=len(VERDICTS)),
             "grades": np.stack([(grades == g).sum(-1) for g in (0, 1, 2, NOTHING)], axis=-1),
             "alone": (fails & (fails.sum(axis=0) == 1)).sum(-1),
-            "first": first,
+            "first": least,
             "refused": np.array(a.refused[own].sum()),
         }
 
@@ -231,13 +232,13 @@ class Worst:
         """Return the worst of a shard."""
         a = rows.answers
         refused, there = np.flatnonzero(a.refused)[:1], np.flatnonzero(~a.refused)
-        first = np.where(np.isnan(rows.margins), NOTHING, a.deciding.argmin(axis=0))
+        decides = np.where(np.isnan(rows.margins), NOTHING, a.deciding.argmin(axis=0))
         return self._least(
             {
                 "place": start + there,
                 "margin": rows.margins[there],
                 "verdict": rows.grades[there],
-                "limit": first[there],
+                "limit": decides[there],
                 "inputs": rows.inputs[there],
                 "refused": rows.inputs[refused],
                 "why": np.array([a.why] if refused.size else [], dtype=str),
@@ -559,21 +560,34 @@ def costs(bench: Bench) -> tuple[Adjustable | None, ...]:
 class Map:
     """The yield over two inputs, cell by cell.
 
-    `edges` between the cells of each axis; what lies outside is in the outer ones.
+    `edges` between the cells of each axis; what lies outside is in the outer ones. `choices`
+    that cells are about, where there are several; else none.
     """
 
     pair: tuple[str, str]
     columns: tuple[int, int]
     edges: tuple[tuple[float, ...], tuple[float, ...]]
+    choices: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
     @classmethod
     def over(cls, pair: tuple[str, str], drawing: Drawing) -> "Map":
         """Return the map of a pair of names; of several parts the first."""
-        from cardan.model.movable import meant
-
-        columns = tuple(drawing.names.index(meant(n, drawing.names)[0]) for n in pair)
+        columns = tuple(drawing.names.index(first(n, drawing.names)) for n in pair)
         one, other = (_edges(drawing, k) for k in columns)
-        return cls(pair=pair, columns=(columns[0], columns[1]), edges=(one, other))
+        chosen = [_chosen(drawing, k) for k in columns]
+        return cls(
+            pair=pair, columns=(columns[0], columns[1]), edges=(one, other),
+            choices=(chosen[0], chosen[1]),
+        )  # fmt: skip
+
+    @property
+    def middles(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """What stands for each cell: the choice in it, or its middle."""
+        one, other = (
+            chosen or tuple((low + high) / 2 for low, high in pairwise(edges))
+            for chosen, edges in zip(self.choices, self.edges, strict=True)
+        )
+        return one, other
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -611,6 +625,13 @@ class Map:
     def both(self, one: State, other: State) -> State:
         """Return the cells of both."""
         return _added(one, other) | {"least": np.minimum(one["least"], other["least"])}
+
+
+def _chosen(drawing: Drawing, k: int) -> tuple[float, ...]:
+    """Return the choices of an input, in order; none where it has but one, or a range."""
+    spread = next(f.spread for f in (*drawing.grids, *drawing.factors) if f.input == k)
+    places = np.unique(spread.values) if spread.kind in ("grid", "choice") else np.empty(0)
+    return tuple(places.tolist()) if len(places) > 1 else ()
 
 
 def _edges(drawing: Drawing, k: int) -> tuple[float, ...]:

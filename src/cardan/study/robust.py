@@ -267,6 +267,8 @@ def _merged(
     parts: tuple[Adjustable, ...], amounts: FloatArray
 ) -> tuple[tuple[Adjustable, ...], FloatArray]:
     """Return things that are moved, each once, with what they are moved by in all."""
+    if not parts:  # numbers of the file scatter alone, and nothing is moved
+        return parts, amounts
     keys = [(a.what, a.part) for a in parts]
     first = {key: keys.index(key) for key in keys}
     sums = np.stack(

@@ -6,6 +6,7 @@ computed: at once, by many, or in pieces after the computer went down.
 """
 
 import json
+import pickle
 import zlib
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
@@ -19,10 +20,11 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from importlib import import_module
 from io import BytesIO
+from os import cpu_count
 from pathlib import Path
 from threading import Event
 from time import perf_counter
@@ -61,6 +63,9 @@ SHARD = 512
 HARDLY = 20
 """Variants: of a limit that fewer fail the share is known badly."""
 
+WAIT = 10.0
+"""Seconds without a shard after which it is asked whether a cluster has workers at all."""
+
 AHEAD = 3
 """Shards handed out for each worker: what waits costs memory."""
 
@@ -75,6 +80,7 @@ class Progress:
     """How far a study has come: variants done before this run and in all, and how many to do.
 
     With all of them done, how many limits have been asked how often they fail, and of how many.
+    `idle` where nobody is there to ask any: a cluster without workers waits for some.
     """
 
     before: int
@@ -82,6 +88,7 @@ class Progress:
     count: int
     seconds: float
     rare: tuple[int, int] | None = None
+    idle: bool = False
 
     @property
     def rate(self) -> float:
@@ -173,8 +180,7 @@ class Studied:
     @property
     def fit(self) -> int:
         """How many may be built: they pass or only warn."""
-        found = dict(zip(VERDICTS, self.states["counts"]["verdicts"].tolist(), strict=True))
-        return found["pass"] + found["warn"]
+        return _fit(self.states["counts"])[0]
 
     @property
     def yield_(self) -> float:
@@ -293,10 +299,24 @@ def _bench(of: _Once) -> Bench:
     return Bench.of(job.application, job.variants, seed=job.seed, points=job.points)
 
 
-def _asked(job: Job, start: int, stop: int) -> Shard:
+def packed(job: Job) -> bytes:
+    """Return a job as it is handed out with each shard: written once, and read once by a worker."""
+    return pickle.dumps(job, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+@lru_cache(4)
+def unpacked(job: bytes) -> Job:
+    """Return the job that was handed out."""
+    return pickle.loads(job)
+
+
+def _asked(job: bytes, start: int, stop: int) -> Shard:
     """Return a shard, wherever this is called."""
+    import_module(
+        "scipy.linalg"
+    )  # before it is looked for: a thread beside would load it meanwhile
     with single_threaded(), memory_kept():
-        return job.shard(start, stop)
+        return unpacked(job).shard(start, stop)
 
 
 def study(
@@ -309,7 +329,7 @@ def study(
     folder: Path | None = None,
     resume: bool = False,
     executor: Executor | None = None,
-    workers: int = 1,
+    workers: int | None = 1,
     shard: int = SHARD,
     hear: Heard = silent,
 ) -> Studied:
@@ -329,7 +349,7 @@ def study(
         Go on with what the folder holds; without, it must hold no study.
     executor
         Who asks shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
-        default threads of this process.
+        default threads of this process; None as many as this machine, or a cluster, has.
     shard
         How many variants are asked at a time, about.
     hear
@@ -354,9 +374,11 @@ def study(
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
-    def now(done: int, rare: tuple[int, int] | None = None) -> None:
+    def now(done: int, rare: tuple[int, int] | None = None, *, idle: bool = False) -> None:
         seconds, total = perf_counter() - begun, count + asked.search
-        hear(Progress(before=before, done=done, count=total, seconds=seconds, rare=rare))
+        hear(Progress(
+            before=before, done=done, count=total, seconds=seconds, rare=rare, idle=idle,
+        ))  # fmt: skip
 
     def keep(k: int, got: Shard) -> None:
         nonlocal finished, stamps
@@ -375,7 +397,10 @@ def study(
     todo = [k for k in range(len(spans)) if k not in done]
     stopped = False
     try:
-        _run(job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers)
+        _run(
+            job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers,
+            idle=lambda: now(finished, idle=True),
+        )  # fmt: skip
     except KeyboardInterrupt:
         stopped = True
         if not done:
@@ -404,7 +429,8 @@ def study(
         rare=tuple(r for r in hardly if not r.far), beyond=tuple(r for r in hardly if r.far),
         foretold=None if stopped or not asked.foretold else foretold(
             bench.drawing, told["taught"], count=asked.foretold, start=count,
-            confidence=asked.confidence, workers=workers,
+            confidence=asked.confidence, asked=_fit(told["counts"]),
+            workers=workers or cpu_count() or 1,
         ),
         seconds=perf_counter() - begun,
     )  # fmt: skip
@@ -427,23 +453,35 @@ def _run(
     keep: Callable[[int, Shard], None],
     *,
     executor: Executor | None,
-    workers: int,
+    workers: int | None,
+    idle: Callable[[], None],
 ) -> None:
-    """Have shards asked, and keep each as it comes."""
+    """Have shards asked, and keep each as it comes; say so while nobody is there to ask."""
     stop = Event()
-    with _workers(executor, workers) as (of, own):
+
+    def there() -> int:
+        return executor.there if isinstance(executor, Cluster) else cpu_count() or 1
+
+    with _workers(executor, workers or there()) as (of, own):
+        parcel = b"" if own else packed(job)
         pending: dict[Future[Shard], int] = {}
         waiting = iter(spans.items())
         try:
             while True:
-                while len(pending) < max(workers, 1) * AHEAD and (one := next(waiting, None)):
+                most = max(there() if workers is None else workers, 1) * AHEAD
+                while len(pending) < most and (one := next(waiting, None)):
                     k, span = one
                     pending[
-                        of.submit(job.shard, *span, stop) if own else of.submit(_asked, job, *span)
+                        of.submit(job.shard, *span, stop)
+                        if own
+                        else of.submit(_asked, parcel, *span)
                     ] = k
                 if not pending:
                     return
-                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                done = wait(pending, timeout=WAIT, return_when=FIRST_COMPLETED).done
+                if not done and not there():
+                    idle()
+                for future in done:
                     keep(pending.pop(future), future.result())
         finally:
             stop.set()
@@ -459,6 +497,7 @@ def _workers(
     if executor is not None:
         yield executor, False
         return
+    import_module("scipy.linalg")
     with (
         single_threaded(),
         ThreadPoolExecutor(max(workers, 1), thread_name_prefix="study") as own,
@@ -482,6 +521,12 @@ def _told(
             n: joined(r, [total[n], states[n]]) if total else states[n] for n, r in every.items()
         }
     return total
+
+
+def _fit(counts: State) -> tuple[int, int]:
+    """Return how many variants may be built, and of how many drawn by themselves."""
+    found = dict(zip(VERDICTS, counts["verdicts"].tolist(), strict=True))
+    return found["pass"] + found["warn"], int(counts["count"])
 
 
 def _hardly(bench: Bench, counts: State) -> list[int]:
@@ -772,10 +817,29 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
             raise NotInstalled(msg) from error
         with dask.Client(kind) as client:
             try:
-                yield client.get_executor()
+                yield Cluster(client)
             except (CancelledError, dask.KilledWorker) as error:
                 msg = f"the cluster at {kind} is gone, or loses every worker{gone}"
                 raise DesignError(msg) from error
+
+
+class Cluster(Executor):
+    """A Dask cluster by its client: an executor that knows how many there are to work."""
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._executor = client, client.get_executor()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whoever is free."""
+        return self._executor.submit(fn, *args, **kwargs)
+
+    @property
+    def there(self) -> int:
+        """How many threads of workers there are now; 1 where the scheduler does not answer."""
+        try:
+            return sum(self._client.ncores().values())
+        except (OSError, TimeoutError, RuntimeError, AttributeError):
+            return 1  # its client is closed, or closing: the shards it loses tell that
 
 
 def _bound() -> None:
