@@ -12,6 +12,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 from chief import chief
 from click.testing import CliRunner
@@ -20,6 +21,7 @@ from workbench import BUILT, PATIENCE, command, page, reached, running
 
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, NotInstalled
+from cardan.base.verdict import badness
 from cardan.cli import cli
 from cardan.report import contract
 from cardan.report.language import CODES, Language
@@ -90,13 +92,55 @@ def test_the_two_answers_hold_every_check_there_is(path):
             (k, v) for k, v in cells.items()
             if k[:3] == (c.line, c.quantity, c.when.name)
             and k[3:6] == (c.part.kind, str(c.part.number), str(c.part.other))
-            and v[0] == pytest.approx(told["value"], rel=1e-5)
-            and v[1] == pytest.approx(c.margin, rel=1e-5, abs=1e-9)
+            and v[0] == pytest.approx(told["value"], rel=6e-9)  # nine figures
+            and v[1] == pytest.approx(c.margin, rel=6e-9, abs=1e-9)
             and ("pass", "warn", "fail")[v[2]] == c.grade
         ]  # fmt: skip
         assert matching, c
         seen |= {k for k, _ in matching}
     assert len(seen) == len(cells)
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "tandem-6x4", "van", "pick-up-4x4"])
+def test_numbers_are_not_rounded_twice(name):
+    """59.44497 rad/s² was told as 59.4450 and shown as 59.45, where a report says 59.44."""
+    text, say = (ROOT / f"examples/{name}.yaml").read_text("utf-8"), Language()
+    found, live = approve(files.loads(text)), asked(text)
+    shown = {
+        (row["line"], row["quantity"], state["name"], row["parts"][p], say.number(value))
+        for row in live["limits"]
+        for state, values in zip(live["states"], row["values"], strict=True)
+        for p, value in enumerate(values)
+        if value is not None
+    }
+    for c in found.checks:
+        if c.quantity not in SOUGHT and c.when.kind == "state":
+            part = "" if c.part.kind == "line" else say.part(c.part)
+            value = say.number(contract.check(c)["value"])
+            assert (c.line, c.quantity, c.when.name, part, value) in shown
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "tandem-6x4", "van", "pick-up-4x4"])
+def test_the_state_that_is_shown_first_holds_the_worst_limit(name):
+    """It was the one that shakes most: an overload, where the beam is touched in jounce."""
+    text = (ROOT / f"examples/{name}.yaml").read_text("utf-8")
+    found = approve(files.loads(text))
+    line = found.application.lines[0].line.name
+    own = [c for c in found.checks if c.line == line and c.quantity not in SOUGHT]
+    worst = min((c for c in own if c.when.kind == "state"), key=badness)
+    told = asked(text, pose={"line": 0})
+    assert told["states"][told["worst"]]["name"] == worst.when.name
+    assert told["pose"]["state"] == told["worst"]
+
+
+def test_without_limits_the_state_that_shakes_most_is_shown_first():
+    text = TRUCK.read_text("utf-8")
+    for asks, no in (("limits: heavy-truck", "limits: []"), ('  joints: "2040"\n', "")):
+        text = text.replace(asks, no)
+    told = asked(text)
+    assert told["grade"] is None
+    joint = approve(files.loads(text)).responses[0].excitation.torsional
+    assert told["worst"] == int(np.nanargmax(joint.acceleration))
 
 
 def test_a_page_is_welcomed_in_its_language(house):

@@ -47,6 +47,9 @@ ROUND = 72
 PHASES = 37
 """Yoke phases from 0 to 180 deg that the dial's sum is drawn for."""
 
+GRADE = 1e6
+"""What a grade weighs against margins: a failure goes first."""
+
 HELD = ("held", "graded")
 """What is asked while a hand moves, each in a lane of its own."""
 
@@ -125,7 +128,7 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "title": app.title,
         "profile": app.profile,
         "states": [_state(read.responses[0], s, say) for s in range(len(app.states))],
-        "worst": worst_state(read.responses[0]),
+        "worst": _foremost(read.responses[0]),
         "lines": [_line(r, read.manuscript, say) for r in read.responses],
         "obstacles": [_obstacle(o) for o in app.obstacles],
         "handles": _handles(read),
@@ -346,11 +349,11 @@ def _moving(r: Response) -> Json:
         "side": fs(r.layout.side / deg, 3),
         "top": fs(r.layout.top / deg, 3),
         "lengths": fs(r.layout.lengths / mm, 1),
-        "plunge": fs(r.spline_travel / mm, 2),
+        "plunge": fs(r.spline_travel / mm, 4),
         "travel": fs(r.demand.travel / mm, 2),
-        "torque": fs(r.demand.torque, 0),
-        "speed": fs(r.demand.speed / rpm, 0),
-        "clearance": [fs(c / mm, 2) for c in r.clearances],
+        "torque": gs(r.demand.torque),
+        "speed": gs(r.demand.speed / rpm),
+        "clearance": [fs(c / mm, 4) for c in r.clearances],
         "phasors": _phasors(r),
         "equivalent": fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
@@ -459,6 +462,16 @@ def _graded(a: Asked) -> Json:
     }
 
 
+def _foremost(r: Response) -> int:
+    """Return the state with the worst of what is known at once; without limits, of most shaking."""
+    worst = np.full(len(r.demand.states), -np.inf)
+    for _, a in _at_once(r):
+        known = ~np.isnan(a.values)
+        bad = GRADE * a.limit.grades(a.values) - a.limit.margins(a.values)
+        worst = np.maximum(worst, np.where(known, bad, -np.inf).max(axis=1))
+    return int(worst.argmax()) if isfinite(worst.max()) else worst_state(r)
+
+
 def _id(r: Response, limit: Limit, k: int) -> str:
     return f"{r.line.name}/{limit.quantity}/{k}"
 
@@ -524,14 +537,14 @@ def _posed(read: Document, question: Json) -> Json:
     """
     asked_for: Mapping[str, Any] = question.get("pose") or {}
     wanted = question.get("want", ("curves", "turn"))
-    place_ = _shown(read, question)
-    r = read.responses[place_]
-    s = asked_for.get("state")
-    s = worst_state(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
     travel, torque = asked_for.get("travel_mm"), asked_for.get("torque_Nm")
     free = travel is not None or torque is not None
     if not (free or wanted):
         return {}
+    place_ = _shown(read, question)
+    r = read.responses[place_]
+    s = asked_for.get("state")
+    s = _foremost(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
     reaches = read.reaches[place_]
     low, high = reaches.travel
     height = float(r.demand.travel[s]) if travel is None else float(np.clip(travel * mm, low, high))
@@ -571,8 +584,8 @@ def _place(r: Response, s: int, base: Response) -> Json:
         "side": fs(r.layout.side[s] / deg, 3),
         "top": fs(r.layout.top[s] / deg, 3),
         "lengths": fs(r.layout.lengths[s] / mm, 1),
-        "plunge": f(float(r.spline_travel[s]) / mm, 2),
-        "clearance": fs(r.clearances[s] / mm, 2),
+        "plunge": f(float(r.spline_travel[s]) / mm, 4),
+        "clearance": fs(r.clearances[s] / mm, 4),
         "phasors": _phasors(r)[s],
         "equivalent": f(float(r.excitation.torsional.angle[s]) / deg, 3),
         "pitch": f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),

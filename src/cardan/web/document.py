@@ -118,14 +118,17 @@ def f(value: float, digits: int = 3) -> float | None:
 
 
 def g(value: float) -> float | None:
-    """Return a number with six figures; None where there is none."""
-    return float(f"{value:.6g}") if isfinite(value) else None
+    """Return a number with nine figures; None where there is none.
+
+    The page shows four: rounded twice, one in some hundred would be another than a report's.
+    """
+    return float(f"{value:.9g}") if isfinite(value) else None
 
 
 def gs(values: FloatArray) -> Any:
-    """Return numbers as lists, with six figures; None where there is none."""
+    """Return numbers as lists, with nine figures, as `g`; None where there is none."""
     some = np.where(np.isfinite(values) & (values != 0), values, 1.0)
-    places = 5 - np.floor(np.log10(np.abs(some)))
+    places = 8 - np.floor(np.log10(np.abs(some)))
     up, down = (np.power(10.0, np.maximum(p, 0.0)) for p in (places, -places))
     return _told(np.rint(values * up / down) / up * down)
 
