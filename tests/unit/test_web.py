@@ -143,6 +143,14 @@ def test_without_limits_the_state_that_shakes_most_is_shown_first():
     assert told["worst"] == int(np.nanargmax(joint.acceleration))
 
 
+def test_what_the_server_says_has_the_pages_minus_signs():
+    """-5969 N·m in words stood beside −63 % of the page's own."""
+    helps = asked(TRUCK.read_text("utf-8"), "help", lang="it")["helps"]
+    texts = [t for h in helps for t in (h["where"], *(b["said"] for b in h["bars"]))]
+    assert any(re.search(r"−\d", t) for t in texts)
+    assert [t for t in texts if re.search(r"(?<![\w.,])-\d", t)] == []
+
+
 def test_a_page_is_welcomed_in_its_language(house):
     for code in CODES:
         with page(house) as one:

@@ -108,7 +108,9 @@ function Map({ known, shown }: Both) {
   const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;
   useEffect(() => { if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits); }, [moved?.answer]);
   const n = of?.x?.values.length ?? 0;
-  const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
+  // Where nothing is moved, until somebody chooses.
+  const still = (values: number[] = []): number => values.reduce((best, v, k) => (Math.abs(v) < Math.abs(values[best] ?? 0) ? k : best), 0);
+  const [r, c] = at && at[0] < n && at[1] < n ? at : [still(of?.y?.values), still(of?.x?.values)];
   const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
   return (
     <Card id="map" title={t("Map of two moves")} head={<Asking job={job} name="map" stale={job?.of !== store.about(args)} ask={() => store.work("map", args)} />}>
@@ -165,8 +167,8 @@ function Scatter({ known, shown }: Both) {
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (
         <>
-          <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
-          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{number(100 * share)} %</b> {t(v)}</span>; })}</p>
+          <p class="figure"><b>{fixed(100 * of.yield[0], 2)} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: fixed(100 * of.yield[1], 2), high: fixed(100 * of.yield[2], 2), count: of.count })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{fixed(100 * share, 2)} %</b> {t(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
@@ -174,7 +176,7 @@ function Scatter({ known, shown }: Both) {
             }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
-          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
+          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{fixed(100 * l.share, 2)} %</b> {l.name}</li>)}</ul>
         </>
       )}
     </Card>

@@ -65,7 +65,7 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
     """
     folder = Path(question["folder"]) if question.get("folder") else None
     text, name = question["text"], question["name"]
-    say = Language(question["lang"])
+    say = Language(question["lang"]).typeset
     try:
         read = document(text, name, folder)
         edits = _edits(read, question)
