@@ -62,6 +62,9 @@ function Fix({ known, shown }: Both) {
   );
 }
 
+/** What asks the same again, of the file as it was saved. */
+const Again = ({ of = [] }: { of?: string[] | undefined }) => <>{of.map((one) => <pre key={one} tabindex={0}>{one}</pre>)}</>;
+
 const unit = (of: string): string => ({ deg: "°", percent: "%" })[of] ?? of;
 const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${unit(m.unit)}`;
 
@@ -139,6 +142,7 @@ function Map({ known, shown }: Both) {
           <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{unit(of.x.unit)}] →</span><span>{number(of.x.values.at(-1))}</span></p>
           <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
+          <Again of={of.commands} />
         </>
       )}
       {of && !of.x && <p class="note">{t("There are no two things to move.")}</p>}
@@ -176,6 +180,7 @@ function Scatter({ known, shown }: Both) {
             }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
+          <Again of={of.commands} />
           <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{fixed(100 * l.share, 2)} %</b> {l.name}</li>)}</ul>
         </>
       )}
