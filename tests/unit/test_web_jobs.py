@@ -615,7 +615,7 @@ def test_a_map_is_that_of_the_command_and_of_the_script_below_it(tmp_path, monke
     assert 0 < counts[1] < counts.sum() == 33 * 33
     assert shares == pytest.approx(counts / counts.sum(), abs=1e-9)
     found = {}
-    exec(script.replace("print(", "found['study'] = ("), {"found": found})  # noqa: S102
+    exec(script.replace("print(", "found['study'] = ("), {"found": found})
     assert found["study"].count == 33 * 33
 
 
