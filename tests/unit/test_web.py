@@ -26,7 +26,7 @@ from cardan.cli import cli
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
-from cardan.web import lanes, server, session, words
+from cardan.web import lanes, library, server, session, words
 from cardan.web.answer import SOUGHT, answer
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
@@ -149,6 +149,42 @@ def test_what_the_server_says_has_the_pages_minus_signs():
     texts = [t for h in helps for t in (h["where"], *(b["said"] for b in h["bars"]))]
     assert any(re.search(r"−\d", t) for t in texts)
     assert [t for t in texts if re.search(r"(?<![\w.,])-\d", t)] == []
+
+
+@pytest.mark.parametrize(("was", "now", "said"), [
+    ("length_mm: 1250", "lenght_mm: 1250", "chave desconhecida"),
+    ("title:", "titel: x\ntitle:", "chave desconhecida"),
+])  # fmt: skip
+def test_what_is_wrong_is_said_in_the_pages_language(was, now, said):
+    """The page spoke Portuguese, and its errors English; the command line did not."""
+    (problem,) = asked(TEXT.replace(was, now, 1), lang="pt")["problems"]
+    assert said in problem["message"]
+    (same,) = asked(TEXT.replace(was, now, 1))["problems"]
+    assert (same["line"], same["column"]) == (problem["line"], problem["column"])
+    assert same["message"] != problem["message"]
+
+
+def test_warnings_are_said_in_the_pages_language_too():
+    text = TEXT.replace("length_mm: 1250", "length_mm: 12000")
+    english, italian = (asked(text, lang=code)["warnings"] for code in ("en", "it"))
+    assert english
+    assert [w["line"] for w in english] == [w["line"] for w in italian]
+    assert all(a["message"] != b["message"] for a, b in zip(english, italian, strict=True))
+
+
+def test_a_file_beside_goes_by_its_name_and_none_is_taken_for_another(tmp_path):
+    """A campaign without its application was asked whether it meant itself, by its whole path."""
+    text = "campaign: A day\nrecordings: [{file: a.csv}]\napplication: application.yaml\n"
+    text += "gauges: [S1]\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+    (tmp_path / "campaign.yaml").write_text(text, "utf-8")
+    told = asked(text, folder=str(tmp_path), name="campaign.yaml")
+    (row,) = library.status(None, {"folder": str(tmp_path), "texts": [
+        {"text": text, "name": "campaign.yaml", "file": 0, "draft": False}
+    ]}, Language("pt"), lambda _: None)["rows"]  # fmt: skip
+    for said in (told["problems"][0]["message"] + told["problems"][0]["hint"], row["why"]):
+        assert "application.yaml" in said
+        assert str(tmp_path) not in said
+        assert "campaign.yaml?" not in said
 
 
 def test_a_page_is_welcomed_in_its_language(house):

@@ -38,7 +38,7 @@ from cardan.study.ride import Reach, ride
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
-from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, other
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, here, other
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -77,18 +77,28 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
         else:
             found = _LONG[question["job"]](read, question["args"], say, tell)
     except CardanError as error:
-        return {"text": text, "problems": _problems(error, text, name, folder)}
+        return {"text": text, "problems": _problems(error, text, name, folder, say)}
     return {"text": text, "edits": edits, **found}
 
 
-def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> list[Json]:
-    """Return what is wrong with a document, each with its place."""
+def _problems(
+    error: CardanError, text: str, name: str, folder: Path | None, say: Language
+) -> list[Json]:
+    """Return what is wrong with a document in the language, each with its place.
+
+    Files of its folder go by their names there.
+    """
+
+    def told(said: str) -> str:
+        return here(say.error(said), folder)
+
     if isinstance(error, BadFile):
-        keys = ("message", "key", "value", "hint", "line", "column")
+        keys = ("key", "value", "line", "column")
         of = Path(error.file)
         beside = f"{of.name}: " if folder and of.is_relative_to(folder) else ""
         return [
-            {k: getattr(p, k) for k in keys} | {"message": f"{beside}{p.message}"}
+            {k: getattr(p, k) for k in keys}
+            | {"message": f"{beside}{told(p.message)}", "hint": told(p.hint)}
             for p in error.problems
         ]
     line = column = 0
@@ -97,7 +107,7 @@ def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> 
         about = error.about if isinstance(error, DesignError) else ""
         if about and (found := files.place(document(text, name, folder).application, about)):
             line, column, key = found.line, found.column, found.key
-    return [{"message": str(error), "key": key, "value": "", "hint": "", "line": line,
+    return [{"message": told(str(error)), "key": key, "value": "", "hint": "", "line": line,
              "column": column}]  # fmt: skip
 
 
@@ -136,21 +146,21 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "pending": [row for r in read.responses for row in _pending(r, say)],
         "grade": _grade(rows),
         "warnings": [
-            {"message": p.message, "key": p.key, "hint": p.hint, "line": p.line,
-             "column": p.column, "value": p.value}
+            {"message": say.error(p.message), "key": p.key, "hint": say.error(p.hint),
+             "line": p.line, "column": p.column, "value": p.value}
             for p in app.warnings
         ],
-        **_posed(read, question),
+        **_posed(read, question, say),
     }  # fmt: skip
 
 
-def _held(read: Document, question: Json, _: Language, __: Tell) -> Json:
+def _held(read: Document, question: Json, say: Language, _: Tell) -> Json:
     """Return the numbers of the shown line that follow a hand."""
     shown = read.responses[_shown(read, question)]
     return {
         "lines": [{"name": shown.line.name, **_moving(shown)}],
         "obstacles": [_obstacle(o) for o in read.application.obstacles],
-        **_posed(read, question),
+        **_posed(read, question, say),
     }
 
 
@@ -181,9 +191,9 @@ def _handles(read: Document) -> list[Json]:
     ]
 
 
-def _pose(read: Document, question: Json, _: Language, __: Tell) -> Json:
+def _pose(read: Document, question: Json, say: Language, _: Tell) -> Json:
     """Return a line where a slider has it, and what its curves are."""
-    return _posed(read, question)
+    return _posed(read, question, say)
 
 
 def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
@@ -530,7 +540,7 @@ def _bar(
 # --------------------------------------------------------------------------- sliders and dial
 
 
-def _posed(read: Document, question: Json) -> Json:
+def _posed(read: Document, question: Json, say: Language) -> Json:
     """Return where sliders have a line, their reach and curves, and its turn; or why not.
 
     While a hand moves, curves that stand still meanwhile are left for later: not wanted.
@@ -566,7 +576,7 @@ def _posed(read: Document, question: Json) -> Json:
         if "curves" in wanted:
             posed |= _curves(read, r, reaches, height, turned)
     except DesignError as error:
-        posed["stuck"] = str(error)
+        posed["stuck"] = say.error(str(error))
         shown, k = r, s
     if "turn" in wanted:
         posed["turn"] = _turn(shown, k)

@@ -1,5 +1,6 @@
 """A text that was read once, and numbers as they are told."""
 
+import os
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -110,6 +111,11 @@ def document(text: str, name: str, folder: Path | None) -> Document:
 
 
 # --------------------------------------------------------------------------- numbers
+
+
+def here(said: str, folder: Path | None) -> str:
+    """Return a text in which files of the folder go by their names in it."""
+    return said.replace(f"{folder}{os.sep}", "") if folder else said
 
 
 def f(value: float, digits: int = 3) -> float | None:
