@@ -99,7 +99,7 @@ _NAMED = re.compile(r"\{(\d)\}")
 _NUMBER = re.compile(r"([-+]?\d+\.\d+(?:e[-+]?\d+)?)((?: ?%| [^\s.]+)?)")
 """A number with decimals that a sentence was given, and its unit."""
 
-_BELOW = re.compile(r"(?<![\d.,])-(?=\d)")
+_BELOW = re.compile(r"(?<![\d.,e])-(?=\d)")
 """What stands before a number below nothing; between two numbers it is another sign."""
 
 _WORDLESS = re.compile(r"\(\.\+\?\)|\W")

@@ -24,7 +24,7 @@ def seated(read: Document, _: Json, say: Language, tell: Tell) -> Json:
     found = approve(
         application, (*default_studies(application), BracketStudy()),
         tell=lambda doing, done, of: tell(
-            {"doing": say.given(doing), **({"done": done, "of": of} if of else {})}
+            {"doing": say.error(doing), **({"done": done, "of": of} if of else {})}
         ),
     )  # fmt: skip
     of: BracketAnswer = found.of(BRACKET)
