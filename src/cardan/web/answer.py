@@ -5,8 +5,9 @@ reading them twice. Lengths are in mm, angles in deg, as on the page; what a lim
 is in the unit its quantity is shown in, and None where nothing is known.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -166,9 +167,9 @@ def _held(read: Document, question: Json, say: Language, _: Tell) -> Json:
 
 def _graded_held(read: Document, _: Json, __: Language, ___: Tell) -> Json:
     """Return the numbers of the limits that follow a hand."""
-    rows = [
-        {"id": _id(r, a.limit, k), **_graded(a)} for r in read.responses for k, a in _at_once(r)
-    ]
+    asked_of = [(_id(r, a.limit, k), a) for r in read.responses for k, a in _at_once(r)]
+    told = _graded([a for _, a in asked_of])
+    rows = [{"id": name, **row} for (name, _), row in zip(asked_of, told, strict=True)]
     return {"limits": rows, "grade": _grade(rows)}
 
 
@@ -451,25 +452,37 @@ def _at_once(r: Response, quantities: frozenset[str] = AT_ONCE) -> Iterator[tupl
 
 def _rows(r: Response, say: Language, quantities: frozenset[str] = AT_ONCE) -> Iterator[Json]:
     """Yield each limit of a line with its values, (states, parts), and where each was found."""
-    for k, a in _at_once(r, quantities):
+    every = list(_at_once(r, quantities))
+    for (k, a), graded in zip(every, _graded([a for _, a in every]), strict=True):
         yield {
             **_limit(a.limit, r, k, say),
             "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
             "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
-            **_graded(a),
+            **graded,
             **({"points": _points(r, a, say)} if a.spots else {}),
         }
 
 
-def _graded(a: Asked) -> Json:
-    """Return the values of a limit with what it makes of them, (states, parts)."""
-    known = ~np.isnan(a.values)
-    grades = np.where(known, a.limit.grades(a.values), -1)
-    return {
-        "values": gs(a.values / QUANTITIES[a.limit.quantity].factor),
-        "margins": gs(np.where(known, a.limit.margins(a.values), np.nan)),
-        "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
-    }
+def _graded(of: Sequence[Asked]) -> Iterator[Json]:
+    """Yield the values of each limit with what it makes of them, (states, parts)."""
+    if not of:
+        return
+    judged = [a.limit.judged(a.values) for a in of]
+    known = [~np.isnan(a.values) for a in of]
+    numbers = [
+        *(a.values / QUANTITIES[a.limit.quantity].factor for a in of),
+        *(np.where(k, margins, np.nan) for k, (_, margins) in zip(known, judged, strict=True)),
+    ]
+    # A hand waits for all of them: what is done to each number is done to all at once.
+    told = iter(gs(np.concatenate([n.ravel() for n in numbers])))
+    rows = [[list(islice(told, n.shape[1])) for _ in n] for n in numbers]
+    for k, (values, margins) in enumerate(zip(rows[: len(of)], rows[len(of) :], strict=True)):
+        grades = np.where(known[k], judged[k][0], -1).tolist()
+        yield {
+            "values": values,
+            "margins": margins,
+            "grades": [[None if g < 0 else g for g in row] for row in grades],
+        }
 
 
 def _foremost(r: Response) -> int:
