@@ -464,7 +464,7 @@ def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
         wait(driver, SETTLED)
         assert driver.execute_script("return document.documentElement.lang") == "pt-BR"
         shown = said(driver, ".angles table")
-        driver.find_elements("css selector", ".poser .chips button")[4].click()
+        driver.find_elements("css selector", ".poser .chips button")[1].click()
         wait(
             driver,
             "return document.querySelector('.angles table').innerText !== arguments[0]",

@@ -619,6 +619,24 @@ def test_a_map_is_that_of_the_command_and_of_the_script_below_it(tmp_path, monke
     assert found["study"].count == 33 * 33
 
 
+@pytest.mark.parametrize("line", ["x'$(touch pwned)`touch pwned`", "a\\nEND\\ntouch pwned", "-rf"])
+def test_no_name_in_a_study_is_a_command(tmp_path, line):
+    name = "a'$(touch pwned) b.yaml"
+    text = (ROOT / "examples/mtv-6x6.yaml").read_text("utf-8")
+    (tmp_path / name).write_text(text := text.replace("\n  main: ", f'\n  "{line}": ', 1), "utf-8")
+    question = {"job": "yield", "text": text, "name": name, "folder": None, "lang": "en"}
+    args = {"line": 0, "sigmas": [{"id": "shim 1", "amount": 1.0}], "count": 16}
+    command, script = answer({**question, "args": args})["commands"]
+    run = f'cardan() {{ {shlex.quote(sys.executable)} -m cardan "$@"; }}\n{command}'
+    for told_by in (["sh", "-c", run], [sys.executable, "-c", script]):
+        done = subprocess.run(
+            told_by, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
+        )
+        assert "16 variants" in done.stdout
+    beside = "a'$(touch pwned) b.yield.json"
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted((name, beside))
+
+
 def test_where_a_required_limit_has_no_answer_the_command_asks_every_limit():
     """Of named limits alone a study leaves nothing incomplete, and the page did."""
     bare = CHAIN.replace("tube: 100x3", "").replace("limits: protractor", "limits: heavy-truck")
