@@ -81,7 +81,7 @@ function Front({ of }: { of: Corrections["proposals"] }) {
         const [x, y] = [36 + (260 * p.cost) / most, 92 - (76 * (p.margin - low)) / (high - low || 1)];
         const go = (): void => { store.pin(); store.apply(p.edits); };
         return (
-          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter") go(); }}>
+          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); go(); } }}>
             <title>{p.moves.join("; ")}</title><circle cx={x} cy={y} r={7} /><text x={x + 11} y={y + 4}>{k + 1}</text>
           </g>
         );
