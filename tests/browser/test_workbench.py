@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from browsing import (
     CHAIN,
+    ROOT,
     SETTLED,
     TRUCK,
     browsing,
@@ -109,6 +110,16 @@ def test_escape_puts_back_what_is_held(browser, tmp_path):
         assert browser.execute_script(shown.format("worst")) == worst
         assert text_of(browser) == was
         assert browser.find_element("css selector", ".save").get_property("disabled")
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "tandem-6x4"])
+def test_what_stands_first_in_the_verdict_is_shown_first(browser, tmp_path, name):
+    text = (ROOT / f"examples/{name}.yaml").read_text("utf-8")
+    with workbench(tmp_path, text) as (house, _):
+        opened(browser, house)
+        shown = "[...document.querySelectorAll('.poser [aria-pressed=true]')].at(-1).innerText"
+        first = "document.querySelector('.worst li span').innerText.split(',')[0]"
+        wait(browser, f"return {shown} === {first}")
 
 
 def test_a_cell_leads_to_its_part_its_equation_and_its_source(browser, tmp_path):

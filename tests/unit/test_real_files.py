@@ -2,6 +2,8 @@
 
 import json
 import struct
+from io import BytesIO
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from click.testing import CliRunner
 
 from cardan.base.errors import BadFile
 from cardan.cli.life import life as command
+from cardan.files.recording_pages import pages, room
 from cardan.files.recordings import open_recording
 
 pytest.importorskip("pyarrow")
@@ -264,6 +267,78 @@ def thrift(number):
         found += bytes([left & 127 | 128])
         left >>= 7
     return found + bytes([left])
+
+
+def dictionary_bomb(honest, bomb, *, values):
+    """Write a recording, and another whose dictionary holds so many zeros, in the same bytes."""
+    pa = pytest.importorskip("pyarrow")
+    pq = pytest.importorskip("pyarrow.parquet")
+    x = np.random.default_rng(1).normal(size=20_000)
+    table = pa.table({"S1": x}).replace_schema_metadata({"rate_Hz": "500"})
+    pq.write_table(table, honest, compression="zstd", use_dictionary=["S1"],
+                   dictionary_pagesize_limit=1 << 24)  # fmt: skip
+    column = pq.ParquetFile(honest).metadata.row_group(0).column(0)
+    first, last = column.dictionary_page_offset, column.data_page_offset
+    zeros = pa.Codec("zstd").compress(bytes(1 << 23)).to_pybytes() * (values >> 20)
+
+    def head(size):  # a dictionary page: bytes, bytes compressed, values, plain
+        told = b"\x15".join(map(thrift, (2, 8 * values, size)))
+        return b"\x15" + told + b"\x4c\x15" + thrift(values) + b"\x15\x00\x00\x00"
+
+    size = last - first - len(head(last - first))
+    spare = size - len(zeros) - 8  # a frame that Zstandard skips fills the room
+    skipped = struct.pack("<II", 0x184D2A50, spare) + bytes(spare)
+    data = bytearray(honest.read_bytes())
+    data[first:last] = head(size) + zeros + skipped
+    bomb.write_bytes(data)
+    assert bomb.stat().st_size == honest.stat().st_size < 200_000
+
+
+def test_a_parquet_whose_dictionary_is_a_bomb(tmp_path):
+    """190 kB of which one page took 1.15 GB, for numbers nobody uses."""
+    honest, bomb = tmp_path / "honest.parquet", tmp_path / "bomb.parquet"
+    dictionary_bomb(honest, bomb, values=1 << 26)
+    assert open_recording(honest).whole().shape == (1, 20_000)
+    refused(bomb, "S1 claims more bytes than its samples take .* 536870912 bytes at once")
+    said = CliRunner().invoke(command, [str(bomb), "--sn", "80,2e6,5", "--lang", "pt"])
+    assert said.exit_code == 2
+    assert "S1 declara mais bytes do que as suas amostras ocupam" in said.stderr
+
+
+def test_an_hdf5_whose_chunk_is_a_bomb(tmp_path):
+    """A megabyte of which one chunk took 1.07 GB, for a thousand samples."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.attrs["rate_Hz"] = RATE
+        grows = {"maxshape": (None,), "compression": "gzip", "dtype": "f8"}
+        file.create_dataset("S1", (1000,), chunks=(1 << 24,), **grows)[:] = np.arange(1000)
+        file.create_dataset("S2", (1000,), chunks=(1 << 20,), **grows)[:] = np.arange(1000)
+    refused(tmp_path / "a.h5", "S1 claims more bytes than its samples take")
+
+
+def head_of_a_page(size, stored, statistics=b""):
+    """A data page's: bytes, bytes stored, a checksum, and of its values how many and statistics."""
+    told = b"\x15" + b"\x15".join(map(thrift, (0, size, stored, 77)))  # fields 1 to 4
+    binary = b"\x18" + bytes([len(statistics) & 127 | 128, len(statistics) >> 7]) + statistics
+    return told + b"\x1c\x15\x02\x15\x00\x15\x06\x15\x06\x1c" + binary + b"\x11\x00\x00\x00"
+
+
+@pytest.mark.parametrize(("first", "second"), [(0, 0), (100, 9_000)])
+def test_pages_are_read_by_their_headers_alone(first, second):
+    one = head_of_a_page(10, 7, bytes(first)) + b"x" * 7
+    two = head_of_a_page(1 << 33, 3, bytes(second)) + b"yyy"
+    column = SimpleNamespace(
+        data_page_offset=4, dictionary_page_offset=None, has_dictionary_page=False,
+        total_compressed_size=len(one + two),
+    )  # fmt: skip
+    assert list(pages(BytesIO(b"PAR1" + one + two + b"footer"), column)) == [10, 1 << 33]
+    for broken in (one[:9], b"\x15" * 40, b"\x19\x00" + one, b"\x15" + b"\xff" * 80, b"\x1c" * 80):
+        with pytest.raises(ValueError, match="has no header"):
+            list(pages(BytesIO(b"PAR1" + broken), column))
+
+
+def test_what_a_page_may_take_goes_by_its_samples():
+    assert [room(n) for n in (1, 1 << 22, 1 << 23, 1 << 40)] == [1 << 26, 1 << 26, 1 << 27, 1 << 30]
 
 
 def test_a_wav_of_65281_channels(tmp_path):

@@ -21,6 +21,7 @@ from click.testing import CliRunner
 from cardan import files
 from cardan.base.errors import DesignError
 from cardan.base.part import Occasion, Part
+from cardan.base.said import said
 from cardan.base.units import deg, mm, rpm
 from cardan.cli import cli
 from cardan.model.application import Surroundings
@@ -852,3 +853,33 @@ def test_no_word_over_a_column_is_broken_and_a_long_name_hangs(truck):
     assert any("sobrecarga" in line for line in lines)
     at = next(k for k, line in enumerate(lines) if line == "Torque alternado na junta")
     assert lines[at + 1] == "  sobre a sua resistência à"
+
+
+# ------------------------------------------------------------------ signs
+
+HYPHENED = re.compile(r"(?<![\w.,])-\s?[\d∞]")
+"""A number below nothing, written with a hyphen."""
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_page_has_minus_signs_and_a_terminal_hyphens(told, truck, code):
+    """On the workbench -5969 N·m stood beside −63 %, in a report -63 % beside −3 in an equation."""
+    bare = re.sub(r"<(pre|style|script).*?</\1>", "", page(told[code]), flags=re.DOTALL)
+    texts = re.findall(r">([^<]+)<", bare)
+    assert [t for t in texts if HYPHENED.search(t)] == []
+    assert any(re.search(r"−\d", t) for t in texts)
+    printed = "\n".join(terminal.approval(truck, helps=(), states=True, say=Language(code)))
+    assert HYPHENED.search(printed)
+    assert not re.search(r"−\d", printed)
+
+
+def test_signs_and_decimals_are_the_languages():
+    pt = Language("pt").typeset
+    assert [pt.percent(v) for v in (-0.634, -0.0046, -20.0, 0.5)] == [
+        "−63 %", "−0,46 %", "< −999 %", "+50 %"
+    ]  # fmt: skip
+    assert [pt.number(v) for v in (-3.25, float("-inf"))] == ["−3,250", "−∞"]
+    assert pt.pointed("12-34 Hz") == "12-34 Hz"  # from, to
+    assert [Language("pt").percent(v) for v in (-0.634, -20.0)] == ["-63 %", "< -999 %"]
+    assert pt.said(said("the first at {first} s", first="7.5")) == "the first at 7,5 s"
+    assert pt.said(said("{channel}: dead", channel="run.2.csv")) == "run.2.csv: dead"

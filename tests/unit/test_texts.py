@@ -282,3 +282,25 @@ def test_an_option_is_refused_in_the_language_asked_for(line, said):
     result = CliRunner().invoke(cli, line.split())
     assert result.exit_code == 2
     assert said in result.output
+
+
+def told_of_a_bracket():
+    """What a bracket's solution says of how far it is."""
+    for path in ((ROOT / "src/cardan").glob(g) for g in ("bracket/*.py", "study/bracket_*.py")):
+        for one in path:
+            for node in ast.walk(ast.parse(one.read_text(encoding="utf-8"))):
+                match node:
+                    case ast.Call(func=ast.Name("tell"), args=[value]):
+                        yield from written(value)
+                    case _:
+                        pass
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_how_far_a_bracket_is_is_translated(code):
+    """Minutes of English stood on a page in Italian."""
+    said = {s for s in told_of_a_bracket() if re.sub(r"\{\d\}|\W", "", s)}
+    assert len(said) > 10
+    assert sorted(s for s in said if ("error", s) not in catalogue(code)) == []
+    assert Language(code).error("original: meshing") != "original: meshing"
+    assert "{" not in Language(code).error("a: assembling 3000 unknowns, 20 elements")

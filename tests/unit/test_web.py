@@ -12,6 +12,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 from chief import chief
 from click.testing import CliRunner
@@ -20,11 +21,12 @@ from workbench import BUILT, PATIENCE, command, page, reached, running
 
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, NotInstalled
+from cardan.base.verdict import badness
 from cardan.cli import cli
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
-from cardan.web import lanes, server, session, words
+from cardan.web import lanes, library, server, session, words
 from cardan.web.answer import SOUGHT, answer
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
@@ -90,13 +92,99 @@ def test_the_two_answers_hold_every_check_there_is(path):
             (k, v) for k, v in cells.items()
             if k[:3] == (c.line, c.quantity, c.when.name)
             and k[3:6] == (c.part.kind, str(c.part.number), str(c.part.other))
-            and v[0] == pytest.approx(told["value"], rel=1e-5)
-            and v[1] == pytest.approx(c.margin, rel=1e-5, abs=1e-9)
+            and v[0] == pytest.approx(told["value"], rel=6e-9)  # nine figures
+            and v[1] == pytest.approx(c.margin, rel=6e-9, abs=1e-9)
             and ("pass", "warn", "fail")[v[2]] == c.grade
         ]  # fmt: skip
         assert matching, c
         seen |= {k for k, _ in matching}
     assert len(seen) == len(cells)
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "tandem-6x4", "van", "pick-up-4x4"])
+def test_numbers_are_not_rounded_twice(name):
+    """59.44497 rad/s² was told as 59.4450 and shown as 59.45, where a report says 59.44."""
+    text, say = (ROOT / f"examples/{name}.yaml").read_text("utf-8"), Language()
+    found, live = approve(files.loads(text)), asked(text)
+    shown = {
+        (row["line"], row["quantity"], state["name"], row["parts"][p], say.number(value))
+        for row in live["limits"]
+        for state, values in zip(live["states"], row["values"], strict=True)
+        for p, value in enumerate(values)
+        if value is not None
+    }
+    for c in found.checks:
+        if c.quantity not in SOUGHT and c.when.kind == "state":
+            part = "" if c.part.kind == "line" else say.part(c.part)
+            value = say.number(contract.check(c)["value"])
+            assert (c.line, c.quantity, c.when.name, part, value) in shown
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "tandem-6x4", "van", "pick-up-4x4"])
+def test_the_state_that_is_shown_first_holds_the_worst_limit(name):
+    """It was the one that shakes most: an overload, where the beam is touched in jounce."""
+    text = (ROOT / f"examples/{name}.yaml").read_text("utf-8")
+    found = approve(files.loads(text))
+    line = found.application.lines[0].line.name
+    own = [c for c in found.checks if c.line == line and c.quantity not in SOUGHT]
+    worst = min((c for c in own if c.when.kind == "state"), key=badness)
+    told = asked(text, pose={"line": 0})
+    assert told["states"][told["worst"]]["name"] == worst.when.name
+    assert told["pose"]["state"] == told["worst"]
+
+
+def test_without_limits_the_state_that_shakes_most_is_shown_first():
+    text = TRUCK.read_text("utf-8")
+    for asks, no in (("limits: heavy-truck", "limits: []"), ('  joints: "2040"\n', "")):
+        text = text.replace(asks, no)
+    told = asked(text)
+    assert told["grade"] is None
+    joint = approve(files.loads(text)).responses[0].excitation.torsional
+    assert told["worst"] == int(np.nanargmax(joint.acceleration))
+
+
+def test_what_the_server_says_has_the_pages_minus_signs():
+    """-5969 N·m in words stood beside −63 % of the page's own."""
+    helps = asked(TRUCK.read_text("utf-8"), "help", lang="it")["helps"]
+    texts = [t for h in helps for t in (h["where"], *(b["said"] for b in h["bars"]))]
+    assert any(re.search(r"−\d", t) for t in texts)
+    assert [t for t in texts if re.search(r"(?<![\w.,])-\d", t)] == []
+
+
+@pytest.mark.parametrize(("was", "now", "said"), [
+    ("length_mm: 1250", "lenght_mm: 1250", "chave desconhecida"),
+    ("title:", "titel: x\ntitle:", "chave desconhecida"),
+])  # fmt: skip
+def test_what_is_wrong_is_said_in_the_pages_language(was, now, said):
+    """The page spoke Portuguese, and its errors English; the command line did not."""
+    (problem,) = asked(TEXT.replace(was, now, 1), lang="pt")["problems"]
+    assert said in problem["message"]
+    (same,) = asked(TEXT.replace(was, now, 1))["problems"]
+    assert (same["line"], same["column"]) == (problem["line"], problem["column"])
+    assert same["message"] != problem["message"]
+
+
+def test_warnings_are_said_in_the_pages_language_too():
+    text = TEXT.replace("length_mm: 1250", "length_mm: 12000")
+    english, italian = (asked(text, lang=code)["warnings"] for code in ("en", "it"))
+    assert english
+    assert [w["line"] for w in english] == [w["line"] for w in italian]
+    assert all(a["message"] != b["message"] for a, b in zip(english, italian, strict=True))
+
+
+def test_a_file_beside_goes_by_its_name_and_none_is_taken_for_another(tmp_path):
+    """A campaign without its application was asked whether it meant itself, by its whole path."""
+    text = "campaign: A day\nrecordings: [{file: a.csv}]\napplication: application.yaml\n"
+    text += "gauges: [S1]\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+    (tmp_path / "campaign.yaml").write_text(text, "utf-8")
+    told = asked(text, folder=str(tmp_path), name="campaign.yaml")
+    (row,) = library.status(None, {"folder": str(tmp_path), "texts": [
+        {"text": text, "name": "campaign.yaml", "file": 0, "draft": False}
+    ]}, Language("pt"), lambda _: None)["rows"]  # fmt: skip
+    for said in (told["problems"][0]["message"] + told["problems"][0]["hint"], row["why"]):
+        assert "application.yaml" in said
+        assert str(tmp_path) not in said
+        assert "campaign.yaml?" not in said
 
 
 def test_a_page_is_welcomed_in_its_language(house):

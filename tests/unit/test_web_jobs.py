@@ -583,6 +583,78 @@ def test_corrections_are_those_of_the_command_beside_them(tmp_path, monkeypatch)
         assert ("bearing_height", 1) not in {(m["what"], m["part"]) for m in theirs["moves"]}
 
 
+@pytest.mark.parametrize("sought", [False, True])
+def test_a_yield_is_that_of_the_command_and_of_the_script_below_it(tmp_path, sought):
+    sigmas = [{"id": "bearing_height 1", "amount": 8.0}, {"id": "shim 1", "amount": 1.0}]
+    told = job("yield", CHAIN, sigmas=sigmas, count=256, sought=sought)
+    (tmp_path / "x.yaml").write_text(CHAIN, "utf-8")
+    low, high = (f"{100 * share:.2f} %" for share in told["yield"][1:])
+    assert 0 < told["yield"][0] < 1
+    command, script = told["commands"]
+    for told_by in (
+        ["sh", "-c", f'cardan() {{ {shlex.quote(sys.executable)} -m cardan "$@"; }}\n{command}'],
+        [sys.executable, "-c", script],
+    ):
+        done = subprocess.run(
+            told_by, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
+        )
+        assert f"{low} to {high}" in done.stdout
+
+
+def test_a_map_is_that_of_the_command_and_of_the_script_below_it(tmp_path, monkeypatch):
+    told = job("map", x="bearing_height 1", y="shim 1")
+    monkeypatch.chdir(tmp_path)
+    Path("x.yaml").write_text(TRUCK, "utf-8")
+    counts = np.bincount(np.ravel(told["verdicts"]), minlength=4)
+    command, script = told["commands"]
+    put, asked, _, called = command.split("\n")
+    Path(shlex.split(put)[2]).write_text(asked, "utf-8")
+    _, *options = shlex.split(called)
+    document = json.loads(CliRunner().invoke(cli, [*options, "--quiet", "--json"]).stdout)
+    shares = [document["shares"][v] for v in ("pass", "warn", "incomplete", "fail")]
+    assert 0 < counts[1] < counts.sum() == 33 * 33
+    assert shares == pytest.approx(counts / counts.sum(), abs=1e-9)
+    found = {}
+    exec(script.replace("print(", "found['study'] = ("), {"found": found})
+    assert found["study"].count == 33 * 33
+
+
+@pytest.mark.parametrize("line", ["x'$(touch pwned)`touch pwned`", "a\\nEND\\ntouch pwned", "-rf"])
+def test_no_name_in_a_study_is_a_command(tmp_path, line):
+    name = "a'$(touch pwned) b.yaml"
+    text = (ROOT / "examples/mtv-6x6.yaml").read_text("utf-8")
+    (tmp_path / name).write_text(text := text.replace("\n  main: ", f'\n  "{line}": ', 1), "utf-8")
+    question = {"job": "yield", "text": text, "name": name, "folder": None, "lang": "en"}
+    args = {"line": 0, "sigmas": [{"id": "shim 1", "amount": 1.0}], "count": 16}
+    command, script = answer({**question, "args": args})["commands"]
+    run = f'cardan() {{ {shlex.quote(sys.executable)} -m cardan "$@"; }}\n{command}'
+    for told_by in (["sh", "-c", run], [sys.executable, "-c", script]):
+        done = subprocess.run(
+            told_by, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
+        )
+        assert "16 variants" in done.stdout
+    beside = "a'$(touch pwned) b.yield.json"
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted((name, beside))
+
+
+def test_where_a_required_limit_has_no_answer_the_command_asks_every_limit():
+    """Of named limits alone a study leaves nothing incomplete, and the page did."""
+    bare = CHAIN.replace("tube: 100x3", "").replace("limits: protractor", "limits: heavy-truck")
+    told = job("yield", bare, sigmas=[{"id": "shim 1", "amount": 1.0}], count=64)
+    assert told["shares"]["incomplete"][0] + told["shares"]["fail"][0] == 1
+    assert '"limits"' not in told["commands"][0]
+
+
+def test_the_command_of_the_library_leaves_what_is_held():
+    question = {"job": "script", "text": TRUCK, "name": "x.yaml", "folder": None, "lang": "pt"}
+    held = {"saved": TRUCK, "line": 0, "hold": ["bearing_height 1", "phase 2"]}
+    (fix,) = (c for c in answer({**question, "args": held})["commands"] if " fix " in c)
+    assert shlex.split(fix) == [
+        "cardan", "fix", "x.yaml", "--line=main", "--hold=bearing_height 1", "--hold=phase 2",
+        "--lang=pt",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("name", ["a'$(touch x)`touch x`.yaml", "it's.yaml", "two words.yaml"])
 def test_a_shell_takes_a_file_name_for_a_name(name, tmp_path):
     """No name of a file is a command, and none an option."""

@@ -10,7 +10,7 @@ import { Dials } from "./Dial";
 import { Editor } from "./Editor";
 import { number, percent } from "./format";
 import { Guide } from "./Guide";
-import { Detail, Heat, worstPart } from "./Heat";
+import { Detail, Heat } from "./Heat";
 import { Helps } from "./Helps";
 import { unsaved } from "./history";
 import { Library, Shelf } from "./Library";
@@ -21,7 +21,7 @@ import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
 import { Recording } from "./Recording";
 import { Speed } from "./Speed";
-import { store, VIEWS, worst, type Known, type View } from "./store";
+import { store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
 import { Pin, Variants } from "./Variants";
@@ -246,19 +246,6 @@ function Strip({ known }: { known: Known }) {
       </ul>
     </section>
   );
-}
-
-function worstState(row: Row): number {
-  let found = 0;
-  let least = Infinity;
-  row.grades.forEach((_, s) => {
-    const p = worstPart(row, s);
-    const grade = row.grades[s]?.[p];
-    if (p < 0 || grade === null || grade === undefined) return;
-    const rank = (row.margins[s]?.[p] ?? 0) - 100 * grade;
-    if (rank < least) [least, found] = [rank, s];
-  });
-  return found;
 }
 
 /** What is drawn in three dimensions is loaded when it is first looked at. */

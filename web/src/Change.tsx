@@ -62,6 +62,9 @@ function Fix({ known, shown }: Both) {
   );
 }
 
+/** What asks the same again, of the file as it was saved. */
+const Again = ({ of = [] }: { of?: string[] | undefined }) => <>{of.map((one) => <pre key={one} tabindex={0}>{one}</pre>)}</>;
+
 const unit = (of: string): string => ({ deg: "°", percent: "%" })[of] ?? of;
 const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${unit(m.unit)}`;
 
@@ -78,7 +81,7 @@ function Front({ of }: { of: Corrections["proposals"] }) {
         const [x, y] = [36 + (260 * p.cost) / most, 92 - (76 * (p.margin - low)) / (high - low || 1)];
         const go = (): void => { store.pin(); store.apply(p.edits); };
         return (
-          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter") go(); }}>
+          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); go(); } }}>
             <title>{p.moves.join("; ")}</title><circle cx={x} cy={y} r={7} /><text x={x + 11} y={y + 4}>{k + 1}</text>
           </g>
         );
@@ -108,7 +111,9 @@ function Map({ known, shown }: Both) {
   const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;
   useEffect(() => { if (moved?.answer && !moved.running) store.taken("moved", moved.answer.edits); }, [moved?.answer]);
   const n = of?.x?.values.length ?? 0;
-  const [r, c] = at && at[0] < n && at[1] < n ? at : [Math.floor(n / 2), Math.floor(n / 2)];
+  // Where nothing is moved, until somebody chooses.
+  const still = (values: number[] = []): number => values.reduce((best, v, k) => (Math.abs(v) < Math.abs(values[best] ?? 0) ? k : best), 0);
+  const [r, c] = at && at[0] < n && at[1] < n ? at : [still(of?.y?.values), still(of?.x?.values)];
   const cell = of?.x && of.y ? { x: of.x.values[c] ?? 0, y: of.y.values[r] ?? 0, verdict: VERDICTS[of.verdicts[r]?.[c] ?? 3] ?? "fail", margin: of.margins[r]?.[c], name: of.names[of.decides[r]?.[c] ?? -1] } : null;
   return (
     <Card id="map" title={t("Map of two moves")} head={<Asking job={job} name="map" stale={job?.of !== store.about(args)} ask={() => store.work("map", args)} />}>
@@ -137,6 +142,7 @@ function Map({ known, shown }: Both) {
           <p class="ends note"><span>{number(of.x.values[0])}</span><span>{of.x.said} [{unit(of.x.unit)}] →</span><span>{number(of.x.values.at(-1))}</span></p>
           <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
+          <Again of={of.commands} />
         </>
       )}
       {of && !of.x && <p class="note">{t("There are no two things to move.")}</p>}
@@ -165,8 +171,8 @@ function Scatter({ known, shown }: Both) {
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (
         <>
-          <p class="figure"><b>{number(100 * of.yield[0])} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: number(100 * of.yield[1]), high: number(100 * of.yield[2]), count: of.count })}</p>
-          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{number(100 * share)} %</b> {t(v)}</span>; })}</p>
+          <p class="figure"><b>{fixed(100 * of.yield[0], 2)} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: fixed(100 * of.yield[1], 2), high: fixed(100 * of.yield[2], 2), count: of.count })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{fixed(100 * share, 2)} %</b> {t(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);
@@ -174,7 +180,8 @@ function Scatter({ known, shown }: Both) {
             }))}
             <text x="0" y="61">−100 %</text><text x="120" y="61" text-anchor="middle">0</text><text x="240" y="61" text-anchor="end">+100 %</text>
           </svg>
-          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{number(100 * l.share)} %</b> {l.name}</li>)}</ul>
+          <Again of={of.commands} />
+          <ul class="others">{of.lost.map((l) => <li key={l.name}><b>{fixed(100 * l.share, 2)} %</b> {l.name}</li>)}</ul>
         </>
       )}
     </Card>

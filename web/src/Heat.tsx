@@ -3,25 +3,12 @@
 import { Card } from "./Card";
 import { number, percent } from "./format";
 import { GRADES } from "./marks";
-import { store, type Known } from "./store";
+import { store, worstPart, type Known } from "./store";
 import { t } from "./text";
 import type { Full, Limit, Row } from "./types";
 import { still } from "./use";
 
 type Any = Row | (Limit & { values?: undefined });
-
-/** The part with the smallest margin of a row in a state; -1 where none is asked about. */
-export function worstPart(row: Row, state: number): number {
-  let found = -1;
-  const [grades, margins] = [row.grades[state] ?? [], row.margins[state] ?? []];
-  grades.forEach((grade, p) => {
-    if (grade === null) return;
-    const [best, now] = [margins[found] ?? Infinity, margins[p] ?? -Infinity];
-    const worse = (grades[found] ?? -1) < grade;
-    if (found < 0 || worse || (grades[found] === grade && now < best)) found = p;
-  });
-  return found;
-}
 
 export function Heat({ known }: { known: Known }) {
   const live = known.live;

@@ -7,6 +7,7 @@ import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Compared, Status } from "./types";
+import { useKept } from "./use";
 import { Sides } from "./Variants";
 
 export function Library({ known }: { known: Known }) {
@@ -51,7 +52,9 @@ export function Library({ known }: { known: Known }) {
 /** What was clicked, as a script that does it again. */
 function Script({ known }: { known: Known }) {
   const saved = known.history?.saved ?? "";
-  useEffect(() => store.work("script", { saved }), [known.history?.text, saved, known.lang]);
+  const line = known.asked.line ?? 0;
+  const [hold] = useKept<string[]>(`hold/${known.file}/${line}`, []);
+  useEffect(() => store.work("script", { saved, line, hold }), [known.history?.text, saved, line, hold, known.lang]);
   const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
   if (!of) return null;
   return (

@@ -112,7 +112,7 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
     ctx.globalAlpha = 1;
   }
   ctx.font = `${11 * devicePixelRatio}px system-ui`;
-  ctx.textBaseline = "bottom";
+  [ctx.textAlign, ctx.textBaseline] = ["left", "bottom"]; // the axes leave another
   const rising = levels.map((l) => ({ ...l, y: u.valToPos(l.value, "y", true), ink: colour(l.grade ? `--${l.grade}` : "--faint") })).sort((a, b) => a.value - b.value);
   for (const { y, grade, ink } of rising) {
     ctx.lineWidth = 1.3 * devicePixelRatio;

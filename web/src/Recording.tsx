@@ -146,7 +146,7 @@ function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boo
   );
 }
 
-/** What was answered; of its chapters one may be open. */
+/** What was answered; its verdict is open, and one chapter may be. */
 export function Answer({ of, known, open }: { of: Lived; known: Known; open?: number }) {
   const [gauge, choose] = useState(0);
   const [at, setAt] = useState<[number, number]>([0, 0]);
@@ -173,7 +173,7 @@ export function Answer({ of, known, open }: { of: Lived; known: Known; open?: nu
           <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
         </Card>
       )}
-      {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={open === k}><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
+      {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={k === 0 || open === k}><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
     </>
   );
 }

@@ -159,7 +159,7 @@ function Launches({ known }: { known: Known }) {
         <section key={l.said} class="card launch" aria-label={l.said}>
           <header>
             <h2>{l.said}</h2>
-            <span class="note">{t("largest {peak} N·m, T i {target} N·m", { peak: number(l.peak), target: number(l.target) })}{l.slid ? `, ${t("tyres slide")}` : ""}</span>
+            <span class="note">{t("largest {peak} N·m, engine torque by ratios T i {target} N·m", { peak: number(l.peak), target: number(l.target) })}{l.slid ? `, ${t("tyres slide")}` : ""}</span>
           </header>
           <Plot
             x={l.time}

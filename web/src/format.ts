@@ -4,7 +4,7 @@ let sign = ".";
 
 export function speak(lang: string): void { sign = lang === "en" ? "." : ","; }
 
-export const pointed = (said: string): string => said.replace(".", sign).replace("-", "−");
+export const pointed = (said: string): string => said.replace(".", sign).replace(/^-/, "−");
 
 /** Four figures. */
 export function number(value: number | null | undefined): string {

@@ -185,8 +185,11 @@ export class Store {
         break;
       case "full":
         if (m.id === this.latest && m.verdict) {
-          const full = m as Full;
+          const [full, first] = [m as Full, this.known.full === null];
           this.set({ full, settled: true, order: this.sorted(full) });
+          // What stands first in the verdict is shown, unless something has been chosen meanwhile.
+          const [row] = this.rows();
+          if (first && row?.values && !this.gesture && Object.keys(this.known.asked).length === 0) this.go(row, worstState(row));
         }
         break;
       case "helped":
@@ -631,11 +634,11 @@ export class Store {
 
   look(selected: Selected | null): void {
     this.set({ selected });
-    if (selected) {
-      const row = this.rows().find((r) => r.id === selected.row);
-      const line = this.known.live?.lines.findIndex((l) => l.name === row?.line) ?? 0;
-      this.pose({ line: Math.max(line, 0), state: selected.state });
-    }
+    if (selected) this.go(this.rows().find((r) => r.id === selected.row), selected.state);
+  }
+
+  private go(row: { line: string } | undefined, state: number): void {
+    this.pose({ line: Math.max(this.known.live?.lines.findIndex((l) => l.name === row?.line) ?? 0, 0), state });
   }
 
   help(): void {
@@ -691,14 +694,22 @@ export class Store {
 const faulty = (of: string): string =>
   ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up: ask for less, or run its command in a shell"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), "too much work": t("it has used half an hour of processors, as much as an answer may: ask for less, or run its command in a shell"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
 
-/** What a row is sorted by: failures first, then warnings, each by margin. */
-export function worst(row: Row): number {
-  let found = Infinity;
-  row.grades.forEach((of, s) =>
-    of.forEach((grade, p) => { if (grade !== null) found = Math.min(found, Math.max(-9.9, row.margins[s]?.[p] ?? 0) - 20 * grade); }),
-  );
-  return found;
-}
+/** What a grade weighs against margins. */
+const GRADE = 1e6;
+
+/** What a cell of a row is sorted by: failures first, then warnings, each by margin. */
+const rank = (row: Row, s: number, p: number): number => (row.margins[s]?.[p] ?? 0) - GRADE * (row.grades[s]?.[p] ?? -Infinity);
+
+const least = (of: number[]): number => of.reduce((best, v, k) => (v < (of[best] ?? Infinity) ? k : best), -1);
+
+/** The part of a row that is worst in a state; -1 where none is asked about. */
+export const worstPart = (row: Row, s: number): number => least((row.grades[s] ?? []).map((_, p) => rank(row, s, p)));
+
+const worstIn = (row: Row): number[] => row.grades.map((_, s) => rank(row, s, worstPart(row, s)));
+
+export const worstState = (row: Row): number => Math.max(0, least(worstIn(row)));
+
+export const worst = (row: Row): number => Math.min(...worstIn(row));
 
 /** A pose with what of the one before was not told again: its curves. */
 function posed(was: Pose | null, now: Pose): Pose {

@@ -294,6 +294,30 @@ describe("the document", () => {
   });
 });
 
+describe("what is shown first", () => {
+  const full = { type: "full", text: "a", verdict: "fail", counts: {}, others: [], notes: [], missed: 0, unanswered: [] };
+  const sought = { id: "b", name: "B", line: "main", values: [[1], [2], [3]], margins: [[-9], [-0.1], [-0.4]], grades: [[1], [2], [2]] };
+
+  it("is the state of the worst limit: a failure before a warning of a smaller margin", () => {
+    socket.tell({ ...full, id: 1, limits: [sought] });
+    expect(store.known.asked).toEqual({ line: 0, state: 2 });
+  });
+
+  it("stays what somebody chose meanwhile, and after every later verdict", () => {
+    store.pose({ line: 0, state: 1 });
+    socket.tell({ ...full, id: 1, limits: [sought] });
+    expect(store.known.asked).toEqual({ line: 0, state: 1 });
+    socket.tell({ ...full, id: 1, limits: [{ ...sought, grades: [[2], [0], [0]] }] });
+    expect(store.known.asked).toEqual({ line: 0, state: 1 });
+  });
+
+  it("does not jump under a hand", () => {
+    store.hold("h", by(1));
+    socket.tell({ ...full, id: socket.said.at(-1)?.id, limits: [sought] });
+    expect(store.known.asked).toEqual({});
+  });
+});
+
 describe("a job", () => {
   const tell = (what: object): void => socket.tell({ type: "done", id: socket.said.at(-1)?.id, job: "map", ...what });
 

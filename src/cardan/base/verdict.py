@@ -113,11 +113,16 @@ class Limit:
 
     def margins(self, values: FloatArray) -> FloatArray:
         """Return the margins to the bounds that decide, as `Check.margin` has them one by one."""
-        failed = self.grades(values) == GRADES.index("fail")
+        return self.judged(values)[1]
+
+    def judged(self, values: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return `grades` and `margins` of many values at once."""
+        grades = self.grades(values)
+        failed = grades == GRADES.index("fail")
         found = np.where(
             failed, self.margin(values, to="maximum"), self.margin(values, to="normal")
         )
-        return np.where(np.abs(found) <= EQUAL, 0.0, found)
+        return grades, np.where(np.abs(found) <= EQUAL, 0.0, found)
 
     @property
     def warns(self) -> bool:

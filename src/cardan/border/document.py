@@ -505,5 +505,6 @@ def _neighbour(path: Path) -> str:
         beside = [p.name for p in path.parent.iterdir() if p.is_file()]
     except (OSError, ValueError):
         return f"there is no folder {path.parent}"
-    close = get_close_matches(path.name, beside, n=1, cutoff=0.5)
-    return f"did you mean {path.with_name(close[0])}?" if close else ""
+    stems = {Path(name).stem: name for name in beside}  # endings are alike of what is not
+    close = get_close_matches(path.stem, stems, n=1, cutoff=0.5)
+    return f"did you mean {path.with_name(stems[close[0]])}?" if close else ""

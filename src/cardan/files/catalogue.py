@@ -258,6 +258,17 @@ _OF_KINDS = {
 """Which kinds of joint a key belongs to, of those that not all have."""
 
 
+def _called(maker: str | None, series: str | None) -> str:
+    """Return maker and series in one; what ends the one and begins the other is said once.
+
+    >>> _called("Dana GWB", "GWB 2000 Compact")
+    'Dana GWB 2000 Compact'
+    """
+    first, then = (maker or "").split(), series or ""
+    k = next((k for k in range(len(first)) if then.startswith(" ".join(first[k:]))), len(first))
+    return " ".join([*first[:k], *([then] if then else [])])
+
+
 class JointTable(Table):
     """A joint as catalogues rate it; leave out what is not published."""
 
@@ -326,7 +337,7 @@ class JointTable(Table):
             centre_distance=length,
             ball_from_rear=ball,
             plunge=self.plunge,
-            series=" ".join(filter(None, (self.maker, self.series))),
+            series=_called(self.maker, self.series),
             peak_torque=self.peak,
             reversing_torque=self.reversing,
             pulsating_torque=self.pulsating,

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import BadFile
 from cardan.fatigue.recording import SIZE, Channel, cut
+from cardan.files.recording_pages import pages, room
 from cardan.files.recordings import Days, Table, bad, budget, joined
 
 _RATES = ("rate_Hz", "rate", "sample_rate", "sampling_rate", "samplerate", "fs")
@@ -51,6 +53,7 @@ def parquet(path: Path) -> Table:
     clocks = [f for f in schema if _ticks(f.type)]
     numbers = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
     fields = [f for f in schema if f in numbers or f in clocks]
+    _paged(path, file.metadata, {f.name for f in fields})
     left = [f.name for f in schema if f not in fields]
     notes = (f"not numbers, left out: {', '.join(left)}",) if left else ()
     if b"note" in (schema.metadata or {}):
@@ -86,6 +89,36 @@ def parquet(path: Path) -> Table:
         columns=tuple(channel(f) for f in fields),
         rows=rows, rate=_said(path, schema.metadata or {}), samples=file.metadata.num_rows,
         notes=notes,
+    )  # fmt: skip
+
+
+def _paged(path: Path, of: Any, names: set[str]) -> None:
+    """Refuse a Parquet file of which a page claims more bytes than its samples take.
+
+    Raises
+    ------
+    BadFile
+        Before a sample is read: memory is taken for a page on its word.
+    """
+    with path.open("rb") as file:
+        for g in range(of.num_row_groups):
+            group = of.row_group(g)
+            columns = (group.column(k) for k in range(group.num_columns))
+            for column in columns:
+                name = column.path_in_schema
+                try:
+                    most = max(pages(file, column), default=0) if name in names else 0
+                except ValueError as error:
+                    raise bad(path, f"it is damaged: {error}") from error
+                if most > room(group.num_rows):
+                    raise _swollen(path, name, most, group.num_rows)
+
+
+def _swollen(path: Path, name: str, size: int, samples: int) -> BadFile:
+    return bad(
+        path, f"{name} claims more bytes than its samples take",
+        value=f"{size} bytes at once for {samples} samples",
+        hint="write it anew with the program that made it",
     )  # fmt: skip
 
 
@@ -141,6 +174,9 @@ def hdf5(path: Path, *, group: str = "") -> Table:
     for name, item in sets.items():
         if item.external or item.is_virtual:
             raise bad(path, f"{name} keeps its samples in another file, which is not opened")
+        chunk = (item.chunks or (0,))[0] * item.dtype.itemsize
+        if chunk > room(item.shape[0]):
+            raise _swollen(path, name, chunk, item.shape[0])
         if item.shape[0] > 64 and item.shape[0] > 2000 * item.id.get_storage_size():
             raise bad(
                 path, f"{name} claims more samples than are stored",

@@ -148,7 +148,7 @@ DECLARED = (
     Quantity(
         key="resonance_distance",
         name="Duty speed off a resonance on the rubber",
-        symbol="|k n/nb - 1|",
+        symbol="|k n/nb − 1|",
         unit="1",
         equation="least |k Ω / ω − 1| of the duty cycle's speeds, k = 2, and 1 with unbalance",
         where={

@@ -21,6 +21,7 @@ from cardan.study.finding import BRACKET
 
 def page(approval: Approval, *, say: Language = EN) -> str:
     """Return a page with the verdict on a bracket, its limits, and its scene."""
+    say = say.typeset
     of: BracketAnswer = approval.of(BRACKET)
     title = escape(heading(of, say))
     first, _, limits = bare(verdict(approval, say)).partition("\n")

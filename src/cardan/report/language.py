@@ -96,6 +96,12 @@ def _form(code: str) -> Callable[[int], int]:
 _NAMED = re.compile(r"\{(\d)\}")
 """What a refusal names, by its place in the sentence."""
 
+_NUMBER = re.compile(r"([-+]?\d+\.\d+(?:e[-+]?\d+)?)((?: ?%| [^\s.]+)?)")
+"""A number with decimals that a sentence was given, and its unit."""
+
+_BELOW = re.compile(r"(?<![\d.,e])-(?=\d)")
+"""What stands before a number below nothing; between two numbers it is another sign."""
+
 _WORDLESS = re.compile(r"\(\.\+\?\)|\W")
 LINKING = 5
 """Letters below which a pattern only joins what it names: and, or."""
@@ -114,14 +120,24 @@ def _refusals(code: str) -> tuple[tuple[re.Pattern[str], str], ...]:
 
 @dataclass(frozen=True)
 class Language:
-    """Says in its language what it is given in English."""
+    """Says in its language what it is given in English.
+
+    A number below nothing has a hyphen before it, which any screen shows and any search finds,
+    or where it is `typeset`, in a report or on the workbench, a minus sign.
+    """
 
     code: str = "en"
+    minus: str = "-"
 
     def __post_init__(self) -> None:
         if self.code not in CODES:
             msg = f"there is no language {self.code}; there are: {', '.join(CODES)}"
             raise ValueError(msg)
+
+    @property
+    def typeset(self) -> "Language":
+        """The language as pages are set in it."""
+        return Language(self.code, minus="−")
 
     def __call__(self, said: str, /, **values: object) -> str:
         """Return a text of the catalogue with its values filled in; in English where it lacks it.
@@ -148,7 +164,10 @@ class Language:
         def filled(value: object) -> object:
             if isinstance(value, Said):
                 return self.said(value)
-            return self.given(value) if isinstance(value, str) else value
+            if isinstance(value, str):
+                number = _NUMBER.fullmatch(value)
+                return self.pointed(number[1]) + number[2] if number else self.given(value)
+            return value
 
         return self(of.text, **{name: filled(value) for name, value in of.values})
 
@@ -250,7 +269,7 @@ class Language:
         if math.isnan(value):
             return "-"
         if math.isinf(value):
-            return "∞" if value > 0 else "-∞"
+            return "∞" if value > 0 else f"{self.minus}∞"
         if abs(value) < 1e-10:
             return "0"
         size = math.floor(math.log10(abs(value)))
@@ -266,20 +285,21 @@ class Language:
         if math.isinf(margin) and margin > 0:
             return "∞"
         if margin < -9.99:
-            return "< -999 %"
+            return f"< {self.minus}999 %"
         if margin > 99.99:
             return ">9999 %"
         if 1e-9 < abs(margin) < 0.0095:  # a warning by a hair is none at +0 %
             return self.pointed(f"{100 * margin:+.2g} %")
-        return f"{round(100 * margin) + 0:+d} %"
+        return self.pointed(f"{round(100 * margin) + 0:+d} %")
 
     def list(self, *parts: str) -> str:
         """Return parts as a list in a line."""
         return ", ".join(p for p in parts if p)
 
     def pointed(self, number: str) -> str:
-        """Return a number with the language's decimal sign."""
-        return number.replace(".", _decimal(self.code))
+        """Return a number with the language's decimal sign, and its minus."""
+        found = number.replace(".", _decimal(self.code))
+        return found if self.minus == "-" else _BELOW.sub(self.minus, found)
 
 
 EN = Language("en")

@@ -40,6 +40,7 @@ def terminal(of: OneJoint, say: Language = EN, *, width: int = WIDTH) -> Iterato
 
 def story(of: OneJoint, say: Language) -> Story:
     """Return a joint as a report."""
+    say = say.typeset
     return Story(
         language=say.code,
         title=title(of, say),

@@ -18,7 +18,7 @@ from cardan.study.recording import Heard, Mix, verdict_on
 
 def recording(of: Finding[Heard], *, say: Language, issue: Issue) -> Story:
     """Return the story of a recording: the verdict, its gauges, who did the damage."""
-    heard = of.answer
+    say, heard = say.typeset, of.answer
     assert heard is not None  # of a recording that could be asked
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
@@ -29,7 +29,7 @@ def recording(of: Finding[Heard], *, say: Language, issue: Issue) -> Story:
 
 def campaign(of: Finding[Mix], *, say: Language, issue: Issue) -> Story:
     """Return the story of a campaign: the verdict, the mix, then each recording."""
-    found = of.answer
+    say, found = say.typeset, of.answer
     assert found is not None  # of a campaign that could be asked
     chapters = [
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),

@@ -104,7 +104,7 @@ def approval(
     The line is drawn in a `state`, by default the one that decides. A chapter for each study
     that was asked; `more` follow them, and what was given stands at the end.
     """
-    several = len(of.responses) > 1
+    say, several = say.typeset, len(of.responses) > 1
     first = tuple(_first_page(of, helps, fixes, say, state=state))
     chapters = [
         Chapter(title=say("Verdict"), blocks=first),
@@ -143,6 +143,7 @@ def approval(
 
 def comparison(of: Sequence[Variant], *, say: Language, issue: Issue) -> Story:
     """Return the story of variants side by side."""
+    say = say.typeset
     names = tuple(f"{k}. {v.name}" for k, v in enumerate(of, 1))
     verdicts = Table(
         caption=say("Verdicts"),

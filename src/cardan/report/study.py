@@ -815,6 +815,7 @@ def chapters(of: Studied, say: Language = EN) -> tuple[Chapter, ...]:
 
 def story(of: Studied, *, say: Language, issue: Issue) -> Story:
     """Return a report of a study."""
+    say = say.typeset
     low, high = of.interval()
     fit = share(of.yield_, say)
     return Story(

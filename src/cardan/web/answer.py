@@ -5,8 +5,9 @@ reading them twice. Lengths are in mm, angles in deg, as on the page; what a lim
 is in the unit its quantity is shown in, and None where nothing is known.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ from cardan.study.ride import Reach, ride
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
-from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, other
+from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, here, other
 
 RIDE = 61
 """Places of a slider that its curves are drawn through."""
@@ -46,6 +47,9 @@ ROUND = 72
 """Points of a turn that the dial's curves are drawn through."""
 PHASES = 37
 """Yoke phases from 0 to 180 deg that the dial's sum is drawn for."""
+
+GRADE = 1e6
+"""What a grade weighs against margins: a failure goes first."""
 
 HELD = ("held", "graded")
 """What is asked while a hand moves, each in a lane of its own."""
@@ -62,7 +66,7 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
     """
     folder = Path(question["folder"]) if question.get("folder") else None
     text, name = question["text"], question["name"]
-    say = Language(question["lang"])
+    say = Language(question["lang"]).typeset
     try:
         read = document(text, name, folder)
         edits = _edits(read, question)
@@ -74,18 +78,28 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
         else:
             found = _LONG[question["job"]](read, question["args"], say, tell)
     except CardanError as error:
-        return {"text": text, "problems": _problems(error, text, name, folder)}
+        return {"text": text, "problems": _problems(error, text, name, folder, say)}
     return {"text": text, "edits": edits, **found}
 
 
-def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> list[Json]:
-    """Return what is wrong with a document, each with its place."""
+def _problems(
+    error: CardanError, text: str, name: str, folder: Path | None, say: Language
+) -> list[Json]:
+    """Return what is wrong with a document in the language, each with its place.
+
+    Files of its folder go by their names there.
+    """
+
+    def told(said: str) -> str:
+        return here(say.error(said), folder)
+
     if isinstance(error, BadFile):
-        keys = ("message", "key", "value", "hint", "line", "column")
+        keys = ("key", "value", "line", "column")
         of = Path(error.file)
         beside = f"{of.name}: " if folder and of.is_relative_to(folder) else ""
         return [
-            {k: getattr(p, k) for k in keys} | {"message": f"{beside}{p.message}"}
+            {k: getattr(p, k) for k in keys}
+            | {"message": f"{beside}{told(p.message)}", "hint": told(p.hint)}
             for p in error.problems
         ]
     line = column = 0
@@ -94,7 +108,7 @@ def _problems(error: CardanError, text: str, name: str, folder: Path | None) -> 
         about = error.about if isinstance(error, DesignError) else ""
         if about and (found := files.place(document(text, name, folder).application, about)):
             line, column, key = found.line, found.column, found.key
-    return [{"message": str(error), "key": key, "value": "", "hint": "", "line": line,
+    return [{"message": told(str(error)), "key": key, "value": "", "hint": "", "line": line,
              "column": column}]  # fmt: skip
 
 
@@ -125,7 +139,7 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "title": app.title,
         "profile": app.profile,
         "states": [_state(read.responses[0], s, say) for s in range(len(app.states))],
-        "worst": worst_state(read.responses[0]),
+        "worst": _foremost(read.responses[0]),
         "lines": [_line(r, read.manuscript, say) for r in read.responses],
         "obstacles": [_obstacle(o) for o in app.obstacles],
         "handles": _handles(read),
@@ -133,29 +147,29 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "pending": [row for r in read.responses for row in _pending(r, say)],
         "grade": _grade(rows),
         "warnings": [
-            {"message": p.message, "key": p.key, "hint": p.hint, "line": p.line,
-             "column": p.column, "value": p.value}
+            {"message": say.error(p.message), "key": p.key, "hint": say.error(p.hint),
+             "line": p.line, "column": p.column, "value": p.value}
             for p in app.warnings
         ],
-        **_posed(read, question),
+        **_posed(read, question, say),
     }  # fmt: skip
 
 
-def _held(read: Document, question: Json, _: Language, __: Tell) -> Json:
+def _held(read: Document, question: Json, say: Language, _: Tell) -> Json:
     """Return the numbers of the shown line that follow a hand."""
     shown = read.responses[_shown(read, question)]
     return {
         "lines": [{"name": shown.line.name, **_moving(shown)}],
         "obstacles": [_obstacle(o) for o in read.application.obstacles],
-        **_posed(read, question),
+        **_posed(read, question, say),
     }
 
 
 def _graded_held(read: Document, _: Json, __: Language, ___: Tell) -> Json:
     """Return the numbers of the limits that follow a hand."""
-    rows = [
-        {"id": _id(r, a.limit, k), **_graded(a)} for r in read.responses for k, a in _at_once(r)
-    ]
+    asked_of = [(_id(r, a.limit, k), a) for r in read.responses for k, a in _at_once(r)]
+    told = _graded([a for _, a in asked_of])
+    rows = [{"id": name, **row} for (name, _), row in zip(asked_of, told, strict=True)]
     return {"limits": rows, "grade": _grade(rows)}
 
 
@@ -178,9 +192,9 @@ def _handles(read: Document) -> list[Json]:
     ]
 
 
-def _pose(read: Document, question: Json, _: Language, __: Tell) -> Json:
+def _pose(read: Document, question: Json, say: Language, _: Tell) -> Json:
     """Return a line where a slider has it, and what its curves are."""
-    return _posed(read, question)
+    return _posed(read, question, say)
 
 
 def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
@@ -346,11 +360,11 @@ def _moving(r: Response) -> Json:
         "side": fs(r.layout.side / deg, 3),
         "top": fs(r.layout.top / deg, 3),
         "lengths": fs(r.layout.lengths / mm, 1),
-        "plunge": fs(r.spline_travel / mm, 2),
+        "plunge": fs(r.spline_travel / mm, 4),
         "travel": fs(r.demand.travel / mm, 2),
-        "torque": fs(r.demand.torque, 0),
-        "speed": fs(r.demand.speed / rpm, 0),
-        "clearance": [fs(c / mm, 2) for c in r.clearances],
+        "torque": gs(r.demand.torque),
+        "speed": gs(r.demand.speed / rpm),
+        "clearance": [fs(c / mm, 4) for c in r.clearances],
         "phasors": _phasors(r),
         "equivalent": fs(r.excitation.torsional.angle / deg, 3),
         "rings": [_rings(r, s) for s in range(len(r.demand.states))],
@@ -438,25 +452,47 @@ def _at_once(r: Response, quantities: frozenset[str] = AT_ONCE) -> Iterator[tupl
 
 def _rows(r: Response, say: Language, quantities: frozenset[str] = AT_ONCE) -> Iterator[Json]:
     """Yield each limit of a line with its values, (states, parts), and where each was found."""
-    for k, a in _at_once(r, quantities):
+    every = list(_at_once(r, quantities))
+    for (k, a), graded in zip(every, _graded([a for _, a in every]), strict=True):
         yield {
             **_limit(a.limit, r, k, say),
             "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
             "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
-            **_graded(a),
+            **graded,
             **({"points": _points(r, a, say)} if a.spots else {}),
         }
 
 
-def _graded(a: Asked) -> Json:
-    """Return the values of a limit with what it makes of them, (states, parts)."""
-    known = ~np.isnan(a.values)
-    grades = np.where(known, a.limit.grades(a.values), -1)
-    return {
-        "values": gs(a.values / QUANTITIES[a.limit.quantity].factor),
-        "margins": gs(np.where(known, a.limit.margins(a.values), np.nan)),
-        "grades": [[None if g < 0 else g for g in row] for row in grades.tolist()],
-    }
+def _graded(of: Sequence[Asked]) -> Iterator[Json]:
+    """Yield the values of each limit with what it makes of them, (states, parts)."""
+    if not of:
+        return
+    judged = [a.limit.judged(a.values) for a in of]
+    known = [~np.isnan(a.values) for a in of]
+    numbers = [
+        *(a.values / QUANTITIES[a.limit.quantity].factor for a in of),
+        *(np.where(k, margins, np.nan) for k, (_, margins) in zip(known, judged, strict=True)),
+    ]
+    # A hand waits for all of them: what is done to each number is done to all at once.
+    told = iter(gs(np.concatenate([n.ravel() for n in numbers])))
+    rows = [[list(islice(told, n.shape[1])) for _ in n] for n in numbers]
+    for k, (values, margins) in enumerate(zip(rows[: len(of)], rows[len(of) :], strict=True)):
+        grades = np.where(known[k], judged[k][0], -1).tolist()
+        yield {
+            "values": values,
+            "margins": margins,
+            "grades": [[None if g < 0 else g for g in row] for row in grades],
+        }
+
+
+def _foremost(r: Response) -> int:
+    """Return the state with the worst of what is known at once; without limits, of most shaking."""
+    worst = np.full(len(r.demand.states), -np.inf)
+    for _, a in _at_once(r):
+        known = ~np.isnan(a.values)
+        bad = GRADE * a.limit.grades(a.values) - a.limit.margins(a.values)
+        worst = np.maximum(worst, np.where(known, bad, -np.inf).max(axis=1))
+    return int(worst.argmax()) if isfinite(worst.max()) else worst_state(r)
 
 
 def _id(r: Response, limit: Limit, k: int) -> str:
@@ -517,21 +553,21 @@ def _bar(
 # --------------------------------------------------------------------------- sliders and dial
 
 
-def _posed(read: Document, question: Json) -> Json:
+def _posed(read: Document, question: Json, say: Language) -> Json:
     """Return where sliders have a line, their reach and curves, and its turn; or why not.
 
     While a hand moves, curves that stand still meanwhile are left for later: not wanted.
     """
     asked_for: Mapping[str, Any] = question.get("pose") or {}
     wanted = question.get("want", ("curves", "turn"))
-    place_ = _shown(read, question)
-    r = read.responses[place_]
-    s = asked_for.get("state")
-    s = worst_state(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
     travel, torque = asked_for.get("travel_mm"), asked_for.get("torque_Nm")
     free = travel is not None or torque is not None
     if not (free or wanted):
         return {}
+    place_ = _shown(read, question)
+    r = read.responses[place_]
+    s = asked_for.get("state")
+    s = _foremost(r) if s is None else min(max(int(s), 0), len(r.demand.states) - 1)
     reaches = read.reaches[place_]
     low, high = reaches.travel
     height = float(r.demand.travel[s]) if travel is None else float(np.clip(travel * mm, low, high))
@@ -553,7 +589,7 @@ def _posed(read: Document, question: Json) -> Json:
         if "curves" in wanted:
             posed |= _curves(read, r, reaches, height, turned)
     except DesignError as error:
-        posed["stuck"] = str(error)
+        posed["stuck"] = say.error(str(error))
         shown, k = r, s
     if "turn" in wanted:
         posed["turn"] = _turn(shown, k)
@@ -571,8 +607,8 @@ def _place(r: Response, s: int, base: Response) -> Json:
         "side": fs(r.layout.side[s] / deg, 3),
         "top": fs(r.layout.top[s] / deg, 3),
         "lengths": fs(r.layout.lengths[s] / mm, 1),
-        "plunge": f(float(r.spline_travel[s]) / mm, 2),
-        "clearance": fs(r.clearances[s] / mm, 2),
+        "plunge": f(float(r.spline_travel[s]) / mm, 4),
+        "clearance": fs(r.clearances[s] / mm, 4),
         "phasors": _phasors(r)[s],
         "equivalent": f(float(r.excitation.torsional.angle[s]) / deg, 3),
         "pitch": f(float(r.layout.side[s, -1] - base.demand.installed.layout.side[-1]) / deg, 3),

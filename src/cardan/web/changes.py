@@ -1,8 +1,8 @@
 """What to change: corrections, maps of two moves, and what remains where moves scatter."""
 
-import shlex
 from collections import Counter
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +23,13 @@ from cardan.study.fix import Proposal, fix
 from cardan.study.moves import Move, adjustables, corrected, movables
 from cardan.study.reduce import MAY, clopper_pearson
 from cardan.study.sweep import CHUNK, NOTHING, Answers, Bench, Spread, variants_of, verdicts
+from cardan.web import script
 from cardan.web.document import Document, Json, Tell, f, fs, g
-from cardan.web.script import argument
 
 SOUGHT = frozenset(k for k, q in ANSWERED.items() if q.sought)
 """Quantities that are sought over all operating points: a later answer than the others."""
 AT_ONCE = frozenset(ANSWERED) - SOUGHT
+AT_ONCE_IN_ORDER = tuple(k for k in ANSWERED if k in AT_ONCE)
 
 CELLS, PATIENT = 33, 13
 """Cells along each side of a map, and where bearing forces are sought in every cell."""
@@ -90,11 +91,9 @@ def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         read.application, line=r.line.name, hold=hold, count=PROPOSED,
         tell=lambda done, of: tell({"done": done, "of": of} if of > 1 else {}),
     )  # fmt: skip
-    options = {"line": [r.line.name], "hold": hold, "count": [PROPOSED], "lang": [say.code]}
-    said = (f"--{key}={shlex.quote(str(v))}" for key, values in options.items() for v in values)
     return {
         "line": r.line.name,
-        "command": " ".join(("cardan fix", argument(read.name), *said)),
+        "command": script.fix(read.name, r.line.name, hold, say, PROPOSED),
         "scatter": scattered(found[0].trucks, say) if found else "",
         "proposals": [_proposal(read, p, say) for p in found],
     }
@@ -123,7 +122,7 @@ def _proposal(read: Document, p: Proposal, say: Language) -> Json:
 
 def _bench(read: Document, *, sought: bool, **study: dict[str, Spread]) -> Bench:
     """Return where variants of a document are asked, of all its lines."""
-    limits = () if sought else tuple(k for k in ANSWERED if k in AT_ONCE)
+    limits = () if sought else AT_ONCE_IN_ORDER
     try:
         return Bench.of(read.application, variants_of(**study, ask=Ask(limits=limits)))
     except ValueError as error:
@@ -141,6 +140,15 @@ def _elsewhere(bench: Bench) -> list[Unanswered]:
     mine = {(line, limit.quantity) for line, limit in bench.limits}
     missed = bench.installed.coverage.missed
     return [u for u in missed if (u.line, u.quantity) not in mine]
+
+
+def _ask(bench: Bench, *, sought: bool, elsewhere: bool) -> dict[str, Any]:
+    """Return what a command has to ask so that its answer is that of a bench.
+
+    Limits that are named leave the others out, so none is where one of those has no answer.
+    """
+    mine = {limit.quantity for _, limit in bench.limits}
+    return {} if sought or elsewhere else {"limits": [k for k in AT_ONCE_IN_ORDER if k in mine]}
 
 
 def _limits(bench: Bench, say: Language) -> list[str]:
@@ -165,11 +173,14 @@ def surface(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     sought = args.get("sought") is True
     count = PATIENT if sought else CELLS
     called = _names(read)
-    bench = _bench(read, sought=sought, vary={
-        called[a.line, a.what, a.part]: {"grid": [a.low / m.worth, a.high / m.worth, count]}
+    vary: dict[str, Spread] = {
+        called[a.line, a.what, a.part]: {"grid": [g(a.low / m.worth), g(a.high / m.worth), count]}
         for a in pair for m in (MOVABLES[a.what],)
-    })  # fmt: skip
+    }  # fmt: skip
+    bench = _bench(read, sought=sought, vary=vary)
     cells = _Cells(bench, say)
+    ask = {"maps": [list(vary)], **_ask(bench, sought=sought, elsewhere=bool(cells.elsewhere))}
+    commands = script.study(read.name, "map", count * count, say, vary=vary, ask=ask)
     place = np.arange(count * count).reshape(count, count)  # the first varies fastest
     found: Json = {}
     for step in STEPS:
@@ -186,6 +197,7 @@ def surface(read: Document, args: Json, say: Language, tell: Tell) -> Json:
                 )
             },
             "sought": sought,
+            "commands": commands,
             **cells.told(wanted),
         }  # fmt: skip
         if step > 1:
@@ -273,6 +285,8 @@ def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     bench = _bench(read, sought=args.get("sought") is True, tolerances=sigmas)
     elsewhere, limits = _elsewhere(bench), _limits(bench, say)
     count = max(1, int(args.get("count", 4096)))
+    ask = _ask(bench, sought=args.get("sought") is True, elsewhere=bool(elsewhere))
+    commands = script.study(read.name, "yield", count, say, tolerances=sigmas, ask=ask)
     found: list[IntArray] = []
     margins: list[FloatArray] = []
     lost: Counter[str] = Counter()
@@ -289,6 +303,7 @@ def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         if elsewhere:
             lost[say.name(elsewhere[0].quantity)] += rows.count
         told = _yield(np.concatenate(found), np.concatenate(margins), lost)
+        told["commands"] = commands
         tell({"yield": told, "done": start + rows.count, "of": count})
     return told
 

@@ -1,5 +1,6 @@
 """A text that was read once, and numbers as they are told."""
 
+import os
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -112,20 +113,28 @@ def document(text: str, name: str, folder: Path | None) -> Document:
 # --------------------------------------------------------------------------- numbers
 
 
+def here(said: str, folder: Path | None) -> str:
+    """Return a text in which files of the folder go by their names in it."""
+    return said.replace(f"{folder}{os.sep}", "") if folder else said
+
+
 def f(value: float, digits: int = 3) -> float | None:
     """Return a number with some decimals; None where there is none."""
     return round(float(value), digits) + 0.0 if isfinite(value) else None
 
 
 def g(value: float) -> float | None:
-    """Return a number with six figures; None where there is none."""
-    return float(f"{value:.6g}") if isfinite(value) else None
+    """Return a number with nine figures; None where there is none.
+
+    The page shows four: rounded twice, one in some hundred would be another than a report's.
+    """
+    return float(f"{value:.9g}") if isfinite(value) else None
 
 
 def gs(values: FloatArray) -> Any:
-    """Return numbers as lists, with six figures; None where there is none."""
+    """Return numbers as lists, with nine figures, as `g`; None where there is none."""
     some = np.where(np.isfinite(values) & (values != 0), values, 1.0)
-    places = 5 - np.floor(np.log10(np.abs(some)))
+    places = 8 - np.floor(np.log10(np.abs(some)))
     up, down = (np.power(10.0, np.maximum(p, 0.0)) for p in (places, -places))
     return _told(np.rint(values * up / down) / up * down)
 

@@ -158,7 +158,7 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "yield": {**LINE, "sigmas": _amounts, "sought": _truth, "count": _below(65_537)},
     "limits": {},
     "library": {},
-    "script": {"saved": text},
+    "script": {**LINE, "saved": text, "hold": _names},
     "report": {"kind": _one_of("html", "pdf", "xlsx", "json"), "lang": _typed(8)},
     "deviate": {
         "which": _below(500),

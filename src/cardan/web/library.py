@@ -12,10 +12,10 @@ from cardan.base.verdict import GRADES, badness
 from cardan.files import campaign
 from cardan.report.blocks import Issue, Story
 from cardan.report.language import CODES, Language
-from cardan.report.wording import place
+from cardan.report.wording import place, refused
 from cardan.study.approval import Approval, approve
 from cardan.web import heard
-from cardan.web.document import Document, Json, Tell, document, g
+from cardan.web.document import Document, Json, Tell, document, g, here
 
 KINDS = {
     "html": "text/html", "pdf": "application/pdf", "json": "application/json",
@@ -55,7 +55,8 @@ def _status(one: Json, folder: str | None, say: Language) -> Json:
             return {"title": of.title, "verdict": None, "why": count}
         found = approve(read.application)
     except CardanError as error:
-        return {"title": title, "verdict": None, "why": str(error).splitlines()[0][:300]}
+        why = here(refused(error, say), read.folder).splitlines()[0]
+        return {"title": title, "verdict": None, "why": why[:300]}
     worst = min(found.checks, key=badness, default=None)
     return {
         "title": found.application.title,

@@ -1,7 +1,11 @@
 """What was done to a file with a hand, as a script and as commands that do it again."""
 
+import json
 import shlex
+from collections.abc import Mapping, Sequence
 from math import isfinite
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,14 +49,24 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
         lines.append("app = cardan.change(app, {\n" + rows + "})")
     text = "\n".join([*lines, f"found = {asked}", "print(found)", ""])
     quoted = argument(name)
+    line = (
+        ""
+        if drives
+        else read.responses[min(int(args.get("line", 0)), len(read.responses) - 1)].line.name
+    )
+    asks = (
+        [f"cardan life {quoted} --lang {say.code}"]
+        if drives
+        else [
+            f"cardan check {quoted} --lang {say.code}",
+            fix(name, line, args.get("hold", []), say),
+        ]
+    )
     return {
         "script": text,
         "commands": [
             *([f"python -c {shlex.quote(text)}"] if rows else []),
-            *(
-                f"cardan {command} {quoted} --lang {say.code}"
-                for command in (("life",) if drives else ("check", "fix"))
-            ),
+            *asks,
             f"cardan serve {quoted}",
         ],
         "other": other[:20],
@@ -62,3 +76,29 @@ def script(read: Document, args: Json, say: Language, _: Tell) -> Json:
 def argument(name: str) -> str:
     """Return a file's name for a POSIX shell: never an option, nor anything a shell does."""
     return shlex.quote(f"./{name}" if name.startswith("-") else name)
+
+
+def fix(name: str, line: str, hold: Sequence[str], say: Language, count: int | None = None) -> str:
+    """Return the command that looks for corrections of a line, with what is to stay."""
+    options = [("line", line), *(("hold", what) for what in hold)]
+    options += [("count", count)] if count else []
+    said = (f"--{key}={shlex.quote(str(value))}" for key, value in (*options, ("lang", say.code)))
+    return " ".join(("cardan fix", argument(name), *said))
+
+
+def study(
+    name: str, what: str, count: int, say: Language, *, ask: Mapping[str, Any], **varies: Any
+) -> list[str]:
+    """Return a command and a script that ask a study again of the file as it is saved.
+
+    What is asked stands in a file beside it, named after `what` it is.
+    """
+    beside = argument(f"{Path(name).stem}.{what}.json")
+    asked = json.dumps({**varies, "ask": ask})  # YAML too; ASCII, and one line
+    words = {**varies, "n": count, **ask}
+    rows = "".join(f"    {key}={value!r},\n" for key, value in words.items())
+    return [
+        f"cat > {beside} <<'END'\n{asked}\nEND\n"
+        f"cardan study {argument(name)} --study {beside} --n {count} --lang {say.code}",
+        f"import cardan\n\napp = cardan.read({name!r})\nprint(cardan.study(\n    app,\n{rows}))\n",
+    ]

@@ -24,7 +24,7 @@ def seated(read: Document, _: Json, say: Language, tell: Tell) -> Json:
     found = approve(
         application, (*default_studies(application), BracketStudy()),
         tell=lambda doing, done, of: tell(
-            {"doing": say.given(doing), **({"done": done, "of": of} if of else {})}
+            {"doing": say.error(doing), **({"done": done, "of": of} if of else {})}
         ),
     )  # fmt: skip
     of: BracketAnswer = found.of(BRACKET)
@@ -47,7 +47,7 @@ def _zones(v: Judged, say: Language) -> list[Json]:
     return [
         {
             "mark": f"H{k + 1}" if k < MARKED else "", "said": say.part(one.part),
-            "at": [f(x / mm, 1) for x in one.point], "MPa": g(float(stress[k]) / MPa),
+            "at": [f(x / mm, 4) for x in one.point], "MPa": g(float(stress[k]) / MPa),
             "case": say.occasion(cases[k].case.when), "used": f(float(share[k]), 4),
         }
         for k, one in enumerate(v.shown)

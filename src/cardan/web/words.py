@@ -180,7 +180,7 @@ WORDS: tuple[str, ...] = (
     "jounce",
     "largest force",
     "largest torque [N·m]",
-    "largest {peak} N·m, T i {target} N·m",
+    "largest {peak} N·m, engine torque by ratios T i {target} N·m",
     "length",
     "lengths in",
     "light",
