@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
+from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
@@ -288,11 +289,16 @@ def vague(v: Judged, say: Language) -> Iterator[str]:
 
 def in_contact(v: Judged, say: Language) -> Iterator[str]:
     """Yield what contact made of fatigue and life, where that was asked."""
-    if v.in_bolts is not None:
-        yield _in_bolts(v, v.in_bolts, say)
+    if v.in_bolts is not None and v.in_bolts.when is not None:
+        yield _in_bolts(v, v.in_bolts, v.in_bolts.when, say)
+    if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
+        yield say(
+            "{cases}: the bolts slip or open. Fatigue there is that of the two ways, of a flange "
+            "that holds.", cases=say.list(*slip),
+        )  # fmt: skip
 
 
-def _in_bolts(v: Judged, of: InBolts, say: Language) -> str:
+def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
     """Return what contact made of fatigue and life, beside the two ways the flange is held."""
     k, f = int(np.nanargmax(of.told)), int(np.nanargmax(of.told * of.times))
     told = say(
@@ -301,7 +307,7 @@ def _in_bolts(v: Judged, of: InBolts, say: Language) -> str:
         "{more} %, at {other}. Fatigue and life are those in contact with 15 % more, at bolts' "
         "borders 35 %, as far as it may be wrong; stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
-        case=say.occasion(of.when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
+        case=say.occasion(when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
         other=say.part(v.features[k].part),
     )  # fmt: skip
@@ -574,8 +580,8 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         else {
             "preload_N": v.in_bolts.bolts.preload,
             "friction": v.in_bolts.bolts.friction,
-            "case": EN.occasion(v.in_bolts.when),
-            "swing_over_held": v.in_bolts.times.tolist(),
+            "case": None if v.in_bolts.when is None else EN.occasion(v.in_bolts.when),
+            "swing_over_held": [None if np.isnan(x) else x for x in v.in_bolts.times.tolist()],
             "fatigue_utilisation_held": [
                 None if np.isnan(x) else x for x in v.in_bolts.told.tolist()
             ],
@@ -655,6 +661,8 @@ def _case(of: BracketAnswer, o: Outcome) -> dict[str, Any]:
         "max_principal": found(o.highest),
         "min_principal": found(o.lowest),
         "pulls_off": o.pulls_off,
+        **({} if np.isnan(o.slips) else {"slip_utilisation": o.slips}),
+        **({} if o.times is None else {"swing_over_held": o.times.tolist()}),
         "von_mises_on_edge": found(o.on_edge),
         "hot_spots": [
             {
