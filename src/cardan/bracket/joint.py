@@ -273,7 +273,7 @@ class Tight:
         if found.status:
             msg = f"the load that bolts bear could not be found: {found.message}"
             raise NotConverged(msg)
-        share = 1 / max(-float(found.fun), 1e-9)
+        share = 1 / max(-(found.fun or 0.0), 1e-9)
         return share, -share * unit @ (found.eqlin.marginals / size) / whole
 
 
@@ -299,7 +299,7 @@ class _Pull(NamedTuple):
         system = np.zeros((k + m, k + m))
         system[:k, :k] = compliance[np.ix_(rows, rows)] + np.diag(gives + firm)
         system[:k, k:], system[k:, :k] = rigid[rows], rigid[rows].T
-        return cls(rows, firm, np.linalg.inv(system))
+        return cls(rows, firm, np.asarray(np.linalg.inv(system), dtype=float))
 
 
 def _settled(

@@ -293,21 +293,22 @@ def in_contact(v: Judged, say: Language) -> Iterator[str]:
         yield _in_bolts(v, v.in_bolts, v.in_bolts.when, say)
     if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
         yield say(
-            "{cases}: the bolts slip or open. Fatigue there is that of the two ways, of a flange "
-            "that holds.", cases=say.list(*slip),
+            "{cases}: the bolts slip or open. What is told of it is that of a flange that holds.",
+            cases=say.list(*slip),
         )  # fmt: skip
 
 
 def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
     """Return what contact made of fatigue and life, beside the two ways the flange is held."""
-    k, f = int(np.nanargmax(of.told)), int(np.nanargmax(of.told * of.times))
+    use = next(o.used for o in v.outcomes if o.case.when == when)
+    k, f = int(np.nanargmax(of.told)), int(np.nanargmax(use))
     told = say(
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
         "{more} %, at {other}. Fatigue and life are those in contact with 15 % more, at bolts' "
         "borders 35 %, as far as it may be wrong; stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
-        case=say.occasion(when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
+        case=say.occasion(when), share=f"{100 * use[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
         other=say.part(v.features[k].part),
     )  # fmt: skip

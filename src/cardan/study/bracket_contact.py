@@ -44,7 +44,7 @@ class InBolts:
     Attributes
     ----------
     when
-        That case; None where no load repeats, or no fatigue limit is known.
+        That case; None where none that repeats is held, or no fatigue limit is known.
     times : (features,)
         Swing of each feature in contact, on its safe side, over that told by the worse of the two
         ways held.

@@ -574,8 +574,11 @@ def _in_contact(case: Case, contact: Contact, way: _Way) -> Case:
 def _in_bolts(
     bolts: Bolts, outcomes: Sequence[Outcome], two_ways: Sequence[FloatArray], life: float
 ) -> InBolts:
-    """Return what contact makes of swings, in the case that uses most of a fatigue limit."""
-    lasting = [k for k, o in enumerate(outcomes) if o.times is not None]
+    """Return what contact makes of swings, in the case that uses most of a fatigue limit.
+
+    Of those that its bolts hold.
+    """
+    lasting = [k for k, o in enumerate(outcomes) if o.times is not None and o.slips <= 1]
     if not lasting:
         nothing = np.full(len(two_ways[0]), np.nan)
         return InBolts(bolts=bolts, when=None, times=nothing, told=nothing)
