@@ -655,7 +655,7 @@ BRACKET = (
     mutant("bracket/joint.py", "along = self.bolts.friction *", "along = 2 * self.bolts.friction *",
            "balance is found with twice the friction", "unit/test_bracket_joint.py::test_a_foot_slides_at_its_friction_and_opens_at_its_preload"),
     mutant("bracket/joint.py", "if least < _TELLS:", "if least < 9:",
-           "what contact bears is taken for what balance bears", "unit/test_bracket_joint.py::test_a_load_that_contact_bears_is_one_that_balance_bears"),
+           "what contact bears is taken for what balance bears", "unit/test_bracket_joint.py::test_contact_bears_less_than_balance"),
     mutant("study/bracket_contact.py", "mine = widest == k", "mine = widest >= 0",
            "a place swings in each pass of a case", "unit/test_bracket_in_bolts.py::test_of_passes_the_one_counts_in_which_a_place_swings_most"),
     mutant("study/bracket_contact.py", "start += len(at)", "pass",

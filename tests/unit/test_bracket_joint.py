@@ -112,16 +112,17 @@ def test_what_balance_bears_is_bounded_by_its_plane(seed):
     assert tight.unbalanced(loads[1])[0] >= plane @ loads[1] - 1e-9
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_load_that_contact_bears_is_one_that_balance_bears(seed):
-    """What presses moves as it slips: of what balance bears contact bears a part."""
+@pytest.mark.parametrize("seed", [21, 25, 30])
+def test_contact_bears_less_than_balance(seed):
+    """What presses moves as it slips; up to what is told contact is found, and beyond it none."""
     tight = coupled(np.random.default_rng(1)).tightened(Bolts(preload=1000.0, friction=0.3))
-    loads = np.random.default_rng(seed).normal(size=9) * ([100] * 3 + [3] * 3 + [0] * 3)
-    least, _ = tight.unbalanced(loads)
-    loads *= 0.6 / least
+    loads = np.random.default_rng(seed).normal(size=9) * ([100] * 3 + [30] * 3 + [0] * 3)
+    loads *= 0.9 / tight.unbalanced(loads)[0]
     share, _ = tight.share(loads)
-    assert 0.6 * 0.98 <= share < 1.4
+    assert 1.1 < share < 1.4
     tight.under(loads / share * 0.97)
+    with pytest.raises(NotConverged, match="slip or open"):
+        tight.under(loads / share * 1.04)
 
 
 def test_a_foot_pulled_off_by_more_than_its_bolt_is_told():

@@ -211,6 +211,25 @@ def test_contact_is_told_with_the_two_ways_beside_it(code):
     assert "120" in said
 
 
+def test_frequencies_that_lie_close_are_drawn_as_one_line():
+    """Three within 2 Hz were a black bar of dashes; their names all stand beside it."""
+    of = changed()
+    held = SimpleNamespace(**vars(of.variants[0].solved.sliding))
+    held.carried = np.array([40.0, 60.0, 60.3, 60.9, 500.0, 600.0])
+    solved = SimpleNamespace(**vars(of.variants[0].solved) | {"sliding": held})
+    drawn = next(bracket_chapter.figures(changed(solved=solved), Language("en"))).svg
+    assert "mode 2 60.0, mode 3 60.3, mode 4 60.9 Hz" in drawn
+    rest = next(bracket_chapter.figures(changed(solved=alone_at(solved, 60.0)), Language("en"))).svg
+    assert drawn.count("stroke-dasharray") == rest.count("stroke-dasharray")
+
+
+def alone_at(solved: SimpleNamespace, frequency: float) -> SimpleNamespace:
+    """The same with one mode there."""
+    held = SimpleNamespace(**vars(solved.sliding))
+    held.carried = np.array([40.0, frequency, 500.0, 600.0, 700.0, 800.0])
+    return SimpleNamespace(**vars(solved) | {"sliding": held})
+
+
 @pytest.mark.parametrize("code", CODES)
 def test_bolts_that_slip_are_told_by_their_case(code):
     """What is told of a flange that slides is not what it feels."""
