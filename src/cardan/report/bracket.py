@@ -291,6 +291,11 @@ def in_contact(v: Judged, say: Language) -> Iterator[str]:
     """Yield what contact made of fatigue and life, where that was asked."""
     if v.in_bolts is not None and v.in_bolts.when is not None:
         yield _in_bolts(v, v.in_bolts, v.in_bolts.when, say)
+    yield from slipped(v, say)
+
+
+def slipped(v: Judged, say: Language) -> Iterator[str]:
+    """Yield under which cases the bolts slip or open."""
     if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
         yield say(
             "{cases}: the bolts slip or open. What is told of it is that of a flange that holds.",
