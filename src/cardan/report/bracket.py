@@ -785,7 +785,8 @@ def picture(
 ) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
-    Where a duty cycle is known, the damage it does at every place of the surface below.
+    Where a duty cycle is known, the damage it does at every place of the surface: below, or beside
+    it where one variant is all there is, which leaves no page of a document half empty.
 
     `over` stands above them: the verdict, where no page around the picture tells it.
 
@@ -808,10 +809,13 @@ def picture(
     case = of.variants[0].worst.case.when
     shown = [next(o for o in v.outcomes if o.case.when == case) for v in of.variants]
     worn_out = all(len(v.damage) and v.damage.max() > 0 for v in of.variants)
-    rows = 2 if worn_out else 1
-    figure: Any = Figure(figsize=(6.5 * len(of.variants), 6 * rows), layout="constrained")
+    rows, columns = (2 if worn_out else 1), len(of.variants)
+    beside = rows > columns
+    wide, high = (rows, columns) if beside else (columns, rows)
+    figure: Any = Figure(figsize=(6.5 * wide, 6 * high), layout="constrained")
     FigureCanvasAgg(figure)
-    grid: Any = figure.subplots(rows, len(of.variants), squeeze=False)
+    grid: Any = figure.subplots(high, wide, squeeze=False)
+    grid = grid.T if beside else grid
     colours: Any = colormaps["turbo"]
     scale = Normalize(0, max(o.von_mises.value for o in shown) / MPa)
     most = max(float(v.damage.max()) for v in of.variants) if worn_out else 1.0
@@ -855,7 +859,7 @@ def picture(
             )  # fmt: skip
             grid[1][column].set_title(say("{name}: damage of an hour of duty", name=say(v.name)))
     if over:
-        figure.suptitle("\n".join(wrap(over, 58 * len(of.variants))), parse_math=False)
+        figure.suptitle("\n".join(wrap(over, 58 * wide)), parse_math=False)
     stress = ScalarMappable(norm=scale, cmap=colours)
     figure.colorbar(stress, ax=list(grid[0]), label=say("von Mises stress, MPa"), shrink=0.8)
     if worn_out:
