@@ -812,7 +812,9 @@ def picture(
     rows, columns = (2 if worn_out else 1), len(of.variants)
     beside = rows > columns
     wide, high = (rows, columns) if beside else (columns, rows)
-    figure: Any = Figure(figsize=(6.5 * wide, 6 * high), layout="constrained")
+    # Letters keep their size on a page, and can be read on a telephone.
+    inches = np.array([4.6, 4.3]) if beside else np.array([6.5, 6.0])
+    figure: Any = Figure(figsize=tuple(inches * [wide, high]), layout="constrained")
     FigureCanvasAgg(figure)
     grid: Any = figure.subplots(high, wide, squeeze=False)
     grid = grid.T if beside else grid
@@ -865,7 +867,7 @@ def picture(
     if worn_out:
         bar = ScalarMappable(norm=wear, cmap=colours)
         figure.colorbar(bar, ax=list(grid[1]), label=say("damage per hour"), shrink=0.8)
-    figure.savefig(path, dpi=130, format="png")
+    figure.savefig(path, dpi=180 if beside else 130, format="png")
 
 
 def _seen() -> tuple[FloatArray, FloatArray, FloatArray]:
