@@ -3,7 +3,9 @@
 Writes `gallery_contact.json` beside this file: how far stress swings at each feature between two
 loads of the gallery's worst case (jounce, on its rubber, where the bearing carries most), and of
 its mildest peak in jounce. M10 bolts, their heads and the frame are solid there, contact is
-one-sided with friction. Half an hour on two threads of a shared machine.
+one-sided with friction. Half an hour on two threads of a shared machine. The table that stands
+there was made on the mesh of the gallery's whole study, on which contact is held against it in
+`docs/bracket.md`; a mesh made for these loads alone leaves features that swing little coarser.
 
     PYTHONPATH=src python tests/verify/gallery_contact.py     # needs NGSolve (mesh) and ccx
 """
