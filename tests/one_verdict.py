@@ -70,6 +70,7 @@ GIVEN = {
             "element_mm": 16,
             "carried_mass_kg": 18,
             "fatigue": {"amplitude_MPa": 40, "cycles": 1.0e6, "slope": 5},
+            "bolts": {"preload_kN": 30},
         }
     },
 }  # fmt: skip
@@ -168,7 +169,10 @@ def made_up_bracket() -> Iterator[None]:
     spots = np.array([180.0, 240.0]) * MPa
     features = tuple(Feature(zone="sheet", number=k, point=(0, 0, 0), error=0.0) for k in (1, 2))
     outcome = SimpleNamespace(
-        case=LoadCase("gvw", np.zeros((1, 9)), what="peak"), hot=spots, used=spots / (300 * MPa)
+        case=LoadCase("gvw", np.zeros((1, 9)), what="peak"),
+        hot=spots,
+        used=spots / (300 * MPa),
+        slips=0.7,
     )
     duty = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-4, 4e-4]), gauges=np.zeros(0),

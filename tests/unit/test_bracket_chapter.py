@@ -246,6 +246,10 @@ def test_the_chapter_is_told_in_every_language(found, code):
     highest = found.variants[0].worst.von_mises.value / 1e6
     assert f"{highest:.1f}".replace(".", "." if code == "en" else ",") in picture.alt
     assert not re.search(r"@\w+@", picture.scene)
+    tops = [float(top) for top in re.findall(r'"top":([\d.e+-]+)', picture.scene)]
+    assert tops[0] == pytest.approx(highest)
+    many = len(tops) // len(found.variants)
+    assert tops[:many] == sorted(tops[:many], reverse=True)
 
 
 def test_check_puts_the_bracket_into_page_and_document(tmp_path):

@@ -63,6 +63,13 @@ def test_what_cannot_be_is_refused_with_its_place(change, says):
     assert all(p.line > LINE.count("\n") for p in refused.value.problems)
 
 
+def test_a_loss_that_the_file_gives_is_not_assumed():
+    """Nor is one that is as large as what is assumed of others."""
+    given = bracket(FULL + "  loss_factor: 0.02\n")
+    assert (given.loss, given.loss_assumed) == (0.02, False)
+    assert (bracket(FULL).loss, bracket(FULL).loss_assumed) == (0.02, True)
+
+
 def test_the_schema_knows_the_bracket():
     schema = files.schema()
     assert "bracket" in schema["$defs"]["Application"]["properties"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cardan.base.errors import DesignError, NotConverged
-from cardan.bracket.joint import Joint, _flipped
+from cardan.bracket.joint import Joint
 from cardan.model.bracket import Bolts, usual_preload
 from cardan.study.bracket_contact import on_its_safe_side
 
@@ -49,7 +49,7 @@ def pressure(tight):
 
 def test_within_the_core_all_of_a_foot_presses():
     found = pressure(foot(out_of_middle=WIDE / 12).tightened(Bolts(preload=1000.0)))
-    assert found.sum() == pytest.approx(1000.0)
+    assert found.sum() == pytest.approx(1000.0, rel=1e-3)
     assert found.max() == pytest.approx(1000 / COUNT * 1.5, rel=1 / COUNT)
 
 
@@ -66,14 +66,14 @@ def test_beyond_the_core_a_foot_lifts_off_and_a_triangle_is_left():
 def test_a_foot_holds_by_friction_and_no_more():
     tight = foot().tightened(Bolts(preload=1000.0, friction=0.15))
     held = tight.under([0, 140.0, 0, *6 * [0]])
-    assert held[: 6 * COUNT].reshape(-1, 3)[:, 1].sum() == pytest.approx(-140.0)
+    assert held[: 6 * COUNT].reshape(-1, 3)[:, 1].sum() == pytest.approx(-140.0, rel=1e-3)
     with pytest.raises(NotConverged, match="slip or open"):
         tight.under([0, 200.0, 0, *6 * [0]])
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_what_a_foot_bears_obeys_contact_and_friction(seed):
-    """Patches that lift off and come back as they slip do not go round for ever."""
+    """Balance, no pull, no rubbing beyond what friction bears."""
     rng = np.random.default_rng(seed)
     joint = coupled(rng)
     tight = joint.tightened(Bolts(preload=1000.0, friction=0.3))
@@ -84,20 +84,45 @@ def test_what_a_foot_bears_obeys_contact_and_friction(seed):
         )
         whole = tight.forces + tight.under(load)
         each = whole[: 3 * joint.patches].reshape(-1, 3)
-        assert np.abs(joint.rigid.T @ whole).max() < 1e-6
-        assert np.maximum(each[:, 2], 0.0).sum() <= 2e-3 * np.abs(each[:, 2]).sum()
+        assert np.abs(joint.rigid.T @ whole).max() < 1e-3 * np.abs(whole).sum()
+        assert np.maximum(each[:, 2], 0.0).sum() <= 1e-9
         rub = np.hypot(*each[:, :2].T)
         over = np.maximum(rub - 0.3 * np.maximum(-each[:, 2], 0), 0.0)
-        assert over.sum() <= 0.021 * rub.sum()
+        assert over.sum() <= 1e-9
 
 
-def test_patches_that_go_round_change_one_by_one_in_the_end():
-    """All that are wrong at first, then the one that is furthest off."""
-    pressed, still = np.array([True, True, False]), np.array([False, True, True])
-    off = np.array([2.0, 0.0, -3.0])
-    assert (_flipped(pressed, still, off, 0) == still).all()
-    assert _flipped(pressed, still, off, 50).tolist() == [True, True, True]
-    assert (_flipped(pressed, pressed, off, 50) == pressed).all()
+def test_a_foot_slides_at_its_friction_and_opens_at_its_preload():
+    """By balance, and by what contact bears, here the same: the share of 150 N and of 1000 N."""
+    tight = foot().tightened(Bolts(preload=1000.0, friction=0.15))
+    for load, whole in (((0, 140.0, 0), 150), ((140.0, 0, 0), 150), ((0, 0, -700.0), 1000)):
+        loads = np.array([*load, *6 * [0]])
+        share, plane = tight.unbalanced(loads)
+        assert share == pytest.approx(np.abs(loads).max() / whole, rel=0.02)
+        assert plane @ loads == pytest.approx(share)
+        assert tight.share(loads)[0] == pytest.approx(share, rel=0.03)
+    assert tight.unbalanced(np.array([0, 0, 900.0, *6 * [0]]))[0] == 0.0  # it is pressed on
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_balance_bears_is_bounded_by_its_plane(seed):
+    """Other loads have no smaller share than the plane of one says."""
+    tight = coupled(np.random.default_rng(3)).tightened(Bolts(preload=1000.0, friction=0.3))
+    loads = np.random.default_rng(seed).normal(size=(2, 9)) * ([100] * 3 + [3] * 3 + [0] * 3)
+    _, plane = tight.unbalanced(loads[0])
+    assert tight.unbalanced(loads[1])[0] >= plane @ loads[1] - 1e-9
+
+
+@pytest.mark.parametrize("seed", [21, 25, 30])
+def test_contact_bears_less_than_balance(seed):
+    """What presses moves as it slips; up to what is told contact is found, and beyond it none."""
+    tight = coupled(np.random.default_rng(1)).tightened(Bolts(preload=1000.0, friction=0.3))
+    loads = np.random.default_rng(seed).normal(size=9) * ([100] * 3 + [30] * 3 + [0] * 3)
+    loads *= 0.9 / tight.unbalanced(loads)[0]
+    share, _ = tight.share(loads)
+    assert 1.1 < share < 1.4
+    tight.under(loads / share * 0.97)
+    with pytest.raises(NotConverged, match="slip or open"):
+        tight.under(loads / share * 1.04)
 
 
 def test_a_foot_pulled_off_by_more_than_its_bolt_is_told():

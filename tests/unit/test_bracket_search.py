@@ -63,7 +63,9 @@ def fake(monkeypatch, life, first=1.0):
         solved.append(name)
         hours = life(shape) * (first if levels == 1 else 1.0)
         part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
-        return SimpleNamespace(life=hours, life_within=(hours / 2, 2 * hours), features=(part,))
+        return SimpleNamespace(
+            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), outcomes=()
+        )
 
     def bracket_search_part():
         from cardan.base.part import Part

@@ -14,7 +14,7 @@ from cardan.base.part import Occasion
 from cardan.bracket.shape import Picked
 from cardan.model.bracket import Bolts
 from cardan.report import bracket_chapter, bracket_scene
-from cardan.report.bracket import bent_far, terminal, verdict
+from cardan.report.bracket import bent_far, in_contact, terminal, verdict
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
@@ -201,14 +201,46 @@ def test_a_report_says_what_narrows_a_bar_as_the_terminal_does(code):
 
 @pytest.mark.parametrize("code", CODES)
 def test_contact_is_told_with_the_two_ways_beside_it(code):
-    """7.7 times its limit in its bolts, 11.8 where the flange slides or is clamped."""
+    """0.8 of its limit in its bolts, 11.8 times where the flange slides or is clamped."""
     contact = InBolts(
         bolts=Bolts(preload=35e3), when=Occasion("case", "gvw", "combined"),
         times=np.array([0.65, 1.0]), told=np.array([11.8, 5.0]), life_told=120.0,
     )  # fmt: skip
-    (said,) = [x for x in report_of(changed(in_bolts=contact), Language(code)) if "767 %" in x]
-    assert "1180 %" in said
+    (said,) = [x for x in report_of(changed(in_bolts=contact), Language(code)) if "1180 %" in x]
+    assert "80 %" in said
     assert "120" in said
+
+
+def test_frequencies_that_lie_close_are_drawn_as_one_line():
+    """Three within 2 Hz were a black bar of dashes; their names all stand beside it."""
+    of = changed()
+    held = SimpleNamespace(**vars(of.variants[0].solved.sliding))
+    held.carried = np.array([40.0, 60.0, 60.3, 60.9, 500.0, 600.0])
+    solved = SimpleNamespace(**vars(of.variants[0].solved) | {"sliding": held})
+    drawn = next(bracket_chapter.figures(changed(solved=solved), Language("en"))).svg
+    assert "mode 2 60.0, mode 3 60.3, mode 4 60.9 Hz" in drawn
+    rest = next(bracket_chapter.figures(changed(solved=alone_at(solved, 60.0)), Language("en"))).svg
+    assert drawn.count("stroke-dasharray") == rest.count("stroke-dasharray")
+
+
+def alone_at(solved: SimpleNamespace, frequency: float) -> SimpleNamespace:
+    """The same with one mode there."""
+    held = SimpleNamespace(**vars(solved.sliding))
+    held.carried = np.array([40.0, frequency, 500.0, 600.0, 700.0, 800.0])
+    return SimpleNamespace(**vars(solved) | {"sliding": held})
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_bolts_that_slip_are_told_by_their_case(code):
+    """What is told of a flange that slides is not what it feels."""
+    say = Language(code)
+    of = changed()
+    (variant,) = of.variants
+    still = replace(variant, outcomes=(replace(outcome(), slips=0.9),))
+    slid = replace(variant, outcomes=(replace(outcome(), slips=1.2),))
+    assert [*in_contact(still, say)] == []
+    (said,) = in_contact(slid, say)
+    assert said.startswith(say.occasion(outcome().case.when))
 
 
 def report_of(answer: BracketAnswer, say: Language) -> list[str]:

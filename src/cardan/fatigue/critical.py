@@ -37,10 +37,13 @@ class Pass:
         One pass; of as many `places` only the worst happens.
     times
         Passes in whatever damage is asked of: a second, the life.
+    scale : (m,) or one
+        By how much what it stresses is more, at each place, than its unit stresses make it.
     """
 
     loads: FloatArray
     times: float = 1.0
+    scale: FloatArray | float = 1.0
 
 
 def counted(signals: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -140,9 +143,10 @@ def plane_damage(
     stress = on_planes(unit, directions)
     rough = np.zeros(stress.shape[:2])
     for one in passes:
+        more = np.broadcast_to(one.scale, len(stress))[:, None, None]
         few = one.loads[0, :: max(1, one.loads.shape[1] // _SAMPLES)]
         for rows in _chunks(len(stress), stress.shape[1] * len(few)):
-            history = stress[rows] @ few.T
+            history = more[rows] * stress[rows] @ few.T
             top, low = history.max(axis=-1), history.min(axis=-1)
             rough[rows] += one.times * harm((top - low) / 2, (top + low) / 2)
     damage = rough.max(axis=1)
@@ -152,11 +156,12 @@ def plane_damage(
     share = np.take_along_axis(stress[closely], order[..., None], axis=1)
     exact = np.zeros(order.shape)
     for one in passes:
+        more = np.broadcast_to(one.scale, len(stress))[closely, None, None]
         t = one.loads.shape[1]
         for rows in _chunks(len(closely), order.shape[1] * t):
             done = np.zeros((len(share[rows]), order.shape[1]))
             for loads in one.loads:
-                signals = (share[rows] @ loads.T).reshape(-1, t)
+                signals = (more[rows] * share[rows] @ loads.T).reshape(-1, t)
                 each = harm(*counted(signals)).sum(axis=1)
                 done = np.maximum(done, each.reshape(done.shape))
             exact[rows] += one.times * done

@@ -408,7 +408,9 @@ class BracketTable(Table):
     rubber: Rubber | None = key(
         "stiffness between bearing and seat along x, y, z; rigid if left out", default=None
     )
-    loss_factor: FrameLoss = key("of the bracket, assumed if left out", default=LOSS)
+    loss_factor: FrameLoss | None = key(
+        f"of the bracket; {LOSS:g} assumed if left out", default=None
+    )
     gauges: Annotated[tuple[Gauge, ...], ListOf(TableRule(GaugeTable), most=100)] = key(
         "strain gauges on it", default=()
     )
@@ -457,7 +459,8 @@ class BracketTable(Table):
                 bearing=self.bearing,
                 carried_mass=self.carried_mass,
                 rubber=self.rubber,
-                loss=self.loss_factor,
+                loss=LOSS if self.loss_factor is None else self.loss_factor,
+                loss_assumed=self.loss_factor is None,
                 gauges=self.gauges,
                 cases=self.cases,
                 recordings=tuple(r.recording(self.gauges) for r in self.recordings),

@@ -346,6 +346,8 @@ class Bracket:
     rubber: Vector | None = None
     loss: float = LOSS
     """Share of its energy that it loses in a radian."""
+    loss_assumed: bool = True
+    """Whether nobody said so."""
     gauges: tuple[Gauge, ...] = ()
     cases: tuple[BracketCase, ...] = ()
     recordings: tuple[BracketRecording, ...] = ()

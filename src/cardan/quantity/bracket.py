@@ -1,6 +1,6 @@
 """Stress and life of a bracket; answered by its study."""
 
-from cardan.base.source import DERIVED, IIW, MINER
+from cardan.base.source import DERIVED, IIW, MINER, VDI2230
 from cardan.quantity.declared import Quantity
 
 DECLARED = (
@@ -38,6 +38,18 @@ DECLARED = (
         source=MINER,
         sense=">=",
         use="Over a duty cycle, at the worst place of each zone's surface.",
+    ),
+    Quantity(
+        key="bracket_slip_utilisation",
+        study="bracket",
+        name="Bracket load over what its bolts hold",
+        symbol="F/Fs",
+        unit="1",
+        equation="F / Fs",
+        where={"Fs": "the load, in the same proportions, under which the flange slides or opens"},
+        source=VDI2230,
+        use="With `bolts`: contact and friction between flange and frame, each case's worst "
+        "moment; below a quarter by balance alone, of which contact bears 0.6 at least.",
     ),
     Quantity(
         key="bracket_resonance",

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
+from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
@@ -281,20 +282,31 @@ def vague(v: Judged, say: Language) -> Iterator[str]:
 
 def in_contact(v: Judged, say: Language) -> Iterator[str]:
     """Yield what contact made of fatigue and life, where that was asked."""
-    if v.in_bolts is not None:
-        yield _in_bolts(v, v.in_bolts, say)
+    if v.in_bolts is not None and v.in_bolts.when is not None:
+        yield _in_bolts(v, v.in_bolts, v.in_bolts.when, say)
+    yield from slipped(v, say)
 
 
-def _in_bolts(v: Judged, of: InBolts, say: Language) -> str:
+def slipped(v: Judged, say: Language) -> Iterator[str]:
+    """Yield under which cases the bolts slip or open."""
+    if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
+        yield say(
+            "{cases}: the bolts slip or open. What is told of it is that of a flange that holds.",
+            cases=say.list(*slip),
+        )  # fmt: skip
+
+
+def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
     """Return what contact made of fatigue and life, beside the two ways the flange is held."""
-    k, f = int(np.nanargmax(of.told)), int(np.nanargmax(of.told * of.times))
+    use = next(o.used for o in v.outcomes if o.case.when == when)
+    k, f = int(np.nanargmax(of.told)), int(np.nanargmax(use))
     told = say(
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
         "{more} %, at {other}. Fatigue and life are those in contact with 15 % more, at bolts' "
         "borders 35 %, as far as it may be wrong; stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
-        case=say.occasion(of.when), share=f"{100 * of.told[f] * of.times[f]:.0f}",
+        case=say.occasion(when), share=f"{100 * use[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
         other=say.part(v.features[k].part),
     )  # fmt: skip
@@ -567,8 +579,8 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         else {
             "preload_N": v.in_bolts.bolts.preload,
             "friction": v.in_bolts.bolts.friction,
-            "case": EN.occasion(v.in_bolts.when),
-            "swing_over_held": v.in_bolts.times.tolist(),
+            "case": None if v.in_bolts.when is None else EN.occasion(v.in_bolts.when),
+            "swing_over_held": [None if np.isnan(x) else x for x in v.in_bolts.times.tolist()],
             "fatigue_utilisation_held": [
                 None if np.isnan(x) else x for x in v.in_bolts.told.tolist()
             ],
@@ -648,6 +660,8 @@ def _case(of: BracketAnswer, o: Outcome) -> dict[str, Any]:
         "max_principal": found(o.highest),
         "min_principal": found(o.lowest),
         "pulls_off": o.pulls_off,
+        **({} if np.isnan(o.slips) else {"slip_utilisation": o.slips}),
+        **({} if o.times is None else {"swing_over_held": o.times.tolist()}),
         "von_mises_on_edge": found(o.on_edge),
         "hot_spots": [
             {
@@ -764,7 +778,8 @@ def picture(
 ) -> None:
     """Draw each variant under the original's worst case, coloured by stress, into a PNG.
 
-    Where a duty cycle is known, the damage it does at every place of the surface below.
+    Where a duty cycle is known, the damage it does at every place of the surface: below, or beside
+    it where one variant is all there is, which leaves no page of a document half empty.
 
     `over` stands above them: the verdict, where no page around the picture tells it.
 
@@ -787,10 +802,15 @@ def picture(
     case = of.variants[0].worst.case.when
     shown = [next(o for o in v.outcomes if o.case.when == case) for v in of.variants]
     worn_out = all(len(v.damage) and v.damage.max() > 0 for v in of.variants)
-    rows = 2 if worn_out else 1
-    figure: Any = Figure(figsize=(6.5 * len(of.variants), 6 * rows), layout="constrained")
+    rows, columns = (2 if worn_out else 1), len(of.variants)
+    beside = rows > columns
+    wide, high = (rows, columns) if beside else (columns, rows)
+    # Letters keep their size on a page, and can be read on a telephone.
+    inches = np.array([4.6, 4.3]) if beside else np.array([6.5, 6.0])
+    figure: Any = Figure(figsize=tuple(inches * [wide, high]), layout="constrained")
     FigureCanvasAgg(figure)
-    grid: Any = figure.subplots(rows, len(of.variants), squeeze=False)
+    grid: Any = figure.subplots(high, wide, squeeze=False)
+    grid = grid.T if beside else grid
     colours: Any = colormaps["turbo"]
     scale = Normalize(0, max(o.von_mises.value for o in shown) / MPa)
     most = max(float(v.damage.max()) for v in of.variants) if worn_out else 1.0
@@ -834,13 +854,13 @@ def picture(
             )  # fmt: skip
             grid[1][column].set_title(say("{name}: damage of an hour of duty", name=say(v.name)))
     if over:
-        figure.suptitle("\n".join(wrap(over, 58 * len(of.variants))), parse_math=False)
+        figure.suptitle("\n".join(wrap(over, 58 * wide)), parse_math=False)
     stress = ScalarMappable(norm=scale, cmap=colours)
     figure.colorbar(stress, ax=list(grid[0]), label=say("von Mises stress, MPa"), shrink=0.8)
     if worn_out:
         bar = ScalarMappable(norm=wear, cmap=colours)
         figure.colorbar(bar, ax=list(grid[1]), label=say("damage per hour"), shrink=0.8)
-    figure.savefig(path, dpi=130, format="png")
+    figure.savefig(path, dpi=180 if beside else 130, format="png")
 
 
 def _seen() -> tuple[FloatArray, FloatArray, FloatArray]:

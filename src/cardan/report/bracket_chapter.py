@@ -44,8 +44,8 @@ from cardan.study.bracket_judge import ORDERS, Judged
 from cardan.study.bracket_life import strengths
 from cardan.study.finding import Finding
 
-_APART = 0.05
-"""Share of a diagram's height that names of lines need."""
+_APART, _ALIKE = 0.05, 0.01
+"""Share of a diagram's height that names of lines need, and below which two lines are one."""
 _SHOWN = 0.03
 """Share of the largest stress below which a chart over speed ends."""
 
@@ -292,7 +292,8 @@ def _campbell(of: BracketAnswer, say: Language) -> Figure:
         # Of lines that lie close the topmost bears all their names.
         beside.append(f"{name} {say.pointed(f'{frequency:.1f}')}")
         last = k + 1 == len(own) or own[k + 1][0] - frequency > _APART * hertz
-        frame.level(Level(value=frequency, name=f"{say.list(*beside)} Hz" if last else ""))
+        if last or own[k + 1][0] - frequency > _ALIKE * hertz:  # else their dashes make a bar
+            frame.level(Level(value=frequency, name=f"{say.list(*beside)} Hz" if last else ""))
         beside = [] if last else beside
         for order in ORDERS:
             at = 60 * frequency / order
@@ -391,12 +392,14 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         )
         yield say("The throat of a weld, and its root, are not assessed.")
     if of.variants[0].forced is not None:
+        loss = say.number(of.bracket.loss)
         yield say(
             "At the worst points and over the duty cycle the line swings on its rubber and on this "
-            "bracket, which swings itself; the bracket loses {loss} of its energy in a radian, "
-            "assumed. States at their own torque and top speed, on rigid bearings, and loads by "
-            "hand are quasi-static.", loss=say.number(of.bracket.loss),
-        )  # fmt: skip
+            "bracket, which swings itself; the bracket loses {loss} of its energy in a radian. "
+            "States at their own torque and top speed, on rigid bearings, and loads by hand are "
+            "quasi-static.",
+            loss=say("{value} (assumed)", value=loss) if of.bracket.loss_assumed else loss,
+        )
     else:
         yield say("Loads are quasi-static: right below the natural frequencies.")
     if any(lives(v) for v in of.variants):

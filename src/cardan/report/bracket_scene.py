@@ -39,10 +39,13 @@ def page(approval: Approval, *, say: Language = EN) -> str:
 def scene(of: BracketAnswer, *, say: Language = EN) -> str:
     """Return a fragment of HTML: the mesh, each case's stress, deformation, gauges, hot spots.
 
-    Drag to turn, wheel to zoom; the deformation runs from none to plenty.
+    Drag to turn, wheel to zoom; the deformation runs from none to plenty. It opens with the case
+    that stresses the first variant most.
     """
+    first = of.variants[0].outcomes
+    order = sorted(range(len(first)), key=lambda k: -first[k].von_mises.value)
     data = {
-        "variants": [variant(v, v.outcomes, say) for v in of.variants],
+        "variants": [variant(v, [v.outcomes[k] for k in order], say) for v in of.variants],
         "words": {
             "none": say("This browser shows no WebGL."),
             "scale": say("blue 0 to red {top} MPa, von Mises", top="@"),

@@ -7,7 +7,7 @@ import numpy as np
 
 from cardan.base.units import mm
 from cardan.model.application import Application
-from cardan.report.bracket import hours
+from cardan.report.bracket import hours, slipped
 from cardan.report.contract import CONTRACT, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
@@ -65,7 +65,7 @@ def terminal(
             mass=say.number(found.best.mass),
             hours=hours(found.best.life, say, found.best.judged.life_within),
         )  # fmt: skip
-        yield from folded([chosen], width)
+        yield from folded([chosen, *slipped(found.best.judged, say)], width)
 
 
 def said(sizes: dict[str, float], say: Language) -> str:
@@ -99,5 +99,12 @@ def _tried(t: Tried) -> dict[str, Any]:
         "life_hours": t.life if np.isfinite(t.life) else None,
         "life_hours_within": [x if np.isfinite(x) else None for x in t.judged.life_within],
         "refined": t.refined,
+        "slip_utilisation": _slips(t),
         "worst": {"zone": worst.zone, "number": worst.number},
     }
+
+
+def _slips(t: Tried) -> float | None:
+    """Return what share of what its bolts hold a case asks at most; None where none says."""
+    known = [o.slips for o in t.judged.outcomes if not np.isnan(o.slips)]
+    return max(known, default=None)

@@ -190,6 +190,10 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
                     endured.when, variant.features[worst].part, endured.at([worst]).hours * hour,
                     within=None if np.isnan(low) else (low, high),
                 )  # fmt: skip
+    if quantity == "bracket_slip_utilisation":
+        for o in variant.outcomes:
+            if not np.isnan(o.slips):
+                yield _Value(o.case.when, Part("bolts"), o.slips, o.case.point)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         own = variant.carried if of.bracket.rubber is None else variant.frequencies
@@ -216,6 +220,7 @@ def _unanswered(
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
         "bracket_fatigue_utilisation": ("bracket.fatigue",),
         "bracket_life": ("duty, and bracket.fatigue",),
+        "bracket_slip_utilisation": ("bracket.bolts",),
         "bracket_resonance": ("speed_rpm",),
     }
     for limit in limits:

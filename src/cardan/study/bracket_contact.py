@@ -1,10 +1,10 @@
-"""A bracket in its bolts: what contact and friction make of the swing that tells most.
+"""A bracket in its bolts: what contact and friction make of the swings of every case.
 
-What presses a flange lifts off and rubs, so stress is no sum of unit stresses. A load history
-is followed at its two ends, the moments between which the place that fares worst swings most,
-each from the tightened state; the swing of each feature, over that the two ways to be held make
-of it, then scales all its cycles. So much in proportion contact is not everywhere: half the load
-leaves the ratio within 5 % where stress is high, pushed straight up within a quarter.
+What presses a flange lifts off and rubs, so stress is no sum of unit stresses. Of each load
+history those moments are followed between which its features swing most, each from the
+tightened state; the swing of each feature, over that the two ways to be held make of it, then
+scales all its cycles in that history. How much of what they bear its loads ask of the bolts is
+told for every case: where that is more than all, nothing is scaled, and the joint slides.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,8 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import NotConverged
 from cardan.base.part import Occasion
 from cardan.bracket.elastic import IntArray
+from cardan.bracket.joint import Tight
 from cardan.bracket.solve import Held, Solved
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import on_planes, plane_directions
@@ -27,16 +29,22 @@ APART: Mapping[Zone, float] = {
 """Share by which stress in contact may be wrong, beyond the mesh's: CalculiX has it so far off."""
 _LOW = 0.2
 """Share of the most used feature below which one is left as the two ways have it."""
+_ALIKE = 0.03
+"""Share of a history's range within which two of its moments are one."""
+_PLANES = 3
+"""Of the planes of a place each third is asked: what is missed, 2 % of shear, both have alike."""
+_SHARES = 8
+"""Moments of a history at most of which it is asked what the bolts bear."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class InBolts:
-    """What contact makes of a bracket's swings.
+    """What contact makes of a bracket's swings, in the case that uses most of a fatigue limit.
 
     Attributes
     ----------
     when
-        The case that was followed.
+        That case; None where none that repeats is held, or no fatigue limit is known.
     times : (features,)
         Swing of each feature in contact, on its safe side, over that told by the worse of the two
         ways held.
@@ -47,43 +55,129 @@ class InBolts:
     """
 
     bolts: Bolts
-    when: Occasion
+    when: Occasion | None
     times: FloatArray
     told: FloatArray
     life_told: float = np.nan
 
 
-def swings(
-    solved: Solved,
-    features: Sequence[IntArray],
-    ends: FloatArray,
-    *,
-    bolts: Bolts,
-    strength: Mapping[Zone, Strength],
-    count: int,
-) -> FloatArray:
-    """Return swings in contact over those told, (count,), between two loads (2, 9).
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """A flange tightened against its frame, and the places where its stress is followed.
 
-    `features` are those of the places of each way held.
-
-    Raises
-    ------
-    NotConverged
-        If the bolts do not bear the loads.
+    `features` are those of the places of each way held, `count` how many there are in all.
     """
-    assert solved.bolted is not None
-    joint, places = solved.bolted.joint, solved.bolted.places
-    tight = joint.tightened(bolts)
-    forces = np.stack([tight.under(load) for load in ends])
-    real = np.einsum("pqs,tq->pts", joint.stress, forces)
-    start = np.cumsum([0, *map(len, places)])
-    told, found = np.zeros((2, count))
-    for held, own, at, k in zip(solved.both, features, places, start, strict=False):
-        alone = np.einsum("pqs,tq->pts", held.unit[at], ends)
-        for into, stress in ((told, alone), (found, real[k : k + len(at)])):
-            np.maximum.at(into, own[at], _used(held, at, stress, strength))
-    counts = told >= _LOW * told.max()
-    return np.where(counts, found / np.where(counts, told, 1.0), 1.0)
+
+    tight: Tight
+    solved: Solved
+    features: tuple[IntArray, ...]
+    count: int
+    zones: tuple[Zone, ...]
+    strength: Mapping[Zone, Strength]
+
+    @classmethod
+    def of(
+        cls,
+        solved: Solved,
+        features: Sequence[IntArray],
+        *,
+        bolts: Bolts,
+        zones: Sequence[Zone],
+        strength: Mapping[Zone, Strength],
+    ) -> "Contact":
+        """Return a bracket with its bolts tightened.
+
+        Raises
+        ------
+        NotConverged
+            If they cannot press it on.
+        """
+        assert solved.bolted is not None
+        return cls(
+            tight=solved.bolted.joint.tightened(bolts), solved=solved, features=tuple(features),
+            count=len(zones), zones=tuple(zones), strength=strength,
+        )  # fmt: skip
+
+    def share(self, loads: FloatArray) -> float:
+        """Return what share loads (t, 9) are of those under which the bolts slip or open.
+
+        The most of all moments: where no other can have more by what balance said of those
+        asked, or after so many.
+        """
+        planes = np.zeros((0, len(UNITS)))
+        asked: dict[int, float] = {}
+        for k in _outermost(loads).tolist():
+            asked[k], plane = self.tight.unbalanced(loads[k])
+            planes = np.vstack([planes, plane])
+        while len(asked) < len(loads) and len(asked) < 2 * _SHARES:
+            least = (loads @ planes.T).max(axis=1)
+            if (k := int(least.argmax())) in asked:
+                break
+            asked[k], plane = self.tight.unbalanced(loads[k])
+            planes = np.vstack([planes, plane])
+        worst = max(asked, key=lambda k: asked[k])
+        return self.tight.share(loads[worst])[0]
+
+    def times(self, passes: Sequence[FloatArray]) -> FloatArray:
+        """Return swings (features,) over those told, on their safe side, of a history (t, 9).
+
+        It is given in passes of which only the worst happens. Where no contact bears its loads
+        each is 1.
+        """
+        worst = [self._ends(one) for one in passes]
+        widest = np.argmax([wide for _, wide in worst], axis=0)
+        told, found = np.zeros((2, self.count))
+        for k, (one, (ends, _)) in enumerate(zip(passes, worst, strict=True)):
+            mine = widest == k
+            if not mine.any():
+                continue
+            loads = _apart(one[np.unique(ends[:, mine])])
+            try:
+                of_two, real = self._swings(loads)
+            except NotConverged:
+                return np.ones(self.count)
+            told, found = np.where(mine, of_two, told), np.where(mine, real, found)
+        counts = (told > 0) & (told >= _LOW * told.max())
+        return on_its_safe_side(
+            np.where(counts, found / np.where(counts, told, 1.0), 1.0), self.zones
+        )
+
+    def _ends(self, loads: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the moments (2, features) between which each swings most, and how far, Pa."""
+        ends, widest = np.zeros((2, self.count), dtype=np.int64), np.zeros(self.count)
+        for held, own, at in self._places():
+            top, value = _highest(held, own, at, loads, self.count)
+            stress = on_planes(held.unit[top], plane_directions(held.zones.normals[top]))
+            history = stress @ loads.T
+            swing = np.ptp(history, axis=-1)
+            plane = swing.argmax(axis=1)[:, None]
+            wide = np.take_along_axis(swing, plane, 1)[:, 0] * (value > 0)
+            along = np.take_along_axis(history, plane[..., None], 1)[:, 0]
+            more = wide > widest
+            both = np.stack([along.argmax(axis=1), along.argmin(axis=1)])
+            ends, widest = np.where(more, both, ends), np.where(more, wide, widest)
+        return ends, widest
+
+    def _swings(self, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what swings between loads (t, 9) use of each feature's limit: told, in contact."""
+        assert self.solved.bolted is not None
+        joint = self.solved.bolted.joint
+        forces = np.stack([self.tight.under(load) for load in loads])
+        real = forces @ joint.stress
+        told, found = np.zeros((2, self.count))
+        start = 0
+        for held, own, at in self._places():
+            alone = np.einsum("pqs,tq->pts", held.unit[at], loads)
+            mine = real[start : start + len(at)]
+            start += len(at)
+            for into, stress in ((told, alone), (found, mine)):
+                np.maximum.at(into, own[at], _used(held, at, stress, self.strength))
+        return told, found
+
+    def _places(self) -> list[tuple[Held, IntArray, IntArray]]:
+        """Return of each way held: itself, the features of its places, and those followed."""
+        assert self.solved.bolted is not None
+        return list(zip(self.solved.both, self.features, self.solved.bolted.places, strict=True))
 
 
 def on_its_safe_side(times: FloatArray, zones: Sequence[Zone]) -> FloatArray:
@@ -95,29 +189,52 @@ def on_its_safe_side(times: FloatArray, zones: Sequence[Zone]) -> FloatArray:
     return np.maximum(times, np.minimum(times * (1 + apart), 1.0))
 
 
-def ends_of(held: Held, at: int, loads: FloatArray, places: int) -> FloatArray:
-    """Return the two loads (2, 9) between which the stress of a place swings most."""
-    directions = plane_directions(held.zones.normals[[at]])
-    best, widest = loads[:2, : len(UNITS)], -1.0
-    for one in np.split(loads[:, : len(UNITS)], places):
-        history = on_planes(held.unit[[at]], directions)[0] @ one.T
-        plane = int(np.ptp(history, axis=1).argmax())
-        if (wide := float(np.ptp(history[plane]))) > widest:
-            widest = wide
-            best = one[[int(history[plane].argmax()), int(history[plane].argmin())]]
-    return best
+def _outermost(loads: FloatArray) -> IntArray:
+    """Return the moments at which each of a history's loads (t, 9) is highest and lowest."""
+    moves = np.ptp(loads, axis=0) > 0
+    ends = [loads.argmax(axis=0)[moves], loads.argmin(axis=0)[moves]]
+    largest = np.linalg.norm(loads[:, :3], axis=1).argmax()
+    return np.unique(np.concatenate([*ends, [largest]]))
+
+
+def _apart(loads: FloatArray) -> FloatArray:
+    """Return of loads (t, 9) those that are not nearly another."""
+    size = np.maximum(np.ptp(loads, axis=0), 1e-12 + 1e-9 * np.abs(loads).max(axis=0))
+    kept: list[FloatArray] = []
+    for one in loads:
+        if all(np.abs((one - other) / size).max() > _ALIKE for other in kept):
+            kept.append(one)
+    return np.stack(kept)
+
+
+def _highest(
+    held: Held, own: IntArray, at: IntArray, loads: FloatArray, count: int
+) -> tuple[IntArray, FloatArray]:
+    """Return the place (features,) of those followed where each swings most, roughly, and by what.
+
+    By the largest change of any component between the outermost moments.
+    """
+    outer = loads[_outermost(loads)]
+    level = np.ptp(np.einsum("pqs,tq->pts", held.unit[at], outer), axis=1).max(axis=-1)
+    order = np.lexsort((level, own[at]))
+    last = np.searchsorted(own[at][order], np.arange(count), side="right") - 1
+    first = np.searchsorted(own[at][order], np.arange(count), side="left")
+    there = last >= first
+    picked = order[np.maximum(last, 0)]
+    return at[picked], np.where(there, level[picked], 0.0)
 
 
 def _used(
     held: Held, at: IntArray, stress: FloatArray, strength: Mapping[Zone, Strength]
 ) -> FloatArray:
-    """Return what the swing between two stresses (places, 2, 6) uses of a zone's limit."""
-    on = on_planes(stress, plane_directions(held.zones.normals[at]))
-    swing = np.abs(on[..., 0] - on[..., 1]) / 2
-    plane = swing.argmax(axis=1)[:, None]
-    amplitude = np.take_along_axis(swing, plane, 1)[:, 0]
-    mean = np.take_along_axis(on.mean(axis=-1), plane, 1)[:, 0]
-    kinds = held.zones.kind[at]
-    return np.array([
-        float(strength[ZONES[k]].used(a, m)) for k, a, m in zip(kinds, amplitude, mean, strict=True)
-    ])  # fmt: skip
+    """Return what the widest swing of stresses (places, t, 6) uses of a zone's limit."""
+    on = on_planes(stress, plane_directions(held.zones.normals[at])[:, ::_PLANES])
+    low, high = on.min(axis=-1), on.max(axis=-1)
+    plane = (high - low).argmax(axis=1)[:, None]
+    low, high = (np.take_along_axis(x, plane, 1)[:, 0] for x in (low, high))
+    used = np.zeros(len(at))
+    for kind in np.unique(held.zones.kind[at]).tolist():
+        mine = held.zones.kind[at] == kind
+        amplitude, mean = (high - low)[mine] / 2, (high + low)[mine] / 2
+        used[mine] = strength[ZONES[kind]].used(amplitude, mean)
+    return used

@@ -27,7 +27,7 @@ from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
 from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
-from cardan.study.bracket_contact import InBolts, ends_of, on_its_safe_side, swings
+from cardan.study.bracket_contact import Contact, InBolts
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -63,6 +63,8 @@ class Case:
     """The operating point whose loads these are, where it is not the state's own."""
     shakes: bool = False
     """Whether the bracket answers as it swings: else it is loaded as if each moment lasted."""
+    times: FloatArray | None = None
+    """Swing of each feature in contact, (features,), over that told by the two ways held."""
 
     @property
     def when(self) -> Occasion:
@@ -148,6 +150,12 @@ class Outcome:
         Largest movement of the seat under the bearing.
     life : Endured
         Damage and life; None without an S-N curve, or of a load by itself.
+    slips : float
+        Its loads over those along them under which the bolts slip or open; nan where their force
+        is not known.
+    times : (features,)
+        Swing of each feature in contact over that told by the two ways held; None where that was
+        not asked.
     pulls_off : bool
         Whether its largest force pulls the flange straight off the frame: softer, where bolts
         give, than either way it is held (`tests/verify/test_bracket_contact.py`).
@@ -167,6 +175,8 @@ class Outcome:
     bolts: FloatArray
     motion: Metre
     life: Endured | None = None
+    slips: float = np.nan
+    times: FloatArray | None = None
     pulls_off: bool = False
 
 
@@ -402,15 +412,17 @@ def _damage(
 ) -> FloatArray:
     """Return the damage (m,) of passes at places, each by the curve of its zone.
 
-    Of so many `times` (m,) the stress that is told.
+    Of so many `times` (m,) the stress that is told; passes have a scale of each feature.
     """
     scale = np.broadcast_to(times, len(at))[:, None, None]
+    feature = way.feature[at]
     zones = way.held.zones
     done = np.zeros(len(at))
     for kind in np.unique(zones.kind[at]).tolist():
         mine = np.flatnonzero(zones.kind[at] == kind)
         done[mine], _ = plane_damage(
-            way.unit[at[mine]] * scale[mine], zones.normals[at[mine]], passes,
+            way.unit[at[mine]] * scale[mine], zones.normals[at[mine]],
+            [replace(p, scale=np.broadcast_to(p.scale, way.count)[feature[mine]]) for p in passes],
             harm=strength[ZONES[kind]].harm,
         )  # fmt: skip
     return done
@@ -422,11 +434,10 @@ def _span(
     passes: Sequence[Pass],
     strength: Mapping[Zone, Strength],
     error: FloatArray,
-    times: FloatArray,
 ) -> FloatArray:
     """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
     off = np.minimum(error, 1.0)
-    each = (_damage(way, at, passes, strength, times * (1 + sign * off)) for sign in (-1, 1))
+    each = (_damage(way, at, passes, strength, 1 + sign * off) for sign in (-1, 1))
     return np.stack([*each], axis=-1)
 
 
@@ -485,26 +496,28 @@ def judge(
     ways, known = _ways(solved)
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
-    one = np.ones(len(known))
-    outcomes, peaks = zip(
-        *(_outcome(case, solved, ways, error, strength, modulus, one) for case in cases),
-        strict=True,
-    )
-    in_bolts, times = None, one
-    if bracket.bolts is not None and strength:
+    outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
+    in_bolts = None
+    if bracket.bolts is not None:
         told("contact between flange and frame")
-        spent, *_ = _duty(solved, ways, duty or {}, strength, modulus, error, times)
-        in_bolts = _in_bolts(bracket.bolts, solved, ways, outcomes, peaks, strength)
-        in_bolts = replace(in_bolts, life_told=min((e.hours for e in spent), default=np.nan))
-        times = on_its_safe_side(in_bolts.times, [ZONES[kind] for kind, _ in known])
-        in_bolts = replace(in_bolts, times=times)
-        outcomes, peaks = zip(
-            *(_outcome(case, solved, ways, error, strength, modulus, times) for case in cases),
-            strict=True,
-        )
+        contact = _tightened(bracket.bolts, solved, ways, known, strength)
+        alone, *_ = _duty(solved, ways, duty or {}, strength, modulus, error)
+        two_ways = [o.used for o in outcomes]
+        cases = [_in_contact(case, contact, ways[0]) for case in cases]
+        duty = {
+            when: [(share, _in_contact(case, contact, ways[0])) for share, case in parts]
+            for when, parts in (duty or {}).items()
+        }
+        outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
+        outcomes = [
+            replace(o, times=o.case.times, slips=contact.share(_bare(o.case, ways[0])))
+            for o in outcomes
+        ]
+        life = min((e.hours for e in alone), default=np.nan)
+        in_bolts = _in_bolts(bracket.bolts, outcomes, two_ways, life)
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
-    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error, times)
+    spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error)
     order = _worst_first(known, outcomes, spent, _weights(strength))
     spots = _spots(worn or [*chain.from_iterable(peaks)], order)
     features = tuple(
@@ -530,38 +543,51 @@ def judge(
     )  # fmt: skip
 
 
-def _in_bolts(
+def _tightened(
     bolts: Bolts,
     solved: Solved,
     ways: tuple[_Way, ...],
-    outcomes: Sequence[Outcome],
-    peaks: Sequence[Sequence[_Peak]],
+    known: Sequence[tuple[int, int]],
     strength: Mapping[Zone, Strength],
-) -> InBolts:
-    """Return what contact makes of swings: of the case that uses most of a fatigue limit.
-
-    Raises
-    ------
-    DesignError
-        If its bolts do not bear it.
-    """
-    lasting = [k for k, o in enumerate(outcomes) if not np.isnan(o.used).all()]
-    if not lasting:
-        msg = "no load of the bracket repeats, and contact in its bolts is followed over a swing"
-        raise DesignError(msg, about="bracket.bolts")
-    k = max(lasting, key=lambda k: float(np.nanmax(outcomes[k].used)))
-    case, worst = outcomes[k].case, int(np.nanargmax(outcomes[k].used))
-    peak = max(peaks[k], key=lambda p: float(p.values[worst]))
-    at = int(peak.places[worst])
-    ends = ends_of(peak.way.held, at, peak.way.loads(case), case.places)
+) -> Contact:
     try:
-        times = swings(
-            solved, [way.feature for way in ways], ends, bolts=bolts, strength=strength,
-            count=ways[0].count,
+        return Contact.of(
+            solved, [way.feature for way in ways], bolts=bolts,
+            zones=[ZONES[kind] for kind, _ in known], strength=strength,
         )  # fmt: skip
     except NotConverged as error:
         raise DesignError(str(error), about="bracket.bolts") from error
-    return InBolts(bolts=bolts, when=case.when, times=times, told=outcomes[k].used)
+
+
+def _bare(case: Case, way: _Way) -> FloatArray:
+    """Return the loads (t, 9) of a case, with what it swings but for its own modes."""
+    return way.loads(case)[:, : len(UNITS)]
+
+
+def _in_contact(case: Case, contact: Contact, way: _Way) -> Case:
+    """Return a case with what contact makes of its swings, where it repeats."""
+    if not (contact.strength and case.repeats):
+        return case
+    return replace(case, times=contact.times(np.split(_bare(case, way), case.places)))
+
+
+def _in_bolts(
+    bolts: Bolts, outcomes: Sequence[Outcome], two_ways: Sequence[FloatArray], life: float
+) -> InBolts:
+    """Return what contact makes of swings, in the case that uses most of a fatigue limit.
+
+    Of those that its bolts hold.
+    """
+    lasting = [k for k, o in enumerate(outcomes) if o.times is not None and o.slips <= 1]
+    if not lasting:
+        nothing = np.full(len(two_ways[0]), np.nan)
+        return InBolts(bolts=bolts, when=None, times=nothing, told=nothing)
+    k = max(lasting, key=lambda k: float(np.nanmax(outcomes[k].used)))
+    times = outcomes[k].times
+    assert times is not None
+    return InBolts(
+        bolts=bolts, when=outcomes[k].case.when, times=times, told=two_ways[k], life_told=life
+    )
 
 
 def _weights(strength: Mapping[Zone, Strength]) -> tuple[float, ...]:
@@ -572,6 +598,19 @@ def _weights(strength: Mapping[Zone, Strength]) -> tuple[float, ...]:
     return tuple(sheet.amplitude / strength[zone].curve.amplitude for zone in ZONES)
 
 
+def _outcomes(
+    cases: Sequence[Case],
+    solved: Solved,
+    ways: tuple[_Way, ...],
+    error: FloatArray,
+    strength: Mapping[Zone, Strength],
+    modulus: float,
+) -> tuple[list[Outcome], list[list[_Peak]]]:
+    """Return what each case does, and the peaks of each way held."""
+    both = [_outcome(case, solved, ways, error, strength, modulus) for case in cases]
+    return [outcome for outcome, _ in both], [peaks for _, peaks in both]
+
+
 def _outcome(
     case: Case,
     solved: Solved,
@@ -579,13 +618,13 @@ def _outcome(
     error: FloatArray,
     strength: Mapping[Zone, Strength],
     modulus: float,
-    times: FloatArray,
 ) -> tuple[Outcome, list[_Peak]]:
     """Return what one case does, the worse of both ways of holding, and the peaks of each.
 
-    In fatigue of so many `times` (features,) the stress that is told.
+    In fatigue of so many `times` of its own the stress that is told.
     """
     count = ways[0].count
+    times = np.ones(count) if case.times is None else case.times
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
     hot, mean, amplitude = np.zeros((3, count))
@@ -617,11 +656,11 @@ def _outcome(
                 float(strength[ZONES[k]].used(x, y))
                 for k, x, y in zip(kinds, a * times, m * times, strict=True)
             ])  # fmt: skip
-            passes = [Pass(np.stack(np.split(loads, case.places)))]
-            every = _damage(way, flat, passes, strength, times[way.feature[flat]])
+            passes = [Pass(np.stack(np.split(loads, case.places)), scale=times)]
+            every = _damage(way, flat, passes, strength)
             every = every.reshape(places.shape)
             worn = places[np.arange(count), every.argmax(axis=1)]
-            within = _span(way, worn, passes, strength, error, times) * way.has[:, None]
+            within = _span(way, worn, passes, strength, error) * way.has[:, None]
             span = np.fmax(span, within)
             done = every.max(axis=1)
             used = np.fmax(used, share * way.has)
@@ -685,7 +724,6 @@ def _duty(
     strength: Mapping[Zone, Strength],
     modulus: float,
     error: FloatArray,
-    times: FloatArray,
 ) -> tuple[list[Endured], FloatArray, list[_Peak]]:
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
@@ -703,10 +741,10 @@ def _duty(
         for way in ways:
             at = np.unique(np.concatenate([way.places(way.loads(c)).ravel() for _, c in parts]))
             passes = _passes(way, parts)
-            done = _damage(way, at, passes, strength, times[way.feature[at]])
+            done = _damage(way, at, passes, strength)
             top = at[_highest_of(way, done, at)]
             np.maximum.at(worst, way.feature[at], done)
-            within = _span(way, top, passes, strength, error, times)
+            within = _span(way, top, passes, strength, error)
             span = np.maximum(span, within * way.has[:, None])
         gauges = [
             (share, Endured(
@@ -723,10 +761,10 @@ def _duty(
     spots, span = spent[state].spots.copy(), np.zeros((ways[0].count, 2))
     for way in ways:
         passes = _passes(way, duty[spent[state].when])
-        every = _damage(way, np.arange(len(way.feature)), passes, strength, times[way.feature])
+        every = _damage(way, np.arange(len(way.feature)), passes, strength)
         top = _highest_of(way, every)
         peaks.append(_Peak.of(way, top, every[top]))
-        within = _span(way, top, passes, strength, error, times)
+        within = _span(way, top, passes, strength, error)
         span = np.maximum(span, within * way.has[:, None])
         np.maximum.at(spots, way.feature, every)
         damage = np.maximum(damage, every[way.held.zones.told_by])
@@ -747,9 +785,12 @@ def _passes(way: _Way, parts: Sequence[tuple[float, Case]]) -> list[Pass]:
     known = [(share, case) for share, case in parts if case.repeats and case.duration > 0]
     whole = sum(share for share, _ in known)
     return [
-        Pass(np.stack(np.split(way.loads(case), case.places)), share / whole / case.duration)
+        Pass(
+            np.stack(np.split(way.loads(case), case.places)), share / whole / case.duration,
+            scale=1.0 if case.times is None else case.times,
+        )
         for share, case in known
-    ]
+    ]  # fmt: skip
 
 
 def _worst_first(
@@ -797,6 +838,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
         amplitude=o.amplitude[order], used=o.used[order],
+        times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,
     )  # fmt: skip
 

@@ -18,6 +18,8 @@ Answer = TypeVar("Answer", covariant=True)
 
 DRIVELINE, VIBRATION, BRACKET, RECORDING = "driveline", "vibration", "bracket", "recording"
 """Names of the studies; a quantity says by them which one answers it."""
+SLIP = "bracket_slip_utilisation"
+"""The one that only bolts whose force is known make a question."""
 
 Tell: TypeAlias = Callable[[str, int, int], None]
 """Takes what is being done, how much of it is done, and of how much (0: nobody knows)."""
@@ -75,8 +77,16 @@ class Study(Protocol[Answer]):
 
 
 def limits_of(study: str, application: Application) -> tuple[Limit, ...]:
-    """Return the limits of the application's profile that a study answers."""
-    return tuple(m for m in application.limits if QUANTITIES[m.quantity].study == study)
+    """Return the limits of the application's profile that a study answers.
+
+    Without `bolts` a bracket's file says nothing that could slip, and does not miss it.
+    """
+    bolted = application.bracket is not None and application.bracket.bolts is not None
+    return tuple(
+        m
+        for m in application.limits
+        if QUANTITIES[m.quantity].study == study and (bolted or m.quantity != SLIP)
+    )
 
 
 def silence(study: str, application: Application, needs: tuple[str, ...]) -> Iterator[Unanswered]:
