@@ -614,6 +614,8 @@ RECORDED = (
            "unit/test_conditioning.py::test_a_few_fast_crests_that_are_alike_to_the_step_were_cut_off"),
     mutant("fatigue/fault.py", "float(np.mean(gaps < step / 2))", "0.0", "a test that repeats is cut off",
            "unit/test_conditioning.py::test_crests_that_are_alike_by_chance_were_not_cut_off"),
+    mutant("fatigue/response.py", "not self.pulled < HARDLY", "not self.pulled > HARDLY",
+           "crests that go with the torque are chance", "verify/test_proving_ground.py::test_what_comes_by_chance_in_seconds_of_strong_torque_is_nobodys"),
     mutant("fatigue/recording.py", "slower = own if own.rate < other.rate else other", "slower = other",
            "a slow file that is named first gives the clock", "unit/test_campaign_file.py::test_the_faster_of_two_gives_the_clock"),
     mutant("study/campaign.py", "max(rule.first - first, 0.0)", "rule.first",
