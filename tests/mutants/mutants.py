@@ -1615,7 +1615,7 @@ WEB = (
            "verify/test_proving_ground.py::test_unbalance_is_no_order_2_of_a_shaft_half_as_fast"),
     mutant("fatigue/beside.py", "if high @ wide > TOGETHER *", "if high @ wide > 9 *", "a stop that is always reached is quiet",
            "verify/test_proving_ground.py::test_a_stop_that_is_always_reached_has_no_blows_that_stand_out"),
-    mutant("fatigue/response.py", "self.swinging, pull, turning, self.rate) > PULLED", "self.swinging, pull, turning, self.rate) > 2",
+    mutant("fatigue/response.py", "self.pulled > PULLED", "self.pulled > 2",
            "who stands on a stop is acquitted",
            "verify/test_proving_ground.py::test_crests_that_go_with_the_torque_acquit_nobody"),
     mutant("fatigue/response.py", "heard = np.where(may, 0.0, 1.0)", "heard = np.where(may, 1.0, 1.0)",

@@ -111,8 +111,9 @@ TRIED = {
     INNOCENT: (Tried(0, 389), Tried(11, 524)),
 }
 """Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
-as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000 and 710000
-on; 672000 and 712000 on, and of the innocent 662000 on. Innocent: a truth below 0.25; guilty: from 0.5."""
+as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000 and
+710000 on; 672000 and 712000 on, and of the innocent 662000 on. Innocent: a truth below 0.25;
+guilty: from 0.5."""
 
 
 @dataclass(frozen=True, kw_only=True)
