@@ -81,7 +81,7 @@ def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
     found = [(*head, say("km"), say("per km")) if known else head]
     for g in sorted(of.groups[sort], key=lambda g: -g.damage):
         row = (
-            g.name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
+            say.pointed(g.name) if sort == "gear" else g.name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
             say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
@@ -102,7 +102,7 @@ def places(of: Used, say: Language) -> list[tuple[str, ...]]:
         head,
         *(
             (told(p.stress / MPa), told(p.time, 6), told(p.way / 1e3), told(p.speed * 60),
-             told(p.torque), p.gear or "-")
+             told(p.torque), say.pointed(p.gear) or "-")
             for p in of.places
         ),
     ]  # fmt: skip
