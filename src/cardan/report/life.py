@@ -670,7 +670,7 @@ def shared(name: str, causes: Causes, k: int, say: Language) -> list[tuple[str, 
     return [
         head,
         *(
-            (f"  {say(cause)}", say.pointed(f"{found.share(cause):.1%}"),
+            (f"  {say(cause)}", say.pointed(f"{found.share(cause):z.1%}"),
              say.pointed(f"{found.without(cause) / whole:.3f}"),
              say.pointed(f"{found.alone(cause) / whole:.3f}"))
             for cause in found.causes

@@ -80,8 +80,9 @@ def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
     head = (say(SORTS[sort]), say("damage"), say("share"), say("time, min"))
     found = [(*head, say("km"), say("per km")) if known else head]
     for g in sorted(of.groups[sort], key=lambda g: -g.damage):
+        name = say.pointed(g.name) if sort == "gear" else g.name
         row = (
-            say.pointed(g.name) if sort == "gear" else g.name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
+            name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
             say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
