@@ -20,7 +20,7 @@ from cardan.fatigue.conditioning import (
     zero_at_median,
     zero_at_start,
 )
-from cardan.fatigue.fault import Places, union
+from cardan.fatigue.fault import NOWHERE, Places, union
 from cardan.fatigue.recording import cut
 
 RATE = 1000.0
@@ -395,3 +395,37 @@ def test_overlapping_lends_the_neighbours():
 def test_bridges_are_straight():
     x = np.array([np.nan, 1, np.nan, np.nan, 4, np.nan])
     assert bridged(x).tolist() == [1, 1, 2, 3, 4, 4]
+
+
+def shaken(seed, step=0.01, mode=60.0):
+    """Two minutes of a mode of 60 Hz shaken by noise, 500 samples a second, in steps of MPa."""
+    rng = np.random.default_rng(seed)
+    r = np.exp(-0.02 * 2 * np.pi * mode / 500)
+    x = lfilter([1], [1, -2 * r * np.cos(2 * np.pi * mode / 500), r * r], rng.normal(size=60_000))
+    return np.round(12 * x / x.std() / step) * step
+
+
+@pytest.mark.parametrize("part", [0.75, 0.85, 0.92])
+def test_a_few_fast_crests_that_are_alike_to_the_step_were_cut_off(part):
+    """One or two samples each, so that nothing is level: but chance makes no five alike."""
+    asked = 0
+    for seed in range(10):
+        x = shaken(seed)
+        assert "clip" not in look(x).faults
+        top = np.round(part * np.abs(x).max() / 0.01) * 0.01
+        over = [np.flatnonzero(np.diff((s * x >= top).astype(int)) == 1) + 1 for s in (1, -1)]
+        found = look(np.clip(x, -top, top)).faults.get("clip", NOWHERE).runs[:, 0]
+        for crests in over:
+            if crests.size > 4:
+                asked += 1
+                assert set(crests.tolist()) <= set(found.tolist())
+    assert asked > 5
+
+
+def test_crests_that_are_alike_by_chance_were_not_cut_off():
+    """In coarse steps; on a bench that repeats a minute; of one amplitude."""
+    for seed in range(20):
+        assert "clip" not in look(shaken(seed, step=2.0)).faults
+    assert "clip" not in look(np.tile(shaken(3)[:10_000], 6)).faults
+    t = np.arange(60_000) / 500
+    assert "clip" not in look(np.round(40 * np.sin(2 * np.pi * 50 * t) / 0.01) * 0.01).faults

@@ -413,3 +413,36 @@ def test_what_is_no_number_of_a_sensor_is_refused_where_it_stands(tmp_path, valu
     assert done.exit_code == 2, done.output
     assert place in done.output
     assert f"{value:g}" in done.output
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "of 389 gauges whose joints were guilty 0 were called innocent (0.9% at most)"),
+        ("pt", "de 389 extensômetros cujas juntas eram culpadas, em 0 foram dadas por inocentes"),
+        ("it", "di 389 estensimetri i cui giunti erano colpevoli, in 0 sono stati detti innocenti"),
+    ],
+)
+def test_a_finding_says_how_often_it_was_wrong(tmp_path, innocent, language, said):
+    """An acquittal at its word would be taken for a certainty."""
+    out = tmp_path / "a.json"
+    done = CliRunner().invoke(
+        command,
+        [str(written(tmp_path, innocent)), "--gauge", "S1:MPa", *SN, "--speed", "rpm:rpm",
+         "--engine", "eng:rpm", "--engine-orders", "3,6", "--torque", "tq:Nm",
+         "--json", str(out), "--lang", language],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert said in " ".join(done.output.split())
+    (gauge,) = json.loads(out.read_text())["gauges"]
+    found = gauge["finding_wrong"]
+    # Clopper and Pearson: none of 389, eleven of 524.
+    assert (found["wrong"], found["cases"]) == (0, 389)
+    assert found["at_most"] == pytest.approx(1 - 0.025 ** (1 / 389))
+    assert found["on_a_stop"]["at_most"] == pytest.approx(0.0373, abs=5e-5)
+
+
+def test_who_cannot_tell_was_not_wrong(tmp_path, innocent):
+    path = written(tmp_path, innocent)
+    gauge = asked(path, "--gauge", "S1:MPa", *SN, "--estimate-speed", "S1", code=0)
+    assert gauge["finding_wrong"] is None

@@ -8,6 +8,7 @@ from cardan.fatigue.angle import shaft_angle
 from cardan.fatigue.damage import miner
 from cardan.fatigue.evidence import (
     ALIKE,
+    BRIEF,
     CANNOT_TELL,
     GUILTY,
     HALVED,
@@ -301,3 +302,17 @@ def test_a_stop_that_order_2_reaches_knocks_of_more_than_order_2():
     assert found.finding == CANNOT_TELL
     assert low <= truths(of)[1] <= high
     assert any("blows come where order 2" in str(d) for d in found.doubts)
+
+
+def test_what_comes_by_chance_in_seconds_of_strong_torque_is_nobodys():
+    """Its crests do not go with the torque: of 21 innocent gauges untold for it, seven were so."""
+    of = drive(660016)
+    assert max(truths(of)) < 0.01
+    for _, found in heard(of):
+        assert found.finding == INNOCENT
+    # Where they do, nobody is acquitted.
+    of = drive(660034)
+    assert min(truths(of)) > 0.9
+    for _, found in heard(of):
+        assert BRIEF in found.doubts
+        assert found.finding == CANNOT_TELL

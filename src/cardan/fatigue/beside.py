@@ -63,7 +63,7 @@ def pulled(swings: FloatArray, pull: FloatArray, turning: BoolArray, rate: float
     """Correlation of the crests of half seconds of a stress (n,) with a pull (n,), under way.
 
     No road knows the torque. Where a line stands on its stop all the time nothing is locked to
-    its angle and no blow stands out, but it knocks the harder the more the joints pull. 0 where
+    its angle and no blow stands out, but it knocks the harder the more the joints pull. nan where
     that tells nothing.
     """
     n = max(round(0.5 * rate), 1)
@@ -74,7 +74,7 @@ def pulled(swings: FloatArray, pull: FloatArray, turning: BoolArray, rate: float
     if crest.size < 2 * FEWEST_BLOWS or not (
         np.ptp(crest) > 0 and np.ptp(mean) > 1e-6 * mean.max()
     ):
-        return 0.0
+        return float("nan")
     return float(np.corrcoef(crest, mean)[0, 1])
 
 

@@ -63,6 +63,11 @@ BLUNT = 6.0
 puts on top was cut off: of a crest that turns by itself it is 2.8 times that."""
 MIDDLE = 0.2
 """Share of a crest's samples that lies to either side of its middle."""
+CRESTS, BELOW = 256, 8
+"""Highest crests of a channel that are kept, and the fewest below a level that say how likely it
+is by chance."""
+NO_CHANCE = 4.0
+"""Powers of ten against the highest crests being alike by chance from which they were cut off."""
 SPIKE_WIDTH = 3
 """Longest spike, samples; what is longer and level is a dropout."""
 DROPOUT_SECONDS = 0.25
@@ -173,6 +178,7 @@ class Finder:
         self.steps: list[tuple[IntArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
+        self.crests = {1: _Crests(), -1: _Crests()}
         self.blunt: dict[int, FloatArray] = {1: np.empty((0, 5)), -1: np.empty((0, 5))}
         self.hole, self.still = _Long(1), _Long(max(round(FREEZE_SECONDS * rate), 20))
         self.beside: dict[int, int] = {}
@@ -222,6 +228,8 @@ class Finder:
         edge = np.flatnonzero(np.diff(x) != 0) + 1
         self._neighbours(edge, offset, size)
         first, last = edge[:-1], edge[1:]
+        for sign, book in self.crests.items():
+            book.add(sign * x, first, last, reach=self.reach, start=offset, size=size)
         width = last - first
         long = (width >= 2) & (width < self.reach - 4)
         long &= (first >= self.reach) & (first < self.reach + size)
@@ -388,6 +396,7 @@ class Finder:
                 held = [r for r in long if r[2] == end]
                 held = held if len(held) > 2 else []
                 found = found if held else self._blunt(sign, taken)
+                found = found if held or len(found) else self.crests[sign].cut(self.step, taken)
             rows += [(int(first), int(last)) for first, last, _ in found]
             sizes += [sign * float(height) for _, _, height in found]
             known = {int(first) for first, _, _ in found}
@@ -551,6 +560,61 @@ class _Long:
         """Runs of a length at least; the short are let go."""
         last = self.kept[-1:]
         return self.kept[:-1] + [r for r in last if r[1] - r[0] >= self.least]
+
+
+class _Crests:
+    """The highest crests of any width, of which fast ones that were cut off are alike to the step.
+
+    Columns: level, first and last sample, drop to the nearer neighbour, crown.
+    """
+
+    def __init__(self) -> None:
+        self.rows: FloatArray = np.empty((0, 5))
+
+    def add(
+        self, x: FloatArray, first: IntArray, last: IntArray, *, reach: int, start: int, size: int
+    ) -> None:
+        """Enter the crests among runs of one value (k,) of samples that begin within a piece."""
+        bar = self.rows[:, 0].min() if len(self.rows) >= CRESTS else -np.inf
+        mine = (first >= max(reach, 3)) & (first < reach + size) & (last < x.size - 3)
+        mine &= x[first] >= bar
+        first, last = first[mine], last[mine]
+        rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
+        high = (rise > 0) & (fall > 0)
+        first, last = first[high], last[high]
+        drop = np.minimum(rise, fall)[high]
+        crown = _both_crowns(x, first, last).mean(axis=-1)
+        columns = (x[first], first + start, last + start, drop, crown)
+        fresh = np.stack([np.asarray(c, float) for c in columns], -1)
+        rows = np.concatenate([self.rows, fresh])
+        self.rows = rows[np.argsort(-rows[:, 0], kind="stable")[:CRESTS]]
+
+    def cut(self, step: float, taken: IntArray) -> FloatArray:
+        """Return (k, 3) first, last and crown of the highest, where chance makes none so alike.
+
+        By chance a crest falls on the highest one's step as often as crests lie as close below
+        it, or as they are alike there, as of slow data in coarse steps or of a test that repeats;
+        and a sample next to it as often as the drop beside it has steps.
+        """
+        none: FloatArray = np.empty((0, 3))
+        order = np.argsort(self.rows[:, 1], kind="stable")
+        spoiled = np.empty(len(order), bool)
+        spoiled[order] = _touching(self.rows[order, 1:3].astype(np.intp), taken)
+        rows = self.rows[~spoiled]
+        if not (len(rows) and step < np.inf):
+            return none
+        step = max(step, float(np.spacing(np.abs(rows[:, [0, 3]]).max())))
+        alike = rows[0, 0] - rows[:, 0] <= step / 2
+        top, below = rows[alike], rows[~alike][: max(BELOW, 4 * np.count_nonzero(alike))]
+        width = top[:, 2] - top[:, 1]
+        if len(below) < BELOW or width.max() >= CLIPPED_RUN:
+            return none
+        gaps = -np.diff(below[:, 0])
+        often = max(len(below) * step / (top[0, 0] - below[-1, 0]), float(np.mean(gaps < step / 2)))
+        beside = np.maximum(top[:, 3] / step, 1.0)
+        against = (len(top) - 1) * -np.log10(min(often, 1.0))
+        against += float(((width - 1) * np.log10(beside)).sum())
+        return top[:, [1, 2, 4]] if len(top) > 1 and against >= NO_CHANCE else none
 
 
 class _Plateaus:

@@ -12,7 +12,7 @@ from cardan.base.said import Said
 from cardan.base.units import MPa, hour
 from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
-from cardan.fatigue.evidence import CANNOT_TELL, Evidence
+from cardan.fatigue.evidence import CANNOT_TELL, GUILTY, INNOCENT, TRIED, Evidence
 from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.locked import FOUND
@@ -87,11 +87,22 @@ def _evidence(of: Evidence) -> dict[str, Any]:
         "removed": of.removed,
         "removed_interval": list(of.interval),
         "finding": of.finding,
+        "finding_wrong": _tried(of.finding),
         "strength": _number(of.strength),
         "modes": [{"frequency_Hz": f, "damping_ratio": d} for f, d in of.modes],
         "speed_ratio": of.ratio,
         "speed_lag_s": of.lag,
     }
+
+
+def _tried(finding: str) -> dict[str, Any] | None:
+    """Return how often such a finding was wrong where the truth is known."""
+    if finding not in TRIED:
+        return None
+    plain, stopped = (
+        {"wrong": t.wrong, "cases": t.cases, "at_most": t.at_most} for t in TRIED[finding]
+    )
+    return {**plain, "on_a_stop": stopped}
 
 
 MOST = 100
@@ -378,6 +389,7 @@ def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
             gauge=one.name, finding=say(evidence.finding).upper(),
             **_shares(evidence, say),
         )  # fmt: skip
+        yield from tried(evidence.finding, say)
 
 
 def mix_life(of: Mixed, say: Language) -> str:
@@ -658,7 +670,7 @@ def shared(name: str, causes: Causes, k: int, say: Language) -> list[tuple[str, 
     return [
         head,
         *(
-            (f"  {say(cause)}", say.pointed(f"{found.share(cause):.1%}"),
+            (f"  {say(cause)}", say.pointed(f"{found.share(cause):z.1%}"),
              say.pointed(f"{found.without(cause) / whole:.3f}"),
              say.pointed(f"{found.alone(cause) / whole:.3f}"))
             for cause in found.causes
@@ -708,6 +720,7 @@ def blame(
                 finding=say(evidence.finding).upper(), **shares,
             )
         )  # fmt: skip
+        parts += tried(evidence.finding, say)
     chief, most = max(attribution.shares.items(), key=lambda kv: kv[1])
     if chief != JOINTS:
         parts.append(
@@ -715,6 +728,28 @@ def blame(
                 share=say.pointed(f"{most:.1%}"), cause=say(chief))
         )  # fmt: skip
     return " ".join(parts)
+
+
+WRONGLY = {
+    INNOCENT: "Such a finding may be wrong: of {cases} gauges whose joints were guilty {wrong} "
+    "were called innocent ({most} at most), of {stops} of lines that stand on a stop {stopped} "
+    "({mostly} at most).",
+    GUILTY: "Such a finding may be wrong: of {cases} gauges whose joints were innocent {wrong} "
+    "were called guilty ({most} at most), of {stops} of lines that stand on a stop {stopped} "
+    "({mostly} at most).",
+}
+"""How often each finding was wrong."""
+
+
+def tried(finding: str, say: Language) -> Iterator[str]:
+    """Yield how often such a finding was wrong where the truth is known."""
+    if finding in TRIED:
+        plain, stopped = TRIED[finding]
+        yield say(
+            WRONGLY[finding], cases=plain.cases, wrong=plain.wrong, stops=stopped.cases,
+            stopped=stopped.wrong, most=say.pointed(f"{plain.at_most:.1%}"),
+            mostly=say.pointed(f"{stopped.at_most:.1%}"),
+        )  # fmt: skip
 
 
 def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:

@@ -368,7 +368,10 @@ def _removed(of: Causes, say: Language) -> Figure:
                        stroke_opacity=0.45))  # fmt: skip
         x, _ = chart.spot(100 * e.removed, k)
         chart.put(chart.mark(x, y, k, 5.0))
-        chart.put(text(x1, y - 9, f"{name}: {say(e.finding).upper()}", font_size=11))
+        # Beside a right end it would leave the figure.
+        at, anchor = (x1, "start") if low < 50 else (x2, "end")
+        told = f"{name}: {say(e.finding).upper()}"
+        chart.put(text(at, y - 9, told, anchor=anchor, font_size=11))
     return chart.figure(
         title=say("What goes with the joints"),
         alt=say("Share of damage removed at each gauge with its 90 % interval."),

@@ -1,10 +1,11 @@
 """When and where a recording did its damage: terminal, JSON and tables."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cardan.base.units import MPa, hour
+from cardan.fatigue.long_run import Unknown
 from cardan.report.blocks import Block, Table, Text
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns
@@ -16,6 +17,14 @@ SORTS = {
     "torque": "shaft torque, N m",
 }
 """What damage is told by."""
+
+UNKNOWN: Mapping[Unknown, str] = {
+    "short": "the recording is shorter than a minute",
+    "blows": "a few blows did much of it; record for longer",
+    "road": "the road changed, and its worst was met too seldom; record more of each road",
+    "wide": "the interval spans more than a factor of thirty; record for longer",
+}
+"""Why nobody can know what it comes to in the long run."""
 
 
 def _number(value: float) -> float | None:
@@ -56,8 +65,9 @@ def document(of: Used) -> dict[str, Any]:
         ],
         "damage_per_hour": {
             "recorded": run.rate * hour,
-            "long_run": run.long_run * hour,
-            "interval": [run.interval[0] * hour, run.interval[1] * hour],
+            "long_run": _number(run.long_run * hour),
+            "interval": [_number(end * hour) for end in run.interval],
+            "unknown": run.unknown,
         },
         "shortened": {"damage": KEPT, "time": of.shortened},
         "test_amplitude_MPa": of.amplitude / MPa,
@@ -70,8 +80,9 @@ def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
     head = (say(SORTS[sort]), say("damage"), say("share"), say("time, min"))
     found = [(*head, say("km"), say("per km")) if known else head]
     for g in sorted(of.groups[sort], key=lambda g: -g.damage):
+        name = say.pointed(g.name) if sort == "gear" else g.name
         row = (
-            g.name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
+            name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
             say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
@@ -92,7 +103,7 @@ def places(of: Used, say: Language) -> list[tuple[str, ...]]:
         head,
         *(
             (told(p.stress / MPa), told(p.time, 6), told(p.way / 1e3), told(p.speed * 60),
-             told(p.torque), p.gear or "-")
+             told(p.torque), say.pointed(p.gear) or "-")
             for p in of.places
         ),
     ]  # fmt: skip
@@ -101,13 +112,21 @@ def places(of: Used, say: Language) -> list[tuple[str, ...]]:
 def says(of: Used, say: Language) -> Iterator[str]:
     """Yield what it comes to in the long run, and how short a test can be."""
     run = of.long_run
+    recorded = say.short(run.rate * hour, 3)
     low, high = (say.short(v * hour, 3) for v in run.interval)
-    yield say(
-        "{gauge}: damage per hour {recorded} as recorded, {long_run} in the long run (90 % "
-        "interval {low} to {high})",
-        gauge=of.gauge, recorded=say.short(run.rate * hour, 3),
-        long_run=say.short(run.long_run * hour, 3), low=low, high=high,
-    )  # fmt: skip
+    if run.unknown:
+        yield say(
+            "{gauge}: damage per hour {recorded} as recorded; in the long run at least {low}, and "
+            "how much cannot be known: {why}",
+            gauge=of.gauge, recorded=recorded, low=low, why=say(UNKNOWN[run.unknown]),
+        )  # fmt: skip
+    else:
+        yield say(
+            "{gauge}: damage per hour {recorded} as recorded, {long_run} in the long run (90 % "
+            "interval {low} to {high}), of roads as driven",
+            gauge=of.gauge, recorded=recorded, long_run=say.short(run.long_run * hour, 3),
+            low=low, high=high,
+        )  # fmt: skip
     yield say(
         "{gauge}: {damage} of the damage came in {time} of the time: a test cut to that is so much "
         "shorter",

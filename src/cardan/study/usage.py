@@ -9,14 +9,13 @@ from cardan.base.arrays import FloatArray
 from cardan.base.units import rpm
 from cardan.fatigue.angle import gear_ratios
 from cardan.fatigue.life import GaugeLife, Plan
+from cardan.fatigue.long_run import LongRun, long_run
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.usage import (
-    Extrapolated,
     Group,
     Usage,
     bands,
     equal_amplitude,
-    extrapolated,
     grouped,
     peaks,
     shortened,
@@ -56,7 +55,7 @@ class Used:
     places
         The largest stresses.
     long_run
-        The damage rate as recorded and extrapolated.
+        The damage rate as recorded and in the long run.
     shortened
         Share of the time in which `KEPT` of the damage came.
     amplitude : Pa
@@ -67,7 +66,7 @@ class Used:
     groups: Mapping[str, list[Group]]
     open: float
     places: list[Place]
-    long_run: Extrapolated
+    long_run: LongRun
     shortened: float
     amplitude: float
 
@@ -143,7 +142,7 @@ def used(
                     )
                     for p in peaks(one)
                 ],
-                long_run=extrapolated(one, curve=plan.curve),
+                long_run=long_run(one, curve=plan.curve),
                 shortened=shortened(one, keep=KEPT),
                 amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
                 if whole > 0 else 0.0,
