@@ -1,8 +1,8 @@
 """Which tolerance decides whether the refuse collector's line passes: the wedge under its springs.
 
 After one of the two cheapest corrections, bearing 2 up 15 mm and the pinion up 0.5 deg, nothing of
-its geometry fails on paper. As trucks scatter 15 in a hundred do not keep it. A wedge half as far off wins
-nearly all of those back; half the scatter of everything else together wins little.
+its geometry fails on paper. As trucks scatter 15 in a hundred do not keep it. A wedge half as far
+off wins nearly all of those back; half the scatter of everything else together wins little.
 """
 
 from pathlib import Path
