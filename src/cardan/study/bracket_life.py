@@ -222,11 +222,6 @@ class Endured:
         low, high = (float(x) / self.duration * hour for x in self.span.max(axis=0))
         return _until(high), _until(low)
 
-    @property
-    def turns_to_failure(self) -> float:
-        """Turns to failure there; infinite where it does no harm, nan where not known."""
-        return _until(self.per_turn)
-
 
 def _until(rate: float) -> float:
     return math.inf if rate == 0 else 1 / rate
