@@ -217,7 +217,7 @@ DECLARED = (
         unit="1",
         equation="u / u0",
         where={
-            "u": "centre_bearing_travel",
+            "u": "how far the bearing goes on its rubber (centre_bearing_travel)",
             "u0": "travel of the rubber, from where the line hangs to its stop",
         },
         source=DERIVED,
