@@ -94,7 +94,8 @@ def base(which: str = "main") -> dict:
     line = found["drivelines"][keep]
     for shaft in line["shafts"]:
         if "centre_bearing" in shaft:  # or it swings by itself, and no force of it is known
-            shaft["centre_bearing"] = {**shaft["centre_bearing"], "loss_factor": 0.2}
+            own = {"loss_factor": 0.2, "travel_mm": 15}
+            shaft["centre_bearing"] = {**shaft["centre_bearing"], **own}
     line["joints"] = KINDS if which == "kinds" else [JOINT] * (3 if odd else 4)
     if which == "kinds":
         line["shafts"][0] = {**line["shafts"][0], "tube": PLIES}

@@ -32,14 +32,14 @@ def responses(name: str) -> list[Response]:
     return [respond(application, demand(resolve(application, i))) for i in hung]
 
 
-def swept(r: Response, speeds: np.ndarray):
-    """Return what bearings carry at all speeds of all curves, (points, states, bearings)."""
+def swept(r: Response, speeds: np.ndarray, *, gives: bool = False):
+    """Return what bearings carry, or how far they go, at all speeds of all curves, (P, S, n-2)."""
     found = curves(r.demand)
     every = np.broadcast_to(speeds[:, None, None], (len(speeds), *found.fastest.shape))
     asked = demand_at(
         r.demand, found, **dict(zip(("curve", "speed"), found.points(every), strict=True))
     )
-    return points.run(r, asked, r.lay(asked))
+    return points.run(r, asked, r.lay(asked), gives=gives)
 
 
 @pytest.mark.parametrize("name", TRUCKS)
@@ -56,6 +56,15 @@ def test_no_point_is_worse_than_the_worst(name):
                 (dense / worst).max(),
             )
             assert (worst > 0).all()
+
+
+@pytest.mark.parametrize("name", [*TRUCKS, "vecto-6x2"])
+def test_nowhere_does_a_bearing_go_farther(name):
+    for r in responses(name):
+        speeds = np.concatenate([np.arange(4.0, 600.0, 4.0), np.arange(600.0, 3000.0, 60.0)]) * rpm
+        dense = np.nanmax(swept(r, speeds, gives=True).peak, axis=0)
+        worst = r.worst_travel.running.peak
+        assert (worst >= dense * SHORT).all(), (r.line.name, (dense / worst).max())
 
 
 @pytest.mark.parametrize("seed", [3, 6, 10, 12, 20, 22, 46])

@@ -226,7 +226,7 @@ def test_a_report_draws_the_state_it_is_asked_for_and_else_the_one_that_decides(
     first, *_, inputs, _ = told.chapters
     table = first.blocks[0]
     assert len(table.rows) == 3
-    assert table.rows[0][6] == say.percent(worst.margin)
+    assert table.rows[0][6] == say.percent(worst.margin).replace("-", "−")
     assert inputs.title == "Inputs"
 
 

@@ -57,6 +57,9 @@ AxlePlace: TypeAlias = Annotated[
 ]  # fmt: skip
 BearingPlace: TypeAlias = Annotated[float, length(least=0, most=20, usual=(25 * mm, 0.8))]
 SplineTravel: TypeAlias = Annotated[float, length(least=0.1 * mm, most=5, usual=(3 * mm, 0.5))]
+RubberTravel: TypeAlias = Annotated[
+    float, length(least=0.1 * mm, most=0.5, usual=(2 * mm, 60 * mm))
+]
 ToothRadius: TypeAlias = Annotated[float, length(least=0.2 * mm, most=1, usual=(5 * mm, 0.15))]
 LinkLength: TypeAlias = Annotated[float, length(least=5 * mm, most=20, usual=(0.2, 3))]
 Travel: TypeAlias = Annotated[float, Number(*LENGTHS, least=-5, most=5, usual=(0.5 * mm, 0.5))]

@@ -19,6 +19,7 @@ from cardan.border.measure import (
     LineRatio,
     LossFactor,
     Mass,
+    RubberTravel,
     ShaftLength,
     Share,
     Size,
@@ -127,6 +128,11 @@ class CentreBearingTable(Table):
     loss_factor: LossFactor | None = key(
         "of the rubber, the tangent of its loss angle; not known if left out", default=None
     )
+    travel: RubberTravel | None = key(
+        "how far its rubber goes across the shaft, from where the line hangs, to its stop; not "
+        "known if left out",
+        default=None,
+    )
     bracket: Annotated[SeatTable, TableRule(SeatTable)] | None = key(
         "what it hangs in; then the stiffness is the rubber's alone", default=None
     )
@@ -139,6 +145,11 @@ class CentreBearingTable(Table):
                 "a bracket gives beside rubber that gives: the bearing has no stiffness",
                 "give stiffness_N_mm of the rubber; of a bearing without, give the bracket's",
             )
+        if self.travel is not None and pair is None:
+            self.at("travel").refuse(
+                "what gives has a travel: the bearing has no stiffness, and is rigid",
+                "give stiffness_N_mm of the rubber, or leave its travel out",
+            )
         return CentreBearing(
             from_rear_joint=self.from_rear_joint,
             stiffness=pair,
@@ -146,6 +157,7 @@ class CentreBearingTable(Table):
             loss_factor=self.loss_factor,
             bracket_stiffness=self.bracket and self.bracket.stiffness,
             bracket_loss=self.bracket.loss_factor if self.bracket else LOSS,
+            travel=self.travel,
         )
 
 

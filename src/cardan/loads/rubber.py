@@ -248,6 +248,24 @@ class Suspended:
         local = (self._share @ forces[..., None])[..., 0]
         return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.frame)[..., 0, :]
 
+    def given(
+        self, forces: ArrayLike, *, lossy: ArrayLike = 0.0, each: bool = False
+    ) -> ComplexArray:
+        """Return how far rubber gives across the shafts, (..., n-2, 3) m, under forces on it in N.
+
+        In the layout's frame, as the forces; `each` of several, (..., R, n-2, 3). `lossy` (...)
+        is 1 where the rubber's loss counts, 0 where nothing shakes. What it gives along the shaft
+        is left out, and so is a bracket that is told apart.
+        """
+        frame, gives = self.frame, self.gives.reshape(*self.gives.shape[:-1], -1, 3)
+        gives = gives / (
+            1 + 1j * np.asarray(lossy, dtype=float)[..., None, None] * self.loss[..., None]
+        )
+        if each:
+            frame, gives = frame[..., None, :, :, :], gives[..., None, :, :]
+        local = (frame @ np.asarray(forces)[..., None])[..., 0] * gives
+        return (local[..., None, :] @ frame)[..., 0, :].astype(complex)
+
     def swing(self, turned: Turn) -> ComplexArray:
         """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
 
@@ -354,6 +372,13 @@ class Suspended:
     def springs(self) -> FloatArray:
         """Stiffness of the bearings' directions one by one, (..., 3 (n-2)) N/m."""
         return np.minimum(self.stiffness, RIGID).reshape(*self.stiffness.shape[:-2], -1)
+
+    @cached_property
+    def gives(self) -> FloatArray:
+        """How far rubber gives across the shafts for 1 N, (..., 3 (n-2)) m/N; 0 along them."""
+        across = np.minimum(self.stiffness[..., :2], RIGID)
+        gives = np.concatenate([1 / across, np.zeros_like(across[..., :1])], axis=-1)
+        return gives.reshape(*gives.shape[:-2], -1)
 
     @cached_property
     def _held(self) -> tuple[FloatArray, FloatArray]:

@@ -28,7 +28,7 @@ ORDERS = (2, 4, 6)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Running:
-    """Forces on the centre bearings, cases on leading axes.
+    """Forces on the centre bearings, cases on leading axes; or how far their rubber gives, in m.
 
     Attributes
     ----------
@@ -86,6 +86,7 @@ def running(
     gravity: float = 0.0,
     slip: ArrayLike = 0.0,
     balanced_at: ArrayLike | None = None,
+    gives: bool = False,
 ) -> Running:
     """Return what the centre bearings carry at a torque and a speed.
 
@@ -106,6 +107,9 @@ def running(
         Thrust at which the sliding fit slips.
     balanced_at : (...) rad/s
         Speed for which the shafts are balanced; None leaves unbalance out.
+    gives
+        Return how far that makes the rubber of `held` give across the shafts, in m for N, from
+        where the line hangs: the weight set it there before.
     """
     torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
     turned, carried = _turning(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
@@ -117,13 +121,20 @@ def running(
         ).items():
             found[k] = found[k] + moved.bearing_forces - held.borne(push)
     weight, pulled = resting(layout, line, gravity=gravity)
+    if gives:
+        assert held is not None  # what is rigid gives nothing
+        lossy = np.sign(speed)
+        found = {k: held.given(f, lossy=lossy if k else 0.0) for k, f in found.items()}
+        weight, pulled = 0 * weight, held.given(pulled).real
     steady = found[0].real + weight
     thrust = _worst_thrust(steady, pulled, slip=slip)
     nothing = 0 * found[2]
     return Running(
         mean=steady + thrust[..., None] * pulled,
         thrust=thrust,
-        order1=_once(layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at),
+        order1=_once(
+            layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at, gives=gives
+        ),
         waves=_as_time_goes(np.stack([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
     )
 
@@ -290,6 +301,7 @@ def _once(
     torque: FloatArray,
     speed: FloatArray,
     balanced_at: ArrayLike | None,
+    gives: bool = False,
 ) -> FloatArray:
     """Return 0-to-peak of what the permissible unbalance of every end makes, (..., n-2) N.
 
@@ -304,7 +316,10 @@ def _once(
     # Each end by itself: motion of that end, against what turns there.
     pushes = speed[..., None, None] ** 2 * out_of_balance(line, held, balanced_at=balanced_at)
     moved = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
-    return major_axis(moved.bearing_forces).sum(-2)
+    force = moved.bearing_forces
+    if gives:
+        force = held.given(force, lossy=np.sign(speed), each=True)
+    return major_axis(force).sum(-2)
 
 
 def out_of_balance(line: Line, held: Suspended, *, balanced_at: ArrayLike) -> ComplexArray:

@@ -33,7 +33,7 @@ moves. Components first, the cases (..., S) last."""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sizes:
-    """Sizes of the forces on the centre bearings, (..., n-2) N, as `Running` has them."""
+    """Sizes of what `Running` has of the centre bearings, (..., n-2): forces in N, or m."""
 
     static: FloatArray
     dynamic: FloatArray
@@ -61,6 +61,8 @@ class Sketch:
     rows : (B, N, ...)
         Motion in the bearings' directions.
     springs, loss : (B, ...) N/m, 1
+    gives : (B, ...) m/N
+        Of the rubber across the shafts; 0 along them.
     turning : (N, 2 (n-1), ...) N s²
         What unbalance of each end does on the coordinates at 1 rad/s; None leaves it out.
     """
@@ -76,10 +78,17 @@ class Sketch:
     rows: FloatArray
     springs: FloatArray
     loss: FloatArray
+    gives: FloatArray
     turning: ComplexArray | None
 
     def at(
-        self, torque: ArrayLike, *, speed: ArrayLike, pitch: ArrayLike, slip: ArrayLike
+        self,
+        torque: ArrayLike,
+        *,
+        speed: ArrayLike,
+        pitch: ArrayLike,
+        slip: ArrayLike,
+        gives: bool = False,
     ) -> Sizes:
         """Return what the bearings carry at points (P, ..., S).
 
@@ -89,13 +98,17 @@ class Sketch:
             Where a torque is nan there is no point, and no force.
         slip : (P, ..., S) N
             Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
+        gives
+            Return how far rubber gives across the shafts, in m for N, weight apart.
         """
         x = self._ridden(pitch)
         given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
         cases = given[0].shape
         sizes = np.empty((3, len(self.rows) // 3, *cases))
         for some in stretches(cases):
-            stretch(sizes, some)[...] = self._some(some, *(stretch(v, some) for v in given))
+            stretch(sizes, some)[...] = self._some(
+                some, *(stretch(v, some) for v in given), gives=gives
+            )
         static, dynamic, peak = np.moveaxis(sizes + np.where(np.isnan(torque), np.nan, 0.0), 1, -1)
         return Sizes(static=static, dynamic=dynamic, peak=peak)
 
@@ -164,8 +177,10 @@ class Sketch:
         drawn = slip * bent(self.pulled)
         return np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)]).T
 
-    def _some(self, some: slice, T: Any, omega: Any, x: Any, slip: Any) -> list[Any]:
-        """Return mean, orders and peak (n-2, P, ...) N of a stretch of the cases."""
+    def _some(
+        self, some: slice, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
+    ) -> list[Any]:
+        """Return mean, orders and peak (n-2, P, ...) N, or m, of a stretch of the cases."""
 
         def own(values: Any, of: int) -> Any:
             return stretch(wide(values, T.ndim, of=of), some)
@@ -181,8 +196,13 @@ class Sketch:
         )
         rows, springs = own(self.rows, 2), own(self.springs, 1)
         firm = springs * (1 + 1j * np.sign(omega) * own(self.loss, 1))
-        mean = r0 + bent(self.weight) + springs * product(rows, q0)
-        drawn = slip * bent(self.pulled)
+        weight, pulled = bent(self.weight), bent(self.pulled)
+        if gives:
+            soft = own(self.gives, 1)
+            r0, r2, weight, pulled = soft * r0, soft * r2, 0.0 * weight, soft * pulled
+            springs = firm = soft * springs  # what rubber loses turns its force, not its motion
+        mean = r0 + weight + springs * product(rows, q0)
+        drawn = slip * pulled
         static = np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)])
         dynamic = _axis(r2 + firm * product(rows, q2)) + _axis(firm * product(rows, q4))
         peak = static + dynamic
@@ -229,6 +249,7 @@ def sketch(
         rows=leading(on.rows, of=2),
         springs=leading(on.springs, of=1),
         loss=leading(np.repeat(on.loss, 3, axis=-1), of=1),
+        gives=leading(on.gives, of=1),
         turning=None if balanced_at is None
         else leading(out_of_balance(line, on, balanced_at=balanced_at).mT, of=2),
     )  # fmt: skip

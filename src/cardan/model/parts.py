@@ -157,8 +157,9 @@ class CentreBearing:
     freely. Where `bracket_stiffness` is given, N/m along x, y and z of the vehicle, those two
     are the rubber's alone, in series with it, and `bracket_loss` is the share of its energy that
     the bracket loses in a radian. `loss_factor` is the rubber's, the tangent of its loss angle;
-    None is not known. `from_rear_joint` is how far ahead of the rear joint
-    centre it sits.
+    None is not known. `travel` is how far the rubber goes across the shaft from where the line
+    hangs at rest, before it meets its stop; None is not known. `from_rear_joint` is how far ahead
+    of the rear joint centre it sits.
     """
 
     from_rear_joint: Metre = 0.0
@@ -167,6 +168,7 @@ class CentreBearing:
     loss_factor: float | None = None
     bracket_stiffness: tuple[float, float, float] | None = None
     bracket_loss: float = LOSS
+    travel: Metre | None = None
 
     @property
     def across(self) -> tuple[float, float] | None:
@@ -191,7 +193,7 @@ class CentreBearing:
                 "a centre bearing",
                 **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
-        positive("a centre bearing", axial_stiffness=self.axial_stiffness)
+        positive("a centre bearing", axial_stiffness=self.axial_stiffness, travel=self.travel)
         if self.bracket_stiffness is not None:
             positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
         for part, loss in (("centre bearing", self.loss_factor), ("bracket", self.bracket_loss)):
@@ -345,6 +347,11 @@ class Line:
     def joint_count(self) -> int:
         """Number of joints: one more than shafts."""
         return len(self.shafts) + 1
+
+    @property
+    def centre_bearings(self) -> tuple[CentreBearing, ...]:
+        """What its shafts hang on, gearbox first."""
+        return tuple(s.centre_bearing for s in self.shafts if s.centre_bearing)
 
     @property
     def flanges(self) -> tuple[Flange, Flange]:

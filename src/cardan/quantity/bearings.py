@@ -1,5 +1,7 @@
 """Forces on bearings, joints and spline."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from cardan.base.arrays import FloatArray, stacked
@@ -22,6 +24,7 @@ from cardan.quantity.declared import (
     last_shaft,
     of_line,
 )
+from cardan.quantity.points import Points
 from cardan.quantity.response import Response
 
 
@@ -57,11 +60,53 @@ def _growth(r: Response) -> FloatArray:
     return np.full(shape, np.nan) if worst is None else worst.running.growth[..., 0]
 
 
+def _on_own_rubber(r: Response) -> list[int]:
+    """Return which bearings, from 0, hang in rubber that gives; all where nobody says of any."""
+    bearings = r.line.centre_bearings
+    return [k for k, b in enumerate(bearings) if b.stiffness] or list(range(len(bearings)))
+
+
+def _stopped(r: Response) -> list[int]:
+    """Return which bearings, from 0, somebody knows the stop of."""
+    return [k for k, b in enumerate(r.line.centre_bearings) if b.travel is not None]
+
+
+def _bearings(which: Callable[[Response], list[int]]) -> Parts:
+    return lambda r: tuple(Part("centre bearing", k + 1) for k in which(r))
+
+
+def _travel(r: Response) -> FloatArray:
+    """Return how far each bearing goes across its rubber, (..., S, n-2) m; nan if nobody knows."""
+    worst = r.worst_travel
+    shape = *r.angles.shape[:-1], r.line.joint_count - 2
+    return np.full(shape, np.nan) if worst is None else worst.running.peak
+
+
+def _over_stop(r: Response) -> FloatArray:
+    """Return that over how far the rubber goes, of those bearings of which somebody says it."""
+    which = _stopped(r)
+    if not which:  # and then it is not sought
+        return np.empty((*r.angles.shape[:-1], 0))
+    return _travel(r)[..., which] / r.stops[..., which]
+
+
+def _where_farthest(which: Callable[[Response], list[int]]) -> Callable[[Response], Points | None]:
+    """Return how to tell where bearings go farthest, each by itself."""
+
+    def sought(r: Response) -> Points | None:
+        chosen = which(r)
+        return r.worst_travel.of_bearings(chosen) if chosen and r.worst_travel else None
+
+    return sought
+
+
 STEADY = Need(
     gives="a line whose swinging on its rubber does not grow (swing_growth)",
     met=lambda r: ~(_growth(r)[..., None] > 0),
 )
 """Where swinging grows by itself no steady force is an answer."""
+
+_TO_TRAVEL = (LENGTHS, TORQUE, REACH, RUBBER, STEADY)
 
 _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
@@ -138,6 +183,54 @@ DECLARED = (
         needs=(LENGTHS, LOAD, REACH, RUBBER, STEADY),
         section="Centre bearings",
         methods={"rigid": lambda r: r.bearing_peaks},
+    ),
+    Quantity(
+        key="centre_bearing_travel",
+        name="Centre bearing, travel on its rubber",
+        symbol="u",
+        unit="mm",
+        equation="u = us + u2 + u4 + u6 + u1,  us = |(Fv/kv, Fl/kl)|, of an order F / (k (1 + iη))",
+        where={
+            "us": "of torque and worst thrust; weight set the line where it hangs before",
+            "v, l": "vertical and lateral, across the shaft",
+            "u2, u4, u6": "0-to-peak along the major axis of the ellipse of each order",
+            "u1": "of the unbalance, where it is asked for",
+            "k, η": "stiffness and loss factor of the rubber",
+        },
+        source=DERIVED,
+        use="At the worst operating point, which need not be that of the peak force where rubber "
+        "is softer one way. On the bearing's own rubber: what a bracket told apart gives is not in "
+        "it, that of a bracket within the stiffness is. The rubber goes on as it begins, beyond "
+        "its stop too.",
+        of=lambda r: _travel(r)[..., _on_own_rubber(r)],
+        sought=_where_farthest(_on_own_rubber),
+        shaken=True,
+        on_rubber=True,
+        parts=_bearings(_on_own_rubber),
+        needs=_TO_TRAVEL,
+        section="Centre bearings",
+    ),
+    Quantity(
+        key="centre_bearing_travel_utilisation",
+        name="Centre bearing, travel over its stop",
+        symbol="u/u0",
+        unit="1",
+        equation="u / u0",
+        where={
+            "u": "how far the bearing goes on its rubber (centre_bearing_travel)",
+            "u0": "travel of the rubber, from where the line hangs to its stop",
+        },
+        source=DERIVED,
+        use="Asked of bearings whose travel_mm an application gives. Above 1 the rubber meets its "
+        "stop: every force on that line's rubber is then one of rubber that goes on, and is not "
+        "known.",
+        of=_over_stop,
+        sought=_where_farthest(_stopped),
+        shaken=True,
+        on_rubber=True,
+        parts=_bearings(_stopped),
+        needs=_TO_TRAVEL,
+        section="Centre bearings",
     ),
     Quantity(
         key="swing_growth",

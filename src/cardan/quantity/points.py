@@ -108,6 +108,20 @@ class Points(Spots):
 
     running: Any
 
+    def of_bearings(self, which: Sequence[int]) -> "Points":
+        """Return the worst points (..., S, n-2) of some bearings alone."""
+        count = self.curve.shape[-1]
+        if list(which) == list(range(count)):
+            return self
+        kept = np.asarray(which)
+        # What bearings carry has the axis of the bearings where their points have it.
+        axis = self.curve.ndim - 1
+
+        def own(values: Any) -> Any:
+            return np.take(values, kept, axis=axis)
+
+        return _each(own, self)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
@@ -231,12 +245,14 @@ def run(
     *,
     inertia: bool = True,
     on: Suspended | None = None,
+    gives: bool = False,
 ) -> Running:
     """Return what the bearings carry under a demand, where the line then runs.
 
-    On its own rubber, or on that of `on`.
+    On its own rubber, or on that of `on`; or how far that gives across the shafts, in m.
     """
-    found = running(layout, r.line, r.phases, held=on or r.held, **_asked(r, of, inertia=inertia))
+    asked = _asked(r, of, inertia=inertia)
+    found = running(layout, r.line, r.phases, held=on or r.held, gives=gives, **asked)
     return _known(found, of)
 
 
@@ -270,19 +286,58 @@ def worst(r: "Response") -> dict[str, Points]:
     the line alone, and without the shafts' inertia, whose share is small where resonance is;
     what is found has all of it.
     """
-    found, quick = r.curves, r.quick
-    if not found.gears or r.line.joint_count < 3:
+    found, tries = r.curves, r.tries
+    if tries is None:
         return {}
-    curve, speed = _candidates(r, found, quick)
-    if quick is None:
-        tried = _at(r, found, curve, speed)
-    else:
-        drawn = _sketch(r, placed(found, curve=curve, speed=speed), quick)
-        tried = _closer(r, _sketched(r, found, curve, speed, drawn), drawn)
+    tried = _tried(r, tries) if tries.drawn else _at(r, found, tries.curve, tries.speed)
     # Two means are often alike, and which is larger is for the whole line to say.
     seeds = *(_best(tried, name) for name in FORCES), _best(tried, "static", 1)
     last = _at(r, found, *_gathered(found, [_once(*_rows(*seeds))]))
     return {name: _best(last, name) for name in FORCES}
+
+
+def worst_travel(r: "Response") -> Points | None:
+    """Return the point where each bearing goes farthest across its rubber, (..., S, n-2) m.
+
+    Another one than that of its `worst` peak where rubber gives one way more than the other.
+    None where the line is not on rubber, or has no point.
+    """
+    if r.tries is None or r.tries.drawn is None:
+        return None
+    tried = _tried(r, r.tries, gives=True)
+    seeds = [_best(tried, "peak", rank) for rank in range(2)]
+    curve, speed = _gathered(r.curves, [_once(*_rows(*seeds))])
+    return _best(_at(r, r.curves, curve, speed, gives=True), "peak")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tries:
+    """Points (P, ..., S) at which bearings may be worst, and the line `drawn` for all of them.
+
+    It is None of a line that is not on rubber.
+    """
+
+    curve: IntArray
+    speed: FloatArray
+    drawn: Sketch | None
+
+
+def tries(r: "Response") -> Tries | None:
+    """Return where bearings may be worst; None where a line has no point, or no bearing."""
+    found, quick = r.curves, r.quick
+    if not found.gears or r.line.joint_count < 3:
+        return None
+    curve, speed = _candidates(r, found, quick)
+    at = placed(found, curve=curve, speed=speed)
+    return Tries(curve=curve, speed=speed, drawn=None if quick is None else _sketch(r, at, quick))
+
+
+def _tried(r: "Response", of: Tries, *, gives: bool = False) -> Points:
+    """Return nearly what bearings carry at points, and beside the worst of them; or m they go."""
+    assert of.drawn is not None
+    return _closer(
+        r, _sketched(r, r.curves, of.curve, of.speed, of.drawn, gives=gives), of.drawn, gives=gives
+    )
 
 
 def worst_joints(r: "Response") -> Points | None:
@@ -490,7 +545,13 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
 
 
 def _sketched(
-    r: "Response", found: Curves, curve: IntArray, speed: FloatArray, drawn: Sketch
+    r: "Response",
+    found: Curves,
+    curve: IntArray,
+    speed: FloatArray,
+    drawn: Sketch,
+    *,
+    gives: bool = False,
 ) -> Points:
     """Return nearly what the bearings carry at points, their curves and speeds (P, ..., S)."""
     at = placed(found, curve=curve, speed=speed)
@@ -499,6 +560,7 @@ def _sketched(
         speed=at.sense * at.speed,
         pitch=pitch_at(r.demand, at),
         slip=r.slip_at(at.torque),
+        gives=gives,
     )
     return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
 
@@ -511,7 +573,7 @@ def _once(curve: IntArray, speed: FloatArray) -> _Row:
     return curve, np.where(again, np.nan, speed)
 
 
-def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
+def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False) -> Points:
     """Return points tried, and those beside the worst of them where they may be worse.
 
     The worst peak of each bearing, and the `CRESTS` of what shakes it most. Where a mode
@@ -532,6 +594,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
         np.concatenate([curve, curve, flanks[0], flanks[0]]),
         np.concatenate([low, high, *(flanks[1] * (1 + k * wide) for k in (-0.5, 0.5))]),
         drawn,
+        gives=gives,
     )
     middle = [np.moveaxis(getattr(p.running, name), -1, 0) for name, p in seeds]
     bearings = len(middle[0])
@@ -548,7 +611,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch) -> Points:
     reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
     crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
     crest = np.fmin(np.sqrt(np.maximum(crest, 0.0)), fastest)
-    there = _sketched(r, found, curve, crest, drawn)
+    there = _sketched(r, found, curve, crest, drawn, gives=gives)
     return _each(lambda *v: np.concatenate(v), tried, sides, there)
 
 
@@ -611,7 +674,12 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
         )[:, state],
     )  # fmt: skip
     drawn = sketch(on, where, r.line, r.phases, least=least, largest=largest, gravity=r.gravity)
-    asked = {"torque": of.torque, "speed": of.speed, "pitch": pitch, "slip": np.nan_to_num(slip)}
+    asked: dict[str, Any] = {
+        "torque": of.torque,
+        "speed": of.speed,
+        "pitch": pitch,
+        "slip": np.nan_to_num(slip),
+    }
     return drawn.at(**asked).peak, drawn.passed(of.time, of.turned, **asked)
 
 
@@ -660,10 +728,12 @@ def _at(
     speed: FloatArray,
     *,
     quick: Suspended | None = None,
+    gives: bool = False,
 ) -> Points:
     """Return what the bearings carry at points, their curves and speeds (P, ..., S).
 
-    Or nearly that, as they move on `quick` and without the shafts' inertia.
+    Or nearly that, as they move on `quick` and without the shafts' inertia; or how far their
+    rubber `gives`.
     """
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
     return Points(
@@ -671,7 +741,7 @@ def _at(
         curve=np.broadcast_to(curve, asked.speed.shape),
         speed=asked.speed,
         torque=asked.torque,
-        running=run(r, asked, r.lay(asked), inertia=quick is None, on=quick),
+        running=run(r, asked, r.lay(asked), inertia=quick is None, on=quick, gives=gives),
     )
 
 

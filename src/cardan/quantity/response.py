@@ -47,7 +47,7 @@ from cardan.model.layout import Layout
 from cardan.model.parts import JointKind, JointSize, Line, Tube
 from cardan.model.seat import Seat
 from cardan.quantity import points
-from cardan.quantity.points import Points, Spread
+from cardan.quantity.points import Points, Spread, Tries
 from cardan.shaft import beams, composite, life, strength, whirl
 
 SAMPLES = 16
@@ -319,6 +319,22 @@ class Response:
     def worst(self) -> dict[str, Points]:
         """The operating point at which each bearing's mean, orders and peak are largest."""
         return points.worst(self)
+
+    @cached_property
+    def tries(self) -> Tries | None:
+        """The operating points among which its bearings' worst ones are sought."""
+        return points.tries(self)
+
+    @cached_property
+    def worst_travel(self) -> Points | None:
+        """The operating point at which each bearing goes farthest across its rubber, in m."""
+        return points.worst_travel(self)
+
+    @cached_property
+    def stops(self) -> FloatArray:
+        """How far the rubber of each centre bearing goes, (..., n-2) m; nan where nobody says."""
+        told = (b.travel for b in self.line.centre_bearings)
+        return stacked(np.nan if t is None else t for t in told)
 
     @cached_property
     def worst_joints(self) -> Points | None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from cardan import __version__
 from cardan.base.part import Mode, Occasion, Part, Point
-from cardan.base.units import deg, rpm
+from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import Check, Unanswered
 from cardan.kinematics.equivalent import EquivalentJoint, Excitation
 from cardan.model.movable import MOVABLES
@@ -319,6 +319,8 @@ def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:
     if worst is None or at is None:
         return None
     found, own = worst.running, r.running
+    far = r.worst_travel
+    goes = far.named((s, k)) if far and r.line.centre_bearings[k].stiffness else None
     modes = r.held.modes() if r.held else None
     return {
         "at_speed": {
@@ -335,6 +337,12 @@ def _on_rubber(r: Response, s: int, k: int) -> dict[str, Any] | None:
             "static_N": found.static[s, k],
             "thrust_N": found.thrust[s, k],
             **operating_point(at),
+        },
+        "travel": None if far is None or goes is None else {
+            "travel_mm": far.running.peak[s, k] / mm,
+            "steady_mm": far.running.static[s, k] / mm,
+            "stop_mm": r.stops[..., k].item() / mm,
+            **operating_point(goes),
         },
         "modes": [] if modes is None else [
             {

@@ -202,6 +202,8 @@ def _shaft(s: Shaft, length: float, say: Language) -> Iterator[tuple[str, str]]:
             )
         yield say("bearing stiffness along the shaft"), _q(b.axial_stiffness, 1 / mm, "N/mm", say)
         yield say("loss factor of the bearing's rubber"), _q(b.loss_factor, 1, "", say)
+        if b.travel is not None:
+            yield say("travel of the bearing's rubber to its stop"), _q(b.travel, mm, "mm", say)
         if b.bracket_stiffness:
             yield (
                 say("bracket stiffness along the shaft, across and up"),

@@ -364,6 +364,18 @@ def notes(of: Approval, say: Language) -> list[str]:
             less=say.number(a.forces[1]),
         )
         found.append(say("Note: {note}.", note=note))
+    for one in of.beyond:
+        note = say(
+            "centre bearing {bearing} of line {line} goes beyond its stop in {states}: up to "
+            "{moves} mm, where its rubber has {stop}; forces on rubber there are those of rubber "
+            "that goes on",
+            bearing=one.bearing,
+            line=one.line,
+            states=say.list(*map(say.state, one.states)),
+            moves=say.short(one.moves / mm, 3),
+            stop=say.short(one.stop / mm, 3),
+        )
+        found.append(say("Note: {note}.", note=note))
     for one in of.giving:
         told: dict[str, Any] = {
             "bearing": one.bearing,

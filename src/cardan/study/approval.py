@@ -27,11 +27,13 @@ from cardan.study.finding import (
 )
 from cardan.study.notes import (
     AssumedLoss,
+    BeyondStop,
     GivingRubber,
     LiftedAxle,
     NotDriven,
     SpringMismatch,
     assumed_losses,
+    beyond_stops,
     giving_rubber,
     lifted_axles,
     mismatches,
@@ -127,6 +129,11 @@ class Approval:
         return tuple(giving_rubber(self.responses))
 
     @cached_property
+    def beyond(self) -> tuple[BeyondStop, ...]:
+        """Which centre bearings would go on where their rubber meets its stop."""
+        return tuple(beyond_stops(self.responses))
+
+    @cached_property
     def lifted(self) -> tuple[LiftedAxle, ...]:
         """Where a front axle lifts before the driven wheels slip."""
         return tuple(lifted_axles(self.responses))
@@ -144,7 +151,10 @@ class Approval:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        told = *self.mismatches, *self.assumed, *self.giving, *self.lifted, *self.not_driven
+        told = (
+            *self.mismatches, *self.assumed, *self.beyond, *self.giving, *self.lifted,
+            *self.not_driven,
+        )  # fmt: skip
         return tuple(str(m) for m in told)
 
     def of(self, study: str) -> Any:

@@ -8,10 +8,9 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, mm
+from cardan.base.verdict import EQUAL
 from cardan.demand.suspension import spring_load, table_rates
-from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import LOSS
-from cardan.loads.statics import resting
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring, Suspension
 from cardan.quantity import points
@@ -160,23 +159,76 @@ class GivingRubber:
 
 
 def giving_rubber(responses: Iterable[Response]) -> Iterator[GivingRubber]:
-    """Yield, line by line, how far rubber gives: if much, or if something is in the way."""
-    for r in responses:
-        if r.held is None or "peak" not in r.worst or r.layout.points.ndim > 3:
+    """Yield, line by line, how far rubber gives: if much, or if something is in the way.
+
+    What has a stop that somebody knows is held against that, and told here where something is in
+    the way alone.
+    """
+    for r, moves in _travels(responses):
+        told = moves if r.obstacles else np.where(np.isnan(r.stops), moves, np.nan)
+        if np.isnan(told).all():
             continue
-        steady, moves = _given_way(r)
-        if np.isnan(moves).all() or np.isnan(QUANTITIES["centre_bearing_peak"].values(r)).all():
-            continue  # of a line whose speed nobody knows, or that swings
-        s, k = np.unravel_index(int(np.nanargmax(moves)), moves.shape)
-        if r.obstacles or moves[s, k] > LINEAR:
+        s, k = np.unravel_index(int(np.nanargmax(told)), told.shape)
+        if r.obstacles or told[s, k] > LINEAR:
+            assert r.worst_travel is not None  # or nothing moves
             yield GivingRubber(
                 line=r.line.name,
                 bearing=int(k) + 1,
                 state=r.demand.states[s],
-                steady=float(steady[s, k]),
-                moves=float(moves[s, k]),
+                steady=float(r.worst_travel.running.static[s, k]),
+                moves=float(told[s, k]),
                 clearance=_least_clearance(r, int(s)),
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeyondStop:
+    """A centre bearing that meets its stop in some states, and by how much it would pass it.
+
+    `moves` is how far it would go at most, `stop` how far its rubber does.
+    """
+
+    line: str
+    bearing: int
+    states: tuple[str, ...]
+    moves: Metre
+    stop: Metre
+
+    def __str__(self) -> str:
+        """Return it as a sentence without its end."""
+        return (
+            f"centre bearing {self.bearing} of line {self.line} goes beyond its stop in "
+            f"{', '.join(self.states)}: up to {self.moves / mm:.3g} mm, where its rubber has "
+            f"{self.stop / mm:.3g}; forces on rubber there are those of rubber that goes on"
+        )
+
+
+def beyond_stops(responses: Iterable[Response]) -> Iterator[BeyondStop]:
+    """Yield the centre bearings that would go on where their rubber ends."""
+    for r, moves in _travels(responses):
+        for k, stop in enumerate(np.broadcast_to(r.stops, moves.shape[-1:]).tolist()):
+            beyond = moves[:, k] > stop * (1 + EQUAL)
+            if beyond.any():
+                yield BeyondStop(
+                    line=r.line.name,
+                    bearing=k + 1,
+                    states=tuple(
+                        s for s, far in zip(r.demand.states, beyond.tolist(), strict=True) if far
+                    ),
+                    moves=float(np.nanmax(moves[:, k])),
+                    stop=stop,
+                )
+
+
+def _travels(responses: Iterable[Response]) -> Iterator[tuple[Response, FloatArray]]:
+    """Yield lines on rubber, and how far each bearing goes across its own, (S, n-2) m."""
+    for r in responses:
+        if r.held is None or r.worst_travel is None or r.layout.points.ndim > 3:
+            continue
+        # Of a line whose speed nobody knows, or that swings, no force has an answer.
+        known = np.isfinite(QUANTITIES["centre_bearing_peak"].values(r))
+        if known.any():
+            yield r, np.where(known, r.worst_travel.running.peak, np.nan)
 
 
 def _least_clearance(r: Response, state: int) -> float:
@@ -184,22 +236,6 @@ def _least_clearance(r: Response, state: int) -> float:
     asked = (r, *((r.spread.response,) if r.spread else ()))
     gaps = [one.clearances[..., state, :, :].ravel() for one in asked]
     return float(np.nanmin(np.concatenate(gaps))) if r.obstacles else np.nan
-
-
-def _given_way(r: Response) -> tuple[FloatArray, FloatArray]:
-    """Return how far each bearing moves where it carries most, (S, n-2) m: steadily, and at most.
-
-    Across the shaft, by its force over its stiffness. Weight is not in it: a layout is that of
-    a line that already hangs.
-    """
-    found = r.worst["peak"].running
-    weight, _ = resting(r.layout, r.line, gravity=r.gravity)
-    bearings = [s.centre_bearing for s in r.line.shafts if s.centre_bearing]
-    gives = np.array([[0.0, 1 / b.across[1], 1 / b.across[0]] if b.across else [0.0] * 3
-                      for b in bearings])  # fmt: skip
-    steady = np.linalg.norm((found.mean - weight) * gives, axis=-1)
-    shaken = major_axis(found.waves * gives[:, None]).sum(-1) + found.order1 * gives.max(-1)
-    return steady, steady + shaken
 
 
 @dataclass(frozen=True, kw_only=True)

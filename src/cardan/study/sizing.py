@@ -46,6 +46,8 @@ WAYS: dict[str, tuple[Kind, ...]] = {
     "centre_bearing_static": ("bearing place",),
     "centre_bearing_dynamic": ("bearing place",),
     "centre_bearing_peak": ("bearing place",),
+    "centre_bearing_travel": ("bearing place",),
+    "centre_bearing_travel_utilisation": ("bearing place",),
 }
 """What may answer a limit of each quantity, the usual way first."""
 
