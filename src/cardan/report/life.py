@@ -603,7 +603,7 @@ def lines(
         hours=say.short(duration / hour, 4), rate=say.short(recording.rate),
     )  # fmt: skip
     for note in recording.notes:
-        yield say("  note: {note}", note=say.given(note))
+        yield say("  note: {note}", note=say.error(say.given(note)))
     for line in channels(recording, lives, say):
         yield f"  {line}"
     yield ""
