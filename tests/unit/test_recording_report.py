@@ -21,7 +21,7 @@ from cardan.fatigue.maps import order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.synthetic import Gains, synthetic
 from cardan.report import recording_story
-from cardan.report.blocks import Figures, Issue, Picture
+from cardan.report.blocks import Chapter, Figures, Issue, Picture, Story, Table, Text
 from cardan.report.html import page
 from cardan.report.identified import NAMES, parameter
 from cardan.report.language import CODES, Language, catalogue
@@ -179,3 +179,29 @@ def test_the_command_writes_reports(tmp_path):
     assert done.exit_code == 0, done.output
     assert "Two laps" in both.read_text()
     assert json.loads((tmp_path / "a.json").read_text())["campaign"] == "Two laps"
+
+
+@pytest.mark.skipif(not shutil.which("pdftotext"), reason="pdftotext of poppler is not installed")
+def test_a_percent_sign_stays_with_its_number_and_a_short_table_on_its_page(tmp_path):
+    """A note ended "at 25" and went on "% or below"; of seven rows one was overleaf."""
+    said = "a sentence that goes on to the end of its line, wherever that may be, to 25 % or less"
+    prose = Text(paragraphs=tuple("w" * k + said for k in range(3, 40)))
+    rows = tuple((f"row {k}", "1", "2") for k in range(7))
+    table = Table(caption="caption", head=("cause", "share", "alone"), rows=rows)
+    # Lines of prose push the tables down to the end of a page and over it.
+    spread = [part for k in range(12) for part in (Text(paragraphs=("line",) * (k % 9 + 1)), table)]
+    for blocks in ((prose,), tuple(spread)):
+        story = Story(
+            language="en", title="t", subtitle="", grade="", verdict="", facts=(),
+            chapters=(Chapter(title="x", blocks=blocks),),
+        )  # fmt: skip
+        path = tmp_path / "a.pdf"
+        path.write_bytes(document(story))
+        read = subprocess.run(
+            ["pdftotext", "-layout", str(path), "-"], capture_output=True, text=True, check=True
+        )
+        for page_ in read.stdout.split("\f"):
+            lines = page_.splitlines()
+            assert not [line for line in lines if line.lstrip().startswith("%")]
+            told = [line.split()[1] for line in lines if line.lstrip().startswith("row ")]
+            assert told == list("0123456") * (len(told) // 7)

@@ -246,6 +246,46 @@ def test_mdf(tmp_path, monkeypatch):
     assert not said
 
 
+def test_an_mdf_is_read_in_stretches_and_not_mapped(tmp_path):
+    """Pages of a mapped file are the process' own as long as nobody else asks for them."""
+    asammdf = pytest.importorskip("asammdf")
+    file, many = asammdf.MDF(version="4.10"), np.arange(4_000_000) / 1000
+    names = tuple(f"S{k}" for k in range(7))
+    file.append([asammdf.Signal(np.sin(many), many, name=n, unit="MPa") for n in names])
+    file.save(tmp_path / "a.mf4")
+    assert (tmp_path / "a.mf4").stat().st_size > 250e6
+    assert grown(tmp_path / "a.mf4", "mf4") < 150
+
+
+def test_a_csv_takes_the_memory_of_a_few_blocks(tmp_path):
+    """By blocks of 8 MB its reader held 390 MB more than by those of one."""
+    row = "".join(f"{k / 1000:.3f},{k % 977 / 7:.6f},{k % 773 / 3:.6f}\n" for k in range(100_000))
+    write(tmp_path / "a.csv", "n [rpm],S1 [MPa],S2 [MPa]\n" + row * 40)
+    assert (tmp_path / "a.csv").stat().st_size > 80e6
+    assert grown(tmp_path / "a.csv", "csv") < 150
+
+
+def grown(path, ending):
+    """MB of memory that walking through a recording takes, in a process of its own."""
+    if not Path("/proc/self/status").exists():
+        pytest.skip("nothing says here how much memory a process took")
+    code = (
+        "import sys; from pathlib import Path\n"
+        "from cardan.files.recordings import open_recording\n"
+        "if sys.argv[2] == 'mf4': import asammdf\n"
+        "else: import pyarrow.csv\n"
+        "def peak(): return int(Path('/proc/self/status').read_text()"
+        ".split('VmHWM:')[1].split()[0])\n"
+        "was, run = peak(), open_recording(Path(sys.argv[1]), rate=1000.0)\n"
+        "for _ in run.read((0, 1)): pass\n"
+        "print(peak() - was)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path), ending], capture_output=True, text=True, check=True
+    )
+    return int(done.stdout) / 1e3
+
+
 @pytest.mark.parametrize(("width", "digits"), [(1, 7), (2, 15), (3, 23), (4, 31)])
 def test_wav(tmp_path, width, digits):
     data = np.stack([S1, S2 / 4])

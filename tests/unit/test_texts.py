@@ -1,6 +1,8 @@
 """What is said in other languages: nothing is missing, numbers agree, one word for one thing."""
 
 import ast
+import importlib
+import pkgutil
 import re
 from pathlib import Path
 
@@ -9,7 +11,7 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.source import ASSUMED
-from cardan.border.table import ListOf, MapOf, TableRule, Text
+from cardan.border.table import ListOf, MapOf, Table, TableRule, Text
 from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.campaign import (
@@ -224,6 +226,27 @@ def test_what_a_campaign_must_be_is_said_whole(code):
             assert not words(say.error(many)) & {"tables", "with", "names", "lists"}
         needed = [e.says for e in table.entries().values() if e.required]
         assert [n for n in needed if ("error", n) not in catalogue(code)] == []
+
+
+def tables(of=Table):
+    """Every table that a file may have."""
+    for one in of.__subclasses__():
+        yield one
+        yield from tables(one)
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_is_missing_in_a_file_is_said_whole(code):
+    """It was "falta wheelbase_mm: front axle (or the middle of two) to rear axle or bogie"."""
+    for module in pkgutil.iter_modules(files.__path__, "cardan.files."):
+        importlib.import_module(module.name)
+    ours = [t for t in tables() if t.__module__.startswith("cardan.")]
+    needed = {e.says for t in ours for e in t.entries().values() if e.required}
+    assert len(needed) > 70
+    assert sorted(n for n in needed if ("error", n) not in catalogue(code)) == []
+    say = Language(code)
+    whole = {n: say.error(f"length_mm or length_m is missing: {n}") for n in needed}
+    assert {n: told for n, told in whole.items() if n in told} == {}
 
 
 @pytest.mark.parametrize(

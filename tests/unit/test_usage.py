@@ -282,3 +282,81 @@ def test_a_customer_is_a_recording_and_not_a_segment(tmp_path):
     ]
     (one,) = found["customer"]["gauges"]
     assert one["damage_per_hour"] == pytest.approx(customer(rates, quantile=0.95)[0], rel=1e-6)
+
+
+def driven(tmp_path, *more, quiet=(0.0, 300.0), torque=(0.0, 300.0)):
+    """Five minutes at 600 rpm, of which the speed and the torque are written within some."""
+    rng = np.random.default_rng(6)
+    t = np.arange(int(300 * RATE)) / RATE
+    speed = 600 + 0.2 * rng.normal(size=t.size)
+    load = np.full(t.size, 400.0)
+    for x, (first, last) in ((speed, quiet), (load, torque)):
+        x[(t < first) | (t >= last)] = np.nan
+    stress = 20 * rng.normal(size=t.size)
+    stress[int(2 * RATE)], stress[int(150 * RATE)] = 200.0, 180.0
+    path = tmp_path / "a.csv"
+    np.savetxt(
+        path, np.stack([t, stress, speed, load], -1), delimiter=",", comments="", fmt="%.6g",
+        header="time,S1 [MPa],n [rpm],T [Nm]",
+    )  # fmt: skip
+    out = tmp_path / "a.json"
+    options = [
+        "--gauge", "S1", "--sn", "30,2e6,5", "--speed", "n", "--torque", "T", "--usage",
+        "--accept", "spike", "--json", str(out), *more,
+    ]  # fmt: skip
+    done = CliRunner().invoke(command, [str(path), *options])
+    assert done.exit_code == 0, done.output
+    return json.loads(out.read_text()), done.output
+
+
+WAY = 10 / 4 * 2 * np.pi * 0.5 / 1e3
+"""km a second at 600 rpm."""
+WHEELS = "--axle-ratio", "4", "--tyre-radius-m", "0.5"
+
+
+@pytest.mark.parametrize(
+    ("quiet", "held"), [((0.0, 300.0), True), ((5.0, 285.0), True), ((20.0, 240.0), False)]
+)
+def test_only_what_is_known_is_told_of_a_speed_that_begins_late_and_ends_early(
+    tmp_path, quiet, held
+):
+    """Its first and last speed stood for all before and after, and nothing said so."""
+    told, text = driven(tmp_path, *WHEELS, quiet=quiet)
+    (gauge,), used = told["gauges"], told["usage"]["S1"]
+    heard = quiet[1] - quiet[0]
+    by_speed, by_torque = used["damage_by"]["speed"], used["damage_by"]["torque"]
+    assert sum(g["live_s"] for g in by_speed) == pytest.approx(heard, abs=2)
+    assert sum(g["km"] for g in by_speed) == pytest.approx(heard * WAY, abs=2 * WAY)
+    assert sum(g["live_s"] for g in by_torque) == pytest.approx(300)
+    first, second = used["peaks"][:2]
+    assert (first["time_s"], second["time_s"]) == (2, 150)
+    assert second["rpm"] == pytest.approx(600, rel=1e-3)
+    assert (first["rpm"] is None) == (quiet[0] > 2)
+    said = " ".join(text.split())
+    noted = f"n: no speed in the first {quiet[0]:g} s and the last {300 - quiet[1]:g} s"
+    assert (noted in said) == (heard < 300)
+    if held:
+        assert told["distance_km"] == pytest.approx(300 * WAY, rel=1e-3)
+        assert gauge["km"] > 0
+        assert second["km"] == pytest.approx(150 * WAY, rel=1e-2)
+        assert ("km are counted with the speed beside" in said) == (heard < 300)
+    else:
+        assert told["distance_km"] is gauge["km"] is first["km"] is second["km"] is None
+        assert by_torque[0]["km"] is None
+        assert "and km are not known" in said
+
+
+def test_a_speed_without_ends_is_told_in_the_language_asked_for(tmp_path):
+    _, text = driven(tmp_path, "--lang", "it", quiet=(5.0, 285.0))
+    said = " ".join(text.split())
+    assert "n: nessuna velocità nei primi 5 s e negli ultimi 15 s: il danno lì non è di" in said
+
+
+def test_no_torque_is_told_where_none_was_written(tmp_path):
+    """A hole had the torque beside it, however long it was."""
+    told, _ = driven(tmp_path, torque=(60.0, 200.0))
+    (band,) = told["usage"]["S1"]["damage_by"]["torque"]
+    assert band["live_s"] == pytest.approx(140, abs=3)
+    first, second = told["usage"]["S1"]["peaks"][:2]
+    assert first["torque_Nm"] is None
+    assert second["torque_Nm"] == pytest.approx(400)

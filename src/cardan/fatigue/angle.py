@@ -73,6 +73,8 @@ class Angle:
     """Whether anybody measured it: what was read off the stress itself acquits nobody."""
     dark: float = 0.0
     """Share of the time under way for which nothing says how fast it turned."""
+    ends: tuple[float, float] = (-np.inf, np.inf)
+    """From when to when something says it, s: before and after, a speed is held that is beside."""
 
     def stretches(self, time: FloatArray) -> IntArray:
         """Return which stretch of one zero times (n,) s lie in, from 0 on."""
@@ -185,10 +187,12 @@ def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
         The bus' numbers.
     """
     # A hundredth of a step is more than float32 leaves of them; some loggers round them first.
-    near = np.rint(x / of.step)[..., None] + np.array([-1, 0, 1])
+    # Of a day's drive only the few that lie so high are looked at.
+    high = np.flatnonzero((x >= of.first) & (x <= of.last + of.step))
+    near = np.rint(x[high] / of.step)[..., None] + np.array([-1, 0, 1])
     known = np.stack([near * of.step, *(np.round(near * of.step, d) for d in ROUNDED)])
-    written = (np.abs(x[:, None] - known) < 0.01 * of.step).any((0, 2))
-    written &= (x >= of.first) & (x <= of.last + of.step)
+    written = np.zeros(x.size, bool)
+    written[high] = (np.abs(x[high, None] - known) < 0.01 * of.step).any((0, 2))
     edge = np.flatnonzero(np.diff(np.concatenate([[False], x >= of.first, [False]]).astype(int)))
     rise = RAMP * of.last / rate
     found: list[tuple[int, int]] = []
@@ -297,6 +301,12 @@ def shaft_angle(
         turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
         lost = (dark | stair) & ~engaged
     moving = turning > 1
+    told = np.flatnonzero(~(lost & dark))
+    ends = (-np.inf, np.inf)
+    if told.size:  # less than a moment is how a clock was laid, or its first message
+        first, last = float(time[told[0]]), float(time[told[-1]])
+        over = speed.size / rate
+        ends = (first if first > DARK else -np.inf, last if last < over - DARK else np.inf)
 
     def without(what: BoolArray, least: float) -> tuple[FloatArray, float]:
         """Return runs of a state, s, that take some time, and how long they are together."""
@@ -310,7 +320,7 @@ def shaft_angle(
     trusted = not len(runs) or (gone < (1 - KEPT) * whole and kept > min(LASTS, 0.3 * whole))
     return Angle(
         _turned(time, turning), lag=1.0 if stair and not geared_by else 0.15, trusted=trusted,
-        lost=runs if trusted else runs[:0], dark=black / whole,
+        lost=runs if trusted else runs[:0], dark=black / whole, ends=ends,
     )  # fmt: skip
 
 

@@ -390,7 +390,7 @@ def _read(
         reader: Any = pacsv.open_csv(
             path,
             read_options=pacsv.ReadOptions(
-                skip_rows=form.first, column_names=names, block_size=1 << 23,
+                skip_rows=form.first, column_names=names, block_size=1 << 20,
                 encoding={"utf-8": "utf8"}.get(form.encoding, form.encoding),
             ),
             parse_options=pacsv.ParseOptions(

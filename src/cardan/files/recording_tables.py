@@ -2,6 +2,7 @@
 
 import gc
 import sys
+import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -290,7 +291,7 @@ def mdf(path: Path, *, group: str = "") -> Table:
     """Open an MDF4 recording: the channels of every group, each by its own time."""
     from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
 
-    file, why = _opened(MDF, path)
+    file, why = _opened(lambda at: _unmapped(MDF, at), path)
     if file is None:
         raise bad(path, f"MDF cannot open it: {why}")
     sizes = [g.channel_group.cycles_nr for g in file.groups]
@@ -307,6 +308,27 @@ def mdf(path: Path, *, group: str = "") -> Table:
     tables = [_channels(file, k, sizes[k], names[k]) for k in chosen]
     file.configure(read_fragment_size=AT_ONCE)
     return joined(path, tables)
+
+
+def _unmapped(reader: Callable[[Any], Any], path: Path) -> Any:
+    """Return an MDF4 that is read a stretch at a time.
+
+    By its path it is mapped, and each page that was touched counts as the process' memory as long
+    as nobody else asks for it: all of the file in the end. One that was not finished is written
+    anew as it is opened, which takes its path.
+    """
+    stream = path.open("rb")
+    if stream.read(8) != b"MDF     ":
+        stream.close()
+        return reader(path)
+    stream.seek(0)
+    try:
+        file = reader(stream)
+    except BaseException:
+        stream.close()
+        raise
+    weakref.finalize(file, stream.close)
+    return file
 
 
 def _opened(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:

@@ -603,7 +603,7 @@ def lines(
         hours=say.short(duration / hour, 4), rate=say.short(recording.rate),
     )  # fmt: skip
     for note in recording.notes:
-        yield say("  note: {note}", note=say.given(note))
+        yield say("  note: {note}", note=say.error(say.given(note)))
     for line in channels(recording, lives, say):
         yield f"  {line}"
     yield ""
@@ -697,10 +697,17 @@ def blame(
     if not whole > 0:
         return say("{gauge}: no damage, so nobody did it.", gauge=gauge)
     longer = whole / without if without > 0 else math.inf
-    own = say(
-        "the joints' orders answer for {share} of the damage; without them it would live {longer} "
-        "times as long.",
-        share=say.pointed(f"{attribution.share(JOINTS):.1%}"), longer=say.short(longer, 3),
+    share, times = say.pointed(f"{attribution.share(JOINTS):.1%}"), say.short(longer, 3)
+    own = (
+        say(
+            "the joints' orders answer for {share} of the damage; without them it would live as "
+            "long.", share=share,
+        )
+        if times == "1"
+        else say(
+            "the joints' orders answer for {share} of the damage; without them it would live "
+            "{longer} times as long.", share=share, longer=times,
+        )
     )  # fmt: skip
     parts = [f"{gauge}: {own}"]
     if evidence is not None:

@@ -72,7 +72,7 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
     MissingExtra
         Without matplotlib.
     """
-    paragraphs = [say.given(note) for note in of.recording.notes] + list(
+    paragraphs = [say.error(say.given(note)) for note in of.recording.notes] + list(
         channels(of.recording, of.lives, say)
     )
     if paragraphs:

@@ -98,7 +98,7 @@ def places(of: Used, say: Language) -> list[tuple[str, ...]]:
         return "-" if math.isnan(value) else say.short(value, digits)
 
     head = (say("largest stresses, MPa"), say("time, s"), say("km"), say("shaft speed, rpm"),
-            say("shaft torque, N m"), say("gear, engine turns a shaft turn"))  # fmt: skip
+            say("shaft torque, N m"), say("gear ratio"))  # fmt: skip
     return [
         head,
         *(

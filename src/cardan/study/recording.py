@@ -181,14 +181,16 @@ class RecordingStudy:
         progress = _progress(recording, tell)
         healths = room.look(recording, channels=plan.channels, progress=progress)
         samples = max(h.samples for h in healths.values())
+        seconds = samples / recording.rate
         campaign.hold(recording, samples=samples)
-        beyond = campaign.beyond(samples / recording.rate)
-        recording = replace(recording, notes=(*recording.notes, *beyond))
+        beyond = campaign.beyond(seconds)
         angle = campaign.shaft(recording)
         shaft = None if angle is None else angle.rotation
+        ends = _open_ends(campaign, angle, seconds)
+        recording = replace(recording, notes=(*recording.notes, *beyond, *ends))
         plan = replace(plan, fastest=_fastest(shaft))
         lives = room.counted(
-            recording, plan=plan, healths=healths, distance=_distance(campaign, shaft),
+            recording, plan=plan, healths=healths, distance=_distance(campaign, angle, seconds),
             progress=progress,
         )  # fmt: skip
         _masked_out(recording, plan, lives)
@@ -223,7 +225,7 @@ class RecordingStudy:
         if campaign.usage and heard:
             told = _used(
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
-                lives=[one for one in lives if one.heard], progress=progress,
+                lives=[one for one in lives if one.heard], seconds=seconds, progress=progress,
             )  # fmt: skip
         others = _otherwise(
             campaign, recording, plan, healths=healths, lives=lives, progress=progress
@@ -616,11 +618,41 @@ def _progress(recording: Recording, tell: Tell) -> room.Progress:
     return told
 
 
-def _distance(campaign: Campaign, shaft: Rotation | None) -> float:
-    """Return what was driven in the recording, m; nan where nobody knows."""
+OPEN = 0.1
+"""Share of a recording without a speed at its ends from which nobody knows its way."""
+
+
+def _unheard(angle: Angle, seconds: float) -> tuple[float, float]:
+    """Return for how long nothing says the speed at either end of a recording, s."""
+    first, last = angle.ends
+    return max(first, 0.0), max(seconds - last, 0.0)
+
+
+def _held(angle: Angle, seconds: float) -> bool:
+    """Return whether so little of a speed's ends is missing that the speed beside may stand in."""
+    return sum(_unheard(angle, seconds)) <= OPEN * seconds
+
+
+def _open_ends(campaign: Campaign, angle: Angle | None, seconds: float) -> Iterator[str]:
+    """Yield what to know of a speed that begins late or ends early."""
+    if angle is None or not any(lost := _unheard(angle, seconds)):
+        return
+    channel, driven = campaign.speed, campaign.axle_ratio is not None
+    said = f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s"
+    if not driven or campaign.tyre_radius_m is None:
+        yield f"{said}: damage there is of no band of speed"
+    elif _held(angle, seconds):
+        yield f"{said}: damage there is of no band of speed, km are counted with the speed beside"
+    else:
+        yield f"{said}: damage there is of no band of speed, and km are not known"
+
+
+def _distance(campaign: Campaign, angle: Angle | None, seconds: float) -> float:
+    """Return what was driven in a recording that lasts so long, m; nan where nobody knows."""
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
-    if shaft is None or ratio is None or radius is None:
+    if angle is None or ratio is None or radius is None or not _held(angle, seconds):
         return math.nan
+    shaft = angle.rotation
     turned = float(shaft.turns[-1] - shaft.turns[0])
     # Who is said to have turned nowhere was not driven: the speed is not what it is taken for.
     return turned / ratio * TURN * radius if turned > 0 else math.nan
@@ -773,20 +805,22 @@ def _promised(
 
 def _used(
     campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
-    healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], seconds: float,
+    progress: room.Progress,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return when and where the damage of a plan's gauges came."""
     stress = room.stresses(recording, plan=plan, healths=healths, name="usage", progress=progress)
-    seconds = usage(
+    found = usage(
         stress, rate=recording.rate, curve=plan.curve, correction=plan.correction, rule=plan.rule
     )
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
     per_turn = math.nan if ratio is None or radius is None else TURN * radius / ratio
     return used(
-        seconds, lives, plan=plan, shaft=None if angle is None else angle.rotation,
+        found, lives, plan=plan, shaft=None if angle is None else angle.rotation,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
-        begins=recording.begins,
+        begins=recording.begins, ends=(-math.inf, math.inf) if angle is None else angle.ends,
+        held=angle is None or _held(angle, seconds),
     )  # fmt: skip
 
 

@@ -27,6 +27,9 @@ SPEED, TORQUE = 250 * rpm / (2 * np.pi), 500.0
 KEPT = 0.95
 """Share of the damage that a shortened test keeps."""
 
+ALONE = 1.0
+"""Seconds from the next value of a torque beyond which none is told."""
+
 
 @dataclass(frozen=True)
 class Place:
@@ -74,7 +77,7 @@ class Used:
 def used(
     found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, shaft: Rotation | None,
     engine: Rotation | None, torque: tuple[FloatArray, float] | None, per_turn: float,
-    begins: float = 0.0,
+    begins: float = 0.0, ends: tuple[float, float] = (-np.inf, np.inf), held: bool = True,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return the damage of gauges by what was driven.
 
@@ -90,12 +93,20 @@ def used(
         Way of the vehicle for a turn of the shaft; nan where nobody knows.
     begins : s
         Where the recording does on the clock of its file, by which times are told.
+    ends : s
+        From when to when the speed is known. No band, place or gear is told outside.
+    held
+        Whether the way outside is counted with the speed beside it; unknown otherwise.
     """
     count = max((u.damage.size for u in found), default=0)
-    middle = np.arange(count) + 0.5
+    middle: FloatArray = np.asarray(np.arange(count) + 0.5, float)
     speed = np.full(count, np.nan) if shaft is None else shaft.speed(middle)
     turns = None if shaft is None else np.diff(shaft.at(np.arange(count + 1.0)))
+    unknown = (middle < ends[0]) | (middle > ends[1])
+    speed[unknown] = np.nan
     metres = None if turns is None or np.isnan(per_turn) else turns * per_turn
+    if metres is not None and not held:
+        metres[unknown] = np.nan
     load = np.full(count, np.nan)
     if torque is not None:
         read, often = torque
@@ -103,9 +114,11 @@ def used(
         if known.any():
             at = np.arange(read.size) / often
             load = np.interp(middle, at[known], read[known])
+            load[_far(middle, at[known]) > max(ALONE, 1 / often)] = np.nan
     gear = [""] * count
     if shaft is not None and engine is not None:
         gear = ["" if np.isnan(r) else f"{r:.3g}" for r in gear_ratios(shaft, engine, middle)]
+        gear = ["" if out else name for name, out in zip(gear, unknown, strict=True)]
     sorts: dict[str, list[str]] = {}
     if any(gear):
         sorts["gear"] = gear
@@ -149,6 +162,13 @@ def used(
             )
         )  # fmt: skip
     return tuple(answers)
+
+
+def _far(time: FloatArray, others: FloatArray) -> FloatArray:
+    """Return how far times (n,) are from the next of others (m,), which rise."""
+    after = np.searchsorted(others, time).clip(1, max(others.size - 1, 1))
+    near = others[np.stack([after - 1, np.minimum(after, others.size - 1)])]
+    return np.abs(near - time).min(0)
 
 
 def _scaled(band: str, factor: float) -> str:
