@@ -142,7 +142,8 @@ def test_what_the_brackets_terminal_says():
         "and 1 more, each less worn",
         "original: solved with a fillet of 4.200 mm; the CAD kernel breaks on the 6.000 mm drawn.",
         "original: seat is a bore of 30.00 mm radius, 2 faces, 5655 mm²",
-        "and 1 milder cases",
+        "original: bolt 1 is 1 face, 300.0 mm²",
+        "and 1 milder case: --json",
         "original, microstrain",
         "Refining changes the gauges' influence by 1.2 % of the largest at most, 1.2",
         "original, damage",
@@ -153,6 +154,8 @@ def test_what_the_brackets_terminal_says():
     portuguese = told("pt", "original")
     assert "120,5" in portuguese
     assert "120.5" not in portuguese
+    assert "bolt 1: 1 face, 300,0 mm²" in portuguese
+    assert "bolt 1: 1 faccia, 300,0 mm²" in told("it", "original")
     assert "O que o reforço muda" not in portuguese
 
 

@@ -187,16 +187,17 @@ def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
         )  # fmt: skip
     for p in v.solved.found:
         area = say.number(p.area / mm**2)
+        faces = say.count("{count} face", "{count} faces", p.faces)
         if p.radius:
             yield say(
-                "{name}: {pick} is a bore of {radius} mm radius, {faces} faces, {area} mm².",
-                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=p.faces,
+                "{name}: {pick} is a bore of {radius} mm radius, {faces}, {area} mm².",
+                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=faces,
                 area=area,
             )  # fmt: skip
         else:
             yield say(
-                "{name}: {pick} is {faces} faces, {area} mm².",
-                name=say(v.name), pick=p.name, faces=p.faces, area=area,
+                "{name}: {pick} is {faces}, {area} mm².",
+                name=say(v.name), pick=p.name, faces=faces, area=area,
             )  # fmt: skip
 
 
@@ -339,7 +340,8 @@ def _stresses(v: Judged, say: Language, width: int) -> Iterator[str]:
     yield from _numbers(head, rows, width, words=2)
     left = len(v.outcomes) - SHOWN
     if left > 0:
-        yield "  " + say("and {count} milder cases: --json", count=left)
+        milder = say.count("and {count} milder case", "and {count} milder cases", left)
+        yield f"  {milder}: --json"
     for told in (*pulled_off(v, say), *bent_far(v, say)):
         yield from folded([f"  {told}"], width)
 
