@@ -127,6 +127,16 @@ def test_a_bracket_s_page_says_the_verdict_and_the_limits_that_a_terminal_says(c
     assert page.index("</pre>") < page.index(f"<p>{code}</p>")
 
 
+@pytest.mark.parametrize(("code", "sign"), [("en", "."), ("pt", ","), ("it", ",")])
+def test_the_scale_of_a_scene_has_the_languages_decimal_sign(code, sign):
+    nothing = SimpleNamespace(outcomes=())
+    of = SimpleNamespace(variants=(nothing,), bracket=SimpleNamespace(gauges=()))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bracket_scene, "variant", lambda *_: {})
+        shown = bracket_scene.scene(of, say=Language(code))
+    assert f'"point":"{sign}"' in shown
+
+
 def test_what_the_brackets_terminal_says():
     said = told("en", "original", "reinforced")
     for words in (
