@@ -1,5 +1,6 @@
 """The bracket's arithmetic, which needs no finite element engine."""
 
+import re
 import sys
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
+from cardan.report.language import Language
 from cardan.study.bracket_judge import _pulls_off
 
 stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
@@ -129,8 +131,12 @@ def test_peaks_stand_apart():
     ("change", "says"),
     [
         ({"thickness": float("nan")}, "thickness of a U bracket must be above 0"),
-        ({"bolt_pitch": 60 * mm}, "bolt_pitch of a U bracket is 60 mm, but the washers"),
-        ({"bend_radius": 90 * mm}, "bend_radius of a U bracket is 96 mm"),
+        (
+            {"bolt_pitch": 60 * mm},
+            "bolt_pitch of a U bracket is 60 mm, but may be 45.8 mm, by the washers",
+        ),
+        ({"bolt_pitch": 60 * mm, "width": 20 * mm}, "but has no room, by the washers on its width"),
+        ({"bend_radius": 90 * mm}, "bend_radius of a U bracket is 90 mm, but may be 84 mm"),
         ({"gusset": 20 * mm, "gusset_height": 60 * mm}, "gusset with its weld"),
         ({"gusset": 5 * mm, "gusset_height": 95 * mm}, "gusset_height"),
         ({"gusset": 5 * mm, "gusset_height": 60 * mm, "fillet": 17 * mm}, "fillet|weld"),
@@ -152,6 +158,43 @@ def test_a_u_that_cannot_be_is_refused(change, says):
 def test_an_l_that_cannot_be_is_refused(change, says):
     with pytest.raises(DesignError, match=says):
         LShape(**L | change)
+
+
+@pytest.mark.parametrize(
+    ("part", "of", "key", "value"),
+    [
+        (UShape, U | {"width": 0.2}, "bolt_diameter", 0.019), (UShape, U, "bolt_pitch", 0.4),
+        (UShape, U | {"width": 0.2, "bolt_pitch": 0.1}, "bolt_diameter", 0.022),
+        (UShape, U | {"flange": 0.2}, "bend_radius", 0.2), (LShape, L, "seat_diameter", 0.14),
+        (LShape, L, "bolt_diameter", 0.013), (LShape, L, "bolt_edge", 0.06),
+        (UShape, U | {"gusset": 3 * mm, "gusset_height": 21 * mm}, "fillet", 6 * mm),
+    ],
+)  # fmt: skip
+def test_what_would_fit_is_told_in_the_files_own_measures_and_fits(part, of, key, value):
+    """A washer is 2.2 times as wide as its hole: told of the hole. What is told is taken."""
+    with pytest.raises(DesignError) as failed:
+        part(**of | {key: value})
+    told = re.search(
+        rf"^{key} of .* is {value / mm:g} mm, but may be (.*) mm, by", str(failed.value)
+    )
+    assert told, failed.value
+    fits = float(told[1]) * mm
+    part(**of | {key: fits})
+    with pytest.raises(DesignError):
+        part(**of | {key: fits + 0.02 * mm})
+
+
+@pytest.mark.parametrize("code", ["pt", "it"])
+def test_a_shape_that_cannot_be_is_refused_in_the_language(code):
+    for part, of, change in (
+        (UShape, U, {"gusset": 0.3, "gusset_height": 0.05}), (UShape, U, {"bolt_pitch": 0.4}),
+        (LShape, L, {"seat_diameter": 0.4}), (LShape, L, {"bolt_edge": 0.4}),
+    ):  # fmt: skip
+        with pytest.raises(DesignError) as failed:
+            part(**of | change)
+        told = Language(code).error(f"a.yaml:3: bracket.u_shape.x_mm: {failed.value}")
+        english = re.findall(r"\b(?:of|is|but|may|by|lower|room|the|bracket|with)\b", told)
+        assert english == ["bracket"], told
 
 
 def test_parts_refuse_nonsense():

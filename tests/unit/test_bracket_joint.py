@@ -138,7 +138,7 @@ def test_a_bolt_of_8_8_is_tightened_by_its_hole():
 
 
 def test_contact_is_told_on_its_safe_side():
-    """As CalculiX had more; no more than two ways to be held have, unless contact itself has."""
+    """By as much as CalculiX had more, though two ways to be held had less."""
     zones = ("sheet", "bolt border", "cut edge", "weld toe")
     found = on_its_safe_side(np.array([0.6, 0.6, 0.95, 1.2]), zones)
-    assert found == pytest.approx([0.69, 0.81, 1.0, 1.2])
+    assert found == pytest.approx([0.726, 0.852, 1.1495, 1.452])

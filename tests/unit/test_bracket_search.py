@@ -12,10 +12,11 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.errors import BadFile, DesignError
+from cardan.base.part import Occasion
 from cardan.base.units import hour, mm
 from cardan.cli import cli
 from cardan.report import bracket_search as shown
-from cardan.report.language import CODES, Language
+from cardan.report.language import CODES, EN, Language
 from cardan.study import bracket_search
 from cardan.study.bracket_search import DOUBT, lightest, search
 
@@ -55,16 +56,21 @@ def test_the_lightest_is_that_of_trying_all():
     assert asked < 0.5 * total
 
 
-def fake(monkeypatch, life, first=1.0):
-    """Judge by a formula; the first mesh is off by a factor."""
+def fake(monkeypatch, life, first=1.0, slips=None):
+    """Judge by a formula; the first mesh is off by a factor. It is in no bolts that slip."""
     solved = []
 
     def judged(_, shape, *, name, levels, **_tell):
         solved.append(name)
         hours = life(shape) * (first if levels == 1 else 1.0)
         part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
+        bolted = slips is not None and levels > 1
+        outcomes = [
+            SimpleNamespace(case=SimpleNamespace(when=Occasion("case", case)), slips=share)
+            for case, share in (slips(shape) if bolted else {"kerb": np.nan}).items()
+        ]
         return SimpleNamespace(
-            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), outcomes=()
+            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), outcomes=outcomes
         )
 
     def bracket_search_part():
@@ -125,6 +131,57 @@ def test_where_none_lives_none_is_told(monkeypatch):
         text = "\n".join(shown.terminal(application, found, Language(code)))
         assert ("None of them lives that long." in text) == (code == "en")
     assert json.loads(json.dumps(shown.contract(application, found)))["best"] is None
+
+
+BOLTED = FILE.replace("  rubber_N_mm", "  bolts: {preload_kN: 30}\n  rubber_N_mm")
+
+
+def on_long_flanges(asked):
+    """Return what cases ask of the bolts: as much as given, of a flange of 55 mm; else half."""
+    return lambda shape: {"mild": 0.1, "kerb": asked if shape.flange > 0.05 else 0.5}
+
+
+@pytest.mark.parametrize(("asked", "holds"), [(0.8, True), (0.9, False), (1.2, False)])
+def test_a_set_that_slips_is_not_the_lightest(monkeypatch, asked, holds):
+    """At 0.83 of what bolts hold the profile fails a slip: the lightest of those that hold is."""
+    application = files.loads(BOLTED)
+    fake(monkeypatch, life_of)
+    free = search(application).best
+    assert free.sizes["flange"] == 55 * mm
+    fake(monkeypatch, life_of, slips=on_long_flanges(asked))
+    found = search(application)
+    assert found.best.slips is None
+    assert (found.best.sizes == free.sizes) == holds
+    told = shown.contract(application, found)
+    assert told["best"]["bolts_hold"] is True
+    said = "\n".join(shown.terminal(application, found, width=400))
+    loose = [t for t in told["tried"] if t["bolts_hold"] is False]
+    assert bool(loose) != holds
+    for t in loose:
+        assert t["slip_utilisation"] == asked
+        assert t["sizes"]["flange_mm"] == 55
+    assert (f"kerb asks {EN.number(asked)} of what its bolts hold" in said) != holds
+    if not holds:
+        assert found.best.mass > free.mass
+
+
+def test_bolts_that_slip_fail_without_a_limit_as_well(monkeypatch):
+    application = replace(files.loads(BOLTED), limits=())
+    fake(monkeypatch, life_of, slips=on_long_flanges(0.99))
+    assert search(application).best.sizes["flange"] == 55 * mm
+    fake(monkeypatch, life_of, slips=on_long_flanges(1.01))
+    assert search(application).best.sizes["flange"] == 40 * mm
+
+
+def test_where_all_slip_none_is_told_for_its_bolts(monkeypatch):
+    fake(monkeypatch, life_of, slips=lambda _: {"kerb": 1.3})
+    application = files.loads(BOLTED)
+    found = search(application)
+    assert found.best is None
+    for code in CODES:
+        text = "\n".join(shown.terminal(application, found, Language(code)))
+        assert ("None of them lives that long in bolts that hold." in text) == (code == "en")
+        assert "1.300" in text.replace(",", ".")
 
 
 def test_what_cannot_be_built_is_left_out_with_its_reason(monkeypatch):

@@ -127,6 +127,16 @@ def test_a_bracket_s_page_says_the_verdict_and_the_limits_that_a_terminal_says(c
     assert page.index("</pre>") < page.index(f"<p>{code}</p>")
 
 
+@pytest.mark.parametrize(("code", "sign"), [("en", "."), ("pt", ","), ("it", ",")])
+def test_the_scale_of_a_scene_has_the_languages_decimal_sign(code, sign):
+    nothing = SimpleNamespace(outcomes=())
+    of = SimpleNamespace(variants=(nothing,), bracket=SimpleNamespace(gauges=()))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bracket_scene, "variant", lambda *_: {})
+        shown = bracket_scene.scene(of, say=Language(code))
+    assert f'"point":"{sign}"' in shown
+
+
 def test_what_the_brackets_terminal_says():
     said = told("en", "original", "reinforced")
     for words in (
@@ -142,7 +152,8 @@ def test_what_the_brackets_terminal_says():
         "and 1 more, each less worn",
         "original: solved with a fillet of 4.200 mm; the CAD kernel breaks on the 6.000 mm drawn.",
         "original: seat is a bore of 30.00 mm radius, 2 faces, 5655 mm²",
-        "and 1 milder cases",
+        "original: bolt 1 is 1 face, 300.0 mm²",
+        "and 1 milder case: --json",
         "original, microstrain",
         "Refining changes the gauges' influence by 1.2 % of the largest at most, 1.2",
         "original, damage",
@@ -153,6 +164,8 @@ def test_what_the_brackets_terminal_says():
     portuguese = told("pt", "original")
     assert "120,5" in portuguese
     assert "120.5" not in portuguese
+    assert "bolt 1: 1 face, 300,0 mm²" in portuguese
+    assert "bolt 1: 1 faccia, 300,0 mm²" in told("it", "original")
     assert "O que o reforço muda" not in portuguese
 
 

@@ -10,8 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.base.source import ASSUMED
+from cardan.base.units import mm
 from cardan.border.table import ListOf, MapOf, Table, TableRule, Text
+from cardan.bracket.estimate import affordable
 from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.campaign import (
@@ -175,9 +178,19 @@ RECORDED = (
 REFUSED = ("bad", "refuse", "BadFile", "BadParameter", "CardanError", "DesignError", "Problem")
 
 
-def recordings_refused():
+BRACKETS = ("model/bracket.py", "bracket/*.py", "study/bracket*.py")
+CALLED = {
+    "elements need a size above 0, got {0} m", "no face is called {0}; there are {1}",
+    "nothing is called {0}; there are {1}", "{0} gauges have an influence, {1} a reading",
+    "a load history is (..., samples, 3, 6 or {0}), got {1}",
+    "elements of {0} mm, degree {1}, would make {2}; allowed are {3} GB and {4} minutes: ",
+}  # fmt: skip
+"""What only who calls the functions of a bracket is told; and the half of a sentence."""
+
+
+def recordings_refused(modules=RECORDED):
     """Sentences in which readers of recordings and campaigns refuse, made before or in the call."""
-    for module in (path for glob in RECORDED for path in (ROOT / "src/cardan").glob(glob)):
+    for module in (path for glob in modules for path in (ROOT / "src/cardan").glob(glob)):
         for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
             match node:
                 case ast.Assign(targets=[ast.Name("msg" | "hint")], value=value):
@@ -205,6 +218,26 @@ def test_all_that_readers_of_recordings_refuse_is_translated(code):
     said = set(recordings_refused())
     assert len(said) > 90
     assert sorted(s for s in said if ("error", s) not in catalogue(code)) == []
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_all_that_a_bracket_refuses_is_translated(code):
+    """It was half a sentence: ..., but the plate leaves 40 mm: lower it, ou make room."""
+    said = set(recordings_refused(BRACKETS))
+    assert len(said) > 40
+    assert {s for s in said if ("error", s) not in catalogue(code)} == CALLED
+
+
+@pytest.mark.parametrize("code", OTHERS)
+@pytest.mark.parametrize(("size", "degree", "volume"), [(1, 2, 1), (1, 3, 1), (1, 2, 1e-4)])
+def test_a_bracket_that_takes_too_long_is_refused_in_the_language(code, size, degree, volume):
+    """An edge that would do is told; of a sheet of a tenth of a millimetre none would."""
+    with pytest.raises(DesignError) as failed:
+        affordable(volume=1e-2 * volume, area=2.0, size=size * mm, degree=degree)
+    told = Language(code).error(f"a.yaml:3: bracket: original bracket: {failed.value}")
+    assert {"elements", "allowed", "million"} < words(str(failed.value))
+    english = "elements degree would allowed are about million unknowns minutes try lower check"
+    assert not words(told) & words(f"{english} sheet asks bends whatever thickness")
 
 
 @pytest.mark.parametrize("code", OTHERS)

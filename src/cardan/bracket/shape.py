@@ -363,8 +363,10 @@ def _chosen(body: Any, part: StepShape) -> Any:
             one for k, one in enumerate(solids, 1) if not one.name and f"{k}" == part.solid
         ]
         if len(named) != 1:
-            how = "no solid" if not named else f"{len(named)} solids"
-            msg = f"{how} of {part.path} called {part.solid!r}: it has {told}"
+            if named:
+                msg = f"{len(named)} solids of {part.path} are called {part.solid!r}: it has {told}"
+            else:
+                msg = f"no solid of {part.path} is called {part.solid!r}: it has {told}"
             raise DesignError(msg, about="bracket.step.solid")
         return named[0]
     if len(solids) > 1:

@@ -208,9 +208,8 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
             continue
         return replace(found, fillet=fillet) if fillet[0] != fillet[1] else found
     msg = (
-        "the CAD kernel or the mesher broke on this bracket, in a process of its own ("
-        + "; ".join(tried)
-        + "): change its fillet, or the size of its elements"
+        "the CAD kernel or the mesher broke on this bracket, in a process of its own "
+        f"({'; '.join(tried)}): change its fillet, or the size of its elements"
     )
     raise DesignError(msg, about="bracket")
 

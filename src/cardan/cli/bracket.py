@@ -63,7 +63,8 @@ def bracket(
     variant stands beside the original. Needs the extra cardan[bracket]. Exit code 0 where
     the original passes or warns, 1 where it fails a limit, 2 for a bad file.
 
-    With --optimise sizes are chosen instead: 0 where some live long enough, else 1.
+    With --optimise sizes are chosen instead: 0 where some live long enough, in bolts that hold,
+    else 1.
     """
     from cardan.base.errors import DesignError
     from cardan.report import bracket as shown

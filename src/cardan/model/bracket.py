@@ -26,6 +26,10 @@ Hold: TypeAlias = Literal["sliding", "clamped"]
 """How the frame holds a flange: its washers alone, free to slide; or its whole plane."""
 
 
+_EQUAL = 1e-9
+"""Share by which lengths may differ and be equal: 2.2 times 11 is a little more than 24.2."""
+
+
 def _above_zero(part: str, **lengths: Metre) -> None:
     """Refuse lengths that are not above zero; the comparison refuses nan too."""
     for name, value in lengths.items():
@@ -34,13 +38,19 @@ def _above_zero(part: str, **lengths: Metre) -> None:
             raise DesignError(msg)
 
 
-def _at_most(part: str, name: str, value: Metre, room: Metre, why: str) -> None:
-    """Refuse a length that does not fit, with the room there is and what takes the rest."""
-    if not value <= room:
+def _at_most(
+    part: str, name: str, value: Metre, room: Metre, why: str, *, times: float = 1.0
+) -> None:
+    """Refuse a length of which so many times do not fit, with what there is room for, and why."""
+    if not times * value <= room * (1 + _EQUAL):
+        # What is told must fit as it stands, so it is cut, not rounded.
+        fits = (max(room / times, 0.0) / mm * 100 + 1e-6) // 1 / 100
         msg = (
-            f"{name} of {part} is {value / mm:g} mm, but {why} leaves "
-            f"{max(room, 0.0) / mm:.4g} mm: lower it, or make room"
+            f"{name} of {part} is {value / mm:g} mm, but may be {fits:g} mm, by {why}: lower it, "
+            "or make room"
         )
+        if not fits:
+            msg = f"{name} of {part} is {value / mm:g} mm, but has no room, by {why}: make some"
         raise DesignError(msg)
 
 
@@ -74,14 +84,14 @@ class UShape:
             bolt_diameter=self.bolt_diameter, bolt_pitch=self.bolt_pitch, fillet=self.fillet,
         )  # fmt: skip
         t, r = self.thickness, self.bend_radius
-        _at_most(part, "bend_radius", r + t, self.height, "its height above the bearing")
+        _at_most(part, "bend_radius", r, self.height - t, "its height above the bearing")
         # A bolt bears on a ring of twice its diameter.
         room = self.width - 2.2 * self.bolt_diameter
         _at_most(part, "bolt_pitch", self.bolt_pitch, room, "the washers on its width")
-        _at_most(part, "bolt_diameter", 2.2 * self.bolt_diameter, self.flange - r,
-                 "the flange beyond the bend, for a washer")  # fmt: skip
-        _at_most(part, "bolt_diameter", 2.2 * self.bolt_diameter, self.bolt_pitch,
-                 "the pitch, for two washers")  # fmt: skip
+        _at_most(part, "bolt_diameter", self.bolt_diameter, self.flange - r,
+                 "the flange beyond the bend, for a washer", times=2.2)  # fmt: skip
+        _at_most(part, "bolt_diameter", self.bolt_diameter, self.bolt_pitch,
+                 "the pitch, for two washers", times=2.2)  # fmt: skip
         if self.gusset:
             _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
             weld = self.gusset + 2 * self.fillet
@@ -90,9 +100,9 @@ class UShape:
             room = self.height - t - self.fillet
             _at_most(part, "gusset_height", self.gusset_height, room, "the leg above the seat")
             room = self.gusset_height - r
-            _at_most(part, "fillet", 3 * self.fillet, room, "the gusset below the bend")
+            _at_most(part, "fillet", self.fillet, room, "the gusset below the bend", times=3)
             room = 0.85 * self.flange - r
-            _at_most(part, "fillet", 3 * self.fillet, room, "the gusset beyond the bend")
+            _at_most(part, "fillet", self.fillet, room, "the gusset beyond the bend", times=3)
 
     @property
     def places(self) -> tuple[Vector, ...]:
@@ -137,15 +147,15 @@ class LShape:
         t = self.thickness
         _at_most(part, "wall_width", self.wall_width, self.width, "the plate")
         _at_most(part, "seat_diameter", self.seat_diameter, self.wall_width, "the wall")
-        _at_most(part, "seat_diameter", self.seat_diameter / 2, self.height - t - self.fillet,
-                 "the wall below the root's fillet, above the centre,")  # fmt: skip
-        _at_most(part, "bolt_diameter", 1.1 * self.bolt_diameter, self.bolt_edge,
-                 "the edge, for a washer")  # fmt: skip
+        _at_most(part, "seat_diameter", self.seat_diameter, self.height - t - self.fillet,
+                 "the wall below the root's fillet, above the centre", times=0.5)  # fmt: skip
+        _at_most(part, "bolt_diameter", self.bolt_diameter, self.bolt_edge,
+                 "the edge, for a washer", times=1.1)  # fmt: skip
         washer = 2.2 * self.bolt_diameter
         _at_most(part, "bolt_edge", self.bolt_edge, self.depth - t - self.fillet - 1.5 * washer,
-                 "the plate's depth, for two rows of washers,")  # fmt: skip
+                 "the plate's depth, for two rows of washers")  # fmt: skip
         _at_most(part, "bolt_edge", self.bolt_edge, (self.width - washer) / 2,
-                 "the plate's width, for two washers,")  # fmt: skip
+                 "the plate's width, for two washers")  # fmt: skip
         if self.gusset:
             _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
             room = self.brace - self.seat_diameter / 2

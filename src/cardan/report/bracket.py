@@ -187,16 +187,17 @@ def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
         )  # fmt: skip
     for p in v.solved.found:
         area = say.number(p.area / mm**2)
+        faces = say.count("{count} face", "{count} faces", p.faces)
         if p.radius:
             yield say(
-                "{name}: {pick} is a bore of {radius} mm radius, {faces} faces, {area} mm².",
-                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=p.faces,
+                "{name}: {pick} is a bore of {radius} mm radius, {faces}, {area} mm².",
+                name=say(v.name), pick=p.name, radius=say.number(p.radius / mm), faces=faces,
                 area=area,
             )  # fmt: skip
         else:
             yield say(
-                "{name}: {pick} is {faces} faces, {area} mm².",
-                name=say(v.name), pick=p.name, faces=p.faces, area=area,
+                "{name}: {pick} is {faces}, {area} mm².",
+                name=say(v.name), pick=p.name, faces=faces, area=area,
             )  # fmt: skip
 
 
@@ -303,8 +304,8 @@ def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
     told = say(
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
-        "{more} %, at {other}. Fatigue and life are those in contact with 15 % more, at bolts' "
-        "borders 35 %, as far as it may be wrong; stresses are not.",
+        "{more} %, at {other}. Fatigue and life are those in contact with 21 % more, at bolts' "
+        "borders 42 %, as far as it may be wrong; stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
         case=say.occasion(when), share=f"{100 * use[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
@@ -339,7 +340,8 @@ def _stresses(v: Judged, say: Language, width: int) -> Iterator[str]:
     yield from _numbers(head, rows, width, words=2)
     left = len(v.outcomes) - SHOWN
     if left > 0:
-        yield "  " + say("and {count} milder cases: --json", count=left)
+        milder = say.count("and {count} milder case", "and {count} milder cases", left)
+        yield f"  {milder}: --json"
     for told in (*pulled_off(v, say), *bent_far(v, say)):
         yield from folded([f"  {told}"], width)
 

@@ -392,7 +392,7 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         )
         yield say("The throat of a weld, and its root, are not assessed.")
     if of.variants[0].forced is not None:
-        loss = say.number(of.bracket.loss)
+        loss = say.short(of.bracket.loss)
         yield say(
             "At the worst points and over the duty cycle the line swings on its rubber and on this "
             "bracket, which swings itself; the bracket loses {loss} of its energy in a radian. "

@@ -49,6 +49,7 @@ def scene(of: BracketAnswer, *, say: Language = EN) -> str:
         "words": {
             "none": say("This browser shows no WebGL."),
             "scale": say("blue 0 to red {top} MPa, von Mises", top="@"),
+            "point": say.pointed("1.5")[1],
         },
         "gauges": [{"name": g.name, "at": list(g.point)} for g in of.bracket.gauges],
     }
@@ -164,7 +165,8 @@ const pick = () => {
   c = v.cases[q('.c').value];
   const u = new Float32Array(bytes(c.u)); swing = u.reduce((a, x) => Math.max(a, Math.abs(x)), 0);
   fill('u', u, 3); fill('s', new Float32Array(bytes(c.s)), 1);
-  q('.k').textContent = data.words.scale.replace('@', c.top.toFixed(1)); draw();
+  const top = c.top.toFixed(1).replace('.', data.words.point);
+  q('.k').textContent = data.words.scale.replace('@', top); draw();
 };
 const draw = () => {
   canvas.width = canvas.clientWidth; canvas.height = canvas.clientHeight;

@@ -7,7 +7,7 @@ import numpy as np
 
 from cardan.base.units import mm
 from cardan.model.application import Application
-from cardan.report.bracket import hours, slipped
+from cardan.report.bracket import hours
 from cardan.report.contract import CONTRACT, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
@@ -57,15 +57,26 @@ def terminal(
     )
     careful = bolted if of.bracket is not None and of.bracket.bolts is not None else pair
     yield from folded([careful], width)
-    if found.best is None:
-        yield say("None of them lives that long.")
-    else:
+    short = [t for t in found.tried if t.refined and t.life >= found.target and t.slips]
+    for t in short:
+        assert t.slips is not None
+        loose = say(
+            "{sizes}: lives long enough, but {case} asks {share} of what its bolts hold; that is "
+            "too much.", sizes=said(t.sizes, say), case=say.occasion(t.slips.case.when),
+            share=say.number(t.slips.slips),
+        )  # fmt: skip
+        yield from folded([loose], width)
+    if found.best is not None:
         chosen = say(
             "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=said(found.best.sizes, say),
             mass=say.number(found.best.mass),
             hours=hours(found.best.life, say, found.best.judged.life_within),
         )  # fmt: skip
-        yield from folded([chosen, *slipped(found.best.judged, say)], width)
+        yield from folded([chosen], width)
+    elif short:
+        yield say("None of them lives that long in bolts that hold.")
+    else:
+        yield say("None of them lives that long.")
 
 
 def said(sizes: dict[str, float], say: Language) -> str:
@@ -100,6 +111,7 @@ def _tried(t: Tried) -> dict[str, Any]:
         "life_hours_within": [x if np.isfinite(x) else None for x in t.judged.life_within],
         "refined": t.refined,
         "slip_utilisation": _slips(t),
+        "bolts_hold": None if _slips(t) is None else t.slips is None,
         "worst": {"zone": worst.zone, "number": worst.number},
     }
 

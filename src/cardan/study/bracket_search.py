@@ -3,7 +3,8 @@
 A sheet that is thicker never lives shorter; that is all the search takes for granted. So of
 sizes that differ in thickness alone the thinnest that does is found by halving, and a heavier
 set is not tried where a lighter one does. Each try hangs the line in its own bracket. A first
-mesh tells which are far off; who wins is judged like any bracket, and falls where it must.
+mesh tells which are far off; who wins is judged like any bracket, and falls where it must:
+where it lives too short, or its bolts slip more than the profile allows.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +17,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Kilogram, Metre, hour, mm
+from cardan.base.verdict import Limit
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
@@ -23,7 +25,8 @@ from cardan.bracket.solve import weighed_apart
 from cardan.model.application import Application
 from cardan.model.bracket import Bracket, Search, Shape
 from cardan.study.bracket import Bench
-from cardan.study.bracket_judge import Judged
+from cardan.study.bracket_judge import Judged, Outcome
+from cardan.study.finding import BRACKET, SLIP, limits_of
 
 DOUBT, LOOSE = 2.0, 4.0
 """A life by the first mesh may be wrong by this factor: its stress by a tenth, to the fifth. And
@@ -42,6 +45,8 @@ class Tried:
         Hours over the duty cycle, at the worst place.
     refined
         Whether its mesh was made finer until its maxima stayed.
+    slips : Outcome
+        The case that asks most of its bolts, where that is more than they may be asked; else None.
     judged : Judged
         All of it.
     """
@@ -51,6 +56,7 @@ class Tried:
     life: float
     refined: bool
     judged: Judged
+    slips: Outcome | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +68,7 @@ class Searched:
     target
         Hours.
     best : Tried
-        The lightest that lives as long; None where none does.
+        The lightest that lives as long, in bolts that hold; None where none does.
     tried
         All that were solved, in order.
     count, refused
@@ -116,42 +122,48 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
         bracket, gauges=(), recordings=tuple(r for r in bracket.recordings if r.strain is None)
     )
     bench = Bench.of(replace(application, bracket=bare))
+    slip = [m for m in limits_of(BRACKET, application) if m.quantity == SLIP]
     tried: list[Tried] = []
-    known: dict[tuple[int, int, bool], float] = {}
+    known: dict[tuple[int, int, bool], Tried | None] = {}
     fallen: set[tuple[int, int]] = set()
 
-    def life(row: int, column: int, *, refined: bool) -> float:
-        """Return the life (h) of a set of sizes, 0 where it cannot be meshed."""
+    def asked(row: int, column: int, *, refined: bool) -> Tried | None:
+        """Return a set of sizes, judged; None where it cannot be meshed."""
         key = (row, column, refined)
         if key not in known:
             sizes, shape, mass = rows[row][column]
+            known[key] = None
             try:
                 judged = bench.judged(
                     shape, name=named(sizes), levels=LEVELS if refined else 1, tell=tell
                 )
             except (DesignError, NotConverged) as error:
                 refused.append((sizes, str(error)))
-                known[key] = 0.0
-                return 0.0
-            known[key] = judged.life
-            tried.append(
-                Tried(sizes=sizes, mass=mass, life=judged.life, refined=refined, judged=judged)
-            )
+                return None
+            known[key] = one = Tried(
+                sizes=sizes, mass=mass, life=judged.life, refined=refined, judged=judged,
+                slips=_slips(judged, slip),
+            )  # fmt: skip
+            tried.append(one)
         return known[key]
 
     def does(row: int, column: int) -> bool:
         if any(r == row and column <= c for r, c in fallen):
             return False
         if (row, column, True) in known:
-            return known[row, column, True] >= target
-        return life(row, column, refined=False) >= target / (LOOSE if bracket.bolts else DOUBT)
+            return True  # it would have fallen
+        first = asked(row, column, refined=False)
+        return first is not None and first.life >= target / (LOOSE if bracket.bolts else DOUBT)
 
     target = wanted.life / hour
     best: Tried | None = None
     while (at := lightest([[m for *_, m in row] for row in rows], does=does)) is not None:
-        if life(*at, refined=True) >= target:
-            best = next(t for t in tried if t.refined and t.sizes == rows[at[0]][at[1]][0])
+        one = asked(*at, refined=True)
+        if one is not None and one.life >= target and one.slips is None:
+            best = one
             break
+        # Whether bolts slip does not go with thickness, but what is thinner was found to live
+        # too short, or fell before.
         fallen.add(at)
     return Searched(
         target=target,
@@ -165,6 +177,15 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
 def named(sizes: Mapping[str, Metre]) -> str:
     """Return sizes as a name: thickness 5, flange 40 mm."""
     return ", ".join(f"{k.replace('_', ' ')} {v / mm:g}" for k, v in sizes.items()) + " mm"
+
+
+def _slips(judged: Judged, limits: Sequence[Limit]) -> Outcome | None:
+    """Return the case that asks most of the bolts, where they slip, or come nearer than allowed."""
+    known = [o for o in judged.outcomes if not np.isnan(o.slips)]
+    worst = max(known, key=lambda o: o.slips, default=None)
+    if worst is None or (worst.slips <= 1 and all(m.grade(worst.slips) != "fail" for m in limits)):
+        return None
+    return worst
 
 
 def _asked(application: Application) -> tuple[Bracket, Search]:
