@@ -734,7 +734,7 @@ def test_a_report_names_the_study_that_fails_where_no_move_helps():
     assert found.verdict == "fail"
     (said,) = what_to_change(found)
     assert re.fullmatch(
-        r"fail \(vibration\): Growth of torsional vibration, zone of .*: -\S+ against -100.0 1/s",
+        r"fail \(vibration\): Growth of torsional vibration, zone of .*: −\S+ against −100.0 1/s",
         said,
     )
     assert next(what_to_change(found, "pt")).startswith("reprovado (vibração): ")

@@ -286,7 +286,7 @@ def test_corrections_are_those_of_the_command_and_their_edits_make_them():
     )
     assert told["scatter"] == scattered(found[0].trucks, EN)
     assert [p["survives"] for p in told["proposals"]] == [
-        [won(p, EN), *survives(p.survival, p.trucks, EN)] for p in found
+        [won(p, EN.typeset), *survives(p.survival, p.trucks, EN.typeset)] for p in found
     ]
     for p in told["proposals"]:
         after = approve(files.loads(live(CHAIN, p["edits"])["text"]))
