@@ -217,11 +217,17 @@ def test_a_limit_on_a_bearing_asks_where_first_gear_meets_the_mode(truck):
     assert found.value > 8 * 224.7
 
 
+def of_losses(approval):
+    """What notes say of a loss factor that is assumed."""
+    return [dict(n.values) for n in approval.noted if "loss factor" in n.text]
+
+
 def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
-    (note,) = truck.assumed
-    assert (note.bearing, note.state, note.factor) == (1, "full rebound", 0.1)
-    less, more = note.forces
-    assert less > 1.8 * note.force > 3 * more
+    (note,) = of_losses(truck)
+    assert (note["bearing"], note["state"], note["factor"]) == (1, "full rebound", "0.1")
+    assert (note["low"], note["high"]) == ("0.05", "0.2")
+    less, force, more = (float(note[key]) for key in ("more", "force", "less"))
+    assert less > 1.8 * force > 3 * more
     given = truck.application
     (installed,) = given.lines
     shafts = tuple(
@@ -231,9 +237,9 @@ def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
     )  # fmt: skip
     line = replace(installed, line=replace(installed.line, shafts=shafts))
     again = assess(replace(given, lines=(line,)))
-    assert again.assumed == ()
+    assert of_losses(again) == []
     worst = again.responses[0].worst["dynamic"].running.dynamic.max()
-    assert worst == pytest.approx(less, rel=5e-3)  # at its own crest, hardly elsewhere
+    assert worst == pytest.approx(less, rel=6e-3)  # at its own crest, hardly elsewhere
 
 
 def test_where_nobody_knows_the_speed_no_force_is_said_to_rest_on_a_loss_factor(truck):
@@ -243,7 +249,7 @@ def test_where_nobody_knows_the_speed_no_force_is_said_to_rest_on_a_loss_factor(
     still = replace(given, speed=None, states=states, engine=None, gearbox=None, torque=3000.0)
     found = assess(still)
     assert "dynamic" in found.responses[0].worst
-    assert found.assumed == ()
+    assert of_losses(found) == []
 
 
 def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck):
@@ -261,7 +267,7 @@ def test_without_tubes_or_rubber_nothing_is_said_of_what_shakes_a_bearing(truck)
     assert {u.quantity for u in missing} == about
     assert all("stiffness" in u.needs[0] for u in missing)
     assert response.loads.bearing_forces.dynamic.max() < 400
-    assert found.assumed == ()
+    assert of_losses(found) == []
 
 
 def test_without_a_speed_nobody_knows_what_shakes_a_bearing(tmp_path):

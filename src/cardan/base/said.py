@@ -5,14 +5,18 @@ from cardan.base.frozen import dataclass
 
 @dataclass(frozen=True)
 class Said:
-    """A sentence in English, with {names} for its values."""
+    """A sentence in English, with {names} for its values; several of them are a list."""
 
     text: str
     values: tuple[tuple[str, object], ...] = ()
 
     def __str__(self) -> str:
         """Return it in English."""
-        return self.text.format(**dict(self.values)) if self.values else self.text
+        values = {
+            name: ", ".join(map(str, value)) if isinstance(value, tuple) else value
+            for name, value in self.values
+        }
+        return self.text.format(**values) if values else self.text
 
 
 def said(text: str, /, **values: object) -> Said:

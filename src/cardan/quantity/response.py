@@ -101,17 +101,17 @@ class Response:
         An application's cycle is that of the gearbox output, of which the line has its share.
         A named one is of the line's largest torque and top speed in the states that last.
         """
-        installed, named = self.demand.installed, self.application.duty_cycle
+        line, named = self.demand.standing.line, self.application.duty_cycle
         if named is not None:
-            torque, line = np.abs(self.demand.torque), self.demand.standing.line
+            torque = np.abs(self.demand.torque)
             if np.any(line.share != line.usual_share):  # behind a locked differential, at times
                 usual = line.usual_share / line.share * self.demand.engine_torque
                 torque = np.fmin(torque, np.abs(usual))
             most, speed = map(self._largest, (torque, self.demand.speed))
             return cycle_points(named, torque=most, speed=speed)
-        share = installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+        ratio = self.demand.installed.speed_ratio
         return tuple(
-            replace(p, torque=share * p.torque, speed=installed.speed_ratio * p.speed)
+            replace(p, torque=line.usual_share * p.torque, speed=ratio * p.speed)
             for p in self.application.duty
         )
 

@@ -164,6 +164,8 @@ class Language:
         def filled(value: object) -> object:
             if isinstance(value, Said):
                 return self.said(value)
+            if isinstance(value, tuple):
+                return self.list(*(str(filled(one)) for one in value))
             if isinstance(value, str):
                 number = _NUMBER.fullmatch(value)
                 return self.pointed(number[1]) + number[2] if number else self.given(value)

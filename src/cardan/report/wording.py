@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import isnan, pi
-from typing import TYPE_CHECKING, Any
+from math import pi
+from typing import TYPE_CHECKING
 
 from cardan.base.errors import BadFile, Problem, RefusedInFile
 from cardan.base.part import LINE
 from cardan.base.source import Source
-from cardan.base.units import mm, rpm
+from cardan.base.units import rpm
 from cardan.base.verdict import Check, Grade, Limit, Unanswered, badness, spoilt
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
@@ -17,7 +17,6 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
 from cardan.study.approval import Approval
 from cardan.study.moves import Move
-from cardan.study.notes import NOT_DRIVEN
 from cardan.study.sensitivity import Effect, Sensitivity
 
 if TYPE_CHECKING:
@@ -336,79 +335,7 @@ def notes(of: Approval, say: Language) -> list[str]:
                 say("{study} could not be asked: {why}.", study=say(f.study), why=why.rstrip("."))
                 for why in f.doubts
             ]
-    for m in of.mismatches:
-        stated, table = (
-            ", ".join(say.short(rate * mm, 4) for rate in rates) for rates in (m.stated, m.table)
-        )
-        note = say(
-            "a spring's stated {stated} N/mm are {apart} off the load of its own table at "
-            "{deflection} mm, which rises by {table} N/mm and counts",
-            stated=stated,
-            apart=say.pointed(f"{100 * m.apart:+.1f} %"),
-            deflection=say.short(m.deflection / mm, 4),
-            table=table,
-        )
-        found.append(say("Note: {note}.", note=note))
-    for a in of.assumed:
-        note = say(
-            "the rubber's loss factor {factor} is assumed: centre bearing {bearing} of line {line} "
-            "carries {force} N in {state}, with {low} it would be {more} N, with {high} {less} N",
-            factor=say.short(a.factor),
-            bearing=a.bearing,
-            line=a.line,
-            force=say.number(a.force),
-            state=say.state(a.state),
-            low=say.short(a.factors[0]),
-            more=say.number(a.forces[0]),
-            high=say.short(a.factors[1]),
-            less=say.number(a.forces[1]),
-        )
-        found.append(say("Note: {note}.", note=note))
-    for one in of.beyond:
-        note = say(
-            "centre bearing {bearing} of line {line} goes beyond its stop in {states}: up to "
-            "{moves} mm, where its rubber has {stop}; forces on rubber there are those of rubber "
-            "that goes on",
-            bearing=one.bearing,
-            line=one.line,
-            states=say.list(*map(say.state, one.states)),
-            moves=say.short(one.moves / mm, 3),
-            stop=say.short(one.stop / mm, 3),
-        )
-        found.append(say("Note: {note}.", note=note))
-    for one in of.giving:
-        told: dict[str, Any] = {
-            "bearing": one.bearing,
-            "line": one.line,
-            "moves": say.short(one.moves / mm, 3),
-            "state": say.state(one.state),
-            "steady": say.short(one.steady / mm, 3),
-        }
-        free = isnan(one.clearance)
-        note = (
-            say(
-                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
-                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily",
-                **told,
-            )
-            if free
-            else say(
-                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
-                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; "
-                "clearances leave that out, the smallest there is {clearance} mm",
-                clearance=say.short(one.clearance / mm, 4),
-                **told,
-            )
-        )
-        found.append(say("Note: {note}.", note=note))
-    for one in of.lifted:
-        note = say(
-            "the front axle would lift before the driven wheels slip in {states}: the slip torque "
-            "is what the whole weight on them holds",
-            states=say.list(*map(say.state, one.states)),
-        )
-        found.append(say("Note: {note}.", note=note))
-    found += [say("Note: {note}.", note=say.given(NOT_DRIVEN[one.way])) for one in of.not_driven]
+    found += [say("Note: {note}.", note=say.said(one)) for one in of.noted]
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.frozen import dataclass
+from cardan.base.said import Said
 from cardan.base.verdict import GRADES, Check, Unanswered, Verdict, worst
 from cardan.files.limit import DEFAULT
 from cardan.files.limit import limits as profile
@@ -25,20 +26,7 @@ from cardan.study.finding import (
     silence,
     silent,
 )
-from cardan.study.notes import (
-    AssumedLoss,
-    BeyondStop,
-    GivingRubber,
-    LiftedAxle,
-    NotDriven,
-    SpringMismatch,
-    assumed_losses,
-    beyond_stops,
-    giving_rubber,
-    lifted_axles,
-    mismatches,
-    not_driven,
-)
+from cardan.study.notes import noted
 from cardan.study.studies import STUDIES, VibrationStudy
 
 
@@ -113,49 +101,20 @@ class Approval:
         """What each line does in its states."""
         return self.of(DRIVELINE) or ()
 
-    @property
-    def mismatches(self) -> tuple[SpringMismatch, ...]:
-        """Springs whose drawing states rates that are not those of its own table."""
-        return tuple(mismatches(self.application))
-
-    @cached_property
-    def assumed(self) -> tuple[AssumedLoss, ...]:
-        """What rests on a loss factor of rubber that nobody gave."""
-        return tuple(assumed_losses(self.responses))
-
-    @cached_property
-    def giving(self) -> tuple[GivingRubber, ...]:
-        """How far rubber gives where something is in a line's way."""
-        return tuple(giving_rubber(self.responses))
-
-    @cached_property
-    def beyond(self) -> tuple[BeyondStop, ...]:
-        """Which centre bearings would go on where their rubber meets its stop."""
-        return tuple(beyond_stops(self.responses))
-
-    @cached_property
-    def lifted(self) -> tuple[LiftedAxle, ...]:
-        """Where a front axle lifts before the driven wheels slip."""
-        return tuple(lifted_axles(self.responses))
-
-    @cached_property
-    def not_driven(self) -> tuple[NotDriven, ...]:
-        """Ways in which the vehicle is driven, and no line is asked."""
-        return tuple(not_driven(self.responses))
-
     @cached_property
     def data(self) -> tuple[Datum, ...]:
         """The rows of catalogues that it stands on, and how each was read."""
         return tuple(data_of(self.application))
 
+    @cached_property
+    def noted(self) -> tuple[Said, ...]:
+        """What a reader should know: where the application contradicts itself, what is assumed."""
+        return tuple(noted(self.application, self.responses))
+
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know: where the application contradicts itself, what is assumed."""
-        told = (
-            *self.mismatches, *self.assumed, *self.beyond, *self.giving, *self.lifted,
-            *self.not_driven,
-        )  # fmt: skip
-        return tuple(str(m) for m in told)
+        """The same in English."""
+        return tuple(map(str, self.noted))
 
     def of(self, study: str) -> Any:
         """Return the answer of a study; None where it was not asked or had none."""
