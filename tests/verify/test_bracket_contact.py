@@ -19,6 +19,7 @@ from cardan.bracket.unit import solved, unit_loads
 from cardan.bracket.zones import BORDER, CUT, SHEET, zones_of
 from cardan.model.bracket import Bolts, UShape
 from cardan.model.material import STEEL
+from cardan.study.bracket_contact import on_its_safe_side
 
 pytestmark = [pytest.mark.oracle, pytest.mark.bracket]
 
@@ -201,3 +202,13 @@ def test_our_contact_has_the_stress_of_calculix_where_it_is_high(both, bolted):
     share = bolted[1].max(axis=0) / theirs.max(axis=0)
     assert np.all((share[:2] > 0.85) & (share[:2] < 1.15)), share
     assert np.all((share[2:] > 0.65) & (share[2:] < 1.15)), share
+
+
+def test_what_is_told_of_contact_is_never_less_than_calculix_has(both, bolted):
+    """Zone by zone and load by load, with what is added; a flange that pries is no exception."""
+    ways, _, real, *_ = both
+    theirs = np.max([worst(u, h, real) for u, h in zip(ways, HOLDS, strict=True)], axis=0)
+    zones = ("sheet", "cut edge", "bolt border")
+    told = np.stack([on_its_safe_side(of, [z] * len(LOADS))
+                     for of, z in zip(bolted[1], zones, strict=True)])  # fmt: skip
+    assert np.all(told > 0.99 * theirs), told / theirs

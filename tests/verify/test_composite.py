@@ -364,20 +364,22 @@ def test_a_long_steel_tube_buckles_as_the_books_have_it():
     assert 1 < found[1, 0] < 1.03 < found[0, 0] < 1.07
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(24))
 def test_metal_buckles_by_its_curve_as_the_shell_does(seed):
-    """Against the shell's own eigenvalue: the curve is below it, by 5 % at most."""
+    """Against the shell's own eigenvalue: the curve is below it, by 6 % at most."""
     rng = np.random.default_rng(seed)
     of = Material(name="any", youngs_modulus=rng.uniform(60e9, 210e9), density=2700.0,
                   poisson=rng.uniform(0.25, 0.35))  # fmt: skip
-    r, thin = rng.uniform(0.02, 0.2), rng.uniform(0.012, 0.05)
-    tube, length = Tube(outer=(2 + thin) * r, wall=thin * r, material=of), rng.uniform(6, 60) * r
-    assert 0.6 < length / r * np.sqrt(thin) < 14
+    r, thin = rng.uniform(0.02, 0.2), np.exp(rng.uniform(*np.log([0.004, 0.05])))
+    tube, length = (
+        Tube(outer=(2 + thin) * r, wall=thin * r, material=of),
+        rng.uniform(0.6, 14) * r / np.sqrt(thin),
+    )
     told = tube_buckling_torque(
         outer=tube.outer, inner=tube.inner, modulus=of.youngs_modulus, poisson=of.poisson,
         length=length,
     )  # fmt: skip
-    assert 0.945 < told / buckling_torque(tube, length) < 1.002
+    assert 0.935 < told / buckling_torque(tube, length) < 1.0005
 
 
 def test_metal_too_short_or_of_unknown_length_is_told_on_the_safe_side():
@@ -390,7 +392,7 @@ def test_metal_too_short_or_of_unknown_length_is_told_on_the_safe_side():
     assert tube_buckling_torque(**of, length=np.nan) == pytest.approx(endless, rel=1e-12)
     # 0.5 and 0.125 of the curve's own length.
     ends = tube_buckling_torque(**of, length=np.array([0.125, 0.5]) * r / np.sqrt(t / r))
-    assert ends == pytest.approx(endless / 0.245 * np.array([2.0, 1.0]), rel=1e-12)
+    assert ends == pytest.approx(endless / 0.247 * np.array([2.0, 1.0]), rel=1e-12)
 
 
 @pytest.mark.oracle

@@ -318,7 +318,7 @@ DECLARED = (
         },
         source=Source("Flügge, Stresses in Shells, 1973", "ch. 8"),
         use="Perfectly round, ends pinned at the joint centres, in the sense of torque that plies "
-        "hold less well. Of metal by a curve up to 5 % below that; a thick wall yields before.",
+        "hold less well. Of metal by a curve up to 6 % below that; a thick wall yields before.",
         of=lambda r: r.tube_buckling_utilisation[..., _with_tubes(r)],
         parts=lambda r: tuple(Part("shaft", k + 1) for k in _with_tubes(r)),
         needs=(TORQUE,),
