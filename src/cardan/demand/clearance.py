@@ -1,24 +1,47 @@
 """What is in the way: the distance between shafts and obstacles, state by state."""
 
-from functools import reduce
-
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, stacked, vectors
+from cardan.base.frozen import dataclass
 from cardan.kinematics.chain import dot
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout, size
 from cardan.model.parts import Line
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gaps:
+    """Where shafts may be nearest to obstacles: five places each, (5, ..., n-1, obstacles).
+
+    Attributes
+    ----------
+    free : m
+        Distance there, less what both are thick; negative is interference.
+    share : 1
+        How far along the shaft that is, 0 at its front joint.
+    away : (..., 3)
+        Unit vector from the obstacle to the shaft; nothing where their axes meet.
+    """
+
+    free: FloatArray
+    share: FloatArray
+    away: FloatArray
+
+
 def clearances(
     layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel: ArrayLike
 ) -> FloatArray:
-    """Return the free distance between each shaft and each obstacle, (..., n-1, obstacles) m.
+    """Return the free distance between each shaft and each obstacle, (..., n-1, obstacles) m."""
+    return gaps(layout, line, obstacles, travel=travel).free.min(axis=0)
+
+
+def gaps(layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel: ArrayLike) -> Gaps:
+    """Return how free shafts are of obstacles where these may be nearest.
 
     Shafts are round bars of their tube's diameter (lines where no tube is known) between
     joint centres; obstacles are capsules that follow the axle by their share of its
-    `travel` (...) m, up positive. Negative is interference.
+    `travel` (...) m, up positive.
     """
     starts = vectors(o.start for o in obstacles)[..., None, :, :]
     ends = vectors(o.end for o in obstacles)[..., None, :, :]
@@ -26,18 +49,24 @@ def clearances(
     rise = np.asarray(travel, dtype=float)[..., None] * stacked(o.travel_share for o in obstacles)
     lift = stacked((0.0, 0.0, rise))[..., None, :, :]
     points = layout.points[..., :, None, :]
-    distance = segment_distance(
-        points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift
-    )
+    share, away = between(points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift)
+    distance = size(away)
     bars = stacked(s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts)
-    return distance - bars[..., None] - radii
+    return Gaps(
+        free=distance - bars[..., None] - radii,
+        share=share,
+        away=away / np.where(distance > 0, distance, 1.0)[..., None],
+    )
 
 
-def segment_distance(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> FloatArray:
-    """Return the shortest distance between segments ab and cd, points (..., 3) m.
+def between(
+    a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return where segments ab and cd, points (..., 3) m, may be nearest to each other.
 
-    The nearest points of the two lines, if both lie on their segments, or else the nearest
-    of the four end points to the other segment.
+    Five places, as a share (5, ...) of ab, and the vector (5, ..., 3) m from cd to there: the
+    nearest points of the two lines, if both lie on their segments, and each of the four end
+    points with what the other segment has nearest to it.
     """
     a, b, c, d = (np.asarray(p, dtype=float) for p in (a, b, c, d))
     u, v, w = b - a, d - c, a - c
@@ -48,23 +77,16 @@ def segment_distance(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> 
     safe = np.where(crossing, det, 1.0)
     s, t = (uv * vw - vv * uw) / safe, (uu * vw - uv * uw) / safe
     inside = crossing & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
-    between = size(w + s[..., None] * u - t[..., None] * v)
-    ends = (
-        _beside(w, v, length2=vv, reach=vw),
-        _beside(w + u, v, length2=vv, reach=uv + vw),
-        _beside(-w, u, length2=uu, reach=-uw),
-        _beside(v - w, u, length2=uu, reach=uv - uw),
-    )
-    return np.where(inside, between, reduce(np.minimum, ends))
+    none, one = np.zeros_like(det), np.ones_like(det)
+    s = np.stack([none, one, _share(-uw, uu), _share(uv - uw, uu), np.where(inside, s, none)])
+    t = np.stack([_share(vw, vv), _share(uv + vw, vv), none, one, np.where(inside, t, none)])
+    return s, w + s[..., None] * u - t[..., None] * v
 
 
-def _beside(
-    point: FloatArray, along: FloatArray, *, length2: FloatArray, reach: FloatArray
-) -> FloatArray:
-    """Return the distance of a point (..., 3) to a segment, both from where that begins.
+def _share(reach: FloatArray, length2: FloatArray) -> FloatArray:
+    """Return how far along a segment a point is nearest to it.
 
     `length2` is the square of the segment, which may have no length, and `reach` its scalar
-    product with the point.
+    product with the point from where it begins.
     """
-    share = np.clip(reach / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)
-    return size(point - share[..., None] * along)
+    return np.clip(reach / np.where(length2 > 0, length2, 1.0), 0.0, 1.0)

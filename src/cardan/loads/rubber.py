@@ -266,6 +266,17 @@ class Suspended:
         local = (frame @ np.asarray(forces)[..., None])[..., 0] * gives
         return (local[..., None, :] @ frame)[..., 0, :].astype(complex)
 
+    def ends(self, motions: ComplexArray) -> ComplexArray:
+        """Return how far motions (..., R, N) take the ends of shafts, (..., R, n-1, 2, 3) m."""
+        both = np.stack([self.front, self.rear], axis=-3)
+        flat = motions @ both.reshape(*both.shape[:-4], -1, both.shape[-1]).mT
+        return flat.reshape(*flat.shape[:-1], -1, 2, 3)
+
+    def on_bearings(self, forces: ArrayLike) -> FloatArray:
+        """Return what forces (..., n-2, 3) N on the shafts at their bearings do, (..., N) N."""
+        local = (self.frame @ np.asarray(forces, dtype=float)[..., None])[..., 0]
+        return (local.reshape(*local.shape[:-2], 1, -1) @ self.rows)[..., 0, :]
+
     def swing(self, turned: Turn) -> ComplexArray:
         """Return how one N m's order 2 on the coordinates follows their motion, (..., N, N).
 

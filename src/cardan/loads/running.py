@@ -139,6 +139,59 @@ def running(
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shifted:
+    """Where rubber lets a line go as it runs: the two ends of each shaft, (..., n-1, 2, 3) m.
+
+    Attributes
+    ----------
+    mean
+        Of torque alone, from where the line hangs.
+    thrust
+        What the sliding fit adds at its slip force, either way.
+    waves : (..., K, n-1, 2, 3)
+        Complex amplitudes of orders 2, 4 and 6, and of each heavy spot of the unbalance.
+    """
+
+    mean: FloatArray
+    thrust: FloatArray
+    waves: ComplexArray
+
+
+def shifted(
+    layout: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    torque: ArrayLike,
+    speed: ArrayLike,
+    held: Suspended,
+    inertias: FloatArray | None = None,
+    slip: ArrayLike = 0.0,
+    balanced_at: ArrayLike | None = None,
+) -> Shifted:
+    """Return where a line goes on its rubber, brackets and flanges; arguments as `running`."""
+    torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
+    turned, carried = _turning(layout, line, phases, torque=torque, speed=speed, inertias=inertias)
+    swinging = _swinging(held, carried, turned, torque=torque, speed=speed).values()
+    each = [moved.coordinates for _, moved in swinging]
+    _, pulled = resting(layout, line, gravity=0.0)
+    each.append(held.moved(held.on_bearings(pulled), torque=torque).coordinates)
+    if balanced_at is not None:
+        ω2 = speed[..., None, None] ** 2
+        pushes = ω2 * out_of_balance(line, held, balanced_at=balanced_at)
+        once = held.moved_by_each(pushes, frequency=speed, speed=speed, torque=torque)
+        each += list(np.moveaxis(once.coordinates, -2, 0))
+    gone = held.ends(np.stack(np.broadcast_arrays(*each), axis=-2))
+    drawn = len(swinging)
+    slip = np.nan_to_num(np.asarray(slip, dtype=float))[..., None, None, None]
+    return Shifted(
+        mean=gone[..., 0, :, :, :].real,
+        thrust=slip * gone[..., drawn, :, :, :].real,
+        waves=np.delete(gone, (0, drawn), axis=-4),
+    )
+
+
 def at_joints(
     layout: Layout,
     line: Line,

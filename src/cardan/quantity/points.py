@@ -15,12 +15,13 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
+from cardan.demand.clearance import gaps
 from cardan.demand.points import Curves, Direction, Placed, demand_at, pitch_at, placed
 from cardan.demand.states import Demand, demand_pitched, pitch_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
-from cardan.loads.running import Running, at_joints, running
+from cardan.loads.running import Running, at_joints, running, shifted
 from cardan.loads.sketch import PITCHES, Sketch, sketch
 from cardan.model.layout import Layout
 from cardan.model.seat import soft
@@ -308,6 +309,50 @@ def worst_travel(r: "Response") -> Points | None:
     seeds = [_best(tried, "peak", rank) for rank in range(2)]
     curve, speed = _gathered(r.curves, [_once(*_rows(*seeds))])
     return _best(_at(r, r.curves, curve, speed, gives=True), "peak")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reach:
+    """How far shafts reach into obstacles, (..., parts) m: below 0 there is room."""
+
+    reach: FloatArray
+
+
+def worst_reach(r: "Response") -> Points | None:
+    """Return the point where each shaft comes nearest to each obstacle as rubber lets it.
+
+    (..., S, parts), the obstacles of the first shaft before those of the second. None where the
+    line is not on rubber, or has no point, or nothing is in its way. On the slowest modes: what
+    others take is 0.1 mm.
+
+    The distance of a place on a shaft is convex in where it goes: along the way to the obstacle,
+    what is left of it is never more than what there is.
+    """
+    if r.tries is None or r.quick is None or not r.obstacles:
+        return None
+    curve, speed = r.tries.curve, r.tries.speed
+    asked = demand_at(r.demand, r.curves, curve=curve, speed=speed)
+    laid, how = r.lay(asked), _asked(r, asked, inertia=False)
+    del how["gravity"]  # a layout is one of a line that already hangs
+    gone = shifted(laid, r.line, r.phases, held=r.quick, **how)
+    there = gaps(laid, r.line, r.obstacles, travel=asked.travel)
+    share = np.stack([1 - there.share, there.share], axis=-1)
+
+    def along(ends: Any) -> Any:
+        """Return how far that takes each shaft from each obstacle, where they may be nearest."""
+        return ((there.away @ ends.mT) * share).sum(-1)
+
+    waves = sum(np.abs(along(wave)) for wave in np.moveaxis(gone.waves, -4, 0))
+    free = there.free + along(gone.mean) - np.abs(along(gone.thrust)) - waves
+    free = np.where(np.isnan(asked.torque)[..., None, None], np.nan, free.min(axis=0))
+    every = Points(
+        curves=r.curves,
+        curve=np.broadcast_to(curve, asked.speed.shape),
+        speed=asked.speed,
+        torque=asked.torque,
+        running=Reach(reach=-free.reshape(*free.shape[:-2], -1)),
+    )
+    return _best(every, "reach")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -331,6 +331,11 @@ class Response:
         return points.worst_travel(self)
 
     @cached_property
+    def worst_reach(self) -> Points | None:
+        """The operating point at which each shaft comes nearest to each obstacle, on rubber."""
+        return points.worst_reach(self)
+
+    @cached_property
     def stops(self) -> FloatArray:
         """How far the rubber of each centre bearing goes, (..., n-2) m; nan where nobody says."""
         told = (b.travel for b in self.line.centre_bearings)

@@ -298,6 +298,7 @@ def _beside(r: Response, s: int) -> dict[str, Any]:
             for k, mean in enumerate(forces.static[s])
         ],
         "clearances_mm": {},
+        "clearances_on_rubber_mm": {},
         "end_bearings_N": {k: f[s] for k, f in r.static_end_bearings.items()},
         "end_bearings_worst_N": {},
     }

@@ -137,40 +137,22 @@ def _beyond_stops(responses: Iterable[Response]) -> Iterator[Said]:
 
 
 def _giving_rubber(responses: Iterable[Response]) -> Iterator[Said]:
-    """Yield, line by line, how far rubber gives: if much, or if something is in the way.
-
-    What has a stop that somebody knows is held against that, and told here where something is in
-    the way alone.
-    """
+    """Yield, line by line, how far rubber gives where that is much, and nobody knows its stop."""
     for r, moves in _travels(responses):
-        told = moves if r.obstacles else np.where(np.isnan(r.stops), moves, np.nan)
-        if np.isnan(told).all():
+        told = np.where(np.isnan(r.stops), moves, np.nan)
+        if not np.nanmax(told, initial=0.0) > LINEAR:
             continue
         s, k = np.unravel_index(int(np.nanargmax(told)), told.shape)
-        if not (r.obstacles or told[s, k] > LINEAR):
-            continue
         assert r.worst_travel is not None  # or nothing moves
-        how = {
-            "bearing": int(k) + 1,
-            "line": r.line.name,
-            "moves": _mm(told[s, k]),
-            "state": r.demand.states[s],
-            "steady": _mm(r.worst_travel.running.static[s, k]),
-        }
-        if not r.obstacles:
-            yield said(
-                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
-                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily",
-                **how,
-            )
-        else:
-            yield said(
-                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
-                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; "
-                "clearances leave that out, the smallest there is {clearance} mm",
-                clearance=_mm(_least_clearance(r, int(s)), 4),
-                **how,
-            )
+        yield said(
+            "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+            "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily",
+            bearing=int(k) + 1,
+            line=r.line.name,
+            moves=_mm(told[s, k]),
+            state=r.demand.states[s],
+            steady=_mm(r.worst_travel.running.static[s, k]),
+        )
 
 
 def _travels(responses: Iterable[Response]) -> Iterator[tuple[Response, FloatArray]]:
@@ -182,13 +164,6 @@ def _travels(responses: Iterable[Response]) -> Iterator[tuple[Response, FloatArr
         known = np.isfinite(QUANTITIES["centre_bearing_peak"].values(r))
         if known.any():
             yield r, np.where(known, r.worst_travel.running.peak, np.nan)
-
-
-def _least_clearance(r: Response, state: int) -> float:
-    """Return the smallest clearance of a line in a state, at any of its points, m."""
-    asked = (r, *((r.spread.response,) if r.spread else ()))
-    gaps = [one.clearances[..., state, :, :].ravel() for one in asked]
-    return float(np.nanmin(np.concatenate(gaps)))
 
 
 def _where(r: Response, there: BoolArray) -> tuple[str, ...]:
