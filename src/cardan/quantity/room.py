@@ -100,8 +100,8 @@ DECLARED = (
         source=DERIVED,
         use="At the worst operating point of the state, steadily: passing a resonance quickly "
         "takes less. A distance is convex, so this is never more than what is left. Below 0 the "
-        "shaft hits what is in its way. The rubber goes on as it begins, beyond a stop too; brackets and "
-        "flanges that give are in it.",
+        "shaft hits what is in its way. The rubber goes on as it begins, beyond a stop too; "
+        "brackets and flanges that give are in it.",
         of=_on_rubber,
         sought=lambda r: r.worst_reach,
         shaken=True,
