@@ -66,6 +66,15 @@ def last(values: Any) -> Any:
     return namespace(values).permute_dims(values, (*range(1, values.ndim), 0))
 
 
+def layers(values: Iterable[Any], *, axis: int) -> Any:
+    """Return arrays side by side on a new axis, each of them by itself in memory (`apart`)."""
+    parts = list(values)
+    found = namespace(*parts).stack(parts)
+    order = list(range(1, found.ndim))
+    order.insert(axis % found.ndim, 0)
+    return namespace(found).permute_dims(found, tuple(order))
+
+
 def apart(values: FloatArray, *, of: int = 1) -> FloatArray:
     """Return arrays (..., components) with each component of all cases by itself in memory.
 
