@@ -96,6 +96,18 @@ def steps(shape: tuple[int, ...]) -> tuple[IntArray, ...]:
     return tuple(np.arange(n).reshape(n, *(1,) * (len(shape) - k)) for k, n in enumerate(shape, 1))
 
 
+def distinct(values: FloatArray) -> tuple[tuple[IntArray, ...], IntArray]:
+    """Return where numbers (P, ...) stand that no earlier one on the first axis is equal to.
+
+    And which of those each number is: `values[where][which]` are the numbers.
+    """
+    first = (values[:, None] == values).argmax(axis=0)
+    along, *others = steps(values.shape)
+    new = first == along
+    count = new.cumsum().reshape(new.shape) - 1
+    return np.nonzero(new), count[first, *others]
+
+
 def own(values: FloatArray) -> FloatArray:
     """Return arrays without what they only repeat: 1 on each axis along which they broadcast."""
     if 0 not in values.strides:
