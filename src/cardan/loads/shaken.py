@@ -39,7 +39,7 @@ class Shaken:
         """The cases of the line."""
         return np.broadcast_shapes(self.still.shape[2:], self.mass.shape[2:], self.lost.shape[2:])
 
-    def some(self, of: slice, axes: int) -> "Shaken":
+    def some(self, of: slice | tuple[slice, slice], axes: int) -> "Shaken":
         """Return the line in a stretch of its cases, as cases of so many axes."""
         return Shaken(
             still=stretch(wide(self.still, axes, of=2), of),
