@@ -7,7 +7,7 @@ once, which lie side by side in memory: several times as fast, as long as they f
 
 from collections.abc import Iterator
 from math import prod
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,10 @@ LARGE = 6
 TRUSTED = 1e-9
 """What may be left of an equation, as a share: more is left where no rows were exchanged but had
 to be."""
+
+
+Stretch: TypeAlias = slice | tuple[slice, slice]
+"""Of the variants of cases (..., V, S), and of the states where some alone are meant."""
 
 
 def leading(values: Any, *, of: int) -> Any:
@@ -77,7 +81,7 @@ def stretches(cases: tuple[int, ...]) -> Iterator[slice]:
         yield slice(start, start + step)
 
 
-def stretch(values: Any, of: slice | tuple[slice, slice]) -> Any:
+def stretch(values: Any, of: Stretch) -> Any:
     """Return that stretch of the cases (..., V, S) of arrays; all, where V is 1 and broadcasts.
 
     Of one case axis alone there is but one stretch; with more, arrays are `wide` as the others.

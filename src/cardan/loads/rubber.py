@@ -485,7 +485,8 @@ class Suspended:
         """Return the frequencies of the modes under a torque (...) N m, (..., N) rad/s."""
 
         def solved(T: FloatArray, own: _Own) -> tuple[FloatArray]:
-            return (np.linalg.eigvalsh(own(self._modal[0]) + T * own(self._modal[1])),)
+            still, wound, _ = self._modal
+            return (np.linalg.eigvalsh(own(still) + T * own(wound)).astype(float),)
 
         return np.sqrt(np.maximum(self._each(torque, solved)[0], 0.0))
 

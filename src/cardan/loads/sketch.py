@@ -18,6 +18,7 @@ from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, s
 from cardan.base.frozen import dataclass
 from cardan.base.small import (
     CACHED,
+    Stretch,
     leading,
     packed,
     product,
@@ -128,9 +129,7 @@ class Sketch:
         static, dynamic, peak = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 1, -1)
         return Sizes(static=static, dynamic=dynamic, peak=peak)
 
-    def _packed(
-        self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool
-    ) -> FloatArray:
+    def _packed(self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool) -> FloatArray:
         """Return sizes (3, n-2, P, V, S), state by state: one has many points, another few."""
         packs, counts, place = packed(there, *given)
         packs = [np.ascontiguousarray(np.moveaxis(v, -1, 0)) for v in packs]
@@ -212,7 +211,7 @@ class Sketch:
         return np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)]).T
 
     def _some(
-        self, some: slice | tuple[slice, slice], T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
+        self, some: Stretch, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
     ) -> list[Any]:
         """Return mean, orders and peak (n-2, P, ...) N, or m, of a stretch of the cases."""
 

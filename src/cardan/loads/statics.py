@@ -136,8 +136,8 @@ def loads(
     Returns
     -------
     Loads
-        Orders 0 and 2, exactly; with `inertias` up to N/2, or to `highest`. Each contribution is linear, so
-        torque, weight and thrust can be told apart.
+        Orders 0 and 2, exactly; with `inertias` up to N/2, or to `highest`. Each contribution is
+        linear, so torque, weight and thrust can be told apart.
 
     Notes
     -----
