@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardan.base.arrays import apart, last, own, stacked, vectors
+from cardan.base.arrays import apart, distinct, last, layers, own, stacked, vectors
 
 RNG = np.random.default_rng(5)
 
@@ -40,3 +40,19 @@ def test_what_only_repeats_is_one():
     wide = np.broadcast_to(small, (3, 900, 2))
     np.testing.assert_array_equal(own(wide), small)
     assert own(small) is small
+
+
+def test_layers_are_a_new_axis_that_lies_first_in_memory():
+    parts = [apart(RNG.normal(size=(5, 3, 2))) for _ in range(4)]
+    for axis in (-3, -1, 0):
+        found = layers(parts, axis=axis)
+        np.testing.assert_array_equal(found, np.stack(parts, axis=axis))
+        assert all(np.shares_memory(v, found) for v in np.moveaxis(found, axis, 0))
+        assert max(found.strides) == found.strides[axis]
+
+
+def test_numbers_that_come_again_are_told_once():
+    values = RNG.integers(0, 4, size=(9, 3, 2)).astype(float)
+    where, which = distinct(values)
+    np.testing.assert_array_equal(values[where][which], values)
+    assert len(where[0]) == sum(len(set(values[:, i, j])) for i in range(3) for j in range(2))

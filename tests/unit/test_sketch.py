@@ -10,6 +10,7 @@ from cardan import files
 from cardan.demand.line import resolve
 from cardan.demand.points import curves, placed
 from cardan.demand.states import demand
+from cardan.loads.sketch import Sketch
 from cardan.quantity import points
 from cardan.quantity.response import Response, respond
 
@@ -55,6 +56,35 @@ def test_nothing_is_left_out_where_nothing_winds_up():
     for force in points.FORCES:
         near, right = (getattr(of, force) for of in (sketched, whole))
         assert np.nanmax(np.abs(near - right)) < 1e-8 * np.nanmax(right)
+
+
+def test_points_of_many_variants_are_those_of_few(monkeypatch):
+    """Packed state by state they are what each is by itself, to rounding."""
+    r = line("refuse-collector-6x2")
+    random = np.random.default_rng(11)
+    r = replace(r, phases=r.phases + random.normal(0, 0.05, (9, 1, r.line.joint_count - 1)))
+    found, shape = r.curves, (50, *r.curves.fastest.shape[1:])
+    curve = random.integers(0, len(found.gears), shape)
+    speed = np.take_along_axis(found.fastest, curve, axis=0) * random.uniform(0, 1.1, shape)
+    curve[30:], speed[30:] = curve[:20], speed[:20]  # some come again
+    drawn, at = r.tries.drawn, placed(found, curve=curve, speed=speed)
+    assert np.isnan(at.torque[:, 0, 0]).any()
+    given = {"speed": at.sense * at.speed, "pitch": points.pitch_at(r.demand, at)}
+    given |= {"torque": at.torque, "slip": r.slip_at(at.torque)}
+    computed, some = [], Sketch._some
+    monkeypatch.setattr(
+        Sketch, "_some", lambda *a, **k: computed.append(np.size(a[2])) or some(*a, **k)
+    )
+    for gives in (False, True):
+        computed.clear()
+        many = drawn.at(**given, gives=gives)
+        assert sum(computed) < 0.7 * speed.size
+        for first in range(0, 50, 10):
+            few = drawn.at(**{k: v[first : first + 10] for k, v in given.items()}, gives=gives)
+            for force in points.FORCES:
+                np.testing.assert_allclose(
+                    getattr(many, force)[first : first + 10], getattr(few, force), rtol=1e-11
+                )
 
 
 def test_a_line_that_lies_as_it_is_told_has_worst_points_too():

@@ -8,6 +8,7 @@ from cardan.base.small import (
     LARGE,
     beside,
     leading,
+    packed,
     product,
     solve,
     stretch,
@@ -91,3 +92,20 @@ def test_stretches_hold_every_case_once():
     shared = np.zeros((1, 7))
     assert all(stretch(shared, of) is shared for of in stretches(cases))
     assert list(stretches((9,))) == [slice(None)]
+
+
+def test_points_are_packed_once_each():
+    """Those that are not there, and those that come again, cost nothing."""
+    one = random.integers(0, 3, size=(12, 5, 4)).astype(float)
+    other = random.integers(0, 2, size=one.shape).astype(float)
+    there = random.uniform(size=one.shape) < np.array([0.0, 0.2, 0.6, 1.0])
+    (first, second), counts, place = packed(there, one, other)
+    for v in range(5):
+        for s in range(4):
+            here = [(one[p, v, s], other[p, v, s]) for p in range(12) if there[p, v, s]]
+            kept = list(dict.fromkeys(here))
+            assert list(zip(first[:, v, s], second[:, v, s], strict=True))[: len(kept)] == kept
+            at = [int(place[p, v, s]) for p in range(12) if there[p, v, s]]
+            assert at == [kept.index(h) for h in here]
+            assert len(kept) <= counts[s]
+    assert counts[0] == 0 < counts[1] < counts[2] <= counts[3] <= 6

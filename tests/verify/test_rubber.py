@@ -7,6 +7,7 @@ bearing at joint 2, k_v 200 and k_l 120 N/mm, eta 0.1, 1000 N m. The beams are t
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from cardan.kinematics.chain import turn
 from cardan.loads import loads
@@ -148,6 +149,25 @@ def test_its_resonances():
     assert modes.upright == pytest.approx([0.0, 1.0], abs=1e-4)
     assert modes.damping == pytest.approx([0.05, 0.05], rel=1e-6)
     assert modes.bending == pytest.approx([0.0, 0.0], abs=1e-6)
+
+
+def test_modes_under_many_torques_are_those_under_each():
+    """Torques (P, V, S) that come again, against LAPACK on K + T K_T over M one by one."""
+    where = laid(THREE, **BENT)
+    stiffness = np.multiply.outer([0.8, 1.0, 1.3], RUBBER)[:, None, None]
+    on = suspended(where[None, None], THREE, stiffness=stiffness)
+    torques = np.random.default_rng(1).choice([-4e3, 0.0, 9e3], size=(8, 3, 2))
+    squares, shapes, decay = on.decaying(torques)
+    found = on.frequencies(torque=torques)
+    still, lost = on._held
+    for p, v, s in np.ndindex(torques.shape):
+        K = still[v, 0] + torques[p, v, s] * on.torsion[0, 0]
+        square, shape = eigh(K, on.mass[0, 0])
+        np.testing.assert_allclose(squares[p, v, s], square, rtol=1e-9)
+        np.testing.assert_allclose(found[p, v, s], np.sqrt(square), rtol=1e-9)
+        np.testing.assert_allclose(np.abs(shapes[p, v, s]), np.abs(shape), atol=1e-6)
+        share = np.diag(shape.T @ lost[v, 0] @ shape) / 2 / np.sqrt(square)
+        np.testing.assert_allclose(decay[p, v, s], share, rtol=1e-6)
 
 
 @pytest.mark.parametrize("sines", [0, 1, 2])

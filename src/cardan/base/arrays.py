@@ -66,6 +66,15 @@ def last(values: Any) -> Any:
     return namespace(values).permute_dims(values, (*range(1, values.ndim), 0))
 
 
+def layers(values: Iterable[Any], *, axis: int) -> Any:
+    """Return arrays side by side on a new axis, each of them by itself in memory (`apart`)."""
+    parts = list(values)
+    found = namespace(*parts).stack(parts)
+    order = list(range(1, found.ndim))
+    order.insert(axis % found.ndim, 0)
+    return namespace(found).permute_dims(found, tuple(order))
+
+
 def apart(values: FloatArray, *, of: int = 1) -> FloatArray:
     """Return arrays (..., components) with each component of all cases by itself in memory.
 
@@ -85,6 +94,18 @@ def steps(shape: tuple[int, ...]) -> tuple[IntArray, ...]:
     `values[(which, *steps(which.shape))]` are, of `values` (P, ...), those at `which` (...).
     """
     return tuple(np.arange(n).reshape(n, *(1,) * (len(shape) - k)) for k, n in enumerate(shape, 1))
+
+
+def distinct(values: FloatArray) -> tuple[tuple[IntArray, ...], IntArray]:
+    """Return where numbers (P, ...) stand that no earlier one on the first axis is equal to.
+
+    And which of those each number is: `values[where][which]` are the numbers.
+    """
+    first = (values[:, None] == values).argmax(axis=0)
+    along, *others = steps(values.shape)
+    new = first == along
+    count = new.cumsum().reshape(new.shape) - 1
+    return np.nonzero(new), count[first, *others]
 
 
 def own(values: FloatArray) -> FloatArray:

@@ -7,9 +7,11 @@ once, which lie side by side in memory: several times as fast, as long as they f
 
 from collections.abc import Iterator
 from math import prod
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+
+from cardan.base.arrays import BoolArray, FloatArray, IntArray, steps
 
 CACHED = 1500
 """Cases at a time: what is at hand of so many stays in a processor's second cache."""
@@ -23,6 +25,10 @@ LARGE = 6
 TRUSTED = 1e-9
 """What may be left of an equation, as a share: more is left where no rows were exchanged but had
 to be."""
+
+
+Stretch: TypeAlias = slice | tuple[slice, slice]
+"""Of the variants of cases (..., V, S), and of the states where some alone are meant."""
 
 
 def leading(values: Any, *, of: int) -> Any:
@@ -44,6 +50,27 @@ def wide(values: Any, axes: int, *, of: int) -> Any:
     return values.reshape(*own, *(1,) * (axes - len(cases)), *cases)
 
 
+def packed(there: BoolArray, *values: FloatArray) -> tuple[list[FloatArray], IntArray, IntArray]:
+    """Return numbers (P, V, S) of points with those `there` in front, each point once.
+
+    Then how many points each state has at most, (S,), and in which place each is, (P, V, S).
+    """
+    same = there[:, None] & there
+    for v in values:
+        same &= v[:, None] == v
+    first = same.argmax(axis=0)
+    along, *cases = steps(there.shape)
+    new = there & (first == along)
+    rank = new.cumsum(axis=0) - 1
+    counts = rank[-1].max(axis=0) + 1
+    here = np.nonzero(new)
+    into = rank[here], *here[1:]
+    found = [np.zeros((counts.max(), *there.shape[1:])) for _ in values]
+    for front, v in zip(found, values, strict=True):
+        front[into] = v[here]
+    return found, counts, np.maximum(rank[first, *cases], 0)
+
+
 def stretches(cases: tuple[int, ...]) -> Iterator[slice]:
     """Yield stretches of the last but one axis of cases (..., V, S) that fit the cache."""
     if len(cases) < 2:
@@ -54,11 +81,18 @@ def stretches(cases: tuple[int, ...]) -> Iterator[slice]:
         yield slice(start, start + step)
 
 
-def stretch(values: Any, of: slice) -> Any:
+def stretch(values: Any, of: Stretch) -> Any:
     """Return that stretch of the cases (..., V, S) of arrays; all, where V is 1 and broadcasts.
 
     Of one case axis alone there is but one stretch; with more, arrays are `wide` as the others.
+    A stretch may be of some states too.
     """
+    if isinstance(of, tuple):
+        variants, states = (
+            whole if size == 1 else part
+            for size, part, whole in zip(values.shape[-2:], of, (slice(None),) * 2, strict=True)
+        )
+        return values[..., variants, states]
     if of == slice(None) or values.shape[-2] == 1:
         return values
     return values[..., of, :]

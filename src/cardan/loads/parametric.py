@@ -40,12 +40,14 @@ def of_two(
     speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
     squares, shapes, decay = on.decaying(torque)
     ω = np.sqrt(np.maximum(squares, 1e-9))
-    size = np.abs(shapes.mT @ swing @ shapes) * np.abs(torque)[..., None, None]
-    s = 2 * np.abs(speed)[..., None, None] - ω[..., :, None] - ω[..., None, :]
-    d, e = decay[..., :, None], decay[..., None, :]
-    fed = size**2 / (16 * ω[..., :, None] * ω[..., None, :])
+    i, j = np.triu_indices(ω.shape[-1])  # `swing` is symmetric
+    parts = (shapes.mT @ part @ shapes for part in (swing.real, swing.imag))
+    size2 = sum(part[..., i, j] ** 2 for part in parts) * torque[..., None] ** 2
+    s = 2 * np.abs(speed)[..., None] - ω[..., i] - ω[..., j]
+    d, e = decay[..., i], decay[..., j]
+    fed = size2 / (16 * ω[..., i] * ω[..., j])
     beyond = np.sqrt(((d - e + 1j * s) / 2) ** 2 + fed)
-    return (np.real(beyond) - (d + e) / 2).max((-1, -2))
+    return (np.real(beyond) - (d + e) / 2).max(-1)
 
 
 def growth(

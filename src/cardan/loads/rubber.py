@@ -24,15 +24,15 @@ Source: derived from first principles; forced motion confirmed with independent 
 engines.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from math import pi
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, distinct, stacked
 from cardan.base.frozen import dataclass
 from cardan.base.small import leading, solve, stretch, stretches, trailing, wide
 from cardan.kinematics.chain import Turn, cross
@@ -46,6 +46,9 @@ LOSS = 0.1
 
 SINES = 1
 """Sines in which each tube bends between its joints: its second one is above any order 2."""
+
+_Own: TypeAlias = Callable[[FloatArray], FloatArray]
+"""What takes from arrays (..., N, N) those of the cases that are solved."""
 
 RIGID = 1e17
 """N/m, of a bearing that is said to be rigid: no shaft moves it by what a force would show."""
@@ -491,26 +494,60 @@ class Suspended:
 
     def frequencies(self, *, torque: ArrayLike = 0.0) -> FloatArray:
         """Return the frequencies of the modes under a torque (...) N m, (..., N) rad/s."""
-        squares = np.linalg.eigvalsh(self._against_mass(torque)).astype(float)
-        return np.sqrt(np.maximum(squares, 0.0))
+
+        def solved(T: FloatArray, own: _Own) -> tuple[FloatArray]:
+            still, wound, _ = self._modal
+            return (np.linalg.eigvalsh(own(still) + T * own(wound)).astype(float),)
+
+        return np.sqrt(np.maximum(self._each(torque, solved)[0], 0.0))
 
     def _shapes(self, torque: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return ω² (..., N) and shapes (..., N, N) of mass 1 of the modes, slowest first."""
-        squares, shapes = np.linalg.eigh(self._against_mass(torque))
-        return squares, self._per_mass.mT @ shapes
+        squares, shapes, _ = self.decaying(torque)
+        return squares, shapes
 
     def decaying(self, torque: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ω² (..., N), shapes (..., N, N) of mass 1 and decay (..., N) 1/s of the modes.
 
         The decay is half of what a damper would take that loses as much as the rubber does.
         """
-        squares, shapes = self._shapes(torque)
-        lost = (shapes * (self._held[1] @ shapes)).sum(-2)
-        return squares, shapes, lost / (2 * np.sqrt(np.maximum(squares, 1e-9)))
 
-    def _against_mass(self, torque: ArrayLike) -> FloatArray:
-        K = self._held[0] + np.asarray(torque, float)[..., None, None] * self.torsion
-        return self._per_mass @ K @ self._per_mass.mT
+        def solved(T: FloatArray, own: _Own) -> tuple[FloatArray, FloatArray, FloatArray]:
+            still, wound, lost = map(own, self._modal)
+            squares, shapes = np.linalg.eigh(still + T * wound)
+            lost = (shapes * (lost @ shapes)).sum(-2)
+            decay = lost / (2 * np.sqrt(np.maximum(squares, 1e-9)))
+            return squares, own(self._per_mass).mT @ shapes, decay
+
+        squares, shapes, decay = self._each(torque, solved)
+        return squares, shapes, decay
+
+    def _each(
+        self, torque: ArrayLike, solved: Callable[[FloatArray, "_Own"], tuple[FloatArray, ...]]
+    ) -> tuple[FloatArray, ...]:
+        """Return what is `solved` under torques (P, ..., S): of a case, each torque once.
+
+        Most points of a case have the torque that its tyres or its brakes hold.
+        """
+        T = np.asarray(torque, dtype=float)
+        if T.ndim < 2:
+            return solved(T[..., None, None], lambda values: values)
+        cases = np.broadcast_shapes(T.shape, self.mass.shape[:-2], self._held[0].shape[:-2])
+        where, which = distinct(np.broadcast_to(T, cases))
+
+        def own(values: FloatArray) -> FloatArray:
+            return np.broadcast_to(values, (*cases, *values.shape[-2:]))[where]
+
+        found = solved(np.broadcast_to(T, cases)[where][:, None, None], own)
+        return tuple(v[which] for v in found)
+
+    @cached_property
+    def _modal(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Stiffness, what a torque adds and what is lost, (..., N, N), of masses of 1."""
+        still, lost = self._held
+        per = self._per_mass
+        still, wound, lost = (per @ k @ per.mT for k in (still, self.torsion, lost))
+        return still, wound, lost
 
     @cached_property
     def _per_mass(self) -> FloatArray:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray, layers, stacked
 from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, turn
@@ -135,7 +135,7 @@ def running(
         order1=_once(
             layout, line, held, torque=torque, speed=speed, balanced_at=balanced_at, gives=gives
         ),
-        waves=_as_time_goes(np.stack([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
+        waves=_as_time_goes(layers([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
     )
 
 
@@ -240,7 +240,7 @@ def at_joints(
         mean=steady + thrust[..., None] * pulled,
         thrust=thrust,
         order1=order1,
-        waves=_as_time_goes(np.stack([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
+        waves=_as_time_goes(layers([found.get(k, nothing) for k in ORDERS], axis=-2), speed),
     )
 
 
@@ -306,9 +306,8 @@ def _turning(
     """Return a line's turn, and what it carries on rigid bearings."""
     turned = turn(layout.directions, phases=phases, crosses=line.crosses, samples=16)
     # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
-    accelerations = 0.0 if inertias is None else speed[..., None, None] ** 2 * turned.acceleration
     return turned, loads(
-        layout, turned, line, torque=torque, inertias=inertias, accelerations=accelerations
+        layout, turned, line, torque=torque, inertias=inertias, speed=speed, highest=ORDERS[-1]
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray
 from cardan.base.frozen import dataclass
-from cardan.base.small import beside, product, solve, stretch, wide
+from cardan.base.small import Stretch, beside, product, solve, stretch, wide
 
 Tie: TypeAlias = tuple[ComplexArray, ComplexArray | None]
 """How forces of order 2 follow a motion: L (N, n, ...) times R (n, N, ...), or L alone."""
@@ -39,7 +39,7 @@ class Shaken:
         """The cases of the line."""
         return np.broadcast_shapes(self.still.shape[2:], self.mass.shape[2:], self.lost.shape[2:])
 
-    def some(self, of: slice, axes: int) -> "Shaken":
+    def some(self, of: Stretch, axes: int) -> "Shaken":
         """Return the line in a stretch of its cases, as cases of so many axes."""
         return Shaken(
             still=stretch(wide(self.still, axes, of=2), of),

@@ -8,13 +8,26 @@ is left to do at a point is the algebra of a few coordinates (`cardan.loads.shak
 Left out is the shafts' inertia, whose share is small where resonance is.
 """
 
+from collections.abc import Sequence
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, steps
 from cardan.base.frozen import dataclass
-from cardan.base.small import leading, product, solve, stretch, stretches, trailing, wide
+from cardan.base.small import (
+    CACHED,
+    Stretch,
+    leading,
+    packed,
+    product,
+    solve,
+    stretch,
+    stretches,
+    trailing,
+    wide,
+)
 from cardan.kinematics.chain import turn
 from cardan.loads.cycle import major_axis
 from cardan.loads.rubber import Suspended
@@ -102,15 +115,35 @@ class Sketch:
             Return how far rubber gives across the shafts, in m for N, weight apart.
         """
         x = self._ridden(pitch)
+        there = ~np.isnan(torque)
         given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
         cases = given[0].shape
-        sizes = np.empty((3, len(self.rows) // 3, *cases))
-        for some in stretches(cases):
-            stretch(sizes, some)[...] = self._some(
-                some, *(stretch(v, some) for v in given), gives=gives
-            )
-        static, dynamic, peak = np.moveaxis(sizes + np.where(np.isnan(torque), np.nan, 0.0), 1, -1)
+        if len(cases) != 3 or prod(cases) <= CACHED:
+            sizes = np.empty((3, len(self.rows) // 3, *cases))
+            for some in stretches(cases):
+                stretch(sizes, some)[...] = self._some(
+                    some, *(stretch(v, some) for v in given), gives=gives
+                )
+        else:
+            sizes = self._packed(np.broadcast_to(there, cases), given, gives=gives)
+        static, dynamic, peak = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 1, -1)
         return Sizes(static=static, dynamic=dynamic, peak=peak)
+
+    def _packed(self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool) -> FloatArray:
+        """Return sizes (3, n-2, P, V, S), state by state: one has many points, another few."""
+        packs, counts, place = packed(there, *given)
+        packs = [np.ascontiguousarray(np.moveaxis(v, -1, 0)) for v in packs]
+        found = np.zeros((3, len(self.rows) // 3, *packs[0].shape))
+        for state, count in enumerate(counts.tolist()):
+            step = max(1, CACHED // max(count, 1))
+            for start in range(0, there.shape[1], step) if count else ():
+                some = slice(start, start + step)
+                T, omega, x, slip = (v[state, :count, some, None] for v in packs)
+                found[:, :, state, :count, some] = np.stack(
+                    self._some((some, slice(state, state + 1)), T, omega, x, slip, gives=gives)
+                )[..., 0]
+        _, variant, state = steps(there.shape)
+        return found[:, :, state, place, variant]
 
     def _ridden(self, pitch: ArrayLike) -> FloatArray:
         """Return where between the least and the largest pitch of the axle one is, -1 to 1."""
@@ -178,7 +211,7 @@ class Sketch:
         return np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)]).T
 
     def _some(
-        self, some: slice, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
+        self, some: Stretch, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
     ) -> list[Any]:
         """Return mean, orders and peak (n-2, P, ...) N, or m, of a stretch of the cases."""
 

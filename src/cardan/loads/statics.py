@@ -25,7 +25,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, floats, namespace, stacked, vectors
+from cardan.base.arrays import (
+    ArrayLike,
+    ComplexArray,
+    FloatArray,
+    floats,
+    last,
+    layers,
+    namespace,
+    stacked,
+    vectors,
+)
 from cardan.base.frozen import dataclass
 from cardan.base.units import mm
 from cardan.kinematics.chain import Turn, cross, dot
@@ -91,6 +101,8 @@ def loads(
     torque: ArrayLike,
     inertias: ArrayLike | None = None,
     accelerations: ArrayLike = 0.0,
+    speed: ArrayLike | None = None,
+    highest: int = 6,
     gravity: float = 0.0,
     thrust: ArrayLike = 0.0,
 ) -> Loads:
@@ -111,6 +123,10 @@ def loads(
         Of each member at N equally spaced angles of a turn: ω² `turn.acceleration` where
         the gearbox turns uniformly at ω, or ω² `turn.coast_acceleration` where the pinion
         does.
+    speed : (...) rad/s
+        Of a gearbox that turns uniformly, in place of `accelerations`: no angle is sampled.
+    highest
+        The last order then told.
     gravity : m/s²
         Pulls tubes and yokes down; 0 leaves weight out.
     thrust : (...) N
@@ -120,8 +136,8 @@ def loads(
     Returns
     -------
     Loads
-        Orders 0 and 2, exactly; with `inertias` up to N/2. Each contribution is linear, so
-        torque, weight and thrust can be told apart.
+        Orders 0 and 2, exactly; with `inertias` up to N/2, or to `highest`. Each contribution is
+        linear, so torque, weight and thrust can be told apart.
 
     Notes
     -----
@@ -134,10 +150,17 @@ def loads(
     if inertias is None:
         torques, moments = (Cycle(torque[..., None, None, None] * w) for w in (torques, moments))
     else:
-        power = torque[..., None, None] - _spent(turn, *floats(inertias, accelerations)[1:])
-        power = Cycle.of(power[..., None]).waves
+        if speed is None:
+            sampled = torque[..., None, None] - _spent(turn, *floats(inertias, accelerations)[1:])
+            power = list(np.moveaxis(Cycle.of(sampled[..., None]).waves, -2, 0))
+            orders = len(power)
+        else:
+            orders = highest // 2 + 1
+            power = [torque[..., None, None] * np.ones(turn.phasors.shape[-1] + 1)[:, None]]
+            power += _spent_evenly(turn, *floats(inertias, speed)[1:], orders=orders)
         torques, moments = (
-            Cycle(_times(power[..., : w.shape[-3], :, :], w)) for w in (torques, moments)
+            Cycle(_times([p[..., : w.shape[-3], :] for p in power], w, orders=orders))
+            for w in (torques, moments)
         )
     with np.errstate(invalid="warn" if line.measured else "ignore"):
         joints, bearings = _steady(layout, line, moments.waves, gravity=gravity, thrust=thrust)
@@ -203,7 +226,7 @@ def _transmission(layout: Layout, turn: Turn) -> tuple[Any, Any]:
     mean = (1 + e2) * h + xp.real(xp.conj(e) * G)
     swing = -2 * e * h - (G + e**2 * xp.conj(G)) / 2
     moments = (
-        xp.stack([mean + 0 * swing, swing], axis=-2) / (dot(u, v)[..., None] * (1 - e2))[..., None]
+        layers([mean + 0 * swing, swing], axis=-2) / (dot(u, v)[..., None] * (1 - e2))[..., None]
     )
     if not all(turn.crosses):
         halfway = (u + v) / (1 + dot(u, v))[..., None]
@@ -220,18 +243,43 @@ def _spent(turn: Turn, inertias: FloatArray, accelerations: FloatArray) -> Float
     return np.concatenate([0 * taken[..., :1, :], taken, taken[..., -1:, :]], axis=-2)
 
 
-def _times(power: Any, waves: Any) -> Any:
-    """Return a power's waves (..., K, 1) times waves of orders 0 and 2 alone, (..., 2, m).
+def _spent_evenly(
+    turn: Turn, inertias: FloatArray, speed: FloatArray, *, orders: int
+) -> list[ComplexArray]:
+    """Return waves of orders 2 to 2 `orders` of minus that power, (..., n+1, 1) each.
 
-    Re P z^j Re A z is (Re A P z^(j+1) + Re Ā P z^(j-1))/2; orders 0 to 2 K - 2 of the product.
+    Where the gearbox turns uniformly, a member's w² is that of Poisson's kernel of E: of order
+    2 k it has 2 E^k (k + 1 + 2 |E|²/(1 - |E|²)), and J w w' is half of its derivative.
     """
-    mean, swing = waves[..., :1, :].real, waves[..., 1:, :] / 2
-    found = power * mean
-    found[..., 1:, :] += power[..., :-1, :] * swing
-    found[..., :-1, :] += power[..., 1:, :] * np.conj(swing)
-    found[..., 1:2, :] += power[..., :1, :] * swing  # the mean has no half on either side
-    found[..., 0, :] = found[..., 0, :].real
+    E = turn.phasors[..., :-1]
+    e2 = (E * np.conj(E)).real
+    more, wave = 2 * e2 / (1 - e2), -2j * speed[..., None] ** 2 * inertias
+    found: list[ComplexArray] = []
+    for k in range(1, orders + 1):
+        wave = wave * E
+        each = np.moveaxis(k * (k + 1 + more) * wave, -1, 0)
+        up_to = [0 * each[0], each[0]]
+        for own in each[1:]:
+            up_to.append(up_to[-1] + own)
+        found.append(last(np.stack([*up_to, up_to[-1]]))[..., None])
     return found
+
+
+def _times(power: list[Any], waves: Any, *, orders: int) -> Any:
+    """Return a power's waves (..., m, 1) times waves (..., m, 2, c) of orders 0 and 2 alone.
+
+    Re P z^j Re A z is (Re A P z^(j+1) + Re Ā P z^(j-1))/2; so many orders of the product.
+    """
+    mean, swing = waves[..., 0, :].real, waves[..., 1, :] / 2
+    back = np.conj(swing)
+    found = [p * mean for p in power[:orders]]
+    for j in range(1, orders):
+        # The mean has no half on either side.
+        found[j] = found[j] + power[j - 1] * (2 * swing if j == 1 else swing)
+    for j, p in enumerate(power[1 : orders + 1]):
+        found[j] = found[j] + p * back
+    found[0] = found[0].real + 0j
+    return layers(found, axis=-2)
 
 
 def _weights(line: Line, gravity: float) -> FloatArray:
@@ -304,10 +352,10 @@ def _held(
         joints.append(behind - held - front[..., k, :, :])
         bearings.append(-held)
     # The front ones may have more variants than the rear ones: of the bearings' places.
-    last, *others = xp.broadcast_arrays(*joints, *bearings)
+    last_one, *others = xp.broadcast_arrays(*joints, *bearings)
     behind, held = others[: len(bearings) + 1], others[len(bearings) + 1 :]
-    on_bearings = xp.stack([last, *held[::-1]], axis=-3)[..., 1:, :, :]
-    return xp.stack([*behind[::-1], last], axis=-3), on_bearings
+    on_bearings = layers([last_one, *held[::-1]], axis=-3)[..., 1:, :, :]
+    return layers([*behind[::-1], last_one], axis=-3), on_bearings
 
 
 def _overhangs(line: Line) -> FloatArray:

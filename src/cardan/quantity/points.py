@@ -292,7 +292,8 @@ def worst(r: "Response") -> dict[str, Points]:
         return {}
     tried = _tried(r, tries) if tries.drawn else _at(r, found, tries.curve, tries.speed)
     # Two means are often alike, and which is larger is for the whole line to say.
-    seeds = *(_best(tried, name) for name in FORCES), _best(tried, "static", 1)
+    still, next_ = _foremost(tried, "static", 2)
+    seeds = still, *(_best(tried, name) for name in FORCES[1:]), next_
     last = _at(r, found, *_gathered(found, [_once(*_rows(*seeds))]))
     return {name: _best(last, name) for name in FORCES}
 
@@ -306,7 +307,7 @@ def worst_travel(r: "Response") -> Points | None:
     if r.tries is None or r.tries.drawn is None:
         return None
     tried = _tried(r, r.tries, gives=True)
-    seeds = [_best(tried, "peak", rank) for rank in range(2)]
+    seeds = _foremost(tried, "peak", 2)
     curve, speed = _gathered(r.curves, [_once(*_rows(*seeds))])
     return _best(_at(r, r.curves, curve, speed, gives=True), "peak")
 
@@ -434,7 +435,7 @@ def worst_growth(r: "Response") -> Points | None:
     # Where the axle rides changes a shaft's length, and so this, by next to nothing.
     tried = _swinging(r, asked, quick, r.layout, how=of_two)
     # Zones lie close, and more than two modes feed each other.
-    most = [_best(tried, "growth", rank) for rank in range(CRESTS)]
+    most = _foremost(tried, "growth", CRESTS)
     curve, speed = _gathered(found, [_once(*_rows(*most))])
     asked = placed(found, curve=curve, speed=speed)
     lies = r.lay(demand_at(r.demand, found, curve=curve, speed=speed))
@@ -626,13 +627,13 @@ def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False)
     mean is largest half a mode's width beside that crest.
     """
     found = tried.curves
-    sought = ("peak", 0), *(("dynamic", rank) for rank in range(CRESTS))
-    seeds = [(name, _best(tried, name, rank)) for name, rank in sought]
+    shaken = _foremost(tried, "dynamic", CRESTS)
+    seeds = [("peak", _best(tried, "peak")), *(("dynamic", p) for p in shaken)]
     curve, speed = _rows(*(p for _, p in seeds))
     fastest = found.fastest[curve, *steps(curve.shape)[1:]]
     wide = drawn.on.loss.min(axis=-1)  # as narrow as the narrowest mode
     low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
-    flanks = _rows(*(p for name, p in seeds if name == "dynamic"))
+    flanks = _rows(*shaken)
     sides = _sketched(
         r,
         found,
@@ -795,12 +796,17 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
 
     Or that of the next larger ones, by `rank`.
     """
-    value = getattr(p.running, force)
-    order = np.argsort(-np.nan_to_num(value, nan=-np.inf), axis=0, kind="stable")
-    at = order[min(rank, len(order) - 1)]
-    here = (at, *steps(at.shape))
+    return _foremost(p, force, rank + 1)[-1]
 
-    def taken(values: Any) -> Any:
-        return values[here[: values.ndim]]  # of points, or of their bearings
 
-    return _each(taken, p)
+def _foremost(p: Points, force: str, count: int) -> list[Points]:
+    """Return the points where a force is largest, then the next larger ones, as `_best` does."""
+    value = np.nan_to_num(getattr(p.running, force), nan=np.finfo(float).min)
+    steps_ = steps(value.shape[1:])
+    found: list[Points] = []
+    for rank in range(count):
+        here = (value.argmax(axis=0), *steps_)
+        found.append(_each(lambda v, at=here: v[at[: v.ndim]], p))  # of points, or their bearings
+        if rank + 1 < min(count, len(value)):
+            value[here] = -np.inf
+    return found

@@ -421,6 +421,12 @@ class Bench:
             found[r.line.name] = tuple(map(list(dict.fromkeys(each)).index, each))
         return found
 
+    @cached_property
+    def chunk(self) -> int:
+        """Variants at a time: twice `CHUNK` where no limit asks about a line on its rubber."""
+        rubber = any(ANSWERED[limit.quantity].on_rubber for _, limit in self.limits)
+        return CHUNK if rubber else 2 * CHUNK
+
     def _questions(self, response: Response) -> tuple[Asked, ...]:
         """Return what is asked of a line."""
         among = self.quantities or ANSWERED
@@ -441,11 +447,11 @@ class Bench:
         parts: list[Answers] = []
         unit = self.drawing.unit(start, stop)
         inputs = self.drawing.of(unit, start)
-        for first in range(0, len(inputs), CHUNK):
+        for first in range(0, len(inputs), self.chunk):
             if not go_on():
                 raise KeyboardInterrupt
             tell("sweep", first, len(inputs))
-            parts.append(self.ask(inputs[first : first + CHUNK]))
+            parts.append(self.ask(inputs[first : first + self.chunk]))
         return self.sweep(inputs, Answers.together(parts), unit, self.drawing.own(start, stop))
 
     def sweep(
