@@ -167,3 +167,23 @@ def test_it_is_what_shafts_leave_that_are_followed_round_the_turn(ball):
     assert near.any()
     assert (told <= least + 1e-4)[near].all()
     assert (least - told)[near].max() < 1.2e-3
+
+
+def test_variants_beside_each_other_have_what_they_have_alone():
+    truck = files.loads(COLLECTOR)
+    at = "driveline.shafts[2].centre_bearing."
+    drawn = {
+        at + "vertical_stiffness_N_mm": np.array([160.0, 200.0, 240.0]),
+        "driveline.shafts[1].balance_grade": np.array([16.0, 40.0, 100.0]),
+    }
+
+    def answers(changes):
+        changed = files.change(truck, changes)
+        r = respond(changed, demand(resolve(changed, changed.lines[0])))
+        return QUANTITIES["clearance_on_rubber"].values(r)
+
+    together = answers(drawn)
+    for k in range(3):
+        alone = answers({name: float(values[k]) for name, values in drawn.items()})
+        assert together[k] == pytest.approx(alone, rel=1e-9)
+    assert np.ptp(together[:, 4, 2]) > 1e-3

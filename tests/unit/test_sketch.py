@@ -36,7 +36,7 @@ def both(r: Response, count: int = 60):
     speed = fastest * random.uniform(0, 1, shape) ** 3  # modes are met slowly
     quick = r.held.slowest(2 * (r.line.joint_count - 2))
     drawn = points._sketch(r, placed(found, curve=curve, speed=speed), quick)
-    sketched = points._sketched(r, found, curve, speed, drawn).running
+    sketched = points._sketched(r, found, curve, speed, drawn)[0].running
     whole = points._at(r, found, curve, speed, quick=quick).running
     return sketched, whole
 
@@ -77,10 +77,10 @@ def test_points_of_many_variants_are_those_of_few(monkeypatch):
     )
     for gives in (False, True):
         computed.clear()
-        many = drawn.at(**given, gives=gives)
+        many = drawn.at(**given, gives=gives)[0]
         assert sum(computed) < 0.7 * speed.size
         for first in range(0, 50, 10):
-            few = drawn.at(**{k: v[first : first + 10] for k, v in given.items()}, gives=gives)
+            few = drawn.at(**{k: v[first : first + 10] for k, v in given.items()}, gives=gives)[0]
             for force in points.FORCES:
                 np.testing.assert_allclose(
                     getattr(many, force)[first : first + 10], getattr(few, force), rtol=1e-11

@@ -271,9 +271,21 @@ class Suspended:
 
     def ends(self, motions: ComplexArray) -> ComplexArray:
         """Return how far motions (..., R, N) take the ends of shafts, (..., R, n-1, 2, 3) m."""
+        moved = motions @ self._ends.mT
+        return moved.reshape(*moved.shape[:-1], -1, 2, 3)
+
+    def brought(self, weights: FloatArray) -> FloatArray:
+        """Return how much coordinates move of the ends of shafts, (..., R, N), summed.
+
+        By `weights` (..., R, n-1, 2, 3) of each end's motion.
+        """
+        return weights.reshape(*weights.shape[:-3], -1) @ self._ends
+
+    @cached_property
+    def _ends(self) -> FloatArray:
+        """Motion of the front and rear end of one shaft after the other, (..., 6 (n-1), N)."""
         both = np.stack([self.front, self.rear], axis=-3)
-        flat = motions @ both.reshape(*both.shape[:-4], -1, both.shape[-1]).mT
-        return flat.reshape(*flat.shape[:-1], -1, 2, 3)
+        return both.reshape(*both.shape[:-4], -1, both.shape[-1])
 
     def on_bearings(self, forces: ArrayLike) -> FloatArray:
         """Return what forces (..., n-2, 3) N on the shafts at their bearings do, (..., N) N."""

@@ -54,6 +54,29 @@ class Sizes:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Reach:
+    """How far shafts reach into what they face, (..., R) m: below 0 there is room."""
+
+    reach: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Facing:
+    """Where shafts may hit something: R places that face it.
+
+    Attributes
+    ----------
+    free : (3, ..., S, R) m
+        Distance there at each of `PITCHES`.
+    nearer : (..., S, R, n-1, 2, 3)
+        How much nearer it comes for each metre of the ends of the shafts.
+    """
+
+    free: FloatArray
+    nearer: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sketch:
     """A line on its rubber at all pitches of its axle; N coordinates, B = 3 (n-2) directions.
 
@@ -78,6 +101,12 @@ class Sketch:
         Of the rubber across the shafts; 0 along them.
     turning : (N, 2 (n-1), ...) N s²
         What unbalance of each end does on the coordinates at 1 rad/s; None leaves it out.
+    free : (R, ...) m
+        How far off is what shafts face.
+    nearer : (R, N, ...)
+        How much nearer the coordinates bring it.
+    drawn : (R, ...) m
+        How much nearer 1 N of thrust does.
     """
 
     on: Suspended
@@ -93,6 +122,9 @@ class Sketch:
     loss: FloatArray
     gives: FloatArray
     turning: ComplexArray | None
+    free: _Bent
+    nearer: FloatArray
+    drawn: _Bent
 
     def at(
         self,
@@ -102,8 +134,8 @@ class Sketch:
         pitch: ArrayLike,
         slip: ArrayLike,
         gives: bool = False,
-    ) -> Sizes:
-        """Return what the bearings carry at points (P, ..., S).
+    ) -> tuple[Sizes, Reach]:
+        """Return what the bearings carry at points (P, ..., S), and how far shafts reach.
 
         Parameters
         ----------
@@ -119,31 +151,38 @@ class Sketch:
         given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
         cases = given[0].shape
         if len(cases) != 3 or prod(cases) <= CACHED:
-            sizes = np.empty((3, len(self.rows) // 3, *cases))
+            sizes = np.empty((self._told, *cases))
             for some in stretches(cases):
                 stretch(sizes, some)[...] = self._some(
                     some, *(stretch(v, some) for v in given), gives=gives
                 )
         else:
             sizes = self._packed(np.broadcast_to(there, cases), given, gives=gives)
-        static, dynamic, peak = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 1, -1)
-        return Sizes(static=static, dynamic=dynamic, peak=peak)
+        sizes = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 0, -1)
+        bearings = len(self.rows) // 3
+        static, dynamic, peak, reach = np.split(sizes, np.arange(1, 4) * bearings, axis=-1)
+        return Sizes(static=static, dynamic=dynamic, peak=peak), Reach(reach=reach)
+
+    @property
+    def _told(self) -> int:
+        """How many sizes there are: three of each bearing, one of each place that faces what."""
+        return len(self.rows) + len(self.nearer)
 
     def _packed(self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool) -> FloatArray:
-        """Return sizes (3, n-2, P, V, S), state by state: one has many points, another few."""
+        """Return sizes (X, P, V, S), state by state: one has many points, another few."""
         packs, counts, place = packed(there, *given)
         packs = [np.ascontiguousarray(np.moveaxis(v, -1, 0)) for v in packs]
-        found = np.zeros((3, len(self.rows) // 3, *packs[0].shape))
+        found = np.zeros((self._told, *packs[0].shape))
         for state, count in enumerate(counts.tolist()):
             step = max(1, CACHED // max(count, 1))
             for start in range(0, there.shape[1], step) if count else ():
                 some = slice(start, start + step)
                 T, omega, x, slip = (v[state, :count, some, None] for v in packs)
-                found[:, :, state, :count, some] = np.stack(
-                    self._some((some, slice(state, state + 1)), T, omega, x, slip, gives=gives)
+                found[:, state, :count, some] = self._some(
+                    (some, slice(state, state + 1)), T, omega, x, slip, gives=gives
                 )[..., 0]
         _, variant, state = steps(there.shape)
-        return found[:, :, state, place, variant]
+        return found[:, state, place, variant]
 
     def _ridden(self, pitch: ArrayLike) -> FloatArray:
         """Return where between the least and the largest pitch of the axle one is, -1 to 1."""
@@ -212,8 +251,8 @@ class Sketch:
 
     def _some(
         self, some: Stretch, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
-    ) -> list[Any]:
-        """Return mean, orders and peak (n-2, P, ...) N, or m, of a stretch of the cases."""
+    ) -> FloatArray:
+        """Return mean, orders, peak and reach (X, P, ...) N, or m, of a stretch of the cases."""
 
         def own(values: Any, of: int) -> Any:
             return stretch(wide(values, T.ndim, of=of), some)
@@ -239,10 +278,14 @@ class Sketch:
         static = np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)])
         dynamic = _axis(r2 + firm * product(rows, q2)) + _axis(firm * product(rows, q4))
         peak = static + dynamic
+        nearer = own(self.nearer, 2)
+        reach = product(nearer, q0) - bent(self.free) + np.abs(slip * bent(self.drawn))
+        reach += np.abs(product(nearer, q2)) + np.abs(product(nearer, q4))
         if self.turning is not None:
             moved = solve(line.at(omega, omega, T), omega**2 * own(self.turning, 2))
             peak = peak + _axis(firm[:, None] * product(rows, moved)).sum(axis=1)
-        return [static, dynamic, peak]
+            reach += np.abs(product(nearer, moved)).sum(axis=1)
+        return np.concatenate([static, dynamic, peak, reach])
 
 
 def sketch(
@@ -255,11 +298,13 @@ def sketch(
     largest: FloatArray,
     gravity: float = 0.0,
     balanced_at: ArrayLike | None = None,
+    facing: Facing | None = None,
 ) -> Sketch:
     """Return a line for all points between two pitches of its axle.
 
     Where it runs at each of `PITCHES` is on the first axis of `layouts` (3, ..., S, n, 3), of
-    one where no torque moves it. Other arguments are those of `cardan.loads.running.running`.
+    one where no torque moves it; what it is `facing` there. Other arguments are those of
+    `cardan.loads.running.running`.
     """
     turned = turn(layouts.directions, phases=phases, crosses=line.crosses, samples=16)
     one = loads(layouts, turned, line, torque=1.0)
@@ -267,6 +312,12 @@ def sketch(
     pushes = [on.pushed(m) for m in moments]
     taken = [on.borne(p) for p in pushes]
     weight, pulled = resting(layouts, line, gravity=gravity)
+    if facing is None:
+        free = drawn = np.empty((1, *layouts.points.shape[1:-2], 0))
+        nearer = np.empty((*layouts.points.shape[1:-2], 0, on.mass.shape[-1]))
+    else:
+        free, nearer = facing.free, on.brought(facing.nearer)
+        drawn = (nearer @ on.still(on.on_bearings(pulled))[..., None])[..., 0].real
     return Sketch(
         on=on,
         least=least,
@@ -285,6 +336,9 @@ def sketch(
         gives=leading(on.gives, of=1),
         turning=None if balanced_at is None
         else leading(out_of_balance(line, on, balanced_at=balanced_at).mT, of=2),
+        free=_parabola(free),
+        nearer=leading(nearer, of=2),
+        drawn=_parabola(drawn),
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
 from cardan.loads.running import Running, at_joints, running, shifted
-from cardan.loads.sketch import PITCHES, Sketch, sketch
+from cardan.loads.sketch import PITCHES, Facing, Reach, Sketch, sketch
 from cardan.model.layout import Layout
 from cardan.model.seat import soft
 
@@ -290,7 +290,7 @@ def worst(r: "Response") -> dict[str, Points]:
     found, tries = r.curves, r.tries
     if tries is None:
         return {}
-    tried = _tried(r, tries) if tries.drawn else _at(r, found, tries.curve, tries.speed)
+    tried = r.tried.forces if r.tried else _at(r, found, tries.curve, tries.speed)
     # Two means are often alike, and which is larger is for the whole line to say.
     still, next_ = _foremost(tried, "static", 2)
     seeds = still, *(_best(tried, name) for name in FORCES[1:]), next_
@@ -304,38 +304,32 @@ def worst_travel(r: "Response") -> Points | None:
     Another one than that of its `worst` peak where rubber gives one way more than the other.
     None where the line is not on rubber, or has no point.
     """
-    if r.tries is None or r.tries.drawn is None:
+    found = tried(r, gives=True)
+    if found is None:
         return None
-    tried = _tried(r, r.tries, gives=True)
-    seeds = _foremost(tried, "peak", 2)
+    seeds = _foremost(found.forces, "peak", 2)
     curve, speed = _gathered(r.curves, [_once(*_rows(*seeds))])
     return _best(_at(r, r.curves, curve, speed, gives=True), "peak")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reach:
-    """How far shafts reach into obstacles, (..., parts) m: below 0 there is room."""
-
-    reach: FloatArray
 
 
 def worst_reach(r: "Response") -> Points | None:
     """Return the point where each shaft comes nearest to each obstacle as rubber lets it.
 
     (..., S, parts), the obstacles of the first shaft before those of the second. None where the
-    line is not on rubber, or has no point, or nothing is in its way. On the slowest modes: what
-    others take is 0.1 mm.
+    line is not on rubber, or has no point, or nothing is in its way. Of the points tried: none
+    beside them has 0.1 mm more.
 
     The distance of a place on a shaft is convex in where it goes: along the way to the obstacle,
     what is left of it is never more than what there is.
     """
-    if r.tries is None or r.quick is None or not r.obstacles:
+    if r.tried is None or not r.obstacles:
         return None
-    curve, speed = r.tries.curve, r.tries.speed
+    curve, speed = _gathered(r.curves, [_once(*_rows(*_foremost(r.tried.reach, "reach", 2)))])
     asked = demand_at(r.demand, r.curves, curve=curve, speed=speed)
-    laid, how = r.lay(asked), _asked(r, asked, inertia=False)
+    assert r.held is not None  # or nothing is tried on it
+    laid, how = r.lay(asked), _asked(r, asked, inertia=True)
     del how["gravity"]  # a layout is one of a line that already hangs
-    gone = shifted(laid, r.line, r.phases, held=r.quick, **how)
+    gone = shifted(laid, r.line, r.phases, held=r.held, **how)
     there = gaps(laid, r.line, r.obstacles, travel=asked.travel)
     share = np.stack([1 - there.share, there.share], axis=-1)
 
@@ -354,6 +348,25 @@ def worst_reach(r: "Response") -> Points | None:
         running=Reach(reach=-free.reshape(*free.shape[:-2], -1)),
     )
     return _best(every, "reach")
+
+
+def _facing(r: "Response", laid: Layout) -> Facing | None:
+    """Return where shafts come nearest to obstacles at each of `PITCHES`, of layouts (3, ...)."""
+    if not r.obstacles:
+        return None
+    there = gaps(laid, r.line, r.obstacles, travel=r.demand.travel)
+    free = there.free.min(axis=0)
+    middle = len(free) // 2
+    best = there.free[:, middle].argmin(axis=0)[None]
+    share = np.take_along_axis(there.share[:, middle], best, axis=0)[0]
+    away = np.take_along_axis(there.away[:, middle], best[..., None], axis=0)[0]
+    shafts, obstacles = free.shape[-2:]
+    nearer = -np.stack([1 - share, share], axis=-1)[..., None] * away[..., None, :]
+    own = np.eye(shafts)[:, None, :, None, None]  # of all shafts' ends its own ones
+    nearer = (nearer[..., None, :, :] * own).reshape(
+        *nearer.shape[:-4], shafts * obstacles, shafts, 2, 3
+    )
+    return Facing(free=free.reshape(*free.shape[:-2], -1), nearer=nearer)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -378,12 +391,32 @@ def tries(r: "Response") -> Tries | None:
     return Tries(curve=curve, speed=speed, drawn=None if quick is None else _sketch(r, at, quick))
 
 
-def _tried(r: "Response", of: Tries, *, gives: bool = False) -> Points:
-    """Return nearly what bearings carry at points, and beside the worst of them; or m they go."""
-    assert of.drawn is not None
-    return _closer(
-        r, _sketched(r, r.curves, of.curve, of.speed, of.drawn, gives=gives), of.drawn, gives=gives
-    )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tried:
+    """What a line nearly does at points.
+
+    Attributes
+    ----------
+    forces
+        What its bearings carry, or how far their rubber gives, there and beside the worst.
+    reach
+        How far its shafts reach into obstacles.
+    """
+
+    forces: Points
+    reach: Points
+
+
+def tried(r: "Response", *, gives: bool = False) -> Tried | None:
+    """Return what a line nearly does at its tries; or how far rubber gives, in m for N.
+
+    None of a line that is not on rubber, or has no point.
+    """
+    of = r.tries
+    if of is None or of.drawn is None:
+        return None
+    first, reach = _sketched(r, r.curves, of.curve, of.speed, of.drawn, gives=gives)
+    return Tried(forces=_closer(r, first, of.drawn, gives=gives), reach=reach)
 
 
 def worst_joints(r: "Response") -> Points | None:
@@ -587,6 +620,7 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
     return sketch(
         on, laid, r.line, r.phases, least=least, largest=largest, gravity=r.gravity,
         balanced_at=r.balanced_at if r.application.include_unbalance else None,
+        facing=_facing(r, laid),
     )  # fmt: skip
 
 
@@ -598,17 +632,21 @@ def _sketched(
     drawn: Sketch,
     *,
     gives: bool = False,
-) -> Points:
-    """Return nearly what the bearings carry at points, their curves and speeds (P, ..., S)."""
+) -> tuple[Points, Points]:
+    """Return nearly what bearings carry at points, curves and speeds (P, ..., S), and the reach."""
     at = placed(found, curve=curve, speed=speed)
-    sizes = drawn.at(
+    told = drawn.at(
         at.torque,
         speed=at.sense * at.speed,
         pitch=pitch_at(r.demand, at),
         slip=r.slip_at(at.torque),
         gives=gives,
     )
-    return Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=sizes)
+    forces, reach = (
+        Points(curves=found, curve=at.curve, speed=at.speed, torque=at.torque, running=of)
+        for of in told
+    )
+    return forces, reach
 
 
 def _once(curve: IntArray, speed: FloatArray) -> _Row:
@@ -634,7 +672,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False)
     wide = drawn.on.loss.min(axis=-1)  # as narrow as the narrowest mode
     low, high = speed * (1 - CLOSER * wide), np.fmin(speed * (1 + CLOSER * wide), fastest)
     flanks = _rows(*shaken)
-    sides = _sketched(
+    sides, _ = _sketched(
         r,
         found,
         np.concatenate([curve, curve, flanks[0], flanks[0]]),
@@ -657,7 +695,7 @@ def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False)
     reach = x[2] - x[0]  # the crest of two modes that overlap lies outside
     crest = np.where(bend > 0, np.clip(crest, x[0] - reach / 2, x[2] + reach / 2), x[1])
     crest = np.fmin(np.sqrt(np.maximum(crest, 0.0)), fastest)
-    there = _sketched(r, found, curve, crest, drawn, gives=gives)
+    there, _ = _sketched(r, found, curve, crest, drawn, gives=gives)
     return _each(lambda *v: np.concatenate(v), tried, sides, there)
 
 
@@ -726,7 +764,7 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
         "pitch": pitch,
         "slip": np.nan_to_num(slip),
     }
-    return drawn.at(**asked).peak, drawn.passed(of.time, of.turned, **asked)
+    return drawn.at(**asked)[0].peak, drawn.passed(of.time, of.turned, **asked)
 
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:

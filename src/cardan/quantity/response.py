@@ -326,6 +326,11 @@ class Response:
         return points.tries(self)
 
     @cached_property
+    def tried(self) -> points.Tried | None:
+        """What it nearly does there; None of a line that is not on rubber."""
+        return points.tried(self)
+
+    @cached_property
     def worst_travel(self) -> Points | None:
         """The operating point at which each bearing goes farthest across its rubber, in m."""
         return points.worst_travel(self)
