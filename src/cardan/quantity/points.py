@@ -757,11 +757,14 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
 def _foremost(p: Points, force: str, count: int) -> list[Points]:
     """Return the points where a force is largest, then the next larger ones, as `_best` does."""
     value = np.nan_to_num(getattr(p.running, force), nan=np.finfo(float).min)
-    steps_ = steps(value.shape[1:])
     found: list[Points] = []
     for rank in range(count):
-        here = (value.argmax(axis=0), *steps_)
-        found.append(_each(lambda v, at=here: v[at[: v.ndim]], p))  # of points, or their bearings
+        here = (value.argmax(axis=0), *steps(value.shape[1:]))
+
+        def taken(values: Any, here: tuple[IntArray, ...] = here) -> Any:
+            return values[here[: values.ndim]]  # of points, or of their bearings
+
+        found.append(_each(taken, p))
         if rank + 1 < min(count, len(value)):
             value[here] = -np.inf
     return found
