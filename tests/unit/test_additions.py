@@ -78,8 +78,7 @@ def house(tmp_path_factory) -> Path:
     shutil.copytree(ROOT / "src" / "cardan", package, ignore=shutil.ignore_patterns("__pycache__"))
     declare(
         package / "quantity" / "room.py", ")\n", QUANTITY,
-        ("import LENGTHS, STROKE, Quantity, last_shaft, of_line",
-         "import LENGTHS, STROKE, Quantity, last_shaft, of_line, shafts"),
+        ("    of_line,\n)\n", "    of_line,\n    shafts,\n)\n"),
     )  # fmt: skip
     declare(package / "model" / "movable.py", ")  # fmt: skip\n", MOVABLE)
     texts = package / "report" / "text"

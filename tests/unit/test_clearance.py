@@ -6,13 +6,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from cardan.demand.clearance import clearances, segment_distance
+from cardan.demand.clearance import between, clearances
 from cardan.model.application import Obstacle
 from cardan.model.layout import from_slopes
 from cardan.model.parts import Line, Shaft, Tube
 
 coordinate = st.integers(-3, 3).map(float)
 point = st.tuples(coordinate, coordinate, coordinate)
+
+
+def segment_distance(a, b, c, d):
+    return np.linalg.norm(between(a, b, c, d)[1], axis=-1).min(axis=-1)
 
 
 @given(a=point, b=point, c=point, d=point)

@@ -235,6 +235,6 @@ def test_the_first_page_has_the_room_of_the_row_that_decides():
     say = Language("en")
     told = story.approval(TRUCK, helps=(), fixes=(), say=say, issue=story.Issue())
     worst = min((c for c in TRUCK.checks if c.grade == "fail"), key=lambda c: c.margin)
-    assert (worst.quantity, worst.point is not None) == ("clearance", True)
-    room = say("{room} mm free", room=say.short(worst.value / mm, 4))
+    assert (worst.quantity, worst.point is not None) == ("clearance_on_rubber", True)
+    room = say("{room} mm free on rubber", room=say.short(worst.value / mm, 4).replace("-", "−"))
     assert room in next(figures(told)).svg

@@ -135,18 +135,17 @@ def test_a_check_names_the_mode_that_an_order_meets_where_it_is_worst(tmp_path):
     assert "1000 N·m, order 2 meets lateral at 14.2 Hz" in " ".join(done.stdout.split())
 
 
-def test_how_far_the_rubber_gives_is_told_where_something_is_in_the_way(tmp_path):
+def test_what_rubber_leaves_of_a_clearance_is_asked(tmp_path):
     """METHOD 15: of 207.1 N in the lateral mode 202.8 are lateral, over 120 N/mm 1.690 mm."""
     text = rods(1000, {426.6: 0}) + "include: [gravity]\n"
-    near = "obstacles: [{name: ball, start_mm: [600, 0, -200], radius_mm: 20}]\n"
-    assert not told(tmp_path, text)["notes"]
-    (note,) = told(tmp_path, text + near)["notes"]
-    found = re.search(r"moves by up to (\S+) mm in 426.6, (\S+) mm .* there is (\S+) mm", note)
-    moves, steady, clearance = map(float, found.groups())
-    assert steady < 0.05  # 5.1 N, and none of the weight: that hung there before
-    assert moves - steady == pytest.approx(1.690, rel=0.005)
-    assert clearance == pytest.approx(200 - 600 * np.tan(np.radians(1)) - 20 - 250, abs=1)
-    # Ten times the torque: 17 mm, which no rubber gives, is told without an obstacle too.
+    near = "obstacles: [{name: ball, start_mm: [1200, 400, -21], radius_mm: 20}]\n"
+    found = told(tmp_path, text + near)
+    assert not found["notes"]
+    (left,) = (s["clearances_on_rubber_mm"]["ball"] for s in found["states"])
+    (free,) = (s["clearances_mm"]["ball"] for s in found["states"])
+    # And 5.1 N of the torque's, and none of the weight's: that hung there before.
+    assert free - left == pytest.approx(1.690 + 5.1 / 120 / 2, abs=0.03)
+    # Ten times the torque: 17 mm, which no rubber gives, is told.
     (note,) = told(tmp_path, rods(10000, {426.6: 0}))["notes"]
     assert 15 < float(re.search(r"up to (\S+) mm", note)[1]) < 25
 

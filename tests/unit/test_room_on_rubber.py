@@ -157,7 +157,7 @@ def test_it_is_what_shafts_leave_that_are_followed_round_the_turn(ball):
             ends = (np.array(v) / 1000 + np.zeros(3) for v in (start, end))
             _, away = between(joints[..., :-1, :], joints[..., 1:, :], *ends)
             gap = (
-                np.linalg.norm(away, axis=-1).min(axis=0)
+                np.linalg.norm(away, axis=-1).min(axis=-1)
                 - 0.03
                 - np.array([s.tube.outer / 2 for s in r.line.shafts])
             )

@@ -10,7 +10,7 @@ from cardan import files
 from cardan.demand.line import resolve
 from cardan.demand.points import curves, placed
 from cardan.demand.states import demand
-from cardan.loads.sketch import Sketch
+from cardan.loads.sketch import Sizes, Sketch
 from cardan.quantity import points
 from cardan.quantity.response import Response, respond
 
@@ -85,6 +85,25 @@ def test_points_of_many_variants_are_those_of_few(monkeypatch):
                 np.testing.assert_allclose(
                     getattr(many, force)[first : first + 10], getattr(few, force), rtol=1e-11
                 )
+
+
+def test_the_next_larger_points_are_those_of_a_sort():
+    """What is not there comes last; where there are too few points the last one stands again."""
+    r, random = line("medium-truck-4x2"), np.random.default_rng(3)
+    force = random.integers(0, 5, (4, 3, 2)).astype(float)
+    force[random.uniform(size=force.shape) < 0.3] = np.nan
+    speed = np.arange(12.0).reshape(4, 3)
+    points_ = points.Points(
+        curves=r.own_curves, curve=speed.astype(int), speed=speed, torque=speed,
+        running=Sizes(static=force, dynamic=force, peak=force),
+    )  # fmt: skip
+    order = np.argsort(-np.nan_to_num(force, nan=-np.inf), axis=0, kind="stable")
+    for rank, found in enumerate(points._foremost(points_, "peak", 6)):
+        at = order[min(rank, 3)]
+        np.testing.assert_array_equal(found.speed, speed[at, np.arange(3)[:, None]])
+        right = np.take_along_axis(force, at[None], axis=0)[0]
+        np.testing.assert_array_equal(found.running.dynamic, right)
+    assert np.isnan(force).any()
 
 
 def test_a_line_that_lies_as_it_is_told_has_worst_points_too():

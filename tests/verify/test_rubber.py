@@ -168,6 +168,11 @@ def test_modes_under_many_torques_are_those_under_each():
         np.testing.assert_allclose(np.abs(shapes[p, v, s]), np.abs(shape), atol=1e-6)
         share = np.diag(shape.T @ lost[v, 0] @ shape) / 2 / np.sqrt(square)
         np.testing.assert_allclose(decay[p, v, s], share, rtol=1e-6)
+    # One torque of several variants is not one case: each has its own rubber.
+    alike = on.frequencies(torque=np.full((3, 1), 9e3))
+    for v in range(3):
+        square = eigh(still[v, 0] + 9e3 * on.torsion[0, 0], on.mass[0, 0])[0]
+        np.testing.assert_allclose(alike[v, 0], np.sqrt(square), rtol=1e-9)
 
 
 @pytest.mark.parametrize("sines", [0, 1, 2])

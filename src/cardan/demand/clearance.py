@@ -12,7 +12,7 @@ from cardan.model.parts import Line
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gaps:
-    """Where shafts may be nearest to obstacles: five places each, (5, ..., n-1, obstacles).
+    """Where shafts may be nearest to obstacles: five places each, (..., n-1, obstacles, 5).
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ def clearances(
     layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel: ArrayLike
 ) -> FloatArray:
     """Return the free distance between each shaft and each obstacle, (..., n-1, obstacles) m."""
-    return gaps(layout, line, obstacles, travel=travel).free.min(axis=0)
+    return gaps(layout, line, obstacles, travel=travel).free.min(axis=-1)
 
 
 def gaps(layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel: ArrayLike) -> Gaps:
@@ -53,7 +53,7 @@ def gaps(layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel:
     distance = size(away)
     bars = stacked(s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts)
     return Gaps(
-        free=distance - bars[..., None] - radii,
+        free=distance - (bars[..., None] + radii)[..., None],
         share=share,
         away=away / np.where(distance > 0, distance, 1.0)[..., None],
     )
@@ -64,7 +64,7 @@ def between(
 ) -> tuple[FloatArray, FloatArray]:
     """Return where segments ab and cd, points (..., 3) m, may be nearest to each other.
 
-    Five places, as a share (5, ...) of ab, and the vector (5, ..., 3) m from cd to there: the
+    Five places, as a share (..., 5) of ab, and the vector (..., 5, 3) m from cd to there: the
     nearest points of the two lines, if both lie on their segments, and each of the four end
     points with what the other segment has nearest to it.
     """
@@ -78,8 +78,14 @@ def between(
     s, t = (uv * vw - vv * uw) / safe, (uu * vw - uv * uw) / safe
     inside = crossing & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1)
     none, one = np.zeros_like(det), np.ones_like(det)
-    s = np.stack([none, one, _share(-uw, uu), _share(uv - uw, uu), np.where(inside, s, none)])
-    t = np.stack([_share(vw, vv), _share(uv + vw, vv), none, one, np.where(inside, t, none)])
+    s, t = (
+        np.stack(np.broadcast_arrays(*places), axis=-1)
+        for places in (
+            (none, one, _share(-uw, uu), _share(uv - uw, uu), np.where(inside, s, none)),
+            (_share(vw, vv), _share(uv + vw, vv), none, one, np.where(inside, t, none)),
+        )
+    )
+    u, v, w = (part[..., None, :] for part in (u, v, w))
     return s, w + s[..., None] * u - t[..., None] * v
 
 

@@ -542,9 +542,10 @@ class Suspended:
         Most points of a case have the torque that its tyres or its brakes hold.
         """
         T = np.asarray(torque, dtype=float)
-        if T.ndim < 2:
+        own_cases = np.broadcast_shapes(self.mass.shape[:-2], self._held[0].shape[:-2])
+        if T.ndim <= len(own_cases):
             return solved(T[..., None, None], lambda values: values)
-        cases = np.broadcast_shapes(T.shape, self.mass.shape[:-2], self._held[0].shape[:-2])
+        cases = np.broadcast_shapes(T.shape, own_cases)
         where, which = distinct(np.broadcast_to(T, cases))
 
         def own(values: FloatArray) -> FloatArray:

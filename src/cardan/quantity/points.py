@@ -335,11 +335,11 @@ def worst_reach(r: "Response") -> Points | None:
 
     def along(ends: Any) -> Any:
         """Return how far that takes each shaft from each obstacle, where they may be nearest."""
-        return ((there.away @ ends.mT) * share).sum(-1)
+        return ((there.away @ ends[..., None, :, :].mT) * share).sum(-1)
 
     waves = sum(np.abs(along(wave)) for wave in np.moveaxis(gone.waves, -4, 0))
     free = there.free + along(gone.mean) - np.abs(along(gone.thrust)) - waves
-    free = np.where(np.isnan(asked.torque)[..., None, None], np.nan, free.min(axis=0))
+    free = np.where(np.isnan(asked.torque)[..., None, None], np.nan, free.min(axis=-1))
     every = Points(
         curves=r.curves,
         curve=np.broadcast_to(curve, asked.speed.shape),
@@ -355,11 +355,11 @@ def _facing(r: "Response", laid: Layout) -> Facing | None:
     if not r.obstacles:
         return None
     there = gaps(laid, r.line, r.obstacles, travel=r.demand.travel)
-    free = there.free.min(axis=0)
+    free = there.free.min(axis=-1)
     middle = len(free) // 2
-    best = there.free[:, middle].argmin(axis=0)[None]
-    share = np.take_along_axis(there.share[:, middle], best, axis=0)[0]
-    away = np.take_along_axis(there.away[:, middle], best[..., None], axis=0)[0]
+    best = there.free[middle].argmin(axis=-1)[..., None]
+    share = np.take_along_axis(there.share[middle], best, axis=-1)[..., 0]
+    away = np.take_along_axis(there.away[middle], best[..., None], axis=-2)[..., 0, :]
     shafts, obstacles = free.shape[-2:]
     nearer = -np.stack([1 - share, share], axis=-1)[..., None] * away[..., None, :]
     own = np.eye(shafts)[:, None, :, None, None]  # of all shafts' ends its own ones
@@ -840,11 +840,14 @@ def _best(p: Points, force: str, rank: int = 0) -> Points:
 def _foremost(p: Points, force: str, count: int) -> list[Points]:
     """Return the points where a force is largest, then the next larger ones, as `_best` does."""
     value = np.nan_to_num(getattr(p.running, force), nan=np.finfo(float).min)
-    steps_ = steps(value.shape[1:])
     found: list[Points] = []
     for rank in range(count):
-        here = (value.argmax(axis=0), *steps_)
-        found.append(_each(lambda v, at=here: v[at[: v.ndim]], p))  # of points, or their bearings
+        here = (value.argmax(axis=0), *steps(value.shape[1:]))
+
+        def taken(values: Any, here: tuple[IntArray, ...] = here) -> Any:
+            return values[here[: values.ndim]]  # of points, or of their bearings
+
+        found.append(_each(taken, p))
         if rank + 1 < min(count, len(value)):
             value[here] = -np.inf
     return found

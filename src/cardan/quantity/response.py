@@ -773,15 +773,15 @@ class Response:
         """
         orders = (1, 2) if self.application.include_unbalance else (2,)
         found = np.full(self.layout.directions.shape[:-2], np.nan)
-        if self.held is None:
+        if self.held is None or not (duty := self.duty):
             return found
-        for p in self.duty:
-            modes = self.held.frequencies(torque=np.asarray(p.torque, dtype=float))
-            modes = modes[..., : self.line.swings]  # the rest bends tubes
-            speed = np.asarray(p.speed, dtype=float)[..., None]
-            for k in orders:
-                ratio = k * speed / np.where(modes > 0, modes, 1e-300)  # torque may buckle a line
-                found = np.fmin(found, np.abs(ratio - 1).min(axis=-1))
+        like = np.zeros(self.held.first.cases)
+        each = np.broadcast_arrays(*(v for p in duty for v in (p.torque, p.speed)), like)[:-1]
+        torque, speed = np.stack(each[::2]), np.stack(each[1::2])
+        modes = self.held.frequencies(torque=torque)[..., : self.line.swings]  # others bend tubes
+        modes = np.where(modes > 0, modes, 1e-300)  # torque may buckle a line
+        off = np.stack([np.abs(k * speed[..., None] / modes - 1).min(axis=-1) for k in orders])
+        found = np.fmin.reduce(off, axis=(0, 1))
         return np.where(self.lasting, found, np.nan)
 
     @cached_property

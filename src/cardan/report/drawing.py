@@ -67,6 +67,13 @@ def state_to_show(
     return states.index(worst.when.name), worst if worst.point else None
 
 
+def _room(of: Obstacle, free: float, at: Check | None, say: Language) -> str:
+    """Return what room there is to an obstacle: that of the check, where it is about that."""
+    if at and at.quantity == "clearance_on_rubber" and at.part.other == of.name:
+        return say("{room} mm free on rubber", room=say.short(at.value / mm, 4))
+    return say("{room} mm free", room=say.short(free / mm, 4))
+
+
 def in_state(response: Response, say: Language, s: int, at: Check | None = None) -> Figure:
     """Return the side view of a line in one state, tubes and obstacles true to scale.
 
@@ -90,7 +97,7 @@ def in_state(response: Response, say: Language, s: int, at: Check | None = None)
     room = response.clearances[s].min(axis=0) if there else ()
     drawn = [
         *(
-            _bar(o, page, c, say("{room} mm free", room=say.short(float(free) / mm, 4)))
+            _bar(o, page, c, _room(o, float(free), at, say))
             for o, free in zip(there, room, strict=True)
         ),
         *_members(response, layout, page, c, layout.side, say),
