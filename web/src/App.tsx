@@ -25,18 +25,18 @@ import { store, VIEWS, worst, worstPart, worstState, type Known, type View } fro
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
 import { Pin, Variants } from "./Variants";
-import { still, useKnown } from "./use";
+import { card, still, useKnown } from "./use";
 
 type Both = { known: Known; shown: Shown };
 
 /** What is drawn of a line: where it runs, and what its limits make of that. */
 const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
-const StillViews = still<Both>(Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
-const StillAngles = still<Both>(Angles, (p) => [...drawn(p), p.known.jobs]);
-const StillPhasors = still<Both>(Phasors, drawn);
+const StillViews = card<Both>("views", Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
+const StillAngles = card<Both>("angles", Angles, (p) => [...drawn(p), p.known.jobs]);
+const StillPhasors = card<Both>("phasors", Phasors, drawn);
 const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
 const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
-const StillHeat = still<{ known: Known }>(Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
+const StillHeat = card<{ known: Known }>("heat", Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
 const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
 /** What a hand that moves something does not change: drawn again once it lets go. */

@@ -18,6 +18,21 @@ export function still<P extends object>(of: ComponentType<P>, depends: (props: P
   return (props) => useMemo(() => h(of as ComponentType, props) as JSX.Element, depends(props));
 }
 
+/** A card that is still, too: while a hand moves, out of sight it waits until it is let go or scrolled to. */
+export function card<P extends { known: Known }>(id: string, of: ComponentType<P>, depends: (props: P) => unknown[]): (props: P) => JSX.Element {
+  return (props) => {
+    const [near, set] = useState(true);
+    const last = useRef<unknown[]>([]);
+    useEffect(() => {
+      const watcher = new IntersectionObserver((seen) => set(seen.at(-1)?.isIntersecting ?? true), { rootMargin: "100px" });
+      watcher.observe(document.getElementById(id)?.closest("section") ?? document.body);
+      return () => watcher.disconnect();
+    }, []);
+    if (near || props.known.held === null) last.current = depends(props);
+    return useMemo(() => h(of as ComponentType<object>, props) as JSX.Element, last.current);
+  };
+}
+
 const kept = new Map<string, unknown>();
 
 /** What a form holds: it is there again where its view comes back. */
