@@ -170,9 +170,7 @@ function Head({ known }: { known: Known }) {
         <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
         </>}
-        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak((e.currentTarget as HTMLSelectElement).value)}>
-          {known.languages.map((code) => <option key={code} value={code}>{code}</option>)}
-        </select>
+        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak(e.currentTarget.value)}>{known.languages.map((code) => <option key={code}>{code}</option>)}</select>
         <select aria-label={t("Colours")} value={known.theme} onChange={(e) => store.theme((e.currentTarget as HTMLSelectElement).value as Known["theme"])}>
           <option value="auto">{t("as the system")}</option>
           <option value="light">{t("light")}</option>

@@ -57,21 +57,14 @@ export function useWidth(first: number): [(element: HTMLElement | null) => void,
 
 let probe: HTMLElement | null = null;
 
-/** A colour of the page by its name, as it is now: light or dark. */
+/** A colour of the page by its name, as it is now. */
 export function colour(name: string): string {
   probe ??= document.body.appendChild(document.createElement("i"));
   probe.style.color = `var(${name})`;
   return getComputedStyle(probe).color;
 }
 
-export interface Hand {
-  onPointerDown: (e: PointerEvent) => void;
-  onPointerMove: (e: PointerEvent) => void;
-  onPointerUp: (e: PointerEvent) => void;
-  onPointerCancel: (e: PointerEvent) => void;
-  onKeyDown: (e: KeyboardEvent) => void;
-  onBlur: () => void;
-}
+export type Hand = Record<"onPointerDown" | "onPointerMove" | "onPointerUp" | "onPointerCancel", (e: PointerEvent) => void> & { onKeyDown: (e: KeyboardEvent) => void; onBlur: () => void };
 
 /** Steps of the keys, in millimetres or degrees. */
 const STEPS = { fine: 0.1, one: 1, page: 10 };
