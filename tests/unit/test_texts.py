@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import files
-from cardan.base.errors import DesignError
+from cardan.base.errors import BadFile, DesignError
 from cardan.base.source import ASSUMED
 from cardan.base.units import mm
 from cardan.border.table import ListOf, MapOf, Table, TableRule, Text
@@ -226,6 +226,30 @@ def test_all_that_a_bracket_refuses_is_translated(code):
     said = set(recordings_refused(BRACKETS))
     assert len(said) > 40
     assert {s for s in said if ("error", s) not in catalogue(code)} == CALLED
+
+
+BROKEN = (
+    "title: [1", "title: {a", "title: x\n\ty: 1", "title: a: b", "title: 'x", "key\nother: 1",
+    "a: @", "a: &x 1\nb: *y", "- a\nb: 1", "a:\n  - 1\n b: 2", "{", "[]]", "? [a]\n: 1", ": 1",
+    "<<: 1", "a: !t 1", "\x00", "", "a: 1\n---\nb: 2", "a: - 1", "a: [1, 2", "a: {b: 1\nc: 2",
+    "title: x\n  y: 1",
+)  # fmt: skip
+"""What somebody has typed so far."""
+
+
+@pytest.mark.parametrize("code", OTHERS)
+@pytest.mark.parametrize("text", BROKEN)
+def test_what_is_no_yaml_is_told_in_the_language(code, text):
+    """Whoever types is told in the middle of a line: in English, or "falta a value"."""
+    with pytest.raises(BadFile) as bad:
+        files.loads(text)
+    english = words(
+        "the this value comma line colon key missing closed check write quotes character indent "
+        "indents first starts here list table put"
+    )
+    for problem in bad.value.problems:
+        for said in filter(None, (problem.message, problem.hint)):
+            assert not words(Language(code).error(said)) & english
 
 
 WORKBENCH = (

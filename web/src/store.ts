@@ -457,6 +457,7 @@ export class Store {
     if (sent.commit && this.known.history && m.text !== undefined) {
       change.history = History.edited(this.known.history, m.text);
       change.helps = null;
+      if (this.known.notice?.kind === "refused") change.notice = null; // of what was tried before
     }
     this.set(change);
     if (sent.commit) {

@@ -135,6 +135,14 @@ describe("a hand that moves", () => {
     expect(store.known.history?.text).toBe("a");
     expect(store.known.notice).toMatchObject({ kind: "refused", why: "no" });
     expect(socket.asked().at(-1)?.drag).toBeUndefined();
+    // It stood there until somebody closed it, whatever was done since.
+    socket.answer();
+    store.hold("h", by(2));
+    socket.answer();
+    store.release();
+    expect(store.known.notice).not.toBeNull();
+    socket.answer();
+    expect(store.known).toMatchObject({ notice: null, history: { text: "a+2" } });
   });
 });
 
