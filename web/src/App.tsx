@@ -21,7 +21,7 @@ import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
 import { Recording } from "./Recording";
 import { Speed } from "./Speed";
-import { store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
+import { placed, store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
 import { Pin, Variants } from "./Variants";
@@ -202,7 +202,7 @@ function Notices({ known }: { known: Known }) {
           ) : <button onClick={() => store.dismiss()}>{t("close")}</button>}
         </p>
       )}
-      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}</p>)}
+      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems.slice(0, 1).map(placed).join() })}</p>)}
     </div>
   );
 }
@@ -213,10 +213,7 @@ function Strip({ known }: { known: Known }) {
   const { full, live, settled } = known;
   // A failure that is known at once is one, whatever comes after.
   const verdict: Verdict | null = !settled && live?.grade === "fail" ? "fail" : (full?.verdict ?? live?.grade ?? null);
-  const bad = store
-    .rows()
-    .filter((r): r is Row => r.values !== undefined && worst(r) < -0.5)
-    .sort((a, b) => worst(a) - worst(b));
+  const bad = store.rows().filter((r): r is Row => r.values !== undefined && worst(r) < -0.5).sort((a, b) => worst(a) - worst(b));
   return (
     <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
       <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>

@@ -475,7 +475,7 @@ export class Store {
     const problems = this.known.problems;
     if (!history) return;
     const [first] = problems;
-    if (first) this.set({ notice: { kind: "refused", why: first.message } });
+    if (first) this.set({ notice: { kind: "refused", why: placed(first) } });
     this.ask({ text: history.text });
   }
 
@@ -681,6 +681,8 @@ export class Store {
     if (this.known.full) this.set({ order: this.sorted(this.known.full) });
   }
 }
+
+export const placed = (p: Problem): string => [p.key, p.message].filter(Boolean).join(": ");
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
