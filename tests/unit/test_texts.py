@@ -193,10 +193,10 @@ def recordings_refused(modules=RECORDED):
     for module in (path for glob in modules for path in (ROOT / "src/cardan").glob(glob)):
         for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
             match node:
-                case ast.Assign(targets=[ast.Name("msg" | "hint")], value=value):
+                case ast.Assign(targets=[ast.Name("msg" | "message" | "hint")], value=value):
                     yield from written(value)
                 case ast.Call(func=func, args=args, keywords=more):
-                    if ast.unparse(func).rpartition(".")[2] in REFUSED:
+                    if ast.unparse(func).rpartition(".")[2] in (*REFUSED, "wrong"):
                         known = [k.value for k in more if k.arg in ("message", "hint")]
                         for value in (*args, *known):
                             yield from written(value)
@@ -254,7 +254,8 @@ def test_what_is_no_yaml_is_told_in_the_language(code, text):
 
 WORKBENCH = (
     "web/desk.py", "web/heard.py", "web/library.py", "web/limits.py", "web/parcel.py",
-    "web/seated.py", "files/deviation.py", "files/manuscript.py", "study/drag.py",
+    "web/seated.py", "web/guides.py", "files/deviation.py", "files/guided.py", "files/pasted.py",
+    "files/manuscript.py", "study/drag.py",
     "study/launching.py", "study/powertrain.py", "study/stability.py", "model/application.py",
     "model/laminate.py", "model/parts.py", "model/turning.py", "model/vehicle.py", "demand/*.py",
     "shaft/beams.py",
