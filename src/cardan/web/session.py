@@ -230,8 +230,8 @@ class Session:
     async def _bring(self, said: Json) -> None:
         why = await asyncio.to_thread(self.parcel.begin, said)
         if why:
-            said = Language(self.lang).typeset.error(why)
-            await self._tell("refused", what="bring", file=0, why=said)
+            why = Language(self.lang).typeset.error(why)
+            await self._tell("refused", what="bring", file=0, why=why)
         else:
             await self._tell_parcel()
 
