@@ -100,12 +100,12 @@ def test_escape_puts_back_what_is_held(browser, tmp_path):
     with workbench(tmp_path) as (house, _):
         opened(browser, house)
         was = text_of(browser)
-        shown = "return document.querySelector('.{}').innerText"
-        worst, angles = (browser.execute_script(shown.format(at)) for at in ("worst", "angles"))
+        shown = "return document.querySelector('.{}').textContent"
+        worst, line = (browser.execute_script(shown.format(at)) for at in ("worst", "drawing"))
         on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP)
-        wait(browser, shown.format("angles") + " !== arguments[0]", angles)
+        wait(browser, shown.format("drawing") + " !== arguments[0]", line)
         on(browser, "side/main/bearing/1").send_keys(Keys.ESCAPE)
-        wait(browser, shown.format("angles") + " === arguments[0]", angles)
+        wait(browser, shown.format("drawing") + " === arguments[0]", line)
         wait(browser, SETTLED)
         assert browser.execute_script(shown.format("worst")) == worst
         assert text_of(browser) == was
