@@ -100,12 +100,12 @@ def test_escape_puts_back_what_is_held(browser, tmp_path):
     with workbench(tmp_path) as (house, _):
         opened(browser, house)
         was = text_of(browser)
-        shown = "return document.querySelector('.{}').innerText"
-        worst, angles = (browser.execute_script(shown.format(at)) for at in ("worst", "angles"))
+        shown = "return document.querySelector('.{}').textContent"
+        worst, line = (browser.execute_script(shown.format(at)) for at in ("worst", "drawing"))
         on(browser, "side/main/bearing/1").send_keys(Keys.PAGE_UP)
-        wait(browser, shown.format("angles") + " !== arguments[0]", angles)
+        wait(browser, shown.format("drawing") + " !== arguments[0]", line)
         on(browser, "side/main/bearing/1").send_keys(Keys.ESCAPE)
-        wait(browser, shown.format("angles") + " === arguments[0]", angles)
+        wait(browser, shown.format("drawing") + " === arguments[0]", line)
         wait(browser, SETTLED)
         assert browser.execute_script(shown.format("worst")) == worst
         assert text_of(browser) == was
@@ -254,6 +254,71 @@ def test_three_dimensions_are_drawn(tmp_path):
         while driver.execute_script(colours) < 50 and time.monotonic() < end:
             time.sleep(0.1)
         assert driver.execute_script(colours) > 50
+        clean(driver)
+
+
+DRAWN = """
+    const c = document.querySelector('.canvas canvas'), d = document.createElement('canvas');
+    [d.width, d.height] = [c.width, c.height];
+    const x = d.getContext('2d');
+    x.drawImage(c, 0, 0);
+    const alpha = x.getImageData(0, 0, d.width, d.height).data.filter((_, k) => k % 4 === 3);
+    const along = Array.from(alpha, (a, k) => (a ? k % d.width : -1)).filter((k) => k >= 0);
+    const [low, high] = along.reduce(([a, b], k) => [Math.min(a, k), Math.max(b, k)], [1e9, -1]);
+    return [d.width, low / d.width, high / d.width]"""
+"""How wide a picture is, and from where to where of it something is drawn."""
+
+
+def test_what_is_drawn_in_three_dimensions_stays_framed(tmp_path):
+    """On a page made narrow the picture stayed as wide as it was, and was cut."""
+    with browsing(deep=True) as driver, workbench(tmp_path, CHAIN) as (house, _):
+        opened(driver, house)
+        driver.find_elements("css selector", ".views .chips button")[-1].click()
+        wait(driver, "return document.querySelector('.canvas canvas')")
+        for width in (390, 1024, 390):
+            driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500,
+            })  # fmt: skip
+            wait(driver, "return Math.abs(document.querySelector('.canvas').clientWidth / "
+                         "document.querySelector('.canvas canvas').width - 1) < .01")  # fmt: skip
+            size, low, high = wait(driver, DRAWN)
+            assert size < width
+            # Margins of an eighth about points; what stands about them reaches into those.
+            assert 0 < low < 0.15 < 0.85 < high < 1
+        clean(driver)
+
+
+def test_out_of_sight_waits_for_the_hand_and_in_sight_does_not(tmp_path):
+    """The limits of a telephone lie far below what is dragged there."""
+    heat = "return document.querySelector('.heat tbody').innerText"
+    with browsing() as driver, workbench(tmp_path) as (house, _):
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 700, "deviceScaleFactor": 1, "mobile": True,
+        })  # fmt: skip
+        opened(driver, house)
+        driver.execute_script("document.querySelector('.views').scrollIntoView()")
+        was, strip = (
+            driver.execute_script(heat),
+            "return document.querySelector('.strip').innerText",
+        )
+        verdict = driver.execute_script(strip)
+        driver.execute_script("""
+            const e = document.querySelector("[data-handle='side/main/bearing/2']");
+            e.setPointerCapture = () => {};
+            window.hand = (kind, up) => e.dispatchEvent(new PointerEvent(kind, {
+                bubbles: true, pointerId: 1, button: 0, clientX: 200, clientY: 300 - up}));
+            hand('pointerdown', 0); hand('pointermove', 8);""")
+        wait(driver, f"{strip} !== arguments[0]", verdict)
+        assert driver.execute_script(heat) == was
+        driver.execute_script("document.querySelector('.heat').scrollIntoView()")
+        wait(driver, f"{heat} !== arguments[0]", was)
+        moved = driver.execute_script(heat)
+        driver.execute_script("document.querySelector('.views').scrollIntoView()")
+        time.sleep(0.5)
+        driver.execute_script("hand('pointermove', 16)")
+        driver.execute_script("hand('pointerup', 16)")
+        wait(driver, SETTLED)
+        assert driver.execute_script(heat) != moved
         clean(driver)
 
 

@@ -1,5 +1,6 @@
 """The workbench's server: what it answers, what it refuses, how it ends. All on loopback."""
 
+import errno
 import http.client
 import json
 import os
@@ -605,6 +606,26 @@ def test_a_file_changed_meanwhile_is_not_written_over(own, monkeypatch):
         one.say("save", file=0, text=TEXT + "# mine\n", mark=told["mark"])
         one.hear("saved")
         assert path.read_text("utf-8").endswith("# mine\n")
+
+
+def test_why_a_file_cannot_be_written_is_said_in_the_pages_language(own, monkeypatch):
+    """Save, freeze and open said it in English: Permission denied."""
+    house, path = own
+
+    def denied(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    with page(house) as one:
+        one.hello("pt")
+        mark = one.open()["mark"]
+        for name, what in (("save", {"mark": mark}), ("freeze", {"by": "", "note": ""})):
+            monkeypatch.setattr(house.desk, name, denied)
+            one.say(name, file=0, text=TEXT, **what)
+            told = one.hear("refused")
+            assert (told["what"], told["why"]) == (name, "permissão negada")
+        path.unlink()
+        one.say("open", file=0)
+        assert one.hear("refused")["why"] == "chain.yaml: não está mais lá"
 
 
 def test_two_tabs_hear_of_each_other(own, monkeypatch):

@@ -519,6 +519,10 @@ def test_revisions_are_never_written_over(tmp_path):
         assert [r["name"] for r in told] == ["2", "1"]
         assert told[0]["text"] == CHAIN
         assert "\n" not in told[0]["said"]
+        # Signed with a mark that turns what follows it: nobody could read that revision.
+        one.say("freeze", file=0, text=CHAIN, by="A. Silva \u202e", note="\u200b")
+        assert one.hear("frozen")["revisions"][0]["said"].endswith(": A. Silva")
+        assert files.read(tmp_path / "revisions" / "a.3.yaml").title
         assert (tmp_path / "revisions" / "a.1.yaml").read_text("utf-8").endswith("old\n")
         assert one.hello()["files"] == ["a.yaml"]
 

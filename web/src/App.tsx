@@ -21,22 +21,22 @@ import { Phasors } from "./Phasors";
 import { Angles, Poser } from "./Poser";
 import { Recording } from "./Recording";
 import { Speed } from "./Speed";
-import { store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
+import { placed, store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
 import { t } from "./text";
 import type { Row, Verdict } from "./types";
 import { Pin, Variants } from "./Variants";
-import { still, useKnown } from "./use";
+import { card, still, useKnown } from "./use";
 
 type Both = { known: Known; shown: Shown };
 
 /** What is drawn of a line: where it runs, and what its limits make of that. */
 const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
-const StillViews = still<Both>(Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
-const StillAngles = still<Both>(Angles, (p) => [...drawn(p), p.known.jobs]);
-const StillPhasors = still<Both>(Phasors, drawn);
+const StillViews = card<Both>("views", Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
+const StillAngles = card<Both>("angles", Angles, (p) => [...drawn(p), p.known.jobs]);
+const StillPhasors = card<Both>("phasors", Phasors, drawn);
 const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
 const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
-const StillHeat = still<{ known: Known }>(Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
+const StillHeat = card<{ known: Known }>("heat", Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
 const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
 /** What a hand that moves something does not change: drawn again once it lets go. */
@@ -170,9 +170,7 @@ function Head({ known }: { known: Known }) {
         <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
         </>}
-        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak((e.currentTarget as HTMLSelectElement).value)}>
-          {known.languages.map((code) => <option key={code} value={code}>{code}</option>)}
-        </select>
+        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak(e.currentTarget.value)}>{known.languages.map((code) => <option key={code}>{code}</option>)}</select>
         <select aria-label={t("Colours")} value={known.theme} onChange={(e) => store.theme((e.currentTarget as HTMLSelectElement).value as Known["theme"])}>
           <option value="auto">{t("as the system")}</option>
           <option value="light">{t("light")}</option>
@@ -204,7 +202,7 @@ function Notices({ known }: { known: Known }) {
           ) : <button onClick={() => store.dismiss()}>{t("close")}</button>}
         </p>
       )}
-      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems[0]?.message ?? "" })}</p>)}
+      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems.slice(0, 1).map(placed).join() })}</p>)}
     </div>
   );
 }
@@ -215,10 +213,7 @@ function Strip({ known }: { known: Known }) {
   const { full, live, settled } = known;
   // A failure that is known at once is one, whatever comes after.
   const verdict: Verdict | null = !settled && live?.grade === "fail" ? "fail" : (full?.verdict ?? live?.grade ?? null);
-  const bad = store
-    .rows()
-    .filter((r): r is Row => r.values !== undefined && worst(r) < -0.5)
-    .sort((a, b) => worst(a) - worst(b));
+  const bad = store.rows().filter((r): r is Row => r.values !== undefined && worst(r) < -0.5).sort((a, b) => worst(a) - worst(b));
   return (
     <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
       <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>

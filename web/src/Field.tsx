@@ -15,11 +15,8 @@ export function Field(of: {
   among?: string[];
   /** 0 faint to 1 full, by row and column. */
   strength?: (row: number, column: number) => number;
-  at: [number, number];
-  choose: (row: number, column: number) => void;
-  said: string;
-  height: number;
-  theme: string;
+  at: [number, number]; choose: (row: number, column: number) => void;
+  said: string; height: number; theme: string;
   /** Whether the first row is drawn at the bottom. */
   up?: boolean;
 }) {

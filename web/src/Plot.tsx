@@ -23,17 +23,9 @@ export interface Beside {
   top?: number;
 }
 
-export function Plot(of: {
-  x: number[];
-  series: Series[];
-  degrees?: boolean;
-  unit: string;
-  at?: number | null;
-  height: number;
-  label: string;
-  theme: string;
-  beside?: Beside;
-}) {
+interface Drawn { x: number[]; series: Series[]; unit: string; label: string; height: number; theme: string; degrees?: boolean; at?: number | null; beside?: Beside }
+
+export function Plot(of: Drawn) {
   const [box, width] = useWidth(420);
   const root = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -67,10 +59,7 @@ export function Plot(of: {
         ],
         series: [{}, ...of.series.map((s) => ({ stroke: colour(`--series-${s.colour}`), width: 1.8, points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
         hooks: {
-          draw: [
-            (u) => besides(u, of.beside ?? {}),
-            place,
-          ],
+          draw: [(u) => besides(u, of.beside ?? {}), place],
           init: [(u) => { here.current = u.over.appendChild(document.createElement("i")); here.current.className = "here"; }],
         },
       },

@@ -37,12 +37,36 @@ export class Stage {
     this.drawn(this);
   };
 
+  private seen: THREE.Vector3[] = [];
+
+  /** Where what is looked at has its middle, beside the target, and from how far off all of it is in sight. */
+  private frame(): { aside: THREE.Vector3; far: number } {
+    const { camera: c, controls } = this;
+    const up = Math.tan((c.fov * Math.PI) / 360) / 1.12;
+    const at = this.seen.map((p) => p.clone().sub(controls.target).applyQuaternion(c.quaternion.clone().invert()));
+    const reach = (of: "x" | "y", by: number): number => Math.max(...at.map((q) => q[of] / by + q.z), 1);
+    const [right, left, top, foot] = [reach("x", up * c.aspect), reach("x", -up * c.aspect), reach("y", up), reach("y", -up)];
+    const aside = new THREE.Vector3(up * c.aspect * (right - left), up * (top - foot), 0).divideScalar(2);
+    return { aside: aside.applyQuaternion(c.quaternion), far: Math.max(right + left, top + foot) / 2 };
+  }
+
+  /** Look beside the target, from as many times as far off. */
+  private step(times: number, aside: THREE.Vector3): void {
+    const { camera: c, controls } = this;
+    c.position.sub(controls.target).multiplyScalar(times).add(controls.target.add(aside));
+    const far = c.position.distanceTo(controls.target);
+    [c.near, c.far] = [far / 100, far * 6];
+    c.updateProjectionMatrix();
+    controls.update();
+    this.draw();
+  }
+
   size = (): void => {
-    const [w, h] = [this.box.clientWidth || 600, this.box.clientHeight || 360];
+    const [w, h, was] = [this.box.clientWidth || 600, this.box.clientHeight || 360, this.frame()];
     this.renderer.setSize(w, h);
     this.camera.aspect = w / h;
-    this.camera.updateProjectionMatrix();
-    this.draw();
+    const now = this.frame();
+    this.step(now.far / was.far, now.aside.sub(was.aside)); // as near as a hand had gone
   };
 
   clear(): void {
@@ -53,15 +77,13 @@ export class Stage {
   }
 
   look(points: Point[], from: Point): void {
-    const sphere = new THREE.Box3().setFromPoints(points.map(put)).getBoundingSphere(new THREE.Sphere());
-    const { camera: c } = this;
-    const far = (sphere.radius / Math.sin((c.fov * Math.PI) / 360) / Math.max(Math.min(1, c.aspect), 0.4)) * (c.aspect > 1.6 ? 0.66 : 1.02);
-    this.controls.target.copy(sphere.center);
-    c.position.copy(sphere.center).addScaledVector(put(from).normalize(), far);
-    [c.near, c.far] = [far / 100, far * 6];
-    c.updateProjectionMatrix();
-    this.controls.update();
-    this.draw();
+    const { camera: c, controls } = this;
+    this.seen = points.map(put);
+    new THREE.Box3().setFromPoints(this.seen).getCenter(controls.target);
+    c.position.copy(controls.target).add(put(from).normalize());
+    c.lookAt(controls.target);
+    const { aside, far } = this.frame();
+    this.step(far, aside);
   }
 
   end(): void {

@@ -95,21 +95,14 @@ interface Sent extends Waiting { id: number }
 /** How long a slider rests before the curves beside it are asked for, in ms. */
 const REST = 200;
 
-export const remembered = (key: string): string | null => {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null;
-  }
-};
+/** Ask a browser for what it keeps; one that keeps nothing is asked again next time. */
+function kept<T>(ask: () => T): T | null {
+  try { return ask(); } catch { return null; }
+}
 
-export const remember = (key: string, value: string): void => {
-  try {
-    localStorage.setItem(key, value);
-  } catch {
-    // A browser that keeps nothing: it is asked again next time.
-  }
-};
+export const remembered = (key: string): string | null => kept(() => localStorage.getItem(key));
+
+export const remember = (key: string, value: string): void => { kept(() => localStorage.setItem(key, value)); };
 
 export class Store {
   known: Known = start;
@@ -210,8 +203,6 @@ export class Store {
         break;
       case "brought":
         this.brought(m.id, m.got);
-        break;
-      case "kept":
         break;
       case "frozen":
         this.set({ revisions: m.revisions });
@@ -466,6 +457,7 @@ export class Store {
     if (sent.commit && this.known.history && m.text !== undefined) {
       change.history = History.edited(this.known.history, m.text);
       change.helps = null;
+      if (this.known.notice?.kind === "refused") change.notice = null; // of what was tried before
     }
     this.set(change);
     if (sent.commit) {
@@ -483,7 +475,7 @@ export class Store {
     const problems = this.known.problems;
     if (!history) return;
     const [first] = problems;
-    if (first) this.set({ notice: { kind: "refused", why: first.message } });
+    if (first) this.set({ notice: { kind: "refused", why: placed(first) } });
     this.ask({ text: history.text });
   }
 
@@ -689,6 +681,8 @@ export class Store {
     if (this.known.full) this.set({ order: this.sorted(this.known.full) });
   }
 }
+
+export const placed = (p: Problem): string => [p.key, p.message].filter(Boolean).join(": ");
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>

@@ -18,6 +18,21 @@ export function still<P extends object>(of: ComponentType<P>, depends: (props: P
   return (props) => useMemo(() => h(of as ComponentType, props) as JSX.Element, depends(props));
 }
 
+/** A card that is still, too: while a hand moves, out of sight it waits until it is let go or scrolled to. */
+export function card<P extends { known: Known }>(id: string, of: ComponentType<P>, depends: (props: P) => unknown[]): (props: P) => JSX.Element {
+  return (props) => {
+    const [near, set] = useState(true);
+    const last = useRef<unknown[]>([]);
+    useEffect(() => {
+      const watcher = new IntersectionObserver((seen) => set(seen.at(-1)?.isIntersecting ?? true), { rootMargin: "100px" });
+      watcher.observe(document.getElementById(id)?.closest("section") ?? document.body);
+      return () => watcher.disconnect();
+    }, []);
+    if (near || props.known.held === null) last.current = depends(props);
+    return useMemo(() => h(of as ComponentType<object>, props) as JSX.Element, last.current);
+  };
+}
+
 const kept = new Map<string, unknown>();
 
 /** What a form holds: it is there again where its view comes back. */
@@ -42,21 +57,14 @@ export function useWidth(first: number): [(element: HTMLElement | null) => void,
 
 let probe: HTMLElement | null = null;
 
-/** A colour of the page by its name, as it is now: light or dark. */
+/** A colour of the page by its name, as it is now. */
 export function colour(name: string): string {
   probe ??= document.body.appendChild(document.createElement("i"));
   probe.style.color = `var(${name})`;
   return getComputedStyle(probe).color;
 }
 
-export interface Hand {
-  onPointerDown: (e: PointerEvent) => void;
-  onPointerMove: (e: PointerEvent) => void;
-  onPointerUp: (e: PointerEvent) => void;
-  onPointerCancel: (e: PointerEvent) => void;
-  onKeyDown: (e: KeyboardEvent) => void;
-  onBlur: () => void;
-}
+export type Hand = Record<"onPointerDown" | "onPointerMove" | "onPointerUp" | "onPointerCancel", (e: PointerEvent) => void> & { onKeyDown: (e: KeyboardEvent) => void; onBlur: () => void };
 
 /** Steps of the keys, in millimetres or degrees. */
 const STEPS = { fine: 0.1, one: 1, page: 10 };

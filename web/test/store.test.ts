@@ -131,10 +131,18 @@ describe("a hand that moves", () => {
     store.release();
     socket.answer();
     const q = socket.asked().at(-1) as Said;
-    socket.tell({ type: "live", id: q.id, text: "a", problems: [{ message: "no", line: 0, column: 0, key: "", value: "", hint: "" }] });
+    socket.tell({ type: "live", id: q.id, text: "a", problems: [{ message: "no", line: 0, column: 0, key: "at", value: "", hint: "" }] });
     expect(store.known.history?.text).toBe("a");
-    expect(store.known.notice).toMatchObject({ kind: "refused", why: "no" });
+    expect(store.known.notice).toMatchObject({ kind: "refused", why: "at: no" });
     expect(socket.asked().at(-1)?.drag).toBeUndefined();
+    // It stood there until somebody closed it, whatever was done since.
+    socket.answer();
+    store.hold("h", by(2));
+    socket.answer();
+    store.release();
+    expect(store.known.notice).not.toBeNull();
+    socket.answer();
+    expect(store.known).toMatchObject({ notice: null, history: { text: "a+2" } });
   });
 });
 

@@ -242,7 +242,7 @@ class Suspended:
             stretch(moved, some)[...] = solve(whole, stretch(right, some))
         return self._motion(trailing(moved, of=2).mT, np.sign(W), each=True)
 
-    def still(self, forces: ComplexArray) -> ComplexArray:
+    def still(self, forces: ComplexArray | FloatArray) -> ComplexArray:
         """Return where forces (..., N) that do not move with the line hold it, (..., N) m."""
         return np.linalg.solve(self._held[0], forces[..., None])[..., 0].astype(complex)
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from cardan.base.errors import BadFile, CardanError, Problem
-from cardan.border.document import text_of
+from cardan.border.document import text_of, visible
 from cardan.border.writer import write
 
 MOST = 500
@@ -137,7 +137,8 @@ class Desk:
         if not self._inside(folder):
             problem = Problem(message="revisions is a link that leads out of the folder")
             raise BadFile(paper.name, (problem,))
-        said = "; ".join(" ".join(s.split()) for s in (by, note) if s.strip())
+        # A character that nobody sees would make a revision that nobody can read.
+        said = "; ".join(" ".join(s.split()) for s in map(visible, (by, note)) if s)
         head = f"# frozen {date.today().isoformat()}: {said}\n"
         for k in range(1, MOST):
             path = folder / f"{paper.path.stem}.{k}.yaml"

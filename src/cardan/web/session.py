@@ -155,8 +155,7 @@ class Session:
         try:
             number = await asyncio.to_thread(self.desk.create, title, text)
         except (CardanError, OSError) as error:
-            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
-            await self._tell("refused", what="create", file=0, why=why)
+            await self._tell("refused", what="create", file=0, why=self._why(error))
             return
         await self._tell("files", files=[p.name for p in self.desk.papers])
         await self._open({"file": number})
@@ -167,7 +166,8 @@ class Session:
         try:
             opened = await asyncio.to_thread(self.desk.open, number)
         except CardanError as error:
-            await self._tell("refused", what="open", file=number, why=readable(error))
+            why = f"{self.desk.papers[number].name}: {self._why(error)}"
+            await self._tell("refused", what="open", file=number, why=why)
             return
         self.file = number
         await self._tell("opened", **opened)
@@ -230,7 +230,8 @@ class Session:
     async def _bring(self, said: Json) -> None:
         why = await asyncio.to_thread(self.parcel.begin, said)
         if why:
-            await self._tell("refused", what="bring", file=0, why=Language(self.lang).error(why))
+            why = Language(self.lang).typeset.error(why)
+            await self._tell("refused", what="bring", file=0, why=why)
         else:
             await self._tell_parcel()
 
@@ -252,8 +253,7 @@ class Session:
         try:
             found = await asyncio.to_thread(self.desk.freeze, number, text, by=by, note=note)
         except (CardanError, OSError) as error:
-            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
-            await self._tell("refused", what="freeze", file=number, why=why)
+            await self._tell("refused", what="freeze", file=number, why=self._why(error))
             return
         await self._tell("frozen", file=number, revisions=found)
 
@@ -302,8 +302,7 @@ class Session:
         except Conflict:
             await self._tell_disk(number, conflict=True)
         except (CardanError, OSError) as error:
-            why = readable(error) if isinstance(error, CardanError) else str(error.strerror)
-            await self._tell("refused", what="save", file=number, why=why)
+            await self._tell("refused", what="save", file=number, why=self._why(error))
         else:
             self._look(number)
             await self._tell("saved", file=number, mark=new, text=text)
@@ -350,11 +349,18 @@ class Session:
         try:
             opened = await asyncio.to_thread(self.desk.open, number)
         except CardanError as error:
-            await self._tell("refused", what="read", file=number, why=readable(error))
+            gone = not self.desk.papers[number].path.exists()
+            why = "is no longer there" if gone else self._why(error)
+            await self._tell("refused", what="read", file=number, why=why)
             return
         await self._tell(
             "disk", file=number, text=opened["saved"], mark=opened["mark"], conflict=conflict
         )
+
+    def _why(self, error: CardanError | OSError) -> str:
+        """Return why a file could not be read or written, in the page's language."""
+        said = readable(error) if isinstance(error, CardanError) else str(error.strerror)
+        return Language(self.lang).typeset.error(said)
 
     async def _tell(self, kind: str, **what: Any) -> None:
         data = json.dumps({"type": kind, **what}, ensure_ascii=False, separators=(",", ":"))
