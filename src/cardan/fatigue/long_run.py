@@ -56,6 +56,9 @@ FEW, MUCH = 20, 0.25
 """Seconds to which an exponential law had to be cut back that are too few, where they did more than
 this share of the damage."""
 
+DOUBT = 0.0
+"""TODO"""
+
 WIDE = 30.0
 """High end over low end beyond which a number would say more than is known."""
 
@@ -156,6 +159,10 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         freedom, v = max(road.stretches - 1, 1.0), road.variance
         half = float(student.ppf(edge, freedom)) * math.sqrt(v / (freedom + 1) + v**2 / 2 / freedom)
         low, high = min(low, road.shift - half), max(high, road.shift + half)
+    # A tail that is a little heavier than exponential shows in few blows less than it does.
+    more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), _shape(beyond[over]))
+    heavier = float(total[0] + total[2] * more[0]) / max(float(total[1]), 1e-9) / found
+    high = max(high, math.log(max(heavier, 1.0)))
     unknown: Unknown | None = None
     if live < SHORT:
         unknown = "short"
@@ -245,8 +252,24 @@ def _tail(amplitude: FloatArray, most: int) -> int:
     return max(k, 1)
 
 
-def _mean_damage(curve: SNCurve, threshold: float, excess: FloatArray) -> FloatArray:
-    """Return the mean damage of cycles whose excess beyond a threshold is exponential, (n,)."""
+def _shape(excess: FloatArray) -> float:
+    """Return how much heavier than exponential a tail of excesses (k,) may be: Pareto's shape.
+
+    Of its first two moments, and as much more as these let pass half the time.
+    """
+    squares = float((excess**2).mean()) / max(float(excess.mean()) ** 2, 1e-300) - 1
+    return max((1 - 1 / max(squares, 1e-3)) / 2, 0.0) + DOUBT / math.sqrt(excess.size)
+
+
+def _mean_damage(
+    curve: SNCurve, threshold: float, excess: FloatArray, shape: float = 0.0
+) -> FloatArray:
+    """Return the mean damage of cycles (n,) by their mean excess beyond a threshold, exponential.
+
+    Or as Pareto's generalised law has it, of a shape above 0.
+    """
     # Gauss and Laguerre: 24 places are exact for a power of 47.
     places, weights = np.polynomial.laguerre.laggauss(24)
+    if shape > 0:
+        places = (1 - shape) * np.expm1(shape * places) / shape
     return curve.damage(threshold + excess[:, None] * places) @ weights
