@@ -235,7 +235,7 @@ def test_a_campaign_tells_of_customers(tmp_path):
     out = tmp_path / "out.json"
     done = CliRunner().invoke(command, [str(plan), "--json", str(out)])
     assert done.exit_code == 0, done.output
-    assert "95% of customers" in done.output
+    assert "95 % of customers" in done.output
     found = json.loads(out.read_text())
     rates = [r["damage_per_hour"] for r in found["gauges"][0]["recordings"]]
     (one,) = found["customer"]["gauges"]

@@ -409,11 +409,14 @@ class _Case:
     def pulling(self, wave: FloatArray, span: _Span) -> _Span:
         """Open the end where crests go with their pull, as of a stop that the line stands on.
 
-        How much of the damage would be left without it no line's wave (m,) tells. Where nobody
-        is acquitted it takes less: without a stop nothing beside the wave goes with their pull.
+        How much of the damage would be left without it no line's wave (m,) tells. Where they are
+        found, or nobody is acquitted, it takes less: without a stop nothing beside the wave goes
+        with their pull.
         """
-        open_already = span.high > ACQUITTED
-        goes = self.going(wave) > HARDLY if open_already else self.pulled > PULLED
+        innocent = span.high <= ACQUITTED
+        goes = innocent and self.pulled > PULLED
+        if not innocent or self.line.strength >= FOUND:
+            goes = goes or self.going(wave) > HARDLY
         return span.up_to(1.0, PULLING if self.measured else KNOCKING) if goes else span
 
 
