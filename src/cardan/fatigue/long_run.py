@@ -4,14 +4,15 @@ A recording's own damage rate is a draw of chance. It misses in two ways: the fe
 most of it are not those of another hour, and a road that changes was met in so many stretches only.
 So the largest seconds are taken as peaks over a threshold, as many as an exponential law holds for
 (by Anderson and Darling's test, and by the largest one), and the interval goes up to what a heavier
-tail would do that these may have as well; how the road changes is seen by shuffling
-the seconds; and whole stretches, as long as the road remembers, are drawn again. Where what did the
-damage came too seldom for that, no interval is told: it would be of the recording, not of the road.
+tail would do that these may have as well; how the road changes is seen by shuffling the seconds;
+and whole stretches, as long as the road remembers, are drawn again. Where what did the damage came
+too seldom for that, no interval is told: it would be of the recording, not of the road.
 Sources: Johannesson, Extrapolation of load histories and spectra, FFEMS 29 (2006); Bader, Yan &
 Zhang, Automated threshold selection for extreme value analysis via ordered goodness-of-fit tests,
 Ann. Appl. Stat. 12 (2018); D'Agostino & Stephens, Goodness-of-fit techniques (1986), table 4.14;
 Efron & Tibshirani, An Introduction to the Bootstrap (1993), ch. 8; Zhou & Gao, Confidence intervals
-for the log-normal mean, Stat. Med. 16 (1997).
+for the log-normal mean, Stat. Med. 16 (1997); Hosking & Wallis, Parameter and quantile estimation
+for the generalized Pareto distribution, Technometrics 29 (1987).
 """
 
 import math
@@ -257,7 +258,7 @@ def _tail(amplitude: FloatArray, most: int) -> int:
 def _shape(excess: FloatArray) -> float:
     """Return how much heavier than exponential a tail of excesses (k,) may be: Pareto's shape.
 
-    Of its first two moments (Hosking & Wallis, Technometrics 29, 1987), and `DOUBT` more.
+    Of its first two moments (Hosking & Wallis), and `DOUBT` more.
     """
     squares = float((excess**2).mean()) / max(float(excess.mean()) ** 2, 1e-300) - 1
     return max((1 - 1 / max(squares, 1e-3)) / 2, 0.0) + DOUBT / math.sqrt(excess.size)
