@@ -99,7 +99,8 @@ def zeros():
 
 
 @pytest.mark.parametrize(
-    ("claimed", "why"), [(1 << 29, "claims 536870912 bytes at once"), (16 * N, "more than the 16000")]
+    ("claimed", "why"),
+    [(1 << 29, "claims 536870912 bytes at once"), (16 * N, "more than the 16000")],
 )
 def test_half_a_megabyte_that_unpacks_to_half_a_gigabyte(tmp_path, zeros, claimed, why):
     """Of a gigabyte and more it took all of that, what it claimed or not."""
@@ -113,7 +114,8 @@ def test_half_a_megabyte_that_unpacks_to_half_a_gigabyte(tmp_path, zeros, claime
 
 @pytest.mark.parametrize(
     ("offset", "form", "value", "why"),
-    [(8, "<Q", 10**12, "claims 1e\\+12 records of 16 bytes"), (8, "<Q", 1500, "of 1500 rows it holds 1000"),
+    [(8, "<Q", 10**12, "claims 1e\\+12 records of 16 bytes"),
+     (8, "<Q", 1500, "of 1500 rows it holds 1000"),
      (24, "<I", 4_000_000_000, "a record of it claims 4000000000 bytes"),
      (8, "<Q", 10**6, "more samples than it can hold")],
 )  # fmt: skip
@@ -138,7 +140,9 @@ def test_a_channel_behind_the_end_of_its_record(tmp_path):
 def test_a_file_that_was_cut_off_says_so(tmp_path):
     data = written(tmp_path / "a.mf4")
     refused(tmp_path / "a.mf4", data[: 2 * len(data) // 3], "damaged or cut off")
-    said = CliRunner().invoke(command, [str(tmp_path / "a.mf4"), "--sn", "80,2e6,5", "--lang", "it"])
+    said = CliRunner().invoke(
+        command, [str(tmp_path / "a.mf4"), "--sn", "80,2e6,5", "--lang", "it"]
+    )
     assert said.exit_code == 2
     assert "un suo blocco è danneggiato o troncato" in said.stderr
 

@@ -364,7 +364,9 @@ def test_a_speed_is_not_told_in_its_holes(tmp_path, holes, held):
     assert (second["rpm"] is None) == any(a < 150 < b for a, b in holes)
     said = " ".join(text.split())
     longest = max(last - first for first, last in holes)
-    noted = f"n: no speed for {lost:g} s, longest hole {longest:g} s, the first at {holes[0][0]:g} s"
+    noted = (
+        f"n: no speed for {lost:g} s, longest hole {longest:g} s, the first at {holes[0][0]:g} s"
+    )
     assert (noted in said) == (lost > 0)
     assert (told["distance_km"] is not None) == held
     if held:

@@ -487,7 +487,7 @@ def _not_locked(case: _Case) -> Identified:
         # How far another lies from it shows among the thinned samples as well as among all.
         more = case.among((solved(columns, case.y)[0] @ columns).real) - own
         reach = max(reach, likely + more)
-    # The same doubt at both ends: what does so little may spare the part, off its stop or by chance.
+    # The same doubt at both ends: what does so little may spare the part, by chance or a stop.
     doubt = 0.3 * reach + 0.03
     span = _Span(-doubt, reach + doubt)
     if not (case.angle.trusted and case.measured):

@@ -441,7 +441,7 @@ def _records(file: Any, group: Any) -> Iterator[Any]:
     As `iter_get` does for each of them. Where whoever asks takes ten seconds for some stretches,
     asammdf prints how fast it was.
     """
-    each = file._mdf._load_data(group)  # noqa: SLF001
+    each = file._mdf._load_data(group)
     while True:
         with redirect_stdout(None):
             records = next(each, None)

@@ -287,7 +287,9 @@ def _beside(path: Path, own: Recording, others: Sequence[Table], start: float) -
 
     beside = (note for table in others for note in table.notes)
     note = f"laid on one clock of {own.rate:g} Hz, straight between samples: {'; '.join(said)}"
-    found = replace(own, channels=tuple(channels), read=read, notes=(*own.notes, *beside, note, *lost))
+    found = replace(
+        own, channels=tuple(channels), read=read, notes=(*own.notes, *beside, note, *lost)
+    )
     for name in found.names:
         if found.names.count(name) > 1:
             raise bad(path, "two channels have one name", value=repr(name), hint="name the group")

@@ -640,12 +640,14 @@ def _unsaid(campaign: Campaign, angle: Angle | None, seconds: float) -> Iterator
     channel, driven = campaign.speed, campaign.axle_ratio is not None
     found: list[str] = []
     if any(lost := _unheard(angle, seconds)):
-        found.append(f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s")
+        found.append(
+            f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s"
+        )
     if len(angle.holes):
         long = np.diff(angle.holes)[:, 0]
         found.append(
-            f"{channel}: no speed for {long.sum():.3g} s, longest hole {long.max():.3g} s, the first "
-            f"at {angle.holes[0, 0]:.4g} s"
+            f"{channel}: no speed for {long.sum():.3g} s, longest hole {long.max():.3g} s, the "
+            f"first at {angle.holes[0, 0]:.4g} s"
         )
     for said in found:
         if not driven or campaign.tyre_radius_m is None:
