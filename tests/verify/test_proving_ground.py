@@ -119,6 +119,15 @@ def test_crests_beside_their_wave_that_go_with_the_torque_may_all_be_theirs(seed
         assert PULLING in found.doubts
 
 
+def test_who_knows_no_torque_acquits_nobody_of_what_comes_with_the_order():
+    """Without one nothing says whether crests go with it: half was theirs, not a fifth."""
+    of = drive(730_171, stop=True)
+    assert "torque" not in of.names
+    for truth, (_, found) in zip(truths(of), heard(of), strict=True):
+        assert truth > 0.5
+        assert found.finding == CANNOT_TELL
+
+
 def test_without_a_stop_nothing_beside_their_wave_goes_with_the_torque():
     """A straight bracket: its interval is no wider for crests that go with the torque."""
     of = drive(31, kind="run-ups", bent=2.4, seconds=90.0, engine=0.0, stop=False, **CALM)
