@@ -367,7 +367,7 @@ def test_the_faster_of_two_gives_the_clock(rate):
         np.testing.assert_allclose(v, np.arange(v.size) / 100 * rate, atol=1e-9)
         kept = min(v.size, 500)
         np.testing.assert_allclose(found[:kept], x[100 : 100 + kept], atol=1e-9)
-        assert both.notes[-1].endswith("straight between b's samples")
+        assert both.notes[-1].endswith("straight between the samples of b")
 
 
 def test_rules_of_a_segment_go_by_the_clock_of_its_file(folder):

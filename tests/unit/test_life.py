@@ -159,12 +159,12 @@ def test_dead_and_empty_recordings_are_refused():
 def test_the_verdict_says_which_way_it_falls():
     guilty = Attribution((JOINTS, EVENTS), np.array([0, 0.8, 0.1, 1.0]))
     assert verdict("S1", guilty) == (
-        "S1: the joints' orders answer for 85.0% of the damage; "
+        "S1: the joints' orders answer for 85.0 % of the damage; "
         "without them it would live 10 times as long."
     )
     innocent = Attribution((JOINTS, EVENTS), np.array([0, 0.0, 1.0, 1.0]))
-    assert "0.0% of the damage" in verdict("S1", innocent)
-    assert "The largest share, 100.0%, is of events." in verdict("S1", innocent)
+    assert "0.0 % of the damage" in verdict("S1", innocent)
+    assert "The largest share, 100.0 %, is of events." in verdict("S1", innocent)
     assert "nobody" in verdict("S1", Attribution((JOINTS,), np.zeros(2)))
 
 

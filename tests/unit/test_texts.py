@@ -193,7 +193,9 @@ def recordings_refused(modules=RECORDED):
     for module in (path for glob in modules for path in (ROOT / "src/cardan").glob(glob)):
         for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
             match node:
-                case ast.Assign(targets=[ast.Name("msg" | "message" | "hint")], value=value):
+                case ast.Assign(
+                    targets=[ast.Name("msg" | "message" | "hint" | "note")], value=value
+                ):
                     yield from written(value)
                 case ast.Call(func=func, args=args, keywords=more):
                     if ast.unparse(func).rpartition(".")[2] in (*REFUSED, "wrong"):

@@ -235,7 +235,7 @@ def test_a_campaign_tells_of_customers(tmp_path):
     out = tmp_path / "out.json"
     done = CliRunner().invoke(command, [str(plan), "--json", str(out)])
     assert done.exit_code == 0, done.output
-    assert "95% of customers" in done.output
+    assert "95 % of customers" in done.output
     found = json.loads(out.read_text())
     rates = [r["damage_per_hour"] for r in found["gauges"][0]["recordings"]]
     (one,) = found["customer"]["gauges"]
@@ -284,7 +284,7 @@ def test_a_customer_is_a_recording_and_not_a_segment(tmp_path):
     assert one["damage_per_hour"] == pytest.approx(customer(rates, quantile=0.95)[0], rel=1e-6)
 
 
-def driven(tmp_path, *more, quiet=(0.0, 300.0), torque=(0.0, 300.0)):
+def driven(tmp_path, *more, quiet=(0.0, 300.0), torque=(0.0, 300.0), holes=()):
     """Five minutes at 600 rpm, of which the speed and the torque are written within some."""
     rng = np.random.default_rng(6)
     t = np.arange(int(300 * RATE)) / RATE
@@ -292,6 +292,8 @@ def driven(tmp_path, *more, quiet=(0.0, 300.0), torque=(0.0, 300.0)):
     load = np.full(t.size, 400.0)
     for x, (first, last) in ((speed, quiet), (load, torque)):
         x[(t < first) | (t >= last)] = np.nan
+    for first, last in holes:
+        speed[(t >= first) & (t < last)] = np.nan
     stress = 20 * rng.normal(size=t.size)
     stress[int(2 * RATE)], stress[int(150 * RATE)] = 200.0, 180.0
     path = tmp_path / "a.csv"
@@ -344,6 +346,34 @@ def test_only_what_is_known_is_told_of_a_speed_that_begins_late_and_ends_early(
         assert told["distance_km"] is gauge["km"] is first["km"] is second["km"] is None
         assert by_torque[0]["km"] is None
         assert "and km are not known" in said
+
+
+@pytest.mark.parametrize(
+    ("holes", "held"),
+    [([(60.0, 60.7)], True), ([(60.0, 70.0), (145.0, 155.0)], True), ([(100.0, 190.0)], False)],
+)
+def test_a_speed_is_not_told_in_its_holes(tmp_path, holes, held):
+    """A line went straight across, and bands, gears and peaks had their speed of it, unsaid."""
+    told, text = driven(tmp_path, *WHEELS, holes=holes)
+    used = told["usage"]["S1"]
+    lost = sum(last - first for first, last in holes if last - first > 1)
+    by_speed = used["damage_by"]["speed"]
+    assert sum(g["live_s"] for g in by_speed) == pytest.approx(300 - lost, abs=2.1)
+    first, second = used["peaks"][:2]
+    assert first["rpm"] == pytest.approx(600, rel=1e-3)
+    assert (second["rpm"] is None) == any(a < 150 < b for a, b in holes)
+    said = " ".join(text.split())
+    longest = max(last - first for first, last in holes)
+    noted = (
+        f"n: no speed for {lost:g} s, longest hole {longest:g} s, the first at {holes[0][0]:g} s"
+    )
+    assert (noted in said) == (lost > 0)
+    assert (told["distance_km"] is not None) == held
+    if held:
+        assert told["distance_km"] == pytest.approx(300 * WAY, rel=1e-3)
+        assert second["km"] == pytest.approx(150 * WAY, rel=1e-2)
+    _, text = driven(tmp_path, "--lang", "pt", holes=holes)
+    assert ("n: sem rotação por" in " ".join(text.split())) == (lost > 0)
 
 
 def test_a_speed_without_ends_is_told_in_the_language_asked_for(tmp_path):

@@ -394,6 +394,7 @@ def drive(seed, *, seconds=None, **asked):
     hung = 2 * np.pi * rng.uniform(14, 45, 2)
     rubber = np.stack([mass * hung**2, 2 * rng.uniform(0.03, 0.12, 2) * mass * hung], -1)
     stop = rng.uniform() < 0.15
+    stop = asked.get("stop", stop)
     count = int(rng.integers(2, 4))
     # A bracket is softer one way than another; its modes lie anywhere.
     modes = np.stack(

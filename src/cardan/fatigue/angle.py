@@ -75,6 +75,16 @@ class Angle:
     """Share of the time under way for which nothing says how fast it turned."""
     ends: tuple[float, float] = (-np.inf, np.inf)
     """From when to when something says it, s: before and after, a speed is held that is beside."""
+    holes: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    """Between these, (k, 2) s from when to when nothing says it for more than a moment, and a line
+    goes straight across."""
+
+    def unsaid(self, time: FloatArray) -> BoolArray:
+        """Return whether nothing says at times (n,) s how fast it turned."""
+        first, last = self.ends
+        begun, over = self.holes.T
+        amid = np.searchsorted(begun, time, "right") > np.searchsorted(over, time)
+        return (time < first) | (time > last) | amid
 
     def stretches(self, time: FloatArray) -> IntArray:
         """Return which stretch of one zero times (n,) s lie in, from 0 on."""
@@ -301,7 +311,8 @@ def shaft_angle(
         turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
         lost = (dark | stair) & ~engaged
     moving = turning > 1
-    told = np.flatnonzero(~(lost & dark))
+    unsaid = lost & dark
+    told = np.flatnonzero(~unsaid)
     ends = (-np.inf, np.inf)
     if told.size:  # less than a moment is how a clock was laid, or its first message
         first, last = float(time[told[0]]), float(time[told[-1]])
@@ -314,13 +325,17 @@ def shaft_angle(
         return runs, float((runs[:, 1] - runs[:, 0]).sum())
 
     runs, gone = without(lost, SLIPS)
-    _, black = without(lost & dark, DARK)
+    _, black = without(unsaid, DARK)
+    holes = np.asarray(_runs(unsaid, least=max(round(DARK / step), 1)) * step, float)
+    holes = holes[(holes[:, 0] > ends[0]) & (holes[:, 1] < min(ends[1], time[-1]))]
+    holes = holes[holes[:, 0] > 0]
     whole = max(float(np.count_nonzero(moving)) * step, step)
     kept = (whole - gone) / (len(runs) + 1)
     trusted = not len(runs) or (gone < (1 - KEPT) * whole and kept > min(LASTS, 0.3 * whole))
     return Angle(
         _turned(time, turning), lag=1.0 if stair and not geared_by else 0.15, trusted=trusted,
         lost=runs if trusted else runs[:0], dark=black / whole, ends=ends,
+        holes=holes,
     )  # fmt: skip
 
 

@@ -265,7 +265,8 @@ class Health:
         if self.missing:
             found.append(
                 said(
-                    MISSING, samples=self.missing, share=f"{self.missing / self.samples:.2%}",
+                    MISSING, samples=self.missing,
+                    share=f"{100 * self.missing / self.samples:.2f} %",
                     hole=f"{self.longest_hole / rate:.3g}",
                 )
             )  # fmt: skip

@@ -107,13 +107,13 @@ class Tried:
 
 
 TRIED = {
-    GUILTY: (Tried(0, 503), Tried(2, 452)),
-    INNOCENT: (Tried(0, 389), Tried(11, 524)),
+    GUILTY: (Tried(0, 683), Tried(2, 664)),
+    INNOCENT: (Tried(0, 491), Tried(16, 753)),
 }
 """Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
-as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000 and
-710000 on; 672000 and 712000 on, and of the innocent 662000 on. Innocent: a truth below 0.25;
-guilty: from 0.5."""
+as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000,
+710000 and 741000 on; 672000, 712000, 740000 and 746000 on, and of the innocent 662000 on.
+Innocent: a truth below 0.25; guilty: from 0.5."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,6 +82,10 @@ QUIET = 32
 """Samples before a jump, or behind, that say how the channel moves there."""
 OUTSTANDING = 5.0
 """Times their 90 % quantile that a jump stands out by; noise alone reaches some three."""
+FORETOLD = 10.0
+"""The same of a sample that its neighbours do not foretell."""
+ALONE = 0.1
+"""Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
 BLOCK = 1024
 """Samples whose highest and lowest are kept."""
 RARE = 0.1
@@ -204,9 +208,12 @@ class Finder:
             highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
             self.reached.append(np.stack([highest, -lowest]))
         offset = self.start - margin
-        runs, sizes = _jumps(filled, longest=margin - QUIET - 4)
-        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
-        self.jumps.append((runs[mine] + offset, sizes[mine]))
+        jumps = _jumps(filled, longest=margin - QUIET - 4)
+        pricks, heights = _pricks(filled)
+        apart = ~_touching(pricks, union([jumps[0]]))
+        for runs, sizes in (jumps, (pricks[apart], heights[apart])):
+            mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+            self.jumps.append((runs[mine] + offset, sizes[mine]))
         runs, sizes = _steps(filled, widths=self.widths)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.steps.append((runs[mine] + offset, sizes[mine]))
@@ -494,6 +501,25 @@ def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
     return np.stack([off + 1, back + 1], -1), low * np.sign(d[off])
 
 
+def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return single samples, runs (k, 2), that a cubic through their neighbours does not foretell.
+
+    Within a ring steps are large, but each sample is foretold by those beside it. One that is off
+    by itself spoils the foretelling of these as well, by two thirds and with the other sign; a
+    blow, however short, has flanks.
+    """
+    if x.size <= 2 * (QUIET + 8):
+        return np.empty((0, 2), np.intp), np.empty(0)
+    off = np.zeros_like(x)
+    off[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
+    size = np.abs(off)
+    beside = np.maximum(np.abs(off[:-2] + 2 / 3 * off[1:-1]), np.abs(off[2:] + 2 / 3 * off[1:-1]))
+    at = np.flatnonzero(beside < ALONE * size[1:-1]) + 1
+    for way in (-1, 1):
+        at = _outstanding(size, at, way, gap=2, least=FORETOLD)
+    return np.stack([at, at + 1], -1), off[at]
+
+
 def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
 
@@ -521,7 +547,9 @@ def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
     return np.stack([at + 1, at + 1 + lag], -1), d[at]
 
 
-def _outstanding(size: FloatArray, at: IntArray, way: int, *, gap: int = 1) -> IntArray:
+def _outstanding(
+    size: FloatArray, at: IntArray, way: int, *, gap: int = 1, least: float = OUTSTANDING
+) -> IntArray:
     """Those jumps that stand out of the steps before them (way -1) or behind (1), by a gap."""
     first = at + 1 + gap if way > 0 else at - gap - QUIET
     inside = (first >= 0) & (first + QUIET <= size.size)
@@ -530,7 +558,7 @@ def _outstanding(size: FloatArray, at: IntArray, way: int, *, gap: int = 1) -> I
         return at
     near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
     usual = np.partition(near, int(0.9 * QUIET), axis=-1)[:, int(0.9 * QUIET)]
-    return at[size[at] > OUTSTANDING * usual]
+    return at[size[at] > least * usual]
 
 
 class _Long:

@@ -732,7 +732,7 @@ def _of_one(
     doubts = [
         said(
             TOGETHER, one=a.cause, order=f"{a.tone.order:g}", other=b.cause,
-            second=f"{b.tone.order:g}", share=f"{share:.0%}",
+            second=f"{b.tone.order:g}", share=f"{100 * share:.0f} %",
         )
         for a, b, share in pairs
     ]  # fmt: skip
@@ -745,7 +745,7 @@ def _of_one(
     if joints.engine is None:
         doubts.append(said(NO_ENGINE))
     elif (share := _direct(shaft, joints.engine, time)) > 0.2 and not engine_orders:
-        doubts.append(said(DIRECT, share=f"{share:.0%}"))
+        doubts.append(said(DIRECT, share=f"{100 * share:.0f} %"))
     if torque is None:
         doubts.append(said(NO_TORQUE))
     return Causes(

@@ -3,14 +3,16 @@
 A recording's own damage rate is a draw of chance. It misses in two ways: the few blows that did
 most of it are not those of another hour, and a road that changes was met in so many stretches only.
 So the largest seconds are taken as peaks over a threshold, as many as an exponential law holds for
-(by Anderson and Darling's test, and by the largest one); how the road changes is seen by shuffling
-the seconds; and whole stretches, as long as the road remembers, are drawn again. Where what did the
-damage came too seldom for that, no interval is told: it would be of the recording, not of the road.
+(by Anderson and Darling's test, and by the largest one), and the interval goes up to what a heavier
+tail would do that these may have as well; how the road changes is seen by shuffling the seconds;
+and whole stretches, as long as the road remembers, are drawn again. Where what did the damage came
+too seldom for that, no interval is told: it would be of the recording, not of the road.
 Sources: Johannesson, Extrapolation of load histories and spectra, FFEMS 29 (2006); Bader, Yan &
 Zhang, Automated threshold selection for extreme value analysis via ordered goodness-of-fit tests,
 Ann. Appl. Stat. 12 (2018); D'Agostino & Stephens, Goodness-of-fit techniques (1986), table 4.14;
 Efron & Tibshirani, An Introduction to the Bootstrap (1993), ch. 8; Zhou & Gao, Confidence intervals
-for the log-normal mean, Stat. Med. 16 (1997).
+for the log-normal mean, Stat. Med. 16 (1997); Hosking & Wallis, Parameter and quantile estimation
+for the generalized Pareto distribution, Technometrics 29 (1987).
 """
 
 import math
@@ -55,6 +57,10 @@ largest excess, within which the law is taken to hold."""
 FEW, MUCH = 20, 0.25
 """Seconds to which an exponential law had to be cut back that are too few, where they did more than
 this share of the damage."""
+
+DOUBT = 0.5
+"""Of a tail's shape, over the root of how many seconds it has: half of what its moments scatter by.
+Of 60 roads with lognormal blows 25 % were told falsely with none of it, 10 % so."""
 
 WIDE = 30.0
 """High end over low end beyond which a number would say more than is known."""
@@ -156,6 +162,10 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         freedom, v = max(road.stretches - 1, 1.0), road.variance
         half = float(student.ppf(edge, freedom)) * math.sqrt(v / (freedom + 1) + v**2 / 2 / freedom)
         low, high = min(low, road.shift - half), max(high, road.shift + half)
+    # A tail that is a little heavier than exponential shows in few blows less than it does.
+    more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), _shape(beyond[over]))
+    heavier = float(total[0] + total[2] * more[0]) / max(float(total[1]), 1e-9) / found
+    high = max(high, math.log(max(heavier, 1.0)))
     unknown: Unknown | None = None
     if live < SHORT:
         unknown = "short"
@@ -245,8 +255,24 @@ def _tail(amplitude: FloatArray, most: int) -> int:
     return max(k, 1)
 
 
-def _mean_damage(curve: SNCurve, threshold: float, excess: FloatArray) -> FloatArray:
-    """Return the mean damage of cycles whose excess beyond a threshold is exponential, (n,)."""
+def _shape(excess: FloatArray) -> float:
+    """Return how much heavier than exponential a tail of excesses (k,) may be: Pareto's shape.
+
+    Of its first two moments (Hosking & Wallis), and `DOUBT` more.
+    """
+    squares = float((excess**2).mean()) / max(float(excess.mean()) ** 2, 1e-300) - 1
+    return max((1 - 1 / max(squares, 1e-3)) / 2, 0.0) + DOUBT / math.sqrt(excess.size)
+
+
+def _mean_damage(
+    curve: SNCurve, threshold: float, excess: FloatArray, shape: float = 0.0
+) -> FloatArray:
+    """Return the mean damage of cycles (n,) by their mean excess beyond a threshold, exponential.
+
+    Or as Pareto's generalised law has it, of a shape above 0.
+    """
     # Gauss and Laguerre: 24 places are exact for a power of 47.
     places, weights = np.polynomial.laguerre.laggauss(24)
+    if shape > 0:
+        places = (1 - shape) * np.expm1(shape * places) / shape
     return curve.damage(threshold + excess[:, None] * places) @ weights

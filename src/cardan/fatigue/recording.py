@@ -242,9 +242,9 @@ def alongside(own: Recording, other: Recording, *, late: float = 0.0) -> Recordi
             )
         apart(done / mine.rate)
 
-    whose = "its" if slower is other else f"{own.name}'s"
     note = (
-        f"with {other.name} ({other.rate:g} Hz), {late:g} s later, straight between {whose} samples"
+        f"with {other.name} ({other.rate:g} Hz), {late:g} s later, straight between the samples of "
+        f"{slower.name}"
     )
     return replace(
         mine, channels=(*own.channels, *other.channels), read=read,

@@ -386,7 +386,8 @@ class _Case:
         """Widen by what may be theirs if it comes and goes with order 2, not locked to it."""
         if (comes := coming(rest, self.best, self.rate)) > COMES:
             span = span.up_to(self.removed(self.close(self.x, span=RIDES / 2)) + 0.05, PASSING)
-            if comes > WHOLLY:  # nobody knows what that knocks loose elsewhere
+            # Nobody knows what that knocks loose elsewhere, nor, without a torque, when.
+            if comes > WHOLLY or not self.measured:
                 span = span.up_to(ACQUITTED + 0.05)
         return span
 
@@ -397,17 +398,26 @@ class _Case:
 
     @cached_property
     def pulled(self) -> float:
-        """Return how crests go with that, a correlation; nan where nothing tells it."""
-        turning = self.best.speed > SLOWEST / 2
-        return pulled(self.y - self.swinging, self.pull, turning, self.rate)
+        """Return how all crests go with that, a correlation; nan where nothing tells it."""
+        return self.going(0.0)
 
-    def pulling(self, wave: FloatArray | float, span: _Span) -> _Span:
-        """Widen by what swings when they pull, beside their wave, if the crests go with that."""
-        if self.pulled > PULLED:
-            share = self.removed(np.where(self.pull > self.pull.mean(), self.y, wave))
-            doubt = PULLING if self.measured else KNOCKING
-            span = span.up_to(max(share, ACQUITTED) + 0.05, doubt)
-        return span
+    def going(self, wave: FloatArray | float) -> float:
+        """Return how the crests of what a wave (m,) leaves go with their pull, a correlation."""
+        turning = self.best.speed > SLOWEST / 2
+        return pulled(self.y - self.swinging - wave, self.pull, turning, self.rate)
+
+    def pulling(self, wave: FloatArray, span: _Span) -> _Span:
+        """Open the end where crests go with their pull, as of a stop that the line stands on.
+
+        How much of the damage would be left without it no line's wave (m,) tells. Where they are
+        found, or nobody is acquitted, it takes less: without a stop nothing beside the wave goes
+        with their pull.
+        """
+        innocent = span.high <= ACQUITTED
+        goes = innocent and self.pulled > PULLED
+        if not innocent or self.line.strength >= FOUND:
+            goes = goes or self.going(wave) > HARDLY
+        return span.up_to(1.0, PULLING if self.measured else KNOCKING) if goes else span
 
 
 # --------------------------------------------------------------------------- the question
@@ -477,12 +487,14 @@ def _not_locked(case: _Case) -> Identified:
         # How far another lies from it shows among the thinned samples as well as among all.
         more = case.among((solved(columns, case.y)[0] @ columns).real) - own
         reach = max(reach, likely + more)
-    span = _Span(0.0, 1.3 * reach + 0.03)
+    # The same doubt at both ends: what does so little may spare the part, by chance or a stop.
+    doubt = 0.3 * reach + 0.03
+    span = _Span(-doubt, reach + doubt)
     if not (case.angle.trusted and case.measured):
         # Who knows no torque does not know where the joints' force turns its sign.
         all_near = max(case.removed(case.close(case.x, span=held)) for held in (0.5, RIDES))
-        doubt = UNLOADED if case.angle.trusted else UNTRUSTED
-        span = span.up_to(max(span.high, all_near) + 0.05, doubt)
+        why = UNLOADED if case.angle.trusted else UNTRUSTED
+        span = span.up_to(max(span.high, all_near) + 0.05, why)
     if not case.angle.measured:
         span = span.up_to(ACQUITTED + 0.05)
     else:
@@ -494,17 +506,16 @@ def _not_locked(case: _Case) -> Identified:
     span = case.sudden(case.x, case.elsewhere(span))
     if case.angle.trusted and span.high <= ACQUITTED:
         span = case.passing(case.x, span)
-    if span.high <= ACQUITTED:
-        span = case.pulling(0.0, span)
-    low, high = 0.0, min(span.high, 1.0)
+    span = case.pulling(wave, span)
+    low, high = span.low, min(span.high, 1.0)
     if there := case.following():
-        low, likely = there[0], max(likely, there[1])
+        low, likely = there[0] - 0.01, max(likely, there[1])
         span = span.doubting(PASSING)
         if low >= CONVICTED and case.aside:
             low, span = 0.0, span.doubting(SCALED)
         if low >= CONVICTED and case.steady:
             low, span = 0.0, span.doubting(STEADY)
-    found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high) - 0.01, high, span.doubts)
+    found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high), high, span.doubts)
     return Identified(
         found, np.zeros(case.stress.size), case.size(case.line.wave), case.whole
     )  # fmt: skip
@@ -535,10 +546,11 @@ def _locked(case: _Case, seed: int) -> Identified:
         span = span.down_to(span.low - 0.1).up_to(span.high + 0.1, FAINT)
         if middle > 0.3:  # an angle that slips loses some of what is theirs
             span = span.up_to(case.removed(case.close(x)) + 0.05)
-        # The shaft does all that is there, and little of it is held: what that knocks loose
-        # elsewhere, at a stop above all, nobody knows.
-        if coming(x, case.best, case.rate) > WHOLLY:
-            span = span.up_to(ACQUITTED + 0.05, PASSING)
+    # The shaft does all that is there, and little of it is held, or nobody measured when it pulls:
+    # what that knocks loose elsewhere, at a stop above all, nobody knows.
+    unclear = line.strength < CLEAR or not case.measured
+    if unclear and coming(x, case.best, case.rate) > WHOLLY:
+        span = span.up_to(ACQUITTED + 0.05, PASSING)
     if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
         span = span.up_to(max(case.removed(case.close(x)), 0.05), SLIPPING)
     if case.losing.any():
@@ -566,8 +578,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     knocks = knocking(x - mean, line.wave, case.rate)
     if knocks.any():
         span = span.up_to(case.removed(np.where(knocks, case.y, mean)) + 0.05, KNOCKING)
-    if span.high <= ACQUITTED:
-        span = case.pulling(mean, span)
+    span = case.pulling(mean, span)
     low, high = (float(v) for v in np.clip([span.low, span.high], -1.0, 1.0))
     found = _told(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return Identified(

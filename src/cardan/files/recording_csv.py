@@ -338,9 +338,11 @@ def table(path: Path) -> Table:
     left = [k for k in form.texts if k != form.clock]
     kept = tuple(k for k, c in enumerate(form.columns) if c.name and k not in left)
     named = form.columns[0].name != "column 1"
-    notes = () if named else ("the columns have no names in the file",)
+    note = "the columns have no names in the file"
+    notes = () if named else (note,)
     if left:
-        notes = (*notes, f"not numbers, left out: {', '.join(form.columns[k].name for k in left)}")
+        note = f"not numbers, left out: {', '.join(form.columns[k].name for k in left)}"
+        notes = (*notes, note)
     columns = list(form.columns)
     if form.clock is not None:
         columns[form.clock] = Channel("time", "s")

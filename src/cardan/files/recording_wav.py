@@ -60,7 +60,8 @@ def table(path: Path) -> Table:
     samples = there // frame
     notes: tuple[str, ...] = ()
     if there < said:
-        notes = (f"the file is cut short: {there} of {said} bytes of samples are there",)
+        note = f"the file is cut short: {there} of {said} bytes of samples are there"
+        notes = (note,)
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         # Read, not mapped: pages of a map count as memory of whoever reads, all of a long file.

@@ -6,7 +6,7 @@ missing samples, which the survey of the recording reports.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -234,7 +234,7 @@ def _apart(table: Table, first: Table) -> Table:
     return replace(table, columns=columns)
 
 
-def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -> Recording:
+def _beside(path: Path, own: Recording, others: Sequence[Table], start: float) -> Recording:
     """Lay slower channels on the clock of the fastest, straight between their samples."""
     channels = list(own.channels)
     laid: list[tuple[FloatArray, FloatArray]] = []
@@ -261,12 +261,14 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
                 channels.append(column)
                 names.append(column.name)
                 laid.append((time - start, whole[k]))
-        said.append(f"{', '.join(names)} ({table.rate:.6g} Hz)")
+        if names:
+            said.append(f"{', '.join(names)} ({table.rate:.6g} Hz)")
         if after.size:
-            lost.append(
+            note = (
                 f"{', '.join(names)}: no value for {holes.sum():.6g} s, longest hole "
                 f"{holes.max():.6g} s, the first at {begun[0]:.6g} s"
             )
+            lost.append(note)
     count = len(own.channels)
 
     def read(wanted: tuple[int, ...]) -> Iterator[FloatArray]:
@@ -283,8 +285,11 @@ def _beside(path: Path, own: Recording, others: Iterable[Table], start: float) -
             begun += piece.shape[1]
             yield np.stack(rows)
 
+    beside = (note for table in others for note in table.notes)
     note = f"laid on one clock of {own.rate:g} Hz, straight between samples: {'; '.join(said)}"
-    found = replace(own, channels=tuple(channels), read=read, notes=(*own.notes, note, *lost))
+    found = replace(
+        own, channels=tuple(channels), read=read, notes=(*own.notes, *beside, note, *lost)
+    )
     for name in found.names:
         if found.names.count(name) > 1:
             raise bad(path, "two channels have one name", value=repr(name), hint="name the group")
@@ -358,7 +363,8 @@ def _against(path: Path, table: Table, clock: int, rate: float) -> tuple[str, ..
         return ()  # that is why it was given
     if abs(rate / own - 1) < 0.01:
         return ()
-    return (f"taken at {rate:g} Hz, as was said: by its time column it is {own:g} Hz",)
+    note = f"taken at {rate:g} Hz, as was said: by its time column it is {own:g} Hz"
+    return (note,)
 
 
 def _rate(path: Path, table: Table, clock: int) -> float:

@@ -282,6 +282,10 @@ class Language:
         value = 0.0 if abs(value) < 5e-10 else value
         return self.pointed(f"{value:.{digits}g}")
 
+    def share(self, value: float, places: int = 0) -> str:
+        """Return a share in per cent, to so many decimals: `12.5 %`."""
+        return self.pointed(f"{100 * value:z.{places}f} %")
+
     def percent(self, margin: float) -> str:
         """Return a margin as a share in per cent, cut where it says nothing more."""
         if math.isinf(margin) and margin > 0:

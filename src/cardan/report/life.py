@@ -335,7 +335,7 @@ def customers(of: Mix, say: Language) -> Iterator[str]:
         yield say(
             "{gauge}: {share} of customers do at most {rate} damage per hour (90 % bound {bound}), "
             "each recording taken for one of them: {hours} h, at the bound {least} h",
-            gauge=gauge, share=say.pointed(f"{of.customer:.0%}"),
+            gauge=gauge, share=say.share(of.customer),
             rate=say.short(rate * hour, 3), bound=say.short(bound * hour, 3),
             hours=_long(of.allowed / (rate * hour), say),
             least=_long(of.allowed / (bound * hour), say),
@@ -400,7 +400,7 @@ def mix_life(of: Mixed, say: Language) -> str:
 def _shares(of: Evidence, say: Language) -> dict[str, str]:
     low, high = of.interval
     each = {"share": of.removed, "low": low, "high": high}
-    return {name: say.pointed(f"{value:.0%}") for name, value in each.items()}
+    return {name: say.share(value) for name, value in each.items()}
 
 
 def _heard(found: Finding[Heard]) -> Heard:
@@ -670,7 +670,7 @@ def shared(name: str, causes: Causes, k: int, say: Language) -> list[tuple[str, 
     return [
         head,
         *(
-            (f"  {say(cause)}", say.pointed(f"{found.share(cause):z.1%}"),
+            (f"  {say(cause)}", say.share(found.share(cause), 1),
              say.pointed(f"{found.without(cause) / whole:.3f}"),
              say.pointed(f"{found.alone(cause) / whole:.3f}"))
             for cause in found.causes
@@ -697,7 +697,7 @@ def blame(
     if not whole > 0:
         return say("{gauge}: no damage, so nobody did it.", gauge=gauge)
     longer = whole / without if without > 0 else math.inf
-    share, times = say.pointed(f"{attribution.share(JOINTS):.1%}"), say.short(longer, 3)
+    share, times = say.share(attribution.share(JOINTS), 1), say.short(longer, 3)
     own = (
         say(
             "the joints' orders answer for {share} of the damage; without them it would live as "
@@ -732,7 +732,7 @@ def blame(
     if chief != JOINTS:
         parts.append(
             say("The largest share, {share}, is of {cause}.",
-                share=say.pointed(f"{most:.1%}"), cause=say(chief))
+                share=say.share(most, 1), cause=say(chief))
         )  # fmt: skip
     return " ".join(parts)
 
@@ -754,8 +754,8 @@ def tried(finding: str, say: Language) -> Iterator[str]:
         plain, stopped = TRIED[finding]
         yield say(
             WRONGLY[finding], cases=plain.cases, wrong=plain.wrong, stops=stopped.cases,
-            stopped=stopped.wrong, most=say.pointed(f"{plain.at_most:.1%}"),
-            mostly=say.pointed(f"{stopped.at_most:.1%}"),
+            stopped=stopped.wrong, most=say.share(plain.at_most, 1),
+            mostly=say.share(stopped.at_most, 1),
         )  # fmt: skip
 
 
@@ -791,7 +791,7 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
     if of.share < 0.9999:
         yield say(
             "{gauge}: alive for {share} of the time; its life is told of that time",
-            gauge=name, share=say.pointed(f"{of.share:.1%}"),
+            gauge=name, share=say.share(of.share, 1),
         )  # fmt: skip
     if not math.isnan(of.samples_only):
         yield say(
@@ -803,7 +803,7 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         yield say(
             "{gauge}: undersampled: {share} of its power lies above {frequency} Hz, and what was "
             "faster still is folded in",
-            gauge=name, share=say.pointed(f"{of.fast:.0%}"), frequency=say.short(0.4 * rate),
+            gauge=name, share=say.share(of.fast), frequency=say.short(0.4 * rate),
         )  # fmt: skip
     if of.sheared:
         each = (f"{say.given(n)} {say.short(damage, 4)}" for n, damage in of.measures.items())
@@ -819,7 +819,7 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         )  # fmt: skip
         return
     lasts = [
-        say("{share} failed {hours} h", share=say.pointed(f"{f:.0%}"),
+        say("{share} failed {hours} h", share=say.share(f),
             hours=_long(n * one.life.duration / hour, say))
         for f, n in one.repeats.items()
     ]  # fmt: skip

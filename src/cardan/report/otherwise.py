@@ -74,7 +74,7 @@ def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
         sampled=say.short(odds.sampled.failure, 3), error=say.short(odds.sampled.error, 2),
         beta=say.short(odds.first.beta, 3),
         shares=say.list(
-            *(f"{say(n)} {say.pointed(f'{share:.0%}')}" for n, share in odds.shares.items())
+            *(f"{say(n)} {say.share(share)}" for n, share in odds.shares.items())
         ),
     )  # fmt: skip
 

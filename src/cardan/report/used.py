@@ -82,7 +82,7 @@ def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
     for g in sorted(of.groups[sort], key=lambda g: -g.damage):
         name = say.pointed(g.name) if sort == "gear" else g.name
         row = (
-            name, say.short(g.damage, 3), say.pointed(f"{g.share:.1%}"),
+            name, say.short(g.damage, 3), say.share(g.share, 1),
             say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
@@ -130,13 +130,13 @@ def says(of: Used, say: Language) -> Iterator[str]:
     yield say(
         "{gauge}: {damage} of the damage came in {time} of the time: a test cut to that is so much "
         "shorter",
-        gauge=of.gauge, damage=say.pointed(f"{KEPT:.0%}"), time=say.pointed(f"{of.shortened:.1%}"),
+        gauge=of.gauge, damage=say.share(KEPT), time=say.share(of.shortened, 1),
     )  # fmt: skip
     yield say(
         "{gauge}: the recording's damage is that of the S-N knee's cycles at an amplitude of "
         "{amplitude} MPa; {open} of it is of the open residue, of no second",
         gauge=of.gauge, amplitude=say.short(of.amplitude / MPa, 4),
-        open=say.pointed(f"{of.open:.1%}"),
+        open=say.share(of.open, 1),
     )  # fmt: skip
 
 

@@ -186,7 +186,7 @@ class RecordingStudy:
         beyond = campaign.beyond(seconds)
         angle = campaign.shaft(recording)
         shaft = None if angle is None else angle.rotation
-        ends = _open_ends(campaign, angle, seconds)
+        ends = _unsaid(campaign, angle, seconds)
         recording = replace(recording, notes=(*recording.notes, *beyond, *ends))
         plan = replace(plan, fastest=_fastest(shaft))
         lives = room.counted(
@@ -619,7 +619,7 @@ def _progress(recording: Recording, tell: Tell) -> room.Progress:
 
 
 OPEN = 0.1
-"""Share of a recording without a speed at its ends from which nobody knows its way."""
+"""Share of a recording without a speed from which nobody knows its way."""
 
 
 def _unheard(angle: Angle, seconds: float) -> tuple[float, float]:
@@ -629,22 +629,35 @@ def _unheard(angle: Angle, seconds: float) -> tuple[float, float]:
 
 
 def _held(angle: Angle, seconds: float) -> bool:
-    """Return whether so little of a speed's ends is missing that the speed beside may stand in."""
-    return sum(_unheard(angle, seconds)) <= OPEN * seconds
+    """Return whether so little of a speed is missing that the speed beside may stand in."""
+    return sum(_unheard(angle, seconds)) + float(np.diff(angle.holes).sum()) <= OPEN * seconds
 
 
-def _open_ends(campaign: Campaign, angle: Angle | None, seconds: float) -> Iterator[str]:
-    """Yield what to know of a speed that begins late or ends early."""
-    if angle is None or not any(lost := _unheard(angle, seconds)):
+def _unsaid(campaign: Campaign, angle: Angle | None, seconds: float) -> Iterator[str]:
+    """Yield what to know of a speed that begins late, ends early or is not there between."""
+    if angle is None:
         return
     channel, driven = campaign.speed, campaign.axle_ratio is not None
-    said = f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s"
-    if not driven or campaign.tyre_radius_m is None:
-        yield f"{said}: damage there is of no band of speed"
-    elif _held(angle, seconds):
-        yield f"{said}: damage there is of no band of speed, km are counted with the speed beside"
-    else:
-        yield f"{said}: damage there is of no band of speed, and km are not known"
+    found: list[str] = []
+    if any(lost := _unheard(angle, seconds)):
+        found.append(
+            f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s"
+        )
+    if len(angle.holes):
+        long = np.diff(angle.holes)[:, 0]
+        found.append(
+            f"{channel}: no speed for {long.sum():.3g} s, longest hole {long.max():.3g} s, the "
+            f"first at {angle.holes[0, 0]:.4g} s"
+        )
+    for said in found:
+        if not driven or campaign.tyre_radius_m is None:
+            yield f"{said}: damage there is of no band of speed"
+        elif _held(angle, seconds):
+            yield (
+                f"{said}: damage there is of no band of speed, km are counted with the speed beside"
+            )
+        else:
+            yield f"{said}: damage there is of no band of speed, and km are not known"
 
 
 def _distance(campaign: Campaign, angle: Angle | None, seconds: float) -> float:
@@ -816,11 +829,10 @@ def _used(
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
     per_turn = math.nan if ratio is None or radius is None else TURN * radius / ratio
     return used(
-        found, lives, plan=plan, shaft=None if angle is None else angle.rotation,
+        found, lives, plan=plan, angle=angle,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
-        begins=recording.begins, ends=(-math.inf, math.inf) if angle is None else angle.ends,
-        held=angle is None or _held(angle, seconds),
+        begins=recording.begins, held=angle is None or _held(angle, seconds),
     )  # fmt: skip
 
 

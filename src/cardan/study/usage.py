@@ -7,7 +7,7 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import rpm
-from cardan.fatigue.angle import gear_ratios
+from cardan.fatigue.angle import Angle, gear_ratios
 from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.long_run import LongRun, long_run
 from cardan.fatigue.orders import Rotation
@@ -75,9 +75,9 @@ class Used:
 
 
 def used(
-    found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, shaft: Rotation | None,
+    found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, angle: Angle | None,
     engine: Rotation | None, torque: tuple[FloatArray, float] | None, per_turn: float,
-    begins: float = 0.0, ends: tuple[float, float] = (-np.inf, np.inf), held: bool = True,
+    begins: float = 0.0, held: bool = True,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return the damage of gauges by what was driven.
 
@@ -85,24 +85,24 @@ def used(
     ----------
     found, lives
         Of the gauges that said something.
-    shaft, engine
-        What turns, where it is known.
+    angle, engine
+        Of the shaft, and what the engine turns, where they are known. No band, place or gear is
+        told where nothing says the shaft's speed.
     torque : (n,) N m and Hz
         As it was read.
     per_turn : m
         Way of the vehicle for a turn of the shaft; nan where nobody knows.
     begins : s
         Where the recording does on the clock of its file, by which times are told.
-    ends : s
-        From when to when the speed is known. No band, place or gear is told outside.
     held
-        Whether the way outside is counted with the speed beside it; unknown otherwise.
+        Whether the way there is counted with the speed beside it; unknown otherwise.
     """
     count = max((u.damage.size for u in found), default=0)
     middle: FloatArray = np.asarray(np.arange(count) + 0.5, float)
+    shaft = None if angle is None else angle.rotation
     speed = np.full(count, np.nan) if shaft is None else shaft.speed(middle)
     turns = None if shaft is None else np.diff(shaft.at(np.arange(count + 1.0)))
-    unknown = (middle < ends[0]) | (middle > ends[1])
+    unknown = np.zeros(count, bool) if angle is None else angle.unsaid(middle)
     speed[unknown] = np.nan
     metres = None if turns is None or np.isnan(per_turn) else turns * per_turn
     if metres is not None and not held:

@@ -70,7 +70,7 @@ def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell:
         "name": recording.name,
         "rate": g(recording.rate),
         "seconds": f(samples / recording.rate),
-        "notes": [say.given(n) for n in recording.notes],
+        "notes": [say.error(say.given(n)) for n in recording.notes],
         "left": len(recording.names) - len(names),
         "channels": [
             {

@@ -1,0 +1,188 @@
+"""MDF files made by asammdf and then made to lie: ASAM MDF 4.2, chapter 5, byte by byte."""
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan.base.errors import BadFile
+from cardan.cli.life import life as command
+from cardan.files.recordings import open_recording
+
+asammdf = pytest.importorskip("asammdf")
+
+N, RATE = 1000, 500.0
+T = np.arange(N) / RATE
+S1 = 40 * np.sin(30 * T)
+HEAD = 24
+"""Bytes of a block before its links."""
+
+
+def written(path, *signals, version="4.10", packed=0):
+    """Write a file of asammdf's and return its bytes."""
+    file = asammdf.MDF(version=version)
+    for group in signals or ([asammdf.Signal(S1, T, name="S1", unit="MPa")],):
+        file.append(group)
+    file.save(path, overwrite=True, compression=packed)
+    return bytearray(path.read_bytes())
+
+
+def place(data, name):
+    """Return where a block stands, and where its values begin."""
+    at = data.index(name)
+    (links,) = struct.unpack_from("<Q", data, at + 16)
+    return at, at + HEAD + 8 * links
+
+
+def block(name, links, body):
+    head = struct.pack("<4s4xQQ", name, HEAD + 8 * len(links) + len(body), len(links))
+    whole = head + struct.pack(f"<{len(links)}Q", *links) + body
+    return whole + bytes(-len(whole) % 8)
+
+
+def to_data(data, new):
+    """Put a block at the end of a file, and let the group's data be that; return what they were."""
+    data += bytes(-len(data) % 8)
+    at = place(data, b"##DG")[0] + HEAD + 16
+    (old,) = struct.unpack_from("<Q", data, at)
+    struct.pack_into("<Q", data, at, len(data))
+    data += new(old, len(data))
+
+
+def refused(path, data, match):
+    path.write_bytes(data)
+    with pytest.raises(BadFile, match=match):
+        open_recording(path).whole()
+
+
+@pytest.mark.parametrize("name", [b"##DG", b"##CG", b"##CN", b"##FH"])
+def test_blocks_that_lead_in_a_circle(tmp_path, name):
+    """It had never come back."""
+    data = written(tmp_path / "a.mf4")
+    at, _ = place(data, name)
+    struct.pack_into("<Q", data, at + HEAD, at)
+    refused(tmp_path / "a.mf4", data, "its blocks lead in a circle")
+
+
+def test_a_list_of_data_that_goes_on_with_itself(tmp_path):
+    data = written(tmp_path / "a.mf4")
+    to_data(data, lambda old, own: block(b"##DL", [own, old], struct.pack("<B3xIQ", 1, 1, 16 * N)))
+    refused(tmp_path / "a.mf4", data, "its blocks lead in a circle: ##DL")
+
+
+def test_a_list_that_names_its_data_twenty_thousand_times(tmp_path):
+    data = written(tmp_path / "a.mf4")
+    to_data(
+        data,
+        lambda old, _: block(
+            b"##DL", [0, *[old] * 20_000], struct.pack("<B3xIQ", 1, 20_000, 16 * N)
+        ),
+    )
+    struct.pack_into("<Q", data, place(data, b"##CG")[1] + 8, 20_000 * N)
+    refused(tmp_path / "a.mf4", data, "its blocks lead in a circle: ##DT")
+
+
+def test_an_older_file_whose_groups_lead_in_a_circle(tmp_path):
+    data = written(tmp_path / "a.mdf", version="3.30")
+    np.testing.assert_allclose(open_recording(tmp_path / "a.mdf").whole(), [S1])
+    (at,) = struct.unpack_from("<I", data, 68)
+    struct.pack_into("<I", data, at + 4, at)
+    refused(tmp_path / "a.mdf", data, "its blocks lead in a circle: DG")
+
+
+@pytest.fixture(scope="module")
+def zeros():
+    packer = zlib.compressobj(9)
+    return b"".join(packer.compress(bytes(1 << 24)) for _ in range(32)) + packer.flush()
+
+
+@pytest.mark.parametrize(
+    ("claimed", "why"),
+    [(1 << 29, "claims 536870912 bytes at once"), (16 * N, "more than the 16000")],
+)
+def test_half_a_megabyte_that_unpacks_to_half_a_gigabyte(tmp_path, zeros, claimed, why):
+    """Of a gigabyte and more it took all of that, what it claimed or not."""
+    data = written(tmp_path / "a.mf4")
+    packed = struct.pack("<2sBxIQQ", b"DT", 0, 0, claimed, len(zeros)) + zeros
+    to_data(data, lambda *_: block(b"##DZ", [], packed))
+    struct.pack_into("<Q", data, place(data, b"##CG")[1] + 8, claimed // 16)
+    assert len(data) < 600_000
+    refused(tmp_path / "a.mf4", data, why)
+
+
+@pytest.mark.parametrize(
+    ("offset", "form", "value", "why"),
+    [(8, "<Q", 10**12, "claims 1e\\+12 records of 16 bytes"),
+     (8, "<Q", 1500, "of 1500 rows it holds 1000"),
+     (24, "<I", 4_000_000_000, "a record of it claims 4000000000 bytes"),
+     (8, "<Q", 10**6, "more samples than it can hold")],
+)  # fmt: skip
+def test_a_group_that_claims_what_is_not_there(tmp_path, offset, form, value, why):
+    """A record of 4 GB had taken 3.8; of 10¹² samples a thousand came without a word."""
+    data = written(tmp_path / "a.mf4")
+    struct.pack_into(form, data, place(data, b"##CG")[1] + offset, value)
+    refused(tmp_path / "a.mf4", data, why)
+
+
+def test_a_channel_behind_the_end_of_its_record(tmp_path):
+    """It was read from the memory behind, or took the program down."""
+    data = written(tmp_path / "a.mf4")
+    at = max(k for k in range(len(data)) if data.startswith(b"##CN", k))
+    (links,) = struct.unpack_from("<Q", data, at + 16)
+    where = at + HEAD + 8 * links + 4
+    assert struct.unpack_from("<I", data, where)[0] in (0, 8)
+    struct.pack_into("<I", data, where, 12)
+    refused(tmp_path / "a.mf4", data, "lies behind the end of its record .* byte 20 of 16")
+
+
+def test_a_file_that_was_cut_off_says_so(tmp_path):
+    data = written(tmp_path / "a.mf4")
+    refused(tmp_path / "a.mf4", data[: 2 * len(data) // 3], "damaged or cut off")
+    said = CliRunner().invoke(
+        command, [str(tmp_path / "a.mf4"), "--sn", "80,2e6,5", "--lang", "it"]
+    )
+    assert said.exit_code == 2
+    assert "un suo blocco è danneggiato o troncato" in said.stderr
+
+
+def test_a_file_that_nobody_finished_is_read(tmp_path):
+    data = written(tmp_path / "a.mf4")
+    data[:8] = b"UnFinMF "
+    struct.pack_into("<H", data, 60, 1)
+    struct.pack_into("<Q", data, place(data, b"##CG")[1] + 8, 0)
+    (tmp_path / "a.mf4").write_bytes(data)
+    np.testing.assert_allclose(open_recording(tmp_path / "a.mf4").whole(), [S1])
+
+
+@pytest.mark.parametrize("packed", [0, 1, 2])
+def test_words_and_arrays_are_left_out_and_said(tmp_path, packed):
+    """Of an array's elements asammdf makes channels behind their record: the heap broke."""
+    words = np.array([b"gear %d" % (k % 5) for k in range(N)])
+    array = np.rec.fromarrays([np.zeros((N, 3, 2))], names="A")
+    pair = np.rec.fromarrays([S1, 2 * S1], names="x,y")
+    written(
+        tmp_path / "a.mf4",
+        [asammdf.Signal(S1, T, name="S1", unit="MPa"),
+         asammdf.Signal(words, T, name="gear", encoding="utf-8"),
+         asammdf.Signal(array, T, name="A"), asammdf.Signal(pair, T, name="pair")],
+        packed=packed,
+    )  # fmt: skip
+    recording = open_recording(tmp_path / "a.mf4")
+    assert recording.names == ("S1", "x", "y")
+    assert "not numbers, left out: gear" in recording.notes
+    assert "more than one number a sample, left out: A, pair" in recording.notes
+    np.testing.assert_allclose(recording.whole(), [S1, S1, 2 * S1])
+
+
+def test_a_slow_reading_prints_nothing(tmp_path, monkeypatch, capsys):
+    """After ten seconds asammdf prints its speed, in the middle of what `--json` prints."""
+    import time
+
+    written(tmp_path / "a.mf4")
+    recording = open_recording(tmp_path / "a.mf4")
+    begun = iter(range(0, 10_000, 11))
+    monkeypatch.setattr(time, "perf_counter", lambda: float(next(begun)))
+    assert recording.whole().shape == (1, N)
+    assert capsys.readouterr().out == ""
