@@ -20,7 +20,7 @@ from cardan.report.terminal import bare
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import InBolts
-from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, Outcome
+from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, Outcome, Slip
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import Finding, silence
 
@@ -254,6 +254,9 @@ def test_bolts_that_slip_are_told_by_their_case(code):
     assert [*in_contact(still, say)] == []
     (said,) = in_contact(slid, say)
     assert said.startswith(say.occasion(outcome().case.when))
+    rides = Slip(Occasion("duty", "laden"), 1.3)
+    (said,) = in_contact(replace(still, riding=(rides,)), say)
+    assert said.startswith(say.occasion(rides.when))
 
 
 def report_of(answer: BracketAnswer, say: Language) -> list[str]:

@@ -81,7 +81,7 @@ def _faces(nodes, which, *, after=0):
     return [table[tuple(sorted(c))] for c in nodes.faces[which][:, :3].tolist()]
 
 
-def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15):
+def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15, firm=1.0):
     """An input deck: a plate that real bolts press against real frames, then nodal loads.
 
     Contact is one-sided, with friction, between plate and frames and between bolts' heads and
@@ -113,7 +113,7 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
     lines += [f"{k}," for k in range(node[-1] + 1, len(points) + 1)]
     lines += ["*NSET,NSET=BOLTS,GENERATE", f"{node[1] + 1},{node[-1]}"]
     E = material.youngs_modulus
-    stiff = 3.3e3 * E  # N/m3: what it lets in is far below what plate and bolts give
+    stiff = 3.3e3 * firm * E  # N/m3: what it lets in is far below what plate and bolts give
     pressed = np.char.startswith(plate.face_names.astype(str), "bolt")
     pressed &= ~np.char.endswith(plate.face_names.astype(str), "wall")
     lines += [

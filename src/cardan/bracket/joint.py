@@ -104,7 +104,11 @@ class Joint:
         return len(self.rubs)
 
     def tightened(self, bolts: Bolts) -> "Tight":
-        """Return the joint with its bolts tightened: no friction, nothing on the bearing.
+        """Return the joint with its bolts tightened, all at once, and nothing on the bearing.
+
+        Friction counts here too: what heads squeeze out sideways rubs on the frame, and that keeps
+        the flange from curling up about them. Without it a flange's edge stands off by two thirds
+        more, and a load pushes that far before the edge bears.
 
         Raises
         ------
@@ -113,22 +117,70 @@ class Joint:
         """
         given = np.zeros(len(self.compliance))
         given[3 * self.patches + np.arange(self.bolts)] = bolts.preload
-        # Without friction nothing holds it along the plane, and nothing pushes it there.
-        up, normal = self.upright, 3 * np.arange(self.patches) + 2
-        rigid = self.rigid[:, [up, *(3 + k for k in range(3) if k != up)]]
-        own = np.diagonal(self.compliance)[normal]
-        pulls = [
-            _Pull.of(self.compliance, rigid, normal, gives=np.zeros(len(normal)), firm=firm * own)
-            for firm in _FIRM
-        ]
-        settled = _settled(
-            pulls, given, self.compliance, rigid, start=np.full(len(normal), -bolts.preload),
-            asked=np.zeros(len(normal)), allowed=lambda force: np.minimum(force, 0.0),
-        )  # fmt: skip
+        rows, normal, _ = self.rows
+        start = np.zeros(len(rows))
+        start[normal] = -bolts.preload
+        settled = self.settled(given, start, np.zeros(len(rows)), bolts.friction)
         if settled is None:
             msg = "the flange finds no rest against its frame: do its bolts lie in one line?"
             raise NotConverged(msg)
         return Tight(joint=self, bolts=bolts, forces=settled[0], moved=settled[1])
+
+    def settled(
+        self, given: FloatArray, start: FloatArray, asked: FloatArray, friction: float
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Return forces (q,) that press and rub under those given, and how all move (q,) m.
+
+        `start` and `asked`, (rows,) N and m, as in `_settled`; None where none are found.
+        """
+        _, normal, flat = self.rows
+
+        def allowed(force: FloatArray) -> FloatArray:
+            found = force.copy()
+            found[normal] = np.minimum(force[normal], 0.0)
+            rub = np.hypot(force[flat[0]], force[flat[1]])
+            bears = -friction * found[normal[self.rubs]]
+            found[flat] *= np.minimum(1.0, bears / np.maximum(rub, 1e-300))
+            return found
+
+        return _settled(
+            self._pulls, given, self.compliance, self.rigid, start=start, asked=asked,
+            allowed=allowed,
+        )  # fmt: skip
+
+    @cached_property
+    def rows(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Which forces (rows,) the frame may have, and which of these are normal, which along."""
+        each = np.ones((self.patches, 3), dtype=bool)
+        each[:, :2] = self.rubs[:, None]
+        rows = np.flatnonzero(each)
+        place = np.zeros(3 * self.patches, dtype=np.int64)
+        place[rows] = np.arange(len(rows))
+        three = place.reshape(-1, 3)
+        return rows, three[:, 2], three[self.rubs, :2].T
+
+    @cached_property
+    def gives(self) -> FloatArray:
+        """What each of its rows gives by itself, (rows,) m/N: where it sticks, a little."""
+        gives = _STUCK * self._own
+        gives[self.rows[1]] = 0.0
+        return gives
+
+    @cached_property
+    def _own(self) -> FloatArray:
+        """How far each row moves under its own force, (rows,) m/N."""
+        rows, _, flat = self.rows
+        own = np.diagonal(self.compliance)[rows].copy()
+        own[flat] = own[flat].mean(axis=0)  # alike both ways, or friction would turn its force
+        return own
+
+    @cached_property
+    def _pulls(self) -> list["_Pull"]:
+        rows = self.rows[0]
+        return [
+            _Pull.of(self.compliance, self.rigid, rows, self.gives, firm * self._own)
+            for firm in _FIRM
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,23 +204,10 @@ class Tight:
         given = self.forces.copy()
         given[: 3 * of.patches] = 0.0
         given[-len(UNITS) :] = loads
-        rows, normal, flat = self._rows
-        asked = self.moved[rows].copy()
+        rows, normal, _ = of.rows
+        asked = self.moved[rows] + of.gives * self.forces[rows]  # what sticks, where it was left
         asked[normal] = 0.0
-        friction = self.bolts.friction
-
-        def allowed(force: FloatArray) -> FloatArray:
-            found = force.copy()
-            found[normal] = np.minimum(force[normal], 0.0)
-            rub = np.hypot(force[flat[0]], force[flat[1]])
-            bears = -friction * found[normal[of.rubs]]
-            found[flat] *= np.minimum(1.0, bears / np.maximum(rub, 1e-300))
-            return found
-
-        settled = _settled(
-            self._pulls, given, of.compliance, of.rigid, start=self.forces[rows], asked=asked,
-            allowed=allowed,
-        )  # fmt: skip
+        settled = of.settled(given, self.forces[rows], asked, self.bolts.friction)
         if settled is None:
             msg = (
                 f"no contact between flange and frame bears {np.round(np.asarray(loads)[:3])} N "
@@ -177,28 +216,6 @@ class Tight:
             )
             raise NotConverged(msg)
         return settled[0] - self.forces
-
-    @cached_property
-    def _rows(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Return which forces (rows,) there are, and which of these are normal, which along."""
-        of = self.joint
-        each = np.ones((of.patches, 3), dtype=bool)
-        each[:, :2] = of.rubs[:, None]
-        rows = np.flatnonzero(each)
-        place = np.zeros(3 * of.patches, dtype=np.int64)
-        place[rows] = np.arange(len(rows))
-        three = place.reshape(-1, 3)
-        return rows, three[:, 2], three[of.rubs, :2].T
-
-    @cached_property
-    def _pulls(self) -> list["_Pull"]:
-        of = self.joint
-        rows, normal, flat = self._rows
-        own = np.diagonal(of.compliance)[rows].copy()
-        own[flat] = own[flat].mean(axis=0)  # alike both ways, or friction would turn its force
-        gives = _STUCK * own
-        gives[normal] = 0.0
-        return [_Pull.of(of.compliance, of.rigid, rows, gives, firm * own) for firm in _FIRM]
 
     def share(self, loads: ArrayLike) -> tuple[float, FloatArray]:
         """Return what share loads (9,) are of those along them under which it slips or opens.

@@ -289,8 +289,8 @@ def in_contact(v: Judged, say: Language) -> Iterator[str]:
 
 
 def slipped(v: Judged, say: Language) -> Iterator[str]:
-    """Yield under which cases the bolts slip or open."""
-    if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
+    """Yield under which cases, and over which duty cycle, the bolts slip or open."""
+    if slip := [say.occasion(s.when) for s in v.slips if s.share > 1]:
         yield say(
             "{cases}: the bolts slip or open. What is told of it is that of a flange that holds.",
             cases=say.list(*slip),
@@ -533,6 +533,7 @@ def contract(approval: Approval) -> dict[str, Any]:
 def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
     stress, _ = highest(v)
     share, lasts, within = used(v), hours_of(v), hours_within(v)
+    asks = {s.when: s.share for s in v.riding}
     return {
         "name": v.name,
         "mass_kg": v.mass,
@@ -603,7 +604,10 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         ],
         "response": None if v.forced is None else _response(v.forced),
         "cases": [_case(of, o) for o in v.outcomes],
-        "duty": [_life(of, e) for e in v.duty],
+        "duty": [
+            _life(of, e) | ({"slip_utilisation": asks[e.when]} if e.when in asks else {})
+            for e in v.duty
+        ],
     }
 
 
