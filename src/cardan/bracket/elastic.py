@@ -94,16 +94,16 @@ def mesh(
     for point, edge in finer:
         x, y, z = np.asarray(point, dtype=float)
         wanted.RestrictH(x=x, y=y, z=z, h=edge)
-    failed = (
+    msg = (
         f"the mesher failed on this shape with elements of {size / mm:.3g} mm: try smaller "
         "elements; slivers and gaps in a STEP file are the usual cause"
     )
     try:
         made = ngs.Mesh(occ.OCCGeometry(shape).GenerateMesh(mp=wanted))
     except Exception as error:  # the mesher raises bare exceptions of its own
-        raise DesignError(failed, about="bracket") from error
+        raise DesignError(msg, about="bracket") from error
     if made.ne == 0:
-        raise DesignError(failed, about="bracket")
+        raise DesignError(msg, about="bracket")
     made.Curve(degree)
     return made
 
