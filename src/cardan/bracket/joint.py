@@ -21,7 +21,7 @@ in it; VDI 2230 part 1 (2015) for the bolts. Held against CalculiX in
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ PATCH, _PARTS = 0.18, 10
 
 How far out a head's pressure reaches is what counts: a millimetre makes a flange a tenth softer.
 """
-_COARSE = 1.25
+_COARSE = 0.5
 """Edge of a patch over a hole's diameter beyond a plate's thickness from the head: there it rubs
 no more."""
 _BATCH = 9
@@ -89,6 +89,11 @@ class Joint:
         At the places that were asked for.
     upright : int
         Axis square to the plane.
+    area : (patches,) m2
+    bed : N/m3
+        Pressure over how far the frame gives under it: a hard one does not.
+    thick : N/m3
+        That of a thick frame of the bracket's own metal.
     """
 
     compliance: FloatArray
@@ -97,6 +102,19 @@ class Joint:
     stress: FloatArray
     upright: int
     bolts: int
+    area: FloatArray
+    thick: float = np.inf
+    bed: float = np.inf
+
+    @property
+    def on_thick(self) -> "Joint":
+        """The same on a thick frame that gives as its own metal does.
+
+        A washer's pressure sinks a half space in by about what it would a bed of springs:
+        p / w = 2 E / ((1 - nu^2) pi a) under a stiff disc of radius a. Source: Johnson, Contact
+        Mechanics (1985), section 3.4.
+        """
+        return replace(self, bed=self.thick)
 
     @property
     def patches(self) -> int:
@@ -161,9 +179,11 @@ class Joint:
 
     @cached_property
     def gives(self) -> FloatArray:
-        """What each of its rows gives by itself, (rows,) m/N: where it sticks, a little."""
+        """What each of its rows gives by itself, (rows,) m/N: the frame, what sticks a little."""
+        _, normal, flat = self.rows
         gives = _STUCK * self._own
-        gives[self.rows[1]] = 0.0
+        gives[normal] = 1 / (self.bed * self.area)
+        gives[flat] += gives[normal[self.rubs]]
         return gives
 
     @cached_property
@@ -395,10 +415,15 @@ def condensed(
     from scipy.sparse import csr_array
 
     rounds = _rounds(held, bolts, upright)
-    patches, rubs = _patches(held, rounds, bolts, upright, thickness)
+    patches, rubs, area = _patches(held, rounds, bolts, upright, thickness)
     heads = _heads(held, rounds, upright, thickness)
     forces = csr_array(np.concatenate([patches, heads, loads]))
-    body = held.floating()
+    body, rigid = held.floating(), np.asarray(forces @ held.rigid.T)
+    # Each force with what its own mass would feel, so that it is in balance by itself: else three
+    # points bear it, and a thin sheet moves so much about them that its last digits are lost.
+    # Forces in balance leave none of that.
+    heavy = np.stack([held.inert(motion) for motion in held.rigid])
+    felt = rigid @ np.linalg.inv(heavy @ held.rigid.T)
     # A patch that does not rub has no forces along the plane.
     rub = np.repeat(rubs, 3) | (np.arange(3 * len(rubs)) % 3 == 2)
     used = np.flatnonzero(np.pad(rub, (0, len(heads) + len(loads)), constant_values=True))
@@ -407,14 +432,16 @@ def condensed(
     compliance, stress = np.zeros((count, count)), np.zeros((0, count, 6))
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
-        moved = body.solve(forces[some].toarray())
-        compliance[some] = np.asarray(forces @ moved.T).T
+        moved = body.solve(forces[some].toarray() - felt[some] @ heavy)
+        compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
         told = read(moved)
         stress = stress if len(stress) else np.zeros((len(told), count, 6))
         stress[:, some] = told
+    metal, washer = held.material, 2 * max(r.radius for r in rounds)
     return Joint(
-        compliance=compliance, rigid=np.asarray(forces @ held.rigid.T), rubs=rubs, stress=stress,
-        upright=upright, bolts=len(bolts),
+        compliance=compliance, rigid=rigid, rubs=rubs, stress=stress,
+        upright=upright, bolts=len(bolts), area=area,
+        thick=2 * metal.youngs_modulus / ((1 - metal.poisson**2) * np.pi * washer),
     )  # fmt: skip
 
 
@@ -446,8 +473,10 @@ def _patches(
     bolts: tuple[str, ...],
     upright: int,
     thickness: Metre,
-) -> tuple[FloatArray, BoolArray]:
-    """Return unit forces (3 patches, unknowns) spread over patches of the plane, and which rub.
+) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """Return unit forces (3 patches, unknowns) spread over patches of the plane.
+
+    Then which of them rub, and their areas m².
 
     A patch is made of whole triangles of the mesh, near a bolt in rings about it.
     """
@@ -487,11 +516,12 @@ def _patches(
     )  # fmt: skip
     each = (spread @ belongs).toarray().T
     # Functions of corners add up to 1: their share is the patch's area.
-    each /= each[:, : held.mesh.nv].sum(axis=1, keepdims=True)
+    area = each[:, : held.mesh.nv].sum(axis=1)
+    each /= area[:, None]
     forces = np.zeros((len(first), 3, each.shape[1], 3))
     for k, axis in enumerate((*ways, upright)):
         forces[:, k, :, axis] = each * (rounds[0].out if k == 2 else 1.0)
-    return forces.reshape(3 * len(first), -1), rubs[first]
+    return forces.reshape(3 * len(first), -1), rubs[first], area
 
 
 def _heads(held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre) -> FloatArray:

@@ -66,10 +66,12 @@ class InBolts:
 class Contact:
     """A flange tightened against its frame, and the places where its stress is followed.
 
-    `features` are those of the places of each way held, `count` how many there are in all.
+    `tight` is on a hard frame, `soft` on one that gives as thick metal does. `features` are those
+    of the places of each way held, `count` how many there are in all.
     """
 
     tight: Tight
+    soft: Tight
     solved: Solved
     features: tuple[IntArray, ...]
     count: int
@@ -94,9 +96,10 @@ class Contact:
             If they cannot press it on.
         """
         assert solved.bolted is not None
+        joint = solved.bolted.joint
         return cls(
-            tight=solved.bolted.joint.tightened(bolts), solved=solved, features=tuple(features),
-            count=len(zones), zones=tuple(zones), strength=strength,
+            tight=joint.tightened(bolts), soft=joint.on_thick.tightened(bolts), solved=solved,
+            features=tuple(features), count=len(zones), zones=tuple(zones), strength=strength,
         )  # fmt: skip
 
     def share(self, loads: FloatArray) -> float:
@@ -159,18 +162,21 @@ class Contact:
         return ends, widest
 
     def _swings(self, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what swings between loads (t, 9) use of each feature's limit: told, in contact."""
+        """Return what swings between loads (t, 9) use of each feature's limit: told, in contact.
+
+        In contact with the frame that makes it worse.
+        """
         assert self.solved.bolted is not None
         joint = self.solved.bolted.joint
-        forces = np.stack([self.tight.under(load) for load in loads])
-        real = forces @ joint.stress
+        ways = [np.stack([on.under(load) for load in loads]) for on in (self.tight, self.soft)]
+        real = [forces @ joint.stress for forces in ways]
         told, found = np.zeros((2, self.count))
         start = 0
         for held, own, at in self._places():
             alone = np.einsum("pqs,tq->pts", held.unit[at], loads)
-            mine = real[start : start + len(at)]
+            mine = [stress[start : start + len(at)] for stress in real]
             start += len(at)
-            for into, stress in ((told, alone), (found, mine)):
+            for into, stress in ((told, alone), *((found, one) for one in mine)):
                 np.maximum.at(into, own[at], _used(held, at, stress, self.strength))
         return told, found
 
