@@ -46,6 +46,9 @@ How far out a head's pressure reaches is what counts: a millimetre makes a flang
 _COARSE = 0.5
 """Edge of a patch over a hole's diameter beyond a plate's thickness from the head: there it rubs
 no more."""
+_STILL = 1e-6
+"""Share of themselves that displacements may still move by: a thin sheet's floating have no more
+digits, and contact asks for fewer."""
 _BATCH = 9
 """Unit forces solved at once."""
 _STUCK = 0.05
@@ -420,8 +423,8 @@ def condensed(
     forces = csr_array(np.concatenate([patches, heads, loads]))
     body, rigid = held.floating(), np.asarray(forces @ held.rigid.T)
     # Each force with what its own mass would feel, so that it is in balance by itself: else three
-    # points bear it, and a thin sheet moves so much about them that its last digits are lost.
-    # Forces in balance leave none of that.
+    # points bear it, and what a patch gives is mostly how the sheet moves about them. Forces in
+    # balance leave none of that.
     heavy = np.stack([held.inert(motion) for motion in held.rigid])
     felt = rigid @ np.linalg.inv(heavy @ held.rigid.T)
     # A patch that does not rub has no forces along the plane.
@@ -432,7 +435,7 @@ def condensed(
     compliance, stress = np.zeros((count, count)), np.zeros((0, count, 6))
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
-        moved = body.solve(forces[some].toarray() - felt[some] @ heavy)
+        moved = body.solve(forces[some].toarray() - felt[some] @ heavy, still=_STILL)
         compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
         told = read(moved)
         stress = stress if len(stress) else np.zeros((len(told), count, 6))

@@ -518,7 +518,7 @@ def judge(
     in_bolts, riding = None, list[Slip]()
     if bracket.bolts is not None:
         told("contact between flange and frame")
-        contact = _tightened(bracket.bolts, solved, ways, known, strength)
+        contact = _tightened(bracket.bolts, solved, ways, strength)
         alone, *_ = _duty(solved, ways, duty or {}, strength, modulus, error)
         two_ways = [o.used for o in outcomes]
         cases = [_in_contact(case, contact, ways[0]) for case in cases]
@@ -570,13 +570,12 @@ def _tightened(
     bolts: Bolts,
     solved: Solved,
     ways: tuple[_Way, ...],
-    known: Sequence[tuple[int, int]],
     strength: Mapping[Zone, Strength],
 ) -> Contact:
     try:
         return Contact.of(
             solved, [way.feature for way in ways], bolts=bolts,
-            zones=[ZONES[kind] for kind, _ in known], strength=strength,
+            count=ways[0].count, strength=strength,
         )  # fmt: skip
     except NotConverged as error:
         raise DesignError(str(error), about="bracket.bolts") from error
