@@ -305,7 +305,7 @@ def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
         "{more} %, at {other}. Fatigue and life are those in contact, with the worse of a hard "
-        "frame and one that gives as thick steel does, and 10 % more, as far as it may be wrong; "
+        "frame and one that gives as thick steel does, and 15 % more, as far as it may be wrong; "
         "stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
         case=say.occasion(when), share=f"{100 * use[f]:.0f}",
