@@ -190,7 +190,8 @@ def test_our_contact_is_as_stiff_as_calculix_has_it(both, bolted):
     """Within 7 %: how far out a head presses is known to a millimetre, which is a tenth.
 
     Pushed up, on a hard frame, within 15 %: there CalculiX's contact springs give, and what slipped
-    in the pulls before has left gaps. Pulled down it lifts off, and is softer than the same flange pushed up: no sum of unit loads is.
+    in the pulls before has left gaps. Pulled down it lifts off, and is softer than the same flange
+    pushed up: no sum of unit loads is.
     """
     assert np.all(np.abs(bolted[0] / both[1] - 1) < [0.07, 0.07, 0.15, 0.07]), bolted[0] / both[1]
     assert bolted[0][3] < 0.85 * bolted[0][2]
