@@ -136,9 +136,9 @@ loads.text(
     transform=loads.transAxes, fontsize=8,
 )  # fmt: skip
 loads.legend(loc="center left")
-for k, kind in enumerate(("von_mises", "highest", "lowest")):
+told = {"von_mises": "von Mises", "highest": "highest principal", "lowest": "lowest principal"}
+for k, (kind, label) in enumerate(told.items()):
     each = [getattr(of(original, c), kind).value / MPa for c in nine]
-    label = kind.replace("_", " ").replace("est", "est principal")
     extremes.bar(place + 0.27 * (k - 1), each, 0.25, label=label)
 extremes.set(title="58: extreme stresses", ylabel="MPa", xticks=place, xticklabels=labels)
 extremes.legend()
@@ -153,7 +153,9 @@ for k, (name, low, high) in enumerate((
     gauges.bar(sites + 0.2 * (k - 1.5), 1e6 * (high - low), 0.18, bottom=1e6 * low, label=name)
 gauges.set(title="59: gauges, lowest to highest", ylabel="microstrain", xticks=sites)
 gauges.set_xticklabels([gauge.name for gauge in bracket.gauges])
-gauges.legend(fontsize=8)
+gauges.use_sticky_edges = False
+gauges.autoscale_view()
+gauges.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=2)
 zones = list(strengths(bracket))
 for k, (name, v) in enumerate(judged.items()):
     each = []

@@ -39,7 +39,7 @@ def contact() -> Contact:
     curve = Strength(SNCurve(amplitude=1e3, cycles=1e6, slope=5))
     return Contact.of(
         solved, (here, here), bolts=Bolts(preload=PRELOAD, friction=FRICTION),
-        zones=("sheet", "sheet"), strength={"sheet": curve},
+        count=2, strength={"sheet": curve},
     )  # fmt: skip
 
 
@@ -51,15 +51,15 @@ def pulled(*forces: float) -> np.ndarray:
 
 
 def test_swings_in_contact_are_those_of_friction_on_their_safe_side():
-    """0.7 and 1.3 of what is told, each and 21 % more."""
+    """0.7 and 1.3 of what is told, each and 15 % more."""
     found = contact().times([pulled(0, 90, 40, -60, 30)])
-    assert found == pytest.approx([0.847, 1.573], rel=5e-3)
+    assert found == pytest.approx([0.805, 1.495], rel=5e-3)
 
 
 def test_of_passes_the_one_counts_in_which_a_place_swings_most():
     """One that does not swing says nothing."""
     of = contact()
-    assert of.times([pulled(90, -90), pulled(60, 60)]) == pytest.approx([0.847, 1.573], rel=5e-3)
+    assert of.times([pulled(90, -90), pulled(60, 60)]) == pytest.approx([0.805, 1.495], rel=5e-3)
 
 
 def test_where_the_bolts_slip_stress_stays_as_told():
@@ -110,7 +110,10 @@ def test_bolts_that_slip_fail_the_verdict_and_end_no_study(told):
     assert slips["kerb"] > 0.98 * 30 / (4 * 30 * 0.12)
     assert slips["mild"] < 0.05
     rows = [c for c in found["checks"] if c["quantity"] == "bracket_slip_utilisation"]
-    assert len(rows) == len(slips)
+    # The duty cycle's own loads are asked as well, at their own torque and speed.
+    (rides,) = (d["slip_utilisation"] for d in found["variants"][0]["duty"])
+    assert 0 < rides < 1
+    assert sorted(r["value"] for r in rows) == pytest.approx(sorted([*slips.values(), rides]))
     assert [r["verdict"] for r in rows if r["value"] > 1] == ["fail"]
     assert "kerb: the bolts slip or open" in " ".join(said.split())
 

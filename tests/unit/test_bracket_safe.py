@@ -15,7 +15,7 @@ from cardan.base.errors import DesignError
 from cardan.base.units import mm
 from cardan.bracket import apart as room
 from cardan.bracket import solve as solving
-from cardan.bracket.apart import Crashed, apart
+from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.estimate import affordable, estimate
 from cardan.bracket.solve import Task, solved_apart
 from cardan.cli import cli
@@ -80,12 +80,12 @@ def test_a_crash_there_is_a_message_here():
 
 def test_what_takes_too_long_or_too_much_is_stopped():
     start = time.monotonic()
-    with pytest.raises(Crashed, match=r"longer than 0\.0\d+ minutes"):
+    with pytest.raises(Stopped, match=r"longer than 0\.0\d+ minutes"):
         apart(sleep, 60, tell=print, memory=4e9, seconds=2.0)
     assert time.monotonic() - start < 30
     if not Path("/proc/self/statm").exists():
         pytest.skip("this system does not tell what a process holds")
-    with pytest.raises(Crashed, match=r"held 0\.\d+ GB of the 0\.3 GB allowed"):
+    with pytest.raises(Stopped, match=r"held 0\.\d+ GB of the 0\.3 GB allowed"):
         apart(grow, 100_000_000, tell=print, memory=3e8, seconds=60.0)
 
 
@@ -164,6 +164,21 @@ def test_a_crash_is_tried_again_with_smaller_fillets(monkeypatch, fails):
         found = solved_apart(task, tell=lambda _: None)
         assert found.fillet == pytest.approx((6 * mm, 4.2 * mm))
         assert asked == [6, 4.2]
+
+
+def test_what_takes_too_much_is_not_tried_again_with_smaller_fillets(monkeypatch):
+    """Three times 4 GB, a quarter of an hour, and told to change a fillet that was not at fault."""
+    asked = []
+
+    def hungry(_, task, **__):
+        asked.append(task.shape.fillet)
+        why = "it held 4 GB of the 4 GB allowed"
+        raise Stopped(why)
+
+    monkeypatch.setattr(solving, "apart", hungry)
+    with pytest.raises(DesignError, match=r"4 GB allowed; a larger `element_mm`"):
+        solved_apart(Task(shape=CRASHES, material=STEEL, cases=()), tell=lambda _: None)
+    assert len(asked) == 1
 
 
 SOLVED = solving.Solved(

@@ -18,6 +18,7 @@ from cardan.cli import cli
 from cardan.report import bracket_search as shown
 from cardan.report.language import CODES, EN, Language
 from cardan.study import bracket_search
+from cardan.study.bracket_judge import Slip
 from cardan.study.bracket_search import DOUBT, lightest, search
 
 DUTY = "duty: [{share_percent: 100, torque_Nm: 3000, speed_rpm: 400}]\n"
@@ -65,12 +66,12 @@ def fake(monkeypatch, life, first=1.0, slips=None):
         hours = life(shape) * (first if levels == 1 else 1.0)
         part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
         bolted = slips is not None and levels > 1
-        outcomes = [
-            SimpleNamespace(case=SimpleNamespace(when=Occasion("case", case)), slips=share)
-            for case, share in (slips(shape) if bolted else {"kerb": np.nan}).items()
+        asked = [
+            Slip(Occasion("case", case), share)
+            for case, share in (slips(shape) if bolted else {}).items()
         ]
         return SimpleNamespace(
-            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), outcomes=outcomes
+            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), slips=asked
         )
 
     def bracket_search_part():

@@ -20,7 +20,7 @@ from cardan.report.terminal import bare
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import InBolts
-from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, Outcome
+from cardan.study.bracket_judge import Case, Crossing, Feature, Found, Judged, Outcome, Slip
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import Finding, silence
 
@@ -234,6 +234,12 @@ def test_frequencies_that_lie_close_are_drawn_as_one_line():
     assert "mode 2 60.0, mode 3 60.3, mode 4 60.9 Hz" in drawn
     rest = next(bracket_chapter.figures(changed(solved=alone_at(solved, 60.0)), Language("en"))).svg
     assert drawn.count("stroke-dasharray") == rest.count("stroke-dasharray")
+    # A ring where an order meets a line stays clear of its name above it.
+    names = [float(y) for y in re.findall(r'<text [^>]*y="([\d.]+)"[^>]*>mode', drawn)]
+    rings = [(float(y), float(r)) for y, r in re.findall(r'cy="([\d.]+)" r="([\d.]+)"', drawn)]
+    assert names
+    assert rings
+    assert all(not y - 12 < cy - r - 1 < y for y in names for cy, r in rings)
 
 
 def alone_at(solved: SimpleNamespace, frequency: float) -> SimpleNamespace:
@@ -254,6 +260,9 @@ def test_bolts_that_slip_are_told_by_their_case(code):
     assert [*in_contact(still, say)] == []
     (said,) = in_contact(slid, say)
     assert said.startswith(say.occasion(outcome().case.when))
+    rides = Slip(Occasion("duty", "laden"), 1.3)
+    (said,) = in_contact(replace(still, riding=(rides,)), say)
+    assert said.startswith(say.occasion(rides.when))
 
 
 def report_of(answer: BracketAnswer, say: Language) -> list[str]:

@@ -81,7 +81,7 @@ def _faces(nodes, which, *, after=0):
     return [table[tuple(sorted(c))] for c in nodes.faces[which][:, :3].tolist()]
 
 
-def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15):
+def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15, firm=1.0):
     """An input deck: a plate that real bolts press against real frames, then nodal loads.
 
     Contact is one-sided, with friction, between plate and frames and between bolts' heads and
@@ -113,7 +113,7 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
     lines += [f"{k}," for k in range(node[-1] + 1, len(points) + 1)]
     lines += ["*NSET,NSET=BOLTS,GENERATE", f"{node[1] + 1},{node[-1]}"]
     E = material.youngs_modulus
-    stiff = 3.3e3 * E  # N/m3: what it lets in is far below what plate and bolts give
+    stiff = 3.3e3 * firm * E  # N/m3: what it lets in is far below what plate and bolts give
     pressed = np.char.startswith(plate.face_names.astype(str), "bolt")
     pressed &= ~np.char.endswith(plate.face_names.astype(str), "wall")
     lines += [
@@ -145,6 +145,66 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
         ]
         lines += ["*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
     return "\n".join(lines) + "\n"
+
+
+def pressed(plate, frame, material, *, heads, loads, friction=0.15, firm=5.0):
+    """An input deck: forces (n, 3) that stay press a plate against a fixed brick, then nodal loads.
+
+    As `bolted`, without bolts that give. Each load comes on top of what stays, in its turn.
+    """
+    n, e = len(plate.points), len(plate.elements)
+    points = np.concatenate([plate.points, frame])
+    names = plate.face_names.astype(str)
+    flat = np.char.startswith(names, "bolt") & ~np.char.endswith(names, "wall")
+    stiff = 3.3e3 * firm * material.youngs_modulus
+    lines = ["*NODE,NSET=NALL"]
+    lines += [f"{k},{x:.10e},{y:.10e},{z:.10e}" for k, (x, y, z) in enumerate(points, 1)]
+    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
+    lines += [
+        f"{k}," + ",".join(map(str, c)) for k, c in enumerate((plate.elements + 1).tolist(), 1)
+    ]
+    lines += [
+        "*ELEMENT,TYPE=C3D8,ELSET=EALL",
+        f"{e + 1}," + ",".join(str(n + c) for c in range(1, 9)),
+        "*NSET,NSET=FIX", *(f"{n + c}," for c in range(1, 9)),
+        "*MATERIAL,NAME=S", "*ELASTIC", f"{material.youngs_modulus:.12e},{material.poisson}",
+        "*SOLID SECTION,ELSET=EALL,MATERIAL=S",
+        "*SURFACE,NAME=PLATE,TYPE=ELEMENT", *_faces(plate, flat | (names == "mount")),
+        "*SURFACE,NAME=FRAME,TYPE=ELEMENT", f"{e + 1},S1",
+        "*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+        f"{stiff:.4e},1e4,6e-7", "*FRICTION", f"{friction},{stiff / 20:.4e}",
+        "*CONTACT PAIR,INTERACTION=C,TYPE=SURFACE TO SURFACE", "PLATE,FRAME",
+        "*BOUNDARY", "FIX,1,3",
+    ]  # fmt: skip
+    for load in (heads, *(heads + load for load in loads)):
+        lines += ["*STEP,INC=100", "*STATIC", "1.,1.", "*CLOAD,OP=NEW"]
+        lines += [
+            f"{k + 1},{c + 1},{load[k, c]:.12e}"
+            for k, c in zip(*np.nonzero(np.abs(load) > 1e-14), strict=True)
+        ]
+        lines += ["*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def nodal(solid, load):
+    """Forces (n, 3) at the nodes of elements of second degree, of a load vector (unknowns,).
+
+    Ours has straight functions of corners and bubbles of edges; theirs are Lagrange's.
+    """
+    f, nodes, corners = load.reshape(-1, 3), solid.nodes, solid.mesh.nv
+    ends = np.array([sorted(v.nr for v in edge.vertices) for edge in solid.mesh.edges])
+    sides = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+    pairs = np.sort(np.stack([nodes.elements[:, list(s)] for s in sides], axis=1), axis=-1)
+    middle = dict(zip(map(tuple, pairs.reshape(-1, 2).tolist()),
+                      nodes.elements[:, 4:].ravel().tolist(), strict=True))  # fmt: skip
+    shape = np.array(solid.space.GetFE(next(iter(solid.mesh.Elements()))).CalcShape(0.5, 0.5, 0.0))
+    bubble = 4 * float(shape[4:][np.abs(shape[4:]).argmax()])
+    found = np.zeros((len(nodes.points), 3))
+    found[:corners] = f[:corners]
+    found[[middle[tuple(e)] for e in ends.tolist()]] = 4 / bubble * f[corners:]
+    for end in (0, 1):
+        np.add.at(found, ends[:, end], -2 / bubble * f[corners:])
+    return found
 
 
 def run(text, folder, *, threads=2):

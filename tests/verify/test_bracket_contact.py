@@ -153,7 +153,8 @@ def test_what_is_told_is_never_less_than_the_worst_there_is(both):
 def bolted():
     """Our own contact, condensed to its forces: stiffness and worst stress of each load, by zone.
 
-    On a mesh of its own, fine enough to tell how far out the heads' pressure reaches.
+    Third, that of the worse of a hard frame and one that gives as thick metal does. On a mesh of
+    its own, fine enough to tell how far out the heads' pressure reaches.
     """
     body = solid(U)
     for face in body.shape.faces:
@@ -173,42 +174,43 @@ def bolted():
         held, unit_loads(held), bolts=body.bolts, upright=2, thickness=U.thickness, read=read,
         tell=str,
     )  # fmt: skip
-    tight = joint.tightened(Bolts(preload=34.5e3))
-    stiff, worst_ = [], []
-    for k, sign in LOADS.values():
-        forces = tight.under(sign * FORCE * np.eye(9)[k])
-        stiff.append(FORCE**2 / float(forces @ joint.compliance @ forces))
-        level = von_mises(np.einsum("pqs,q->ps", joint.stress, forces))
-        worst_.append([level[kinds == kind].max() for kind in (SHEET, CUT, BORDER)])
-    return np.array(stiff), np.array(worst_).T
+    stiff, levels = [], []
+    for on in (joint, joint.on_thick):
+        tight = on.tightened(Bolts(preload=34.5e3))
+        for k, sign in LOADS.values():
+            forces = tight.under(sign * FORCE * np.eye(9)[k])
+            stiff.append(FORCE**2 / float(forces @ joint.compliance @ forces))
+            level = von_mises(np.einsum("pqs,q->ps", joint.stress, forces))
+            levels.append([level[kinds == kind].max() for kind in (SHEET, CUT, BORDER)])
+    hard, soft = np.array(levels).reshape(2, len(LOADS), -1).swapaxes(1, 2)
+    return np.array(stiff[: len(LOADS)]), hard, np.maximum(hard, soft)
 
 
 def test_our_contact_is_as_stiff_as_calculix_has_it(both, bolted):
     """Within 7 %: how far out a head presses is known to a millimetre, which is a tenth.
 
-    Pulled down it lifts off, and is softer than the same flange pushed up: no sum of unit loads is.
+    Pushed up, on a hard frame, within 15 %: there CalculiX's contact springs give, and what slipped
+    in the pulls before has left gaps. Pulled down it lifts off, and is softer than the same flange
+    pushed up: no sum of unit loads is.
     """
-    assert bolted[0] == pytest.approx(both[1], rel=0.07)
+    assert np.all(np.abs(bolted[0] / both[1] - 1) < [0.07, 0.07, 0.15, 0.07]), bolted[0] / both[1]
     assert bolted[0][3] < 0.85 * bolted[0][2]
 
 
 def test_our_contact_has_the_stress_of_calculix_where_it_is_high(both, bolted):
-    """The highest of all within 15 % across and along, where the bracket is weak.
+    """The highest of all within 15 %, with the worse of a hard frame and one that gives.
 
-    Straight up and down, a quarter of that stress, the bolts' border has a third less than there.
+    Pushed straight up a hard frame alone leaves the bolts' border two fifths less than there.
     """
     ways, _, real, *_ = both
     theirs = np.max([worst(u, h, real) for u, h in zip(ways, HOLDS, strict=True)], axis=0)
-    share = bolted[1].max(axis=0) / theirs.max(axis=0)
-    assert np.all((share[:2] > 0.85) & (share[:2] < 1.15)), share
-    assert np.all((share[2:] > 0.65) & (share[2:] < 1.15)), share
+    share = bolted[2].max(axis=0) / theirs.max(axis=0)
+    assert np.all((share > 0.85) & (share < 1.15)), share
 
 
 def test_what_is_told_of_contact_is_never_less_than_calculix_has(both, bolted):
     """Zone by zone and load by load, with what is added; a flange that pries is no exception."""
     ways, _, real, *_ = both
     theirs = np.max([worst(u, h, real) for u, h in zip(ways, HOLDS, strict=True)], axis=0)
-    zones = ("sheet", "cut edge", "bolt border")
-    told = np.stack([on_its_safe_side(of, [z] * len(LOADS))
-                     for of, z in zip(bolted[1], zones, strict=True)])  # fmt: skip
+    told = on_its_safe_side(bolted[2])
     assert np.all(told > 0.99 * theirs), told / theirs

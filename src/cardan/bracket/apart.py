@@ -29,6 +29,10 @@ class Crashed(CardanError):  # noqa: N818  the name is the news
     """The process ended without an answer: by a signal, for its memory, for its time."""
 
 
+class Stopped(Crashed):
+    """It was stopped: for its memory, for its time. Nothing in it broke."""
+
+
 class Told(NamedTuple):
     """How a process ended: its answer, or what it raised."""
 
@@ -88,7 +92,7 @@ def apart(
                     child.wait()
                 watch.join()
         if not reply.exists():
-            raise Crashed(why[0] if why else _ending(child.returncode))
+            raise Stopped(why[0]) if why else Crashed(_ending(child.returncode))
         told: Told = pickle.loads(reply.read_bytes())  # our own, from a folder of our own
     if told.error is not None:
         raise told.error

@@ -94,16 +94,16 @@ def mesh(
     for point, edge in finer:
         x, y, z = np.asarray(point, dtype=float)
         wanted.RestrictH(x=x, y=y, z=z, h=edge)
-    failed = (
+    msg = (
         f"the mesher failed on this shape with elements of {size / mm:.3g} mm: try smaller "
         "elements; slivers and gaps in a STEP file are the usual cause"
     )
     try:
         made = ngs.Mesh(occ.OCCGeometry(shape).GenerateMesh(mp=wanted))
     except Exception as error:  # the mesher raises bare exceptions of its own
-        raise DesignError(failed, about="bracket") from error
+        raise DesignError(msg, about="bracket") from error
     if made.ne == 0:
-        raise DesignError(failed, about="bracket")
+        raise DesignError(msg, about="bracket")
     made.Curve(degree)
     return made
 
@@ -257,14 +257,14 @@ class Elastic:
         form.Assemble()
         return np.array(form.vec.FV().NumPy(), dtype=float)
 
-    def solve(self, loads: ArrayLike) -> FloatArray:
+    def solve(self, loads: ArrayLike, *, still: float = _STILL) -> FloatArray:
         """Displacement vectors (..., unknowns) under load vectors (..., unknowns).
 
         Raises
         ------
         NotConverged
             If equilibrium is missed by more than 1e-8 of the load, and displacements still move by
-            more than 1e-9 of themselves: the solid is not held.
+            more than a share `still` of themselves: the solid is not held.
         """
         loads = np.asarray(loads, dtype=float)
         found = np.empty_like(loads)
@@ -281,7 +281,7 @@ class Elastic:
                 u += step
                 # The forces inside a thin sheet are so much larger than its load that their
                 # last digits miss it by more: that the displacements stay is what counts.
-                if np.linalg.norm(step) <= _STILL * np.linalg.norm(u):
+                if np.linalg.norm(step) <= still * np.linalg.norm(u):
                     break
             else:
                 msg = (

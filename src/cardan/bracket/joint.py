@@ -21,7 +21,7 @@ in it; VDI 2230 part 1 (2015) for the bolts. Held against CalculiX in
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -43,9 +43,12 @@ PATCH, _PARTS = 0.18, 10
 
 How far out a head's pressure reaches is what counts: a millimetre makes a flange a tenth softer.
 """
-_COARSE = 1.25
+_COARSE = 0.5
 """Edge of a patch over a hole's diameter beyond a plate's thickness from the head: there it rubs
 no more."""
+_STILL = 1e-6
+"""Share of themselves that displacements may still move by: a thin sheet's floating have no more
+digits, and contact asks for fewer."""
 _BATCH = 9
 """Unit forces solved at once."""
 _STUCK = 0.05
@@ -89,6 +92,11 @@ class Joint:
         At the places that were asked for.
     upright : int
         Axis square to the plane.
+    area : (patches,) m2
+    bed : N/m3
+        Pressure over how far the frame gives under it: a hard one does not.
+    thick : N/m3
+        That of a thick frame of the bracket's own metal.
     """
 
     compliance: FloatArray
@@ -97,6 +105,19 @@ class Joint:
     stress: FloatArray
     upright: int
     bolts: int
+    area: FloatArray
+    thick: float = np.inf
+    bed: float = np.inf
+
+    @property
+    def on_thick(self) -> "Joint":
+        """The same on a thick frame that gives as its own metal does.
+
+        A washer's pressure sinks a half space in by about what it would a bed of springs:
+        p / w = 2 E / ((1 - nu^2) pi a) under a stiff disc of radius a. Source: Johnson, Contact
+        Mechanics (1985), section 3.4.
+        """
+        return replace(self, bed=self.thick)
 
     @property
     def patches(self) -> int:
@@ -104,7 +125,11 @@ class Joint:
         return len(self.rubs)
 
     def tightened(self, bolts: Bolts) -> "Tight":
-        """Return the joint with its bolts tightened: no friction, nothing on the bearing.
+        """Return the joint with its bolts tightened, all at once, and nothing on the bearing.
+
+        Friction counts here too: what heads squeeze out sideways rubs on the frame, and that keeps
+        the flange from curling up about them. Without it a flange's edge stands off by two thirds
+        more, and a load pushes that far before the edge bears.
 
         Raises
         ------
@@ -113,22 +138,72 @@ class Joint:
         """
         given = np.zeros(len(self.compliance))
         given[3 * self.patches + np.arange(self.bolts)] = bolts.preload
-        # Without friction nothing holds it along the plane, and nothing pushes it there.
-        up, normal = self.upright, 3 * np.arange(self.patches) + 2
-        rigid = self.rigid[:, [up, *(3 + k for k in range(3) if k != up)]]
-        own = np.diagonal(self.compliance)[normal]
-        pulls = [
-            _Pull.of(self.compliance, rigid, normal, gives=np.zeros(len(normal)), firm=firm * own)
-            for firm in _FIRM
-        ]
-        settled = _settled(
-            pulls, given, self.compliance, rigid, start=np.full(len(normal), -bolts.preload),
-            asked=np.zeros(len(normal)), allowed=lambda force: np.minimum(force, 0.0),
-        )  # fmt: skip
+        rows, normal, _ = self.rows
+        start = np.zeros(len(rows))
+        start[normal] = -bolts.preload
+        settled = self.settled(given, start, np.zeros(len(rows)), bolts.friction)
         if settled is None:
             msg = "the flange finds no rest against its frame: do its bolts lie in one line?"
             raise NotConverged(msg)
         return Tight(joint=self, bolts=bolts, forces=settled[0], moved=settled[1])
+
+    def settled(
+        self, given: FloatArray, start: FloatArray, asked: FloatArray, friction: float
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Return forces (q,) that press and rub under those given, and how all move (q,) m.
+
+        `start` and `asked`, (rows,) N and m, as in `_settled`; None where none are found.
+        """
+        _, normal, flat = self.rows
+
+        def allowed(force: FloatArray) -> FloatArray:
+            found = force.copy()
+            found[normal] = np.minimum(force[normal], 0.0)
+            rub = np.hypot(force[flat[0]], force[flat[1]])
+            bears = -friction * found[normal[self.rubs]]
+            found[flat] *= np.minimum(1.0, bears / np.maximum(rub, 1e-300))
+            return found
+
+        return _settled(
+            self._pulls, given, self.compliance, self.rigid, start=start, asked=asked,
+            allowed=allowed,
+        )  # fmt: skip
+
+    @cached_property
+    def rows(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Which forces (rows,) the frame may have, and which of these are normal, which along."""
+        each = np.ones((self.patches, 3), dtype=bool)
+        each[:, :2] = self.rubs[:, None]
+        rows = np.flatnonzero(each)
+        place = np.zeros(3 * self.patches, dtype=np.int64)
+        place[rows] = np.arange(len(rows))
+        three = place.reshape(-1, 3)
+        return rows, three[:, 2], three[self.rubs, :2].T
+
+    @cached_property
+    def gives(self) -> FloatArray:
+        """What each of its rows gives by itself, (rows,) m/N: the frame, what sticks a little."""
+        _, normal, flat = self.rows
+        gives = _STUCK * self._own
+        gives[normal] = 1 / (self.bed * self.area)
+        gives[flat] += gives[normal[self.rubs]]
+        return gives
+
+    @cached_property
+    def _own(self) -> FloatArray:
+        """How far each row moves under its own force, (rows,) m/N."""
+        rows, _, flat = self.rows
+        own = np.diagonal(self.compliance)[rows].copy()
+        own[flat] = own[flat].mean(axis=0)  # alike both ways, or friction would turn its force
+        return own
+
+    @cached_property
+    def _pulls(self) -> list["_Pull"]:
+        rows = self.rows[0]
+        return [
+            _Pull.of(self.compliance, self.rigid, rows, self.gives, firm * self._own)
+            for firm in _FIRM
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,23 +227,10 @@ class Tight:
         given = self.forces.copy()
         given[: 3 * of.patches] = 0.0
         given[-len(UNITS) :] = loads
-        rows, normal, flat = self._rows
-        asked = self.moved[rows].copy()
+        rows, normal, _ = of.rows
+        asked = self.moved[rows] + of.gives * self.forces[rows]  # what sticks, where it was left
         asked[normal] = 0.0
-        friction = self.bolts.friction
-
-        def allowed(force: FloatArray) -> FloatArray:
-            found = force.copy()
-            found[normal] = np.minimum(force[normal], 0.0)
-            rub = np.hypot(force[flat[0]], force[flat[1]])
-            bears = -friction * found[normal[of.rubs]]
-            found[flat] *= np.minimum(1.0, bears / np.maximum(rub, 1e-300))
-            return found
-
-        settled = _settled(
-            self._pulls, given, of.compliance, of.rigid, start=self.forces[rows], asked=asked,
-            allowed=allowed,
-        )  # fmt: skip
+        settled = of.settled(given, self.forces[rows], asked, self.bolts.friction)
         if settled is None:
             msg = (
                 f"no contact between flange and frame bears {np.round(np.asarray(loads)[:3])} N "
@@ -177,28 +239,6 @@ class Tight:
             )
             raise NotConverged(msg)
         return settled[0] - self.forces
-
-    @cached_property
-    def _rows(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Return which forces (rows,) there are, and which of these are normal, which along."""
-        of = self.joint
-        each = np.ones((of.patches, 3), dtype=bool)
-        each[:, :2] = of.rubs[:, None]
-        rows = np.flatnonzero(each)
-        place = np.zeros(3 * of.patches, dtype=np.int64)
-        place[rows] = np.arange(len(rows))
-        three = place.reshape(-1, 3)
-        return rows, three[:, 2], three[of.rubs, :2].T
-
-    @cached_property
-    def _pulls(self) -> list["_Pull"]:
-        of = self.joint
-        rows, normal, flat = self._rows
-        own = np.diagonal(of.compliance)[rows].copy()
-        own[flat] = own[flat].mean(axis=0)  # alike both ways, or friction would turn its force
-        gives = _STUCK * own
-        gives[normal] = 0.0
-        return [_Pull.of(of.compliance, of.rigid, rows, gives, firm * own) for firm in _FIRM]
 
     def share(self, loads: ArrayLike) -> tuple[float, FloatArray]:
         """Return what share loads (9,) are of those along them under which it slips or opens.
@@ -378,10 +418,15 @@ def condensed(
     from scipy.sparse import csr_array
 
     rounds = _rounds(held, bolts, upright)
-    patches, rubs = _patches(held, rounds, bolts, upright, thickness)
+    patches, rubs, area = _patches(held, rounds, bolts, upright, thickness)
     heads = _heads(held, rounds, upright, thickness)
     forces = csr_array(np.concatenate([patches, heads, loads]))
-    body = held.floating()
+    body, rigid = held.floating(), np.asarray(forces @ held.rigid.T)
+    # Each force with what its own mass would feel, so that it is in balance by itself: else three
+    # points bear it, and what a patch gives is mostly how the sheet moves about them. Forces in
+    # balance leave none of that.
+    heavy = np.stack([held.inert(motion) for motion in held.rigid])
+    felt = rigid @ np.linalg.inv(heavy @ held.rigid.T)
     # A patch that does not rub has no forces along the plane.
     rub = np.repeat(rubs, 3) | (np.arange(3 * len(rubs)) % 3 == 2)
     used = np.flatnonzero(np.pad(rub, (0, len(heads) + len(loads)), constant_values=True))
@@ -390,14 +435,16 @@ def condensed(
     compliance, stress = np.zeros((count, count)), np.zeros((0, count, 6))
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
-        moved = body.solve(forces[some].toarray())
-        compliance[some] = np.asarray(forces @ moved.T).T
+        moved = body.solve(forces[some].toarray() - felt[some] @ heavy, still=_STILL)
+        compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
         told = read(moved)
         stress = stress if len(stress) else np.zeros((len(told), count, 6))
         stress[:, some] = told
+    metal, washer = held.material, 2 * max(r.radius for r in rounds)
     return Joint(
-        compliance=compliance, rigid=np.asarray(forces @ held.rigid.T), rubs=rubs, stress=stress,
-        upright=upright, bolts=len(bolts),
+        compliance=compliance, rigid=rigid, rubs=rubs, stress=stress,
+        upright=upright, bolts=len(bolts), area=area,
+        thick=2 * metal.youngs_modulus / ((1 - metal.poisson**2) * np.pi * washer),
     )  # fmt: skip
 
 
@@ -429,8 +476,10 @@ def _patches(
     bolts: tuple[str, ...],
     upright: int,
     thickness: Metre,
-) -> tuple[FloatArray, BoolArray]:
-    """Return unit forces (3 patches, unknowns) spread over patches of the plane, and which rub.
+) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """Return unit forces (3 patches, unknowns) spread over patches of the plane.
+
+    Then which of them rub, and their areas m².
 
     A patch is made of whole triangles of the mesh, near a bolt in rings about it.
     """
@@ -470,11 +519,12 @@ def _patches(
     )  # fmt: skip
     each = (spread @ belongs).toarray().T
     # Functions of corners add up to 1: their share is the patch's area.
-    each /= each[:, : held.mesh.nv].sum(axis=1, keepdims=True)
+    area = each[:, : held.mesh.nv].sum(axis=1)
+    each /= area[:, None]
     forces = np.zeros((len(first), 3, each.shape[1], 3))
     for k, axis in enumerate((*ways, upright)):
         forces[:, k, :, axis] = each * (rounds[0].out if k == 2 else 1.0)
-    return forces.reshape(3 * len(first), -1), rubs[first]
+    return forces.reshape(3 * len(first), -1), rubs[first], area
 
 
 def _heads(held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre) -> FloatArray:

@@ -15,7 +15,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
 from cardan.bracket.afar import too_high
-from cardan.bracket.apart import Crashed, apart
+from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
 from cardan.bracket.gauges import influence
@@ -202,6 +202,9 @@ def solved_apart(task: Task, *, tell: Progress) -> Solved:
                 solve, replace(task, shape=shape), tell=tell,
                 memory=MEMORY, seconds=60 * MINUTES,
             )  # fmt: skip
+        except Stopped as error:  # which no smaller fillet mends
+            msg = f"solving this bracket was stopped: {error}; a larger `element_mm` takes less"
+            raise DesignError(msg, about="bracket") from None
         except Crashed as error:
             tried.append(f"fillet {fillet[1] / mm:.3g} mm: {error}" if fillet[1] else str(error))
             tell(f"the CAD kernel or the mesher broke ({error}); trying again")

@@ -85,7 +85,7 @@ def bracket(
         outputs = claim(file, limits, json_out=json_out)
         application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
         with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
-            searched = search(application, tell=lambda said: tell.study(said, 0, 0))
+            searched = search(application, tell=lambda doing: tell.study(say.error(doing), 0, 0))
         if json_out is not None:
             write_json(chosen.contract(application, searched), json_out)
         if json_out != "-":
@@ -97,7 +97,10 @@ def bracket(
     )  # fmt: skip
     application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
     with of(file, application), progress(say("The bracket"), quiet=quiet) as tell:
-        approval = approve(application, (BracketStudy(),), tell=tell.study)
+        approval = approve(
+            application, (BracketStudy(),),
+            tell=lambda doing, done, count: tell.study(say.error(doing), done, count),
+        )  # fmt: skip
     found: BracketAnswer = approval.of(BRACKET)
     if json_out is not None:
         write_json(shown.contract(approval), json_out)

@@ -289,8 +289,8 @@ def in_contact(v: Judged, say: Language) -> Iterator[str]:
 
 
 def slipped(v: Judged, say: Language) -> Iterator[str]:
-    """Yield under which cases the bolts slip or open."""
-    if slip := [say.occasion(o.case.when) for o in v.outcomes if o.slips > 1]:
+    """Yield under which cases, and over which duty cycle, the bolts slip or open."""
+    if slip := [say.occasion(s.when) for s in v.slips if s.share > 1]:
         yield say(
             "{cases}: the bolts slip or open. What is told of it is that of a flange that holds.",
             cases=say.list(*slip),
@@ -304,8 +304,9 @@ def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
     told = say(
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
-        "{more} %, at {other}. Fatigue and life are those in contact with 21 % more, at bolts' "
-        "borders 42 %, as far as it may be wrong; stresses are not.",
+        "{more} %, at {other}. Fatigue and life are those in contact, with the worse of a hard "
+        "frame and one that gives as thick steel does, and 15 % more, as far as it may be wrong; "
+        "stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
         case=say.occasion(when), share=f"{100 * use[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
@@ -533,6 +534,7 @@ def contract(approval: Approval) -> dict[str, Any]:
 def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
     stress, _ = highest(v)
     share, lasts, within = used(v), hours_of(v), hours_within(v)
+    asks = {s.when: s.share for s in v.riding}
     return {
         "name": v.name,
         "mass_kg": v.mass,
@@ -603,7 +605,10 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         ],
         "response": None if v.forced is None else _response(v.forced),
         "cases": [_case(of, o) for o in v.outcomes],
-        "duty": [_life(of, e) for e in v.duty],
+        "duty": [
+            _life(of, e) | ({"slip_utilisation": asks[e.when]} if e.when in asks else {})
+            for e in v.duty
+        ],
     }
 
 

@@ -46,6 +46,8 @@ from cardan.study.finding import Finding
 
 _APART, _ALIKE = 0.05, 0.01
 """Share of a diagram's height that names of lines need, and below which two lines are one."""
+_MARK = 4.0
+"""Radius of a ring where an order meets a frequency, in pixels."""
 _SHOWN = 0.03
 """Share of the largest stress below which a chart over speed ends."""
 
@@ -293,12 +295,13 @@ def _campbell(of: BracketAnswer, say: Language) -> Figure:
         beside.append(f"{name} {say.pointed(f'{frequency:.1f}')}")
         last = k + 1 == len(own) or own[k + 1][0] - frequency > _APART * hertz
         if last or own[k + 1][0] - frequency > _ALIKE * hertz:  # else their dashes make a bar
-            frame.level(Level(value=frequency, name=f"{say.list(*beside)} Hz" if last else ""))
+            level = Level(value=frequency, name=f"{say.list(*beside)} Hz" if last else "")
+            frame.level(level, above=_MARK + 4)
         beside = [] if last else beside
         for order in ORDERS:
             at = 60 * frequency / order
             if at < top:
-                frame.put(svg.circle(*frame.spot(at, frequency), 4, fill="none", stroke=INK))
+                frame.put(svg.circle(*frame.spot(at, frequency), _MARK, fill="none", stroke=INK))
     title = (
         say("Campbell's diagram of the line on rubber and bracket")
         if v.forced is not None

@@ -62,8 +62,8 @@ def terminal(
         assert t.slips is not None
         loose = say(
             "{sizes}: lives long enough, but {case} asks {share} of what its bolts hold; that is "
-            "too much.", sizes=said(t.sizes, say), case=say.occasion(t.slips.case.when),
-            share=say.number(t.slips.slips),
+            "too much.", sizes=said(t.sizes, say), case=say.occasion(t.slips.when),
+            share=say.number(t.slips.share),
         )  # fmt: skip
         yield from folded([loose], width)
     if found.best is not None:
@@ -118,5 +118,4 @@ def _tried(t: Tried) -> dict[str, Any]:
 
 def _slips(t: Tried) -> float | None:
     """Return what share of what its bolts hold a case asks at most; None where none says."""
-    known = [o.slips for o in t.judged.outcomes if not np.isnan(o.slips)]
-    return max(known, default=None)
+    return max((s.share for s in t.judged.slips), default=None)

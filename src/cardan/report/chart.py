@@ -161,15 +161,15 @@ class Chart:
             svg.line(x, y1, x, y2, **edge) if band.along == "x" else svg.line(x1, y, x2, y, **edge)
         )
 
-    def level(self, level: Level) -> None:
-        """Draw a line across at a value, with its name at the right end."""
+    def level(self, level: Level, *, above: float = 4) -> None:
+        """Draw a line across at a value, with its name at the right end, so far above it."""
         x1, y = self.spot(self.x[0], level.value)
         if not TOP - 1 <= y <= self.height - BOTTOM + 1:
             return
         x2 = self.width - RIGHT
         colour = GRADED.get(level.grade, INK)
         self.put(svg.line(x1, y, x2, y, stroke=colour, stroke_width=1.2, stroke_dasharray="6 3"))
-        self.put(svg.text(x2 - 4, y - 4, level.name, anchor="end", font_size=11, fill=colour))
+        self.put(svg.text(x2 - 4, y - above, level.name, anchor="end", font_size=11, fill=colour))
 
     def series(self, of: Series, index: int) -> None:
         """Draw a series in the colour and dash of its place."""

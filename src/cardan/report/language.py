@@ -213,6 +213,7 @@ class Language:
         if colon and (found is None or len(_WORDLESS.sub("", found.re.pattern)) < LINKING):
             inner = self.error(what)
             if found is None or inner != what:
+                where = catalogue(self.code).get(("error", where), where)
                 return f"{where}{colon}{inner}"
         if found is None:
             return said

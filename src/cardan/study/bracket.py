@@ -191,9 +191,8 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
                     within=None if np.isnan(low) else (low, high),
                 )  # fmt: skip
     if quantity == "bracket_slip_utilisation":
-        for o in variant.outcomes:
-            if not np.isnan(o.slips):
-                yield _Value(o.case.when, Part("bolts"), o.slips, o.case.point)
+        for when, share, point in variant.slips:
+            yield _Value(when, Part("bolts"), share, point)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         own = variant.carried if of.bracket.rubber is None else variant.frequencies

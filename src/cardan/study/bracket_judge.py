@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, product
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -180,6 +180,14 @@ class Outcome:
     pulls_off: bool = False
 
 
+class Slip(NamedTuple):
+    """What share of what its bolts hold loads ask: above 1 they slip or open."""
+
+    when: Occasion
+    share: float
+    point: Point | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Crossing:
     """A natural frequency that an order of the shaft's speed meets."""
@@ -212,6 +220,9 @@ class Judged:
         The listed features over speed; None where nobody knows what hangs in it.
     in_bolts : InBolts
         What contact made of the fatigue and life told here; None where that was not asked.
+    riding : (Slip, ...)
+        What the duty cycle asks of the bolts in each state that lasts; nothing where their force
+        is not known.
     """
 
     name: str
@@ -224,6 +235,13 @@ class Judged:
     damage: FloatArray
     forced: Forced | None = None
     in_bolts: InBolts | None = None
+    riding: tuple[Slip, ...] = ()
+
+    @property
+    def slips(self) -> tuple[Slip, ...]:
+        """What each case asks of the bolts, then what the duty cycle does."""
+        cases = (Slip(o.case.when, o.slips, o.case.point) for o in self.outcomes)
+        return (*(s for s in cases if not np.isnan(s.share)), *self.riding)
 
     @property
     def mass(self) -> float:
@@ -497,10 +515,10 @@ def judge(
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
     outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
-    in_bolts = None
+    in_bolts, riding = None, list[Slip]()
     if bracket.bolts is not None:
         told("contact between flange and frame")
-        contact = _tightened(bracket.bolts, solved, ways, known, strength)
+        contact = _tightened(bracket.bolts, solved, ways, strength)
         alone, *_ = _duty(solved, ways, duty or {}, strength, modulus, error)
         two_ways = [o.used for o in outcomes]
         cases = [_in_contact(case, contact, ways[0]) for case in cases]
@@ -513,6 +531,10 @@ def judge(
             replace(o, times=o.case.times, slips=contact.share(_bare(o.case, ways[0])))
             for o in outcomes
         ]
+        riding = [
+            Slip(when, contact.share(np.concatenate([_bare(case, ways[0]) for _, case in parts])))
+            for when, parts in duty.items() if parts
+        ]  # fmt: skip
         life = min((e.hours for e in alone), default=np.nan)
         in_bolts = _in_bolts(bracket.bolts, outcomes, two_ways, life)
     if duty and strength:
@@ -540,6 +562,7 @@ def judge(
         in_bolts=None if in_bolts is None else replace(
             in_bolts, times=in_bolts.times[order], told=in_bolts.told[order]
         ),
+        riding=tuple(riding),
     )  # fmt: skip
 
 
@@ -547,13 +570,12 @@ def _tightened(
     bolts: Bolts,
     solved: Solved,
     ways: tuple[_Way, ...],
-    known: Sequence[tuple[int, int]],
     strength: Mapping[Zone, Strength],
 ) -> Contact:
     try:
         return Contact.of(
             solved, [way.feature for way in ways], bolts=bolts,
-            zones=[ZONES[kind] for kind, _ in known], strength=strength,
+            count=ways[0].count, strength=strength,
         )  # fmt: skip
     except NotConverged as error:
         raise DesignError(str(error), about="bracket.bolts") from error

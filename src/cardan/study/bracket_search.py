@@ -25,7 +25,7 @@ from cardan.bracket.solve import weighed_apart
 from cardan.model.application import Application
 from cardan.model.bracket import Bracket, Search, Shape
 from cardan.study.bracket import Bench
-from cardan.study.bracket_judge import Judged, Outcome
+from cardan.study.bracket_judge import Judged, Slip
 from cardan.study.finding import BRACKET, SLIP, limits_of
 
 DOUBT, LOOSE = 2.0, 4.0
@@ -45,8 +45,8 @@ class Tried:
         Hours over the duty cycle, at the worst place.
     refined
         Whether its mesh was made finer until its maxima stayed.
-    slips : Outcome
-        The case that asks most of its bolts, where that is more than they may be asked; else None.
+    slips : Slip
+        What asks most of its bolts, where that is more than they may be asked; else None.
     judged : Judged
         All of it.
     """
@@ -56,7 +56,7 @@ class Tried:
     life: float
     refined: bool
     judged: Judged
-    slips: Outcome | None = None
+    slips: Slip | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,11 +179,10 @@ def named(sizes: Mapping[str, Metre]) -> str:
     return ", ".join(f"{k.replace('_', ' ')} {v / mm:g}" for k, v in sizes.items()) + " mm"
 
 
-def _slips(judged: Judged, limits: Sequence[Limit]) -> Outcome | None:
-    """Return the case that asks most of the bolts, where they slip, or come nearer than allowed."""
-    known = [o for o in judged.outcomes if not np.isnan(o.slips)]
-    worst = max(known, key=lambda o: o.slips, default=None)
-    if worst is None or (worst.slips <= 1 and all(m.grade(worst.slips) != "fail" for m in limits)):
+def _slips(judged: Judged, limits: Sequence[Limit]) -> Slip | None:
+    """Return what asks most of the bolts, where they slip, or come nearer than allowed."""
+    worst = max(judged.slips, key=lambda s: s.share, default=None)
+    if worst is None or (worst.share <= 1 and all(m.grade(worst.share) != "fail" for m in limits)):
         return None
     return worst
 
