@@ -24,7 +24,7 @@ from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, curve, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
-from cardan.study.bracket_contact import InBolts
+from cardan.study.bracket_contact import APART, InBolts
 from cardan.study.bracket_forced import Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
@@ -305,9 +305,11 @@ def _in_bolts(v: Judged, of: InBolts, when: Occasion, say: Language) -> str:
         "In bolts of {preload} kN, with contact and a friction of {friction}, {case} uses "
         "{share} % of the fatigue limit, at {part}; by the worse of a sliding and a clamped flange "
         "{more} %, at {other}. Fatigue and life are those in contact, with the worse of a hard "
-        "frame and one that gives as thick steel does, and 15 % more, as far as it may be wrong; "
+        "frame and one that gives as thick steel does, and {added} % more, as far as it may be "
+        "wrong; "
         "stresses are not.",
         preload=say.number(of.bolts.preload / kN), friction=say.number(of.bolts.friction),
+        added=f"{100 * APART:.0f}",
         case=say.occasion(when), share=f"{100 * use[f]:.0f}",
         part=say.part(v.features[f].part), more=f"{100 * of.told[k]:.0f}",
         other=say.part(v.features[k].part),
