@@ -173,7 +173,6 @@ def made_up_bracket() -> Iterator[None]:
         case=LoadCase("gvw", np.zeros((1, 9)), what="peak"),
         hot=spots,
         used=spots / (300 * MPa),
-        slips=0.7,
     )
     duty = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-4, 4e-4]), gauges=np.zeros(0),
@@ -184,6 +183,7 @@ def made_up_bracket() -> Iterator[None]:
         variant = SimpleNamespace(
             outcomes=(outcome,),
             duty=(duty,),
+            slips=((outcome.case.when, 0.7, None),),
             features=features,
             carried=np.array([100.0]),
             frequencies=np.array([100.0]),

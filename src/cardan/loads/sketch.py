@@ -317,7 +317,10 @@ def sketch(
         nearer = np.empty((*layouts.points.shape[1:-2], 0, on.mass.shape[-1]))
     else:
         free, nearer = facing.free, on.brought(facing.nearer)
-        drawn = (nearer @ on.still(on.on_bearings(pulled))[..., None])[..., 0].real
+        moved = on.still(on.on_bearings(pulled))
+        if moved.ndim < nearer.ndim:
+            moved = moved[:, None]
+        drawn = (nearer @ moved[..., None])[..., 0].real
     return Sketch(
         on=on,
         least=least,

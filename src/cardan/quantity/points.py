@@ -354,6 +354,8 @@ def _facing(r: "Response", laid: Layout) -> Facing | None:
     """Return where shafts come nearest to obstacles at each of `PITCHES`, of layouts (3, ...)."""
     if not r.obstacles:
         return None
+    if laid.points.ndim < 5:  # obstacles may be of variants that lie alike
+        laid = laid[:, None]
     there = gaps(laid, r.line, r.obstacles, travel=r.demand.travel)
     free = there.free.min(axis=-1)
     middle = len(free) // 2
@@ -768,9 +770,11 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
 
 
 def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
-    """Return the cases (..., S) that what the bearings carry has: of whatever varies."""
+    """Return the cases (..., S) that a line on its bearings has: of whatever varies."""
     of_parts: list[Any] = [n for s in r.line.shafts for n in (s.mass, s.balance_grade)]
     of_parts += [s.centre_bearing.from_rear_joint for s in r.line.shafts if s.centre_bearing]
+    for o in r.obstacles:
+        of_parts += [*o.start, *o.end, o.radius, o.travel_share, r.demand.travel]
     shapes = [
         found.fastest.shape[1:],
         r.layout.directions.shape[:-2],
