@@ -149,7 +149,7 @@ def test_a_lost_scheduler_is_told_and_what_is_done_is_kept(tmp_path, cluster, sc
         until(lambda: len(kept(out)) >= 3, "the first shards")
         schedulers[0].kill()
         _, said = study.communicate(timeout=WAIT)
-    assert study.returncode == 2
+    assert study.returncode == 2, said
     assert f"the cluster at {address} is gone" in said
     assert 3 <= len(kept(out)) < SHARDS
     subprocess.run([*command, "--out", str(out), "--resume"], check=True)

@@ -136,7 +136,7 @@ def test_what_a_user_wrote_is_text_in_a_notebook():
     text = text.replace("name: auxiliary beam", f"name: '{evil}'")
     app = cardan.loads(text)
     for thing in (
-        cardan.check(app), cardan.fix(app, count=1, hold=["shim"]),
+        cardan.check(app), cardan.fix(app, count=1, hold=["bearing_height"]),
         cardan.study(app, {"axle.ratio": [5, 6]}, n=4),
     ):  # fmt: skip
         html = thing._repr_html_()
@@ -206,7 +206,7 @@ def test_proposals_read_as_the_command_prints_them(app):
     found = cardan.fix(app, count=2)
     assert len(found) == 2
     assert repr(found) == terminal.bare(terminal.proposals(tuple(found)))
-    assert "bearing 1 up 5 mm" in repr(found)
+    assert "bearing 2 up 10 mm" in repr(found)
     assert found.to_dict()[0]["line"] == "main"
 
 

@@ -485,8 +485,9 @@ def _run(
                     keep(pending.pop(future), future.result())
         finally:
             stop.set()
-            for future in pending:
-                future.cancel()
+            if not (isinstance(executor, Cluster) and executor.gone):
+                for future in pending:
+                    future.cancel()
 
 
 @contextmanager
@@ -831,7 +832,17 @@ class Cluster(Executor):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Hand a call to whoever is free."""
-        return self._executor.submit(fn, *args, **kwargs)
+        try:
+            return self._executor.submit(fn, *args, **kwargs)
+        except Exception as error:
+            if self.gone:
+                raise CancelledError from error
+            raise
+
+    @property
+    def gone(self) -> bool:
+        """Whether its client gave the scheduler up."""
+        return self._client.status in ("closing", "closed")
 
     @property
     def there(self) -> int:
