@@ -1,12 +1,10 @@
-"""Parquet, HDF5, TDMS and MDF4 recordings, read a stretch at a time."""
+"""Parquet, HDF5 and MDF4 recordings, read a stretch at a time."""
 
 import gc
-import struct
 import sys
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -232,69 +230,6 @@ def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
     return Table(
         columns=tuple(Channel(n, unit(i)) for n, i in zip(names, items, strict=True)),
         rows=rows, rate=rate, samples=samples, group=next(iter(sets)).rpartition("/")[0],
-    )  # fmt: skip
-
-
-_DAMAGE = (ValueError, OSError, EOFError, OverflowError, MemoryError, KeyError, struct.error)
-"""What npTDMS raises of a file that says what is not there: memory, too, is asked for by that."""
-
-
-def tdms(path: Path, *, group: str = "") -> Table:
-    """Open a TDMS recording: the waveform channels of one group."""
-    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
-
-    try:
-        file: Any = TdmsFile.read_metadata(path)
-        groups = {g.name: g for g in file.groups() if any(len(c) for c in g.channels())}
-    except _DAMAGE as error:
-        raise bad(path, f"TDMS cannot open it: {error}") from error
-    if not groups:
-        raise bad(path, "it holds no samples")
-    if group and group not in groups:
-        raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(groups)}")
-    chosen = [groups[group]] if group else list(groups.values())
-    items = [c for g in chosen for c in g.channels() if len(c)]
-    items = [c for c in items if c.dtype is not None and c.dtype.kind in "fiu"]
-    if not items:
-        raise bad(path, "no channel of numbers in it")
-    budget(path, max(len(c) for c in items), len(items))
-    alike: dict[tuple[str, int, Any], list[Any]] = {}
-    several = len({(len(c), c.properties.get("wf_increment")) for c in items}) > 1
-    for c in items:
-        key = (c.group_name if several else "", len(c), c.properties.get("wf_increment"))
-        alike.setdefault(key, []).append(c)
-    table = joined(path, [_waveforms(path, own) for own in alike.values()])
-    state = file.file_status
-    if state is not None and state.incomplete_final_segment:
-        lost = sum(
-            s.expected_length - s.read_length for s in (state.channel_statuses or {}).values()
-        )
-        note = f"the file is cut short: {lost} samples of its last segment are not there"
-        table = replace(table, notes=(*table.notes, note))
-    return table
-
-
-def _waveforms(path: Path, items: list[Any]) -> Table:
-    """Return TDMS channels of one length and step as a table."""
-    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
-
-    samples, properties = len(items[0]), items[0].properties
-    step = properties.get("wf_increment")
-
-    def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        try:
-            with TdmsFile.open(path) as file:
-                home = [file[items[k].group_name][items[k].name] for k in places]
-                for first in range(0, samples, SIZE):
-                    n = min(SIZE, samples - first)
-                    yield np.stack([np.asarray(c.read_data(first, n), float) for c in home])
-        except _DAMAGE as error:
-            raise bad(path, f"it is damaged: {error}") from error
-
-    return Table(
-        columns=tuple(Channel(c.name, str(c.properties.get("unit_string", ""))) for c in items),
-        rows=rows, rate=1 / step if step else None, samples=samples, group=items[0].group_name,
-        start=float(properties.get("wf_start_offset", 0.0) or 0.0),
     )  # fmt: skip
 
 

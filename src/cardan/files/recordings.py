@@ -450,7 +450,7 @@ def _hdf5(path: Path, group: str) -> Table:
 
 
 def _tdms(path: Path, group: str) -> Table:
-    from cardan.files.recording_tables import tdms
+    from cardan.files.recording_tdms import tdms
 
     return tdms(path, group=group)
 
