@@ -327,7 +327,9 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
             arrays += [channel.name] if parts else []
             continue
         _within(channel, found.channel_group, path)
-        sample = next(iter(file.iter_get(group=group, index=k)))
+        sample = _next(iter(file.iter_get(group=group, index=k)), path)
+        if sample is None:
+            raise bad(path, f"it is damaged: of {samples} rows it holds 0")
         if sample.samples.dtype.kind in "fiu" and sample.samples.ndim == 1:
             kept.append(k)
             time = k == master
@@ -356,7 +358,7 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
         return x if invalid is None else np.where(invalid, np.nan, x)
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        each = (np.stack([values(k, r) for k in places]) for r in _records(file, found))
+        each = (np.stack([values(k, r) for k in places]) for r in _records(file, found, path))
         read = 0
         for piece in cut(each, size=SIZE):
             read += piece.shape[1]
@@ -370,19 +372,26 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
     )  # fmt: skip
 
 
-def _records(file: Any, group: Any) -> Iterator[Any]:
+def _records(file: Any, group: Any, path: Path) -> Iterator[Any]:
     """Yield an MDF's records a stretch at a time: read, and unpacked, once for all channels.
 
-    As `iter_get` does for each of them. Where whoever asks takes ten seconds for some stretches,
-    asammdf prints how fast it was.
+    As `iter_get` does for each of them.
     """
     each = file._mdf._load_data(group)
-    while True:
-        with redirect_stdout(None):
-            records = next(each, None)
-        if records is None:
-            return
+    while (records := _next(each, path)) is not None:
         yield records
+
+
+def _next(each: Iterator[Any], path: Path) -> Any:
+    """Return what comes next of an MDF; None at its end.
+
+    Where whoever asks takes ten seconds for some stretches, asammdf prints how fast it was.
+    """
+    try:
+        with redirect_stdout(None):
+            return next(each, None)
+    except Exception as error:  # whatever those raise who unpack it
+        raise bad(path, f"it is damaged: {error}") from error
 
 
 def _within(channel: Any, group: Any, path: Path) -> None:
