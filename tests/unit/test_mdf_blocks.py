@@ -112,6 +112,72 @@ def test_half_a_megabyte_that_unpacks_to_half_a_gigabyte(tmp_path, zeros, claime
     refused(tmp_path / "a.mf4", data, why)
 
 
+PACKS = {"zstd": 2, "lz4": 4}
+"""Kinds of packed blocks in MDF 4.3, and one more each where rows were turned to columns."""
+
+
+def packed_by(file, kind, data, *, claimed):
+    """A file whose samples are a block that says it is packed so, and makes what is claimed."""
+    zipped = struct.pack("<2sBxIQQ", b"DT", kind, 16, claimed, len(data)) + data
+    to_data(file, lambda *_: block(b"##DZ", [], zipped))
+    return file
+
+
+@pytest.mark.parametrize("packed", range(1, 7))
+def test_whatever_packs_it_is_read(tmp_path, packed):
+    """Deflate, Zstandard, LZ4, and each with rows turned to columns."""
+    t = np.arange(200_000) / RATE
+    s1 = 40 * np.sin(30 * t)
+    signal = asammdf.Signal(s1, t, name="S1", unit="MPa")
+    data = written(tmp_path / "a.mf4", [signal], version="4.30", packed=packed)
+    assert data[place(data, b"##DZ")[1] + 2] == packed - 1
+    np.testing.assert_array_equal(open_recording(tmp_path / "a.mf4").whole(), [s1])
+
+
+@pytest.fixture(scope="module")
+def gigabyte():
+    """Half a gigabyte of zeros, by who packed it."""
+    zstd, lz4 = pytest.importorskip("zstd"), pytest.importorskip("lz4.frame")
+    zeros, piece = bytes(1 << 29), bytes(1 << 20)
+    unsaid = lz4.compress(zeros, store_size=False)
+    return {
+        "zstd": zstd.compress(zeros), "zstd, many": zstd.compress(piece) * 512,
+        "zstd, skipped": struct.pack("<II", 0x184D2A50, 9) + bytes(9) + zstd.compress(zeros),
+        "lz4": lz4.compress(zeros), "lz4, unsaid": unsaid,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("who", ["zstd", "zstd, many", "zstd, skipped", "lz4", "lz4, unsaid"])
+@pytest.mark.parametrize("turned", [0, 1])
+def test_a_bomb_of_another_packer(tmp_path, gigabyte, who, turned):
+    """17 kB of Zstandard made half a gigabyte, in memory, whatever the block claimed."""
+    kind = PACKS[who.split(",")[0]] + turned
+    data = packed_by(written(tmp_path / "a.mf4"), kind, gigabyte[who], claimed=16 * N)
+    refused(tmp_path / "a.mf4", data, "makes more than the 16000 bytes that it claims")
+
+
+def test_a_head_of_lz4_that_claims_sixteen_gigabytes(tmp_path):
+    """Memory is asked for by it, though little comes."""
+    lz4 = pytest.importorskip("lz4.frame")
+    context = lz4.create_compression_context()
+    head = lz4.compress_begin(context, source_size=1 << 34)
+    small = head + lz4.compress_chunk(context, bytes(100))
+    data = packed_by(written(tmp_path / "a.mf4"), 4, small, claimed=16 * N)
+    refused(tmp_path / "a.mf4", data, "makes more than the 16000 bytes that it claims")
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2, 3, 4, 5])
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_does_not_unpack_is_damaged(tmp_path, kind, whole):
+    """Each packer has an error of its own, which went through as it was."""
+    zstd, lz4 = pytest.importorskip("zstd"), pytest.importorskip("lz4.frame")
+    pack = (zlib.compress, zstd.compress, lz4.compress)[kind // 2]
+    data = pack(np.stack([T, S1], axis=1).tobytes())
+    broken = data[:-40] + b"x" * 40 if whole else b"no frame of any packer " * 40
+    data = packed_by(written(tmp_path / "a.mf4"), kind, broken, claimed=16 * N)
+    refused(tmp_path / "a.mf4", data, "it is damaged|MDF cannot open it")
+
+
 @pytest.mark.parametrize(
     ("offset", "form", "value", "why"),
     [(8, "<Q", 10**12, "claims 1e\\+12 records of 16 bytes"),

@@ -174,6 +174,16 @@ def test_mdf_of_two_rates(tmp_path):
     check_two_rates(open_recording(tmp_path / "a.mf4"))
 
 
+@pytest.mark.parametrize("clock", ["time", "Time_s", "t"])
+def test_a_time_beside_a_time_of_day_is_the_clock(tmp_path, clock):
+    """A logger writes seconds and when they were: it had been told that two had one name."""
+    rows = (f"{k / RATE:.4f},{v:.6f},2024-05-01 10:00:{k / RATE:06.3f}" for k, v in enumerate(S1))
+    (tmp_path / "a.csv").write_text(f"{clock},S1,stamp\n" + "\n".join(rows))
+    recording = open_recording(tmp_path / "a.csv")
+    assert recording.rate == RATE
+    np.testing.assert_allclose(recording.whole()[recording.names.index("S1")], S1, atol=1e-6)
+
+
 # --------------------------------------------------------------------------- cut short, and bombs
 
 

@@ -216,7 +216,7 @@ def test_tdms(tmp_path):
     assert recording.channels[1].unit == "MPa"
     np.testing.assert_array_equal(recording.whole(), [S1, S2])
     write(tmp_path / "b.tdms", "not a tdms file at all")
-    refused(tmp_path / "b.tdms", "holds no samples")
+    refused(tmp_path / "b.tdms", "TDMS cannot open it")
 
 
 @pytest.mark.filterwarnings("ignore")

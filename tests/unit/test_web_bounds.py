@@ -4,8 +4,10 @@ import os
 import signal
 import sys
 import time
+import zlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from test_real_files import dictionary_bomb
 from test_web_recording import bring
@@ -60,14 +62,57 @@ def test_a_job_past_its_memory_is_told_so_and_nobody_else_is(own):
         assert "fault" not in one.hear("done")
 
 
-@linux
-def test_a_parquet_whose_dictionary_is_a_bomb_is_refused_before_it_takes_memory(own, tmp_path):
-    """190 kB of a file, of which one page says that it holds 537 MB of numbers nobody uses.
-
-    It had taken 1.15 GB here, and as much in `cardan life`.
-    """
-    honest, bomb = tmp_path / "honest.parquet", tmp_path / "bomb.parquet"
+def parquet(honest, bomb):
+    """190 kB of a file, of which one page says that it holds 537 MB of numbers nobody uses."""
     dictionary_bomb(honest, bomb, values=1 << 26)
+
+
+def hdf5(honest, bomb):
+    """A chunk of 134 MB for a thousand samples."""
+    h5py = pytest.importorskip("h5py")
+    for path, chunk in ((honest, 1000), (bomb, 1 << 24)):
+        with h5py.File(path, "w") as file:
+            file.attrs["rate_Hz"] = 500.0
+            file.create_dataset("S1", data=np.arange(1000.0), chunks=(chunk,), maxshape=(None,),
+                                compression="gzip")  # fmt: skip
+
+
+def mdf(honest, bomb, kind=0, pack=zlib.compress):
+    """Half a megabyte that unpacks to half a gigabyte, and says it is 16 kB."""
+    blocks = pytest.importorskip("test_mdf_blocks")
+    data = blocks.written(honest)
+    packed = pack(bytes(1 << 29))
+    bomb.write_bytes(blocks.packed_by(data, kind, packed, claimed=16_000))
+
+
+def mdf_zstd(honest, bomb):
+    """17 kB that do."""
+    mdf(honest, bomb, 2, pytest.importorskip("zstd").compress)
+
+
+def tdms(honest, bomb):
+    """16 kB in which rows of 16 GB are claimed."""
+    blocks = pytest.importorskip("test_tdms_blocks")
+    both = {"S1": blocks.S1, "S2": blocks.S1}
+    honest.write_bytes(blocks.segment(both, by_rows=True))
+    bomb.write_bytes(blocks.segment(both, by_rows=True, claimed=10**9))
+
+
+@linux
+@pytest.mark.parametrize(
+    ("ending", "made", "why"),
+    [("parquet", parquet, "S1 claims more bytes than its samples take"),
+     ("h5", hdf5, "S1 claims more bytes than its samples take"),
+     ("mf4", mdf, "makes more than the 16000 bytes that it claims"),
+     ("mf4", mdf_zstd, "makes more than the 16000 bytes that it claims"),
+     ("tdms", tdms, "it claims more samples than it can hold")],
+)  # fmt: skip
+def test_a_recording_that_is_a_bomb_is_refused_before_it_takes_memory(
+    own, tmp_path, ending, made, why
+):
+    """That of Parquet had taken 1.15 GB here, that of HDF5 1.07; TDMS asked for 16."""
+    honest, bomb = tmp_path / f"honest.{ending}", tmp_path / f"bomb.{ending}"
+    made(honest, bomb)
     with page(own) as one:
         settled(one)
         bring(one, honest)
@@ -77,7 +122,7 @@ def test_a_parquet_whose_dictionary_is_a_bomb_is_refused_before_it_takes_memory(
         bring(one, bomb)
         one.say("job", id=4, job="recording", text="", args={})
         (problem,) = one.hear("done")["problems"]
-        assert "S1 claims more bytes than its samples take" in problem["message"]
+        assert why in problem["message"]
         assert most_memory(own.lanes.work.pid) - was < 100_000_000
         bring(one, honest)
         one.say("job", id=5, job="recording", text="", args={})

@@ -17,7 +17,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import BadFile
 from cardan.fatigue.recording import Channel
-from cardan.files.recordings import Days, Table, bad
+from cardan.files.recordings import Days, Table, bad, ticks
 
 MISSING = (
     "", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "n/a", "#N/A", "null", "NULL", "None", "-", "--",
@@ -345,7 +345,10 @@ def table(path: Path) -> Table:
         notes = (*notes, note)
     columns = list(form.columns)
     if form.clock is not None:
-        columns[form.clock] = Channel("time", "s")
+        # The only one is the clock, whatever its name; beside a time it goes by its own.
+        own = columns[form.clock]
+        beside = any(ticks(c) for c in columns if c is not own)
+        columns[form.clock] = Channel(own.name if beside else "time", "s")
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         wanted = [kept[k] for k in places]

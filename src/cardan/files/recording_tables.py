@@ -1,12 +1,10 @@
-"""Parquet, HDF5, TDMS and MDF4 recordings, read a stretch at a time."""
+"""Parquet, HDF5 and MDF4 recordings, read a stretch at a time."""
 
 import gc
-import struct
 import sys
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -235,69 +233,6 @@ def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
     )  # fmt: skip
 
 
-_DAMAGE = (ValueError, OSError, EOFError, OverflowError, MemoryError, KeyError, struct.error)
-"""What npTDMS raises of a file that says what is not there: memory, too, is asked for by that."""
-
-
-def tdms(path: Path, *, group: str = "") -> Table:
-    """Open a TDMS recording: the waveform channels of one group."""
-    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
-
-    try:
-        file: Any = TdmsFile.read_metadata(path)
-        groups = {g.name: g for g in file.groups() if any(len(c) for c in g.channels())}
-    except _DAMAGE as error:
-        raise bad(path, f"TDMS cannot open it: {error}") from error
-    if not groups:
-        raise bad(path, "it holds no samples")
-    if group and group not in groups:
-        raise bad(path, f"no group {group!r}", hint=f"it has {', '.join(groups)}")
-    chosen = [groups[group]] if group else list(groups.values())
-    items = [c for g in chosen for c in g.channels() if len(c)]
-    items = [c for c in items if c.dtype is not None and c.dtype.kind in "fiu"]
-    if not items:
-        raise bad(path, "no channel of numbers in it")
-    budget(path, max(len(c) for c in items), len(items))
-    alike: dict[tuple[str, int, Any], list[Any]] = {}
-    several = len({(len(c), c.properties.get("wf_increment")) for c in items}) > 1
-    for c in items:
-        key = (c.group_name if several else "", len(c), c.properties.get("wf_increment"))
-        alike.setdefault(key, []).append(c)
-    table = joined(path, [_waveforms(path, own) for own in alike.values()])
-    state = file.file_status
-    if state is not None and state.incomplete_final_segment:
-        lost = sum(
-            s.expected_length - s.read_length for s in (state.channel_statuses or {}).values()
-        )
-        note = f"the file is cut short: {lost} samples of its last segment are not there"
-        table = replace(table, notes=(*table.notes, note))
-    return table
-
-
-def _waveforms(path: Path, items: list[Any]) -> Table:
-    """Return TDMS channels of one length and step as a table."""
-    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
-
-    samples, properties = len(items[0]), items[0].properties
-    step = properties.get("wf_increment")
-
-    def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        try:
-            with TdmsFile.open(path) as file:
-                home = [file[items[k].group_name][items[k].name] for k in places]
-                for first in range(0, samples, SIZE):
-                    n = min(SIZE, samples - first)
-                    yield np.stack([np.asarray(c.read_data(first, n), float) for c in home])
-        except _DAMAGE as error:
-            raise bad(path, f"it is damaged: {error}") from error
-
-    return Table(
-        columns=tuple(Channel(c.name, str(c.properties.get("unit_string", ""))) for c in items),
-        rows=rows, rate=1 / step if step else None, samples=samples, group=items[0].group_name,
-        start=float(properties.get("wf_start_offset", 0.0) or 0.0),
-    )  # fmt: skip
-
-
 def mdf(path: Path, *, group: str = "") -> Table:
     """Open an MDF4 recording: the channels of every group, each by its own time."""
     from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
@@ -392,7 +327,9 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
             arrays += [channel.name] if parts else []
             continue
         _within(channel, found.channel_group, path)
-        sample = next(iter(file.iter_get(group=group, index=k)))
+        sample = _next(iter(file.iter_get(group=group, index=k)), path)
+        if sample is None:
+            raise bad(path, f"it is damaged: of {samples} rows it holds 0")
         if sample.samples.dtype.kind in "fiu" and sample.samples.ndim == 1:
             kept.append(k)
             time = k == master
@@ -421,7 +358,7 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
         return x if invalid is None else np.where(invalid, np.nan, x)
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        each = (np.stack([values(k, r) for k in places]) for r in _records(file, found))
+        each = (np.stack([values(k, r) for k in places]) for r in _records(file, found, path))
         read = 0
         for piece in cut(each, size=SIZE):
             read += piece.shape[1]
@@ -435,19 +372,26 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
     )  # fmt: skip
 
 
-def _records(file: Any, group: Any) -> Iterator[Any]:
+def _records(file: Any, group: Any, path: Path) -> Iterator[Any]:
     """Yield an MDF's records a stretch at a time: read, and unpacked, once for all channels.
 
-    As `iter_get` does for each of them. Where whoever asks takes ten seconds for some stretches,
-    asammdf prints how fast it was.
+    As `iter_get` does for each of them.
     """
     each = file._mdf._load_data(group)
-    while True:
-        with redirect_stdout(None):
-            records = next(each, None)
-        if records is None:
-            return
+    while (records := _next(each, path)) is not None:
         yield records
+
+
+def _next(each: Iterator[Any], path: Path) -> Any:
+    """Return what comes next of an MDF; None at its end.
+
+    Where whoever asks takes ten seconds for some stretches, asammdf prints how fast it was.
+    """
+    try:
+        with redirect_stdout(None):
+            return next(each, None)
+    except Exception as error:  # whatever those raise who unpack it
+        raise bad(path, f"it is damaged: {error}") from error
 
 
 def _within(channel: Any, group: Any, path: Path) -> None:

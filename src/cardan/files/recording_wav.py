@@ -42,7 +42,8 @@ def table(path: Path) -> Table:
             name, length = struct.unpack("<4sI", head)
             if name == b"data":
                 break
-            body = file.read(length + length % 2)
+            body = file.read(min(length, 40))
+            file.seek(length + length % 2 - len(body), 1)
             if name == b"ds64" and len(body) >= 16:
                 large = struct.unpack("<Q", body[8:16])[0]
             if name == b"fmt " and len(body) >= 16:

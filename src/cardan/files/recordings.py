@@ -228,7 +228,7 @@ def _apart(table: Table, first: Table) -> Table:
     """Return a table beside another with its group before the names that both have."""
     taken = {c.name for c in first.columns}
     columns = tuple(
-        Channel(f"{table.group}/{c.name}", c.unit) if c.name in taken and not _ticks(c) else c
+        Channel(f"{table.group}/{c.name}", c.unit) if c.name in taken and not ticks(c) else c
         for c in table.columns
     )
     return replace(table, columns=columns)
@@ -325,13 +325,13 @@ def _clock(path: Path, table: Table, time: str | None) -> int | None:
         if time not in names:
             raise bad(path, f"no time column {time!r}", hint=f"it has {', '.join(names)}")
         return names.index(time)
-    found = [k for k, c in enumerate(table.columns) if _ticks(c)]
+    found = [k for k, c in enumerate(table.columns) if ticks(c)]
     plain = [k for k in found if len(names[k].strip()) > 1]
     found = plain or found  # a column t beside one called time is something else
     return found[0] if len(found) == 1 else None
 
 
-def _ticks(column: Channel) -> bool:
+def ticks(column: Channel) -> bool:
     """Whether a column is a clock by its name."""
     name = column.name.strip()
     match = _TIME.fullmatch(name)
@@ -450,7 +450,7 @@ def _hdf5(path: Path, group: str) -> Table:
 
 
 def _tdms(path: Path, group: str) -> Table:
-    from cardan.files.recording_tables import tdms
+    from cardan.files.recording_tdms import tdms
 
     return tdms(path, group=group)
 
