@@ -294,6 +294,18 @@ def test_corrections_are_those_of_the_command_and_their_edits_make_them():
         assert after.smallest_margin == pytest.approx(p["margin"], rel=1e-3)  # edits are rounded
 
 
+def test_a_first_correction_is_told_before_the_search_and_is_what_its_edits_come_to():
+    parts = []
+    last = job("fix", text=CHAIN, parts=parts)["proposals"]
+    told = [bool(part.get("proposals")) for part in parts if part.keys() & {"proposals", "done"}]
+    assert told[0]
+    (first,) = next(part["proposals"] for part in parts if "proposals" in part)
+    after = approve(files.loads(live(CHAIN, first["edits"])["text"]))
+    assert (after.verdict, first["verdict"]) == ("pass", "pass")
+    assert after.smallest_margin == pytest.approx(first["margin"], rel=1e-3)  # edits are rounded
+    assert first["margin"] < max(p["margin"] for p in last)
+
+
 @pytest.mark.parametrize("line", [0, 1])
 def test_what_may_move_is_named_as_hold_knows_it(line):
     text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")

@@ -253,6 +253,7 @@ WORDS: tuple[str, ...] = (
     "tacho",
     "take it",
     "take the file; undo keeps mine",
+    "the best so far",
     "the left",
     "the rear",
     "title",
