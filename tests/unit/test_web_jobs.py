@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -251,6 +252,31 @@ def test_variants_are_compared_as_the_report_compares_them():
     first, second = (float(v.split(" (")[0]) for v in row["values"])
     assert first / second == pytest.approx(4, rel=1e-3)  # with the speed squared
     assert [p["done"] for p in parts] == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("at", "old", "new"),
+    [
+        ("title", "title: Three-joint chain (Souza 2014, table 2)", "title: カルダン"),
+        ("limits.overrides[1].source", "source: test", "source: signed Q. Engineer"),
+        ("tyre.dynamic_radius_mm", "dynamic_radius_mm: 490", "dynamic_radius_mm: 480"),
+    ],
+)
+def test_whatever_a_file_says_otherwise_is_listed(at, old, new):
+    """A title, who signs a limit and the tyre's rolling radius are in no table of inputs."""
+    more = """
+tyre: {static_radius_mm: 480, dynamic_radius_mm: 490}
+limits:
+  profile: heavy-truck
+  overrides: [{quantity: joint_angle, maximum: 20, source: test}]
+"""
+    text = re.sub(r"(?m)^limits:.*$", "", CHAIN) + more
+    assert old in text
+    other = {"name": "now", "text": text.replace(old, new)}
+    (found,) = job("compare", text=text, variants=[other])["differences"]
+    assert found == {"name": at, "values": [v.partition(": ")[2] for v in (old, new)]}
+    # Other files say other things, title by title.
+    assert job("compare", text=text, variants=[other], same=False)["differences"] == []
 
 
 def test_variants_stay_with_their_file(tmp_path):

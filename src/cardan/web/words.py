@@ -299,6 +299,7 @@ WORDS: tuple[str, ...] = (
     "{count} more that pass",
     "{count} unanswered",
     "{part}, {way}: drag, or use the arrow keys",
+    "{room} mm free on rubber",
     "{seconds} s at {rate} Hz, {count} channels",
     "{share} % of its fatigue limit",
     "{share} % of the damage would go with the joints (90 % interval {low} to {high} %): {finding}",
