@@ -127,12 +127,13 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
         if (!o) return null;
         const free = (of.clearance ?? []).map((room) => room[k]).filter((v) => v !== null && v !== undefined);
         const [first, last] = [Math.min(o.start[0], o.end[0]) - o.radius, Math.max(o.start[0], o.end[0]) + o.radius].map(p.x) as [number, number];
+        const left = of.given[o.name];
         // Beside it, or where that is on the line itself, below.
-        const [behind, narrow] = [last < p.width - 180, p.width < 560];
+        const [behind, narrow] = [last < p.width - (left === undefined ? 180 : 260), p.width < 560];
         const x = narrow ? p.width - 4 : behind ? last + 8 : first - 8;
         const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known)) + (narrow ? 24 : 0);
         const y = Math.min(Math.max(up, 60), p.height - 62);
-        const [room, left] = [free.length ? `${fixed(Math.min(...free), 1)} mm` : "", of.given[o.name]];
+        const room = free.length ? `${fixed(Math.min(...free), 1)} mm` : "";
         return (
           <g key={number} class="room" text-anchor={behind && !narrow ? "start" : "end"}>
             <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}{narrow && ` ${room}`}</text>
