@@ -161,13 +161,20 @@ def test_what_rubber_leaves_of_a_clearance_leads_to_its_obstacle(browser, tmp_pa
         cell.click()
         wait(browser, "return document.querySelector('.drawing .obstacle.chosen')")
         assert browser.find_elements("css selector", ".drawing .tube.chosen")
-        left = browser.find_element("css selector", ".room .left").text
+        left = browser.find_element("css selector", ".room .onrubber").text
         free = browser.find_element("css selector", ".room text:nth-child(2)").text
         state = browser.find_element("css selector", ".poser .chips [aria-pressed='true']").text
         room = f"{1e3 * least[state]:.1f}".replace("-", "−")
         room = room.replace(".", ",") if lang == "pt" else room
         assert left == say("{room} mm free on rubber", room=room)
         assert free != f"{room} mm"
+        # And on a telephone, where the columns are taken apart.
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": True,
+        })  # fmt: skip
+        wait(browser, "return document.querySelector('.drawing').clientWidth < 390")
+        assert browser.find_element("css selector", ".room .onrubber").is_displayed()
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         detail = browser.find_element("css selector", ".detail").text
         assert name in detail
         assert "cr = c + a" in detail

@@ -138,7 +138,7 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
           <g key={number} class="room" text-anchor={behind && !narrow ? "start" : "end"}>
             <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}{narrow && ` ${room}`}</text>
             <text x={x} y={y + 11}>{!narrow && room}</text>
-            {typeof left === "number" && <text class="left" x={x} y={y + (narrow ? 11 : 25)}>{t("{room} mm free on rubber", { room: fixed(left, 1) })}</text>}
+            {typeof left === "number" && <text class="onrubber" x={x} y={y + (narrow ? 11 : 25)}>{t("{room} mm free on rubber", { room: fixed(left, 1) })}</text>}
           </g>
         );
       })}

@@ -94,12 +94,16 @@ def _problems(
         return here(say.error(said), folder)
 
     if isinstance(error, BadFile):
-        keys = ("key", "value", "line", "column")
+        keys = ("key", "line", "column")
         of = Path(error.file)
         beside = f"{of.name}: " if folder and of.is_relative_to(folder) else ""
         return [
             {k: getattr(p, k) for k in keys}
-            | {"message": f"{beside}{told(p.message)}", "hint": told(p.hint)}
+            | {
+                "message": f"{beside}{told(p.message)}",
+                "hint": told(p.hint),
+                "value": told(p.value),
+            }
             for p in error.problems
         ]
     line = column = 0
@@ -148,7 +152,7 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "grade": _grade(rows),
         "warnings": [
             {"message": say.error(p.message), "key": p.key, "hint": say.error(p.hint),
-             "line": p.line, "column": p.column, "value": p.value}
+             "line": p.line, "column": p.column, "value": say.error(p.value)}
             for p in app.warnings
         ],
         **_posed(read, question, say),
