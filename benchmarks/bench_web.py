@@ -108,7 +108,7 @@ JOBS = (
     (
         "`fix`: its first answer", "change", 1000, 1, "", ".fix .asking button",
         "document.querySelector('.fix .asking button').click()",
-        "document.querySelectorAll('.fix .first li, .fix .proposals li').length",
+        "document.querySelectorAll('.fix .proposals li').length",
     ),
     (
         # The first is answered by now: another, with one thing held, is under way.

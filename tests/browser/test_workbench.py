@@ -30,7 +30,7 @@ from browsing import (
 from workbench import PATIENCE
 
 from cardan import files
-from cardan.report.language import CODES
+from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
@@ -135,6 +135,53 @@ def test_a_cell_leads_to_its_part_its_equation_and_its_source(browser, tmp_path)
         assert browser.find_elements("css selector", ".drawing .chosen")
         state = browser.find_element("css selector", ".poser .chips [aria-pressed='true']").text
         assert state in detail
+
+
+@pytest.mark.parametrize("lang", ["en", "pt"])
+def test_what_rubber_leaves_of_a_clearance_leads_to_its_obstacle(browser, tmp_path, lang):
+    """The value beside the obstacle is that of the cell, not the one of rubber that stands."""
+    from selenium.webdriver.support.ui import Select
+
+    say, least = Language(lang).typeset, {}
+    for c in approve(files.loads(TRUCK)).checks:
+        if c.quantity == "clearance_on_rubber":
+            state = say.state(c.when.name)
+            least[state] = min(least.get(state, c.value), c.value)
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        Select(browser.find_elements("css selector", ".tools select")[0]).select_by_visible_text(
+            lang
+        )
+        name = {"en": "Clearance on rubber", "pt": "Folga ao obstáculo sobre a borracha"}[lang]
+        row = f"//*[contains(@class, 'heat')]//tr[th[starts-with(., '{name}')]]"
+        wait(browser, "return document.documentElement.lang.startsWith(arguments[0])", lang)
+        wait(browser, SETTLED)
+        cell = browser.find_elements("xpath", f"{row}//button[contains(@class, 'fail')]")[-1]
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", cell)
+        cell.click()
+        wait(browser, "return document.querySelector('.drawing .obstacle.chosen')")
+        assert browser.find_elements("css selector", ".drawing .tube.chosen")
+        left = browser.find_element("css selector", ".room .onrubber").text
+        free = browser.find_element("css selector", ".room text:nth-child(2)").text
+        state = browser.find_element("css selector", ".poser .chips [aria-pressed='true']").text
+        room = f"{1e3 * least[state]:.1f}".replace("-", "−")
+        room = room.replace(".", ",") if lang == "pt" else room
+        assert left == say("{room} mm free on rubber", room=room)
+        assert free != f"{room} mm"
+        # And on a telephone, where the columns are taken apart.
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": True,
+        })  # fmt: skip
+        wait(browser, "return document.querySelector('.drawing').clientWidth < 390")
+        assert browser.find_element("css selector", ".room .onrubber").is_displayed()
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        detail = browser.find_element("css selector", ".detail").text
+        assert name in detail
+        assert "cr = c + a" in detail
+        clean(browser)
+        Select(browser.find_elements("css selector", ".tools select")[0]).select_by_visible_text(
+            "en"
+        )
 
 
 def test_sliders_show_places_between_the_states(browser, tmp_path):

@@ -292,7 +292,13 @@ def test_corrections_are_looked_for_and_one_is_applied(browser, tmp_path):
         browser.find_elements("css selector", ".fix .tick input")[0].click()  # the bearing stays
         press(browser, ".fix .asking button")
         wait(browser, "return document.querySelector('.fix .asking progress')")
-        wait(browser, "return document.querySelector('.proposals li')")
+        # The best so far stands there while the search goes on.
+        wait(
+            browser,
+            "return document.querySelector('.proposals li')"
+            " && document.querySelector('.fix .asking progress')",
+        )
+        wait(browser, "return !document.querySelector('.fix .asking progress')")
         listed = browser.find_elements("css selector", ".proposals li")
         assert len(browser.find_elements("css selector", ".front g")) == len(listed)
         assert all("bearing 1 up" not in one.text for one in listed)

@@ -12,7 +12,7 @@ from cardan.base.errors import DesignError
 from cardan.base.part import Point
 from cardan.base.source import Source
 from cardan.base.units import deg, mm
-from cardan.base.verdict import GRADES, Limit
+from cardan.base.verdict import GRADES, VERDICTS, Limit
 from cardan.demand.states import demand, resolve
 from cardan.model.application import KIND_GROUPS, Adjustable, Application, DutyPoint, State
 from cardan.model.movable import MOVABLES
@@ -404,6 +404,24 @@ def test_a_better_verdict_comes_before_a_cheaper_one():
         ("pass", True), ("pass", True), ("warn", False), ("fail", False)
     ]  # fmt: skip
     assert ranked[0].cost < ranked[1].cost
+
+
+@pytest.mark.parametrize("limits", [(SMALLEST, TORSIONAL), (SMALLEST,)])
+def test_what_is_shown_first_is_known_before_the_search_and_only_gets_better(truck, limits):
+    """And what the search ends with is what it ends with where nobody looks on."""
+    told: list[Proposal | str] = []
+    app = replace(only(truck, *limits), lines=_without_sizes(truck))
+    found = fix(app, tell=lambda *_: told.append("search"), show=told.append)
+    assert [(p.moves, p.rank) for p in found] == [(p.moves, p.rank) for p in fix(app)]
+    assert isinstance(told[0], Proposal)
+    shown = [p for p in told if isinstance(p, Proposal)]
+    gains = [(VERDICTS.index(p.verdict), -p.margin) for p in shown]
+    assert gains == sorted(set(gains), reverse=True)
+    assert all(p.margin > p.before for p in shown)
+    for move in told[0].moves:  # as a workshop can set it
+        a = move.adjustable
+        assert a.low <= move.amount <= a.high
+        assert not a.step or move.amount / a.step == pytest.approx(round(move.amount / a.step))
 
 
 def test_what_is_held_stays(truck):

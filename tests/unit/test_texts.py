@@ -260,7 +260,7 @@ WORKBENCH = (
     "files/manuscript.py", "study/drag.py",
     "study/launching.py", "study/powertrain.py", "study/stability.py", "model/application.py",
     "model/laminate.py", "model/parts.py", "model/turning.py", "model/vehicle.py", "demand/*.py",
-    "shaft/beams.py",
+    "shaft/beams.py", "web/server.py", "cli/serve.py",
 )  # fmt: skip
 """Where what a page shows is refused: its files, a hand's move, parts that cannot be."""
 
@@ -289,6 +289,21 @@ def test_all_that_the_workbench_refuses_is_translated(code):
     say = Language(code)
     assert sorted(one for one in said if say.error(one) == one) == []
     assert "Permission" not in say.error("Permission denied")
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_all_that_a_study_refuses_is_translated(code):
+    """What of the folder of its shards, of its workers and of what varies is refused."""
+    modules = ("study/shards.py", "study/sweep.py", "study/draw.py", "cli/study.py")
+    say, found = Language(code), set(recordings_refused(modules))
+    assert len(found) > 20
+    for said in found:
+        whole = f"{said}lost" if said.endswith(": ") else said
+        whole = whole.replace("correlations {0}", "correlations contradict each other")
+        whole = re.sub(r"{\d}", "7", whole)
+        english = words("holds another shards folder goes varies without which contradict")
+        assert not words(say.error(whole)) & english, whole
+        assert say.error(whole) != whole
 
 
 @pytest.mark.parametrize("code", OTHERS)

@@ -768,20 +768,51 @@ def test_it_listens_on_this_machine_alone():
             one.close()
 
 
-def test_a_taken_port_is_bad_input():
+@pytest.mark.parametrize(
+    ("lang", "words"),
+    [
+        ((), ("cannot be used", "in use")), (("--lang", "pt"), ("não pode ser usada", "em uso")),
+        (("--lang=it",), ("non si può usare", "in uso")),
+    ],
+)  # fmt: skip
+def test_a_taken_port_is_bad_input(lang, words):
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         one.listen()
         port = str(one.getsockname()[1])
-        found = CliRunner().invoke(cli, ["serve", str(CHAIN), "--port", port])
+        found = CliRunner().invoke(cli, ["serve", str(CHAIN), "--port", port, *lang])
     assert found.exit_code == 2
-    assert "cannot be used" in found.output
+    for said in words:
+        assert said in found.output
+    assert bool(lang) != ("cannot be used" in found.output)
 
 
 def test_without_the_built_page_it_says_what_is_missing(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "files", lambda _: tmp_path)
-    with pytest.raises(NotInstalled, match="make serve"):
+    with pytest.raises(NotInstalled, match="make serve") as missing:
         server.front()
+    for code in ("pt", "it"):
+        assert "is not built" not in Language(code).error(str(missing.value))
+
+
+@pytest.mark.parametrize(
+    ("lang", "ends"), [("en", "Ends with"), ("pt", "Termina com"), ("it", "Termina con")]
+)
+def test_what_it_says_as_it_starts_is_in_the_language(monkeypatch, lang, ends):
+    def begun(_, listening, *, ready):
+        for one in listening:
+            one.close()
+        ready()
+
+    monkeypatch.setattr(server, "serve", begun)
+    found = CliRunner().invoke(cli, ["serve", str(CHAIN), "--no-browser", f"--lang={lang}"])
+    assert (found.exit_code, f"{ends} Ctrl-C." in found.output) == (0, True), found.output
+
+
+@pytest.mark.parametrize(("code", "got"), [("pt", "uma lista de 2"), ("it", "una lista di 2")])
+def test_what_was_given_is_told_in_the_language_where_it_is_no_text_of_the_file(code, got):
+    (problem,) = asked(TEXT.replace("speed_rpm: 2800", "speed_rpm: [1, 2]"), lang=code)["problems"]
+    assert (problem["key"], problem["value"]) == ("speed_rpm", got)
 
 
 def test_connections_that_ask_nothing_are_ended(tmp_path, monkeypatch):

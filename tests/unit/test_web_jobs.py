@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -253,6 +254,31 @@ def test_variants_are_compared_as_the_report_compares_them():
     assert [p["done"] for p in parts] == [0, 1]
 
 
+@pytest.mark.parametrize(
+    ("at", "old", "new"),
+    [
+        ("title", "title: Three-joint chain (Souza 2014, table 2)", "title: カルダン"),
+        ("limits.overrides[1].source", "source: test", "source: signed Q. Engineer"),
+        ("tyre.dynamic_radius_mm", "dynamic_radius_mm: 490", "dynamic_radius_mm: 480"),
+    ],
+)
+def test_whatever_a_file_says_otherwise_is_listed(at, old, new):
+    """A title, who signs a limit and the tyre's rolling radius are in no table of inputs."""
+    more = """
+tyre: {static_radius_mm: 480, dynamic_radius_mm: 490}
+limits:
+  profile: heavy-truck
+  overrides: [{quantity: joint_angle, maximum: 20, source: test}]
+"""
+    text = re.sub(r"(?m)^limits:.*$", "", CHAIN) + more
+    assert old in text
+    other = {"name": "now", "text": text.replace(old, new)}
+    (found,) = job("compare", text=text, variants=[other])["differences"]
+    assert found == {"name": at, "values": [v.partition(": ")[2] for v in (old, new)]}
+    # Other files say other things, title by title.
+    assert job("compare", text=text, variants=[other], same=False)["differences"] == []
+
+
 def test_variants_stay_with_their_file(tmp_path):
     (tmp_path / "a.yaml").write_text(CHAIN, "utf-8")
     kept = [{"name": "\u202ex<script>", "text": CHAIN + "# 2\n"}]
@@ -292,6 +318,18 @@ def test_corrections_are_those_of_the_command_and_their_edits_make_them():
         after = approve(files.loads(live(CHAIN, p["edits"])["text"]))
         assert after.verdict == p["verdict"]
         assert after.smallest_margin == pytest.approx(p["margin"], rel=1e-3)  # edits are rounded
+
+
+def test_a_first_correction_is_told_before_the_search_and_is_what_its_edits_come_to():
+    parts = []
+    last = job("fix", text=CHAIN, parts=parts)["proposals"]
+    told = [bool(part.get("proposals")) for part in parts if part.keys() & {"proposals", "done"}]
+    assert told[0]
+    (first,) = next(part["proposals"] for part in parts if "proposals" in part)
+    after = approve(files.loads(live(CHAIN, first["edits"])["text"]))
+    assert (after.verdict, first["verdict"]) == ("pass", "pass")
+    assert after.smallest_margin == pytest.approx(first["margin"], rel=1e-3)  # edits are rounded
+    assert first["margin"] < max(p["margin"] for p in last)
 
 
 @pytest.mark.parametrize("line", [0, 1])

@@ -25,11 +25,12 @@ export function Change(both: Both) {
 
 function Fix({ known, shown }: Both) {
   const [hold, set] = useKept<string[]>(`hold/${known.file}/${shown.index}`, []);
-  const job = known.jobs.fix as Job<Corrections> | undefined;
+  const job = known.jobs.fix as Job<Corrections, Pick<Corrections, "proposals">> | undefined;
   const args = { line: shown.index, hold };
-  const found = job?.answer?.proposals;
+  const sofar = job?.running || job?.why ? job.part?.proposals : undefined; // stopped, it keeps that
+  const found = sofar ?? job?.answer?.proposals;
   return (
-    <Card id="fix" title={t("Corrections")} head={<Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => { if (!known.helps) store.help(); store.work("fix", args); }} />}>
+    <Card id="fix" title={t("Corrections")} head={<Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => store.work("fix", args)} />}>
       <fieldset>
         <legend class="note">{t("what may move")}</legend>
         {shown.line.movable.filter((m) => m.free).map((m) => (
@@ -39,15 +40,9 @@ function Fix({ known, shown }: Both) {
           </label>
         ))}
       </fieldset>
-      {job?.running && !found && known.helps && (
-        <ul class="first">
-          {known.helps.flatMap((h) => h.bars.slice(0, 1).map((b) => ({ h, b }))).slice(0, 4).map(({ h, b }) => (
-            <li key={h.name + h.where}><button class="link" onClick={() => store.apply(b.edits)}>{b.said}</button>: {h.name} {number(b.value)} {h.unit}</li>
-          ))}
-        </ul>
-      )}
+      {sofar && <p class="note" role="status">{t("the best so far")}</p>}
       {found?.length === 0 && <p class="note">{t("Nothing that may move leaves the line better than it stands.")}</p>}
-      {found && found.length > 0 && <><Front of={found} /><p class="note">{job?.answer?.scatter}</p></>}
+      {found && found.length > 0 && !sofar && <><Front of={found} /><p class="note">{job?.answer?.scatter}</p></>}
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
@@ -57,7 +52,7 @@ function Fix({ known, shown }: Both) {
           </li>
         ))}
       </ol>
-      {found && <pre tabindex={0}>{job?.answer?.command}</pre>}
+      {found && !sofar && <pre tabindex={0}>{job?.answer?.command}</pre>}
     </Card>
   );
 }

@@ -27,6 +27,8 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
   const selected = known.selected;
   const chosen = selected && store.rows().find((r) => r.id === selected.row);
   const part = chosen?.values ? chosen.kinds[selected?.part ?? 0] : undefined;
+  const near = part?.[0] === "clearance" && chosen?.line === line.name ? part[2] : undefined;
+  const given = chosen?.quantity === "clearance_on_rubber" && !shown.free ? chosen.values?.[state]?.[selected?.part ?? 0] : undefined;
   const marked = (kind: string, n: number): boolean =>
     chosen?.line === line.name && part?.[0] === kind && part[1] === n;
   const points = (laid: Laid): Point[] => [laid.ends[0], ...laid.joints, laid.ends[1]];
@@ -58,7 +60,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
         <g class="states" aria-hidden="true">{others}</g>
         <path class="installed" d={path(points(line.installed))} aria-hidden="true" />
         {ghost && <path class="ghost" d={path(points(ghost))} aria-hidden="true" />}
-        <g aria-hidden="true">{obstacles.map((o) => (<Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} />))}</g>
+        <g aria-hidden="true">{obstacles.map((o) => (<Bar key={o.name} of={o} p={p} c={c} lift={lift(o, shown, known)} chosen={o.name === near} />))}</g>
         <g aria-hidden="true">
           {bold.slice(0, -1).map((a, k) => {
             const b = bold[k + 1] as Point;
@@ -92,7 +94,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
               </g>
             );
           })}
-          {view === "side" && <Rooms live={live} line={line} clearance={clearance} p={p} c={c} shown={shown} known={known} />}
+          {view === "side" && <Rooms live={live} line={line} clearance={clearance} p={p} c={c} shown={shown} known={known} given={near === undefined ? {} : { [near]: given }} />}
         </g>
         <Scale p={p} />
         <g class="handles">{mine.map((h) => (<Grip key={`${h.kind}${h.number}`} handle={h} view={view} p={p} shown={shown} known={known} />))}</g>
@@ -107,16 +109,16 @@ function lift(o: Obstacle, shown: Shown, known: Known): number {
   return o.share * (travel ?? 0);
 }
 
-function Bar({ of, p, c, lift: up }: { of: Obstacle; p: Page; c: 1 | 2; lift: number }) {
+function Bar({ of, p, c, lift: up, chosen }: { of: Obstacle; p: Page; c: 1 | 2; lift: number; chosen: boolean }) {
   const rise = c === 2 ? up : 0;
   const [x1, x2] = [p.x(of.start[0]), p.x(of.end[0])];
   const [y1, y2] = [p.y(of.start[c] + rise), p.y(of.end[c] + rise)];
   const [rx, ry] = [Math.max(of.radius * p.scale, 1.5), Math.max(of.radius * p.scale * p.times, 1.5)];
   const flat = Math.hypot(x2 - x1, y2 - y1) < 1;
-  return (<g class="obstacle">{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
+  return (<g class={`obstacle ${chosen ? "chosen" : ""}`}>{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
 }
 
-function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: Page; c: 1 | 2; shown: Shown; known: Known }) {
+function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: Page; c: 1 | 2; shown: Shown; known: Known; given: Record<string, Maybe | undefined> }) {
   const { live, line, p, c } = of;
   return (
     <>
@@ -125,8 +127,9 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
         if (!o) return null;
         const free = (of.clearance ?? []).map((room) => room[k]).filter((v) => v !== null && v !== undefined);
         const [first, last] = [Math.min(o.start[0], o.end[0]) - o.radius, Math.max(o.start[0], o.end[0]) + o.radius].map(p.x) as [number, number];
+        const left = of.given[o.name];
         // Beside it, or where that is on the line itself, below.
-        const [behind, narrow] = [last < p.width - 180, p.width < 560];
+        const [behind, narrow] = [last < p.width - (left === undefined ? 180 : 260), p.width < 560];
         const x = narrow ? p.width - 4 : behind ? last + 8 : first - 8;
         const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known)) + (narrow ? 24 : 0);
         const y = Math.min(Math.max(up, 60), p.height - 62);
@@ -135,6 +138,7 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
           <g key={number} class="room" text-anchor={behind && !narrow ? "start" : "end"}>
             <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}{narrow && ` ${room}`}</text>
             <text x={x} y={y + 11}>{!narrow && room}</text>
+            {typeof left === "number" && <text class="onrubber" x={x} y={y + (narrow ? 11 : 25)}>{t("{room} mm free on rubber", { room: fixed(left, 1) })}</text>}
           </g>
         );
       })}

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from cardan.base.errors import NotInstalled
-from cardan.cli.common import note, put
+from cardan.cli.common import LANG, note, put
 from cardan.cli.ending import Once, kindly
 
 
@@ -16,17 +16,19 @@ from cardan.cli.ending import Once, kindly
 )
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="0, the default: any free.")
 @click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@LANG
 @kindly
-def serve(opened: Path, *, port: int, no_browser: bool) -> None:
+def serve(opened: Path, *, port: int, no_browser: bool, lang: str) -> None:
     """Open the workbench: drag a bearing, see the verdict.
 
     On this machine alone; its address is for you: whoever has it can edit the files. Ends
-    with Ctrl-C.
+    with Ctrl-C. The page asks the browser which language; --lang is of what is written here.
     """
     for name in ("starlette", "uvicorn", "websockets"):
         if find_spec(name) is None:
             msg = f"the workbench needs {name}: pip install 'cardan[web]'"
             raise NotInstalled(msg)
+    from cardan.report.language import Language
     from cardan.web import server
     from cardan.web.desk import Desk
 
@@ -36,7 +38,7 @@ def serve(opened: Path, *, port: int, no_browser: bool) -> None:
 
     def ready() -> None:
         put(house.address)
-        note("Ends with Ctrl-C.")
+        note(Language(lang)("Ends with Ctrl-C."))
         if not no_browser:
             import webbrowser
 

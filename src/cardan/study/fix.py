@@ -5,8 +5,8 @@ search asks for hundreds of layouts at a time. What comes of it is held to the a
 application so corrected, by every study that a check asks.
 """
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
@@ -69,6 +69,9 @@ CLOSER, FEWER = (0.1, 0.03, 0.01), 8
 """Shares of the ranges about the best trial that are looked through by so many trials each way,
 where slopes lead nowhere better."""
 
+GLANCE = 12
+"""Spread trials that the first answer is the best of."""
+
 STEPS = np.linspace(0.0, 1.0, 17)[:, None]
 """Places that are tried on the way back from a correction to the least one."""
 
@@ -99,6 +102,14 @@ class Proposal:
         """What proposals are sorted by: the verdict, how many trucks keep it, cost, margin."""
         sure = self.survival.sure if self.survival else CLASSES - 1
         return VERDICTS.index(self.verdict), -sure, round(self.cost, 2), -self.margin
+
+    @property
+    def stands(self) -> bool:
+        """Whether it comes to no worse a verdict than the application as it stands.
+
+        What does corrects nothing, whatever margin it wins elsewhere.
+        """
+        return worst([self.verdict, self.installed.verdict]) == self.installed.verdict
 
     @property
     def cost(self) -> float:
@@ -144,6 +155,11 @@ class _Trial:
     def rank(self) -> tuple[int, float, float]:
         """What trials are sorted by: the best verdict first, then the cheapest."""
         return VERDICTS.index(self.verdict), _cost(self.moves), -self.margin
+
+    @property
+    def gain(self) -> tuple[int, float]:
+        """What it is shown by before the search has ended: the least is the best."""
+        return VERDICTS.index(self.verdict), -self.margin
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -271,10 +287,16 @@ class _Search:
         bounds = np.where(amounts > 0, [a.high for a in of], [a.low for a in of])
         return (amounts / np.where(amounts == 0, 1.0, bounds)).sum(-1)
 
-    def exhausted(self, settings: FloatArray) -> Iterator[FloatArray]:
-        """Yield of all settings (V, movable) the one of most margin, and the cheapest that do."""
-        settings = settings[np.argsort(self.shares(settings), kind="stable")]
-        asked = self.asked(settings)
+    def exhausted(
+        self, settings: FloatArray, asked: dict[Bound, FloatArray] | None = None
+    ) -> Iterator[FloatArray]:
+        """Yield of all settings (V, movable) the one of most margin, and the cheapest that do.
+
+        Their margins `asked` may be known.
+        """
+        cheapest = np.argsort(self.shares(settings), kind="stable")
+        settings = settings[cheapest]
+        asked = self.asked(settings) if asked is None else _some(asked, cheapest)
         for bound in BOUNDS:
             margin, least = asked[bound], _least(asked, to=bound)
             top = settings[(least >= least.max() - STILL).argmax()]
@@ -413,6 +435,7 @@ def fix(
     count: int = 6,
     draws: int = 0,
     tell: Callable[[int, int], None] | None = None,
+    show: Callable[[Proposal], None] | None = None,
 ) -> tuple[Proposal, ...]:
     """Propose corrections of a line, for all its states at once.
 
@@ -432,6 +455,10 @@ def fix(
         slopes and bends at the setting.
     tell
         Called with how many choices of yoke phases are searched, and of how many.
+    show
+        Called with the best of a few trials before the search begins, and with each that the
+        search finds better: of a better verdict, or more margin. How many trucks survive is not
+        known of these.
 
     Returns
     -------
@@ -456,29 +483,59 @@ def fix(
     movable = _unheld(adjustables(response), hold)
     before = respond(application, response.demand)
     trucks = Trucks.of(application, response.line.name)
-    found = {t.moves: t for t in _trials(before, movable, trucks, tell)}
+    showing = show and _Showing(before, show)
+    if showing:
+        showing.all(_glance(before, movable))
+    found: dict[tuple[Move, ...], _Trial] = {}
+    for t in _trials(before, movable, trucks, tell):
+        found[t.moves] = t
+        if showing:
+            showing.all((t,))
     installed = found.get(())
     if installed is None:  # nothing that may be moved changes anything
         return ()
     ranked = sorted(found.values(), key=lambda t: t.rank)
     unbeaten = [t for t in _unbeaten(ranked) if t.moves][: max(count, SEEN)]
     standing = _approval(before, installed)
-    proposals = [
-        Proposal(
-            line=response.line.name,
-            moves=t.moves,
-            before=installed.margin,
-            margin=t.margin,
-            approval=_approval(before, t),
-            installed=standing,
-            survival=trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws),
-            trucks=trucks,
-        )
-        for t in unbeaten
-    ]
-    # What comes to a worse verdict corrects nothing, whatever margin it wins elsewhere.
-    kept = (p for p in proposals if worst([p.verdict, standing.verdict]) == standing.verdict)
+    proposals: list[Proposal] = []
+    for t in unbeaten:
+        survival = trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws)
+        one = _proposal(before, t, installed, standing)
+        proposals.append(replace(one, survival=survival, trucks=trucks))
+    kept = (p for p in proposals if p.stands)
     return tuple(sorted(kept, key=lambda p: p.rank)[:count])
+
+
+class _Showing:
+    """Shows the corrections that are better than those before, of trials as they come."""
+
+    def __init__(self, before: Response, show: Callable[[Proposal], None]) -> None:
+        self.before, self.show = before, show
+        self.best: _Trial | None = None
+
+    def all(self, trials: Iterable[_Trial]) -> None:
+        """Take trials, the line as installed before any other."""
+        for t in trials:
+            if self.best is None:
+                self.best, self.installed = t, t
+                self.standing = _approval(self.before, t)
+            elif t.moves and t.gain < self.best.gain:
+                one = _proposal(self.before, t, self.installed, self.standing)
+                if one.stands:
+                    self.best = t
+                    self.show(one)
+
+
+def _proposal(before: Response, t: _Trial, installed: _Trial, standing: Approval) -> Proposal:
+    """Return what a trial comes to beside the line as installed."""
+    return Proposal(
+        line=before.line.name,
+        moves=t.moves,
+        before=installed.margin,
+        margin=t.margin,
+        approval=_approval(before, t),
+        installed=standing,
+    )
 
 
 def _approval(before: Response, trial: _Trial) -> Approval:
@@ -525,16 +582,13 @@ def _trials(
 
     The line as installed is the first; nothing where no move changes anything.
     """
-    ways = tuple(k for k, a in enumerate(movable) if not MOVABLES[a.what].choice)
+    ways = _ways(movable)
     turnings = list(_turnings(response, movable))
     everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
     spread = everything.amounts(_spread(len(ways)))
     trials = np.concatenate([spread, np.stack(turnings)])
     asked = both(tried(response, movable, trials))
-    every = np.stack(list(asked.values()))
-    low, high = every.min(axis=1), every.max(axis=1)
-    hopeless = (high < 0) & (high - low < HOPELESS * -low)
-    changed = ((high - low > STILL) & ~hopeless).any(axis=0)
+    changed = _changed(asked)
     if not changed.any():
         return
     for k, turns in enumerate(turnings):
@@ -549,6 +603,45 @@ def _trials(
             search = _Search(response, movable, turns, free, changed, trucks, known)
             for amounts in _corrections(search):
                 yield _trial(response, movable, amounts, changed)
+
+
+def _glance(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[_Trial]:
+    """Yield the line as installed, and the best of a few trials that a workshop can set.
+
+    For who waits for an answer: nothing where no move changes anything.
+    """
+    turnings = np.stack(list(_turnings(response, movable)))
+    search = _Search(response, movable, turnings[0], _ways(movable), np.array([], dtype=bool))
+    few = search.amounts(_spread(len(search.free))[:GLANCE])
+    steps = np.array([a.step for a in movable])
+    whole = np.where(steps > 0, steps, 1.0)
+    few = np.where(steps > 0, np.trunc(few / whole) * whole, few)  # towards 0: within the range
+    trials = np.concatenate([few, turnings[1:]])
+    asked = both(tried(response, movable, trials))
+    changed = _changed(asked)
+    if changed.any():
+        yield _trial(response, movable, turnings[0], changed)
+        best = replace(search, changed=changed).exhausted(trials, _some(asked, np.s_[:, changed]))
+        once = {tuple(amounts.tolist()): amounts for amounts in best}.values()
+        yield min((_trial(response, movable, a, changed) for a in once), key=lambda t: t.gain)
+
+
+def _ways(movable: tuple[Adjustable, ...]) -> tuple[int, ...]:
+    """Return which things move steplessly, or in small steps; the others are choices."""
+    return tuple(k for k, a in enumerate(movable) if not MOVABLES[a.what].choice)
+
+
+def _changed(asked: dict[Bound, FloatArray]) -> BoolArray:
+    """Return which margins moving can change, and mend, from those of trials (V, ...)."""
+    every = np.stack(list(asked.values()))
+    low, high = every.min(axis=1), every.max(axis=1)
+    hopeless = (high < 0) & (high - low < HOPELESS * -low)
+    return ((high - low > STILL) & ~hopeless).any(axis=0)
+
+
+def _some(asked: dict[Bound, FloatArray], at: Any) -> dict[Bound, FloatArray]:
+    """Return some of margins (V, ...) to either bound."""
+    return {to: margins[at] for to, margins in asked.items()}
 
 
 def _corrections(search: _Search) -> Iterator[FloatArray]:

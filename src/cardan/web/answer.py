@@ -94,12 +94,16 @@ def _problems(
         return here(say.error(said), folder)
 
     if isinstance(error, BadFile):
-        keys = ("key", "value", "line", "column")
+        keys = ("key", "line", "column")
         of = Path(error.file)
         beside = f"{of.name}: " if folder and of.is_relative_to(folder) else ""
         return [
             {k: getattr(p, k) for k in keys}
-            | {"message": f"{beside}{told(p.message)}", "hint": told(p.hint)}
+            | {
+                "message": f"{beside}{told(p.message)}",
+                "hint": told(p.hint),
+                "value": told(p.value),
+            }
             for p in error.problems
         ]
     line = column = 0
@@ -148,7 +152,7 @@ def _live(read: Document, question: Json, say: Language, _: Tell) -> Json:
         "grade": _grade(rows),
         "warnings": [
             {"message": say.error(p.message), "key": p.key, "hint": say.error(p.hint),
-             "line": p.line, "column": p.column, "value": p.value}
+             "line": p.line, "column": p.column, "value": say.error(p.value)}
             for p in app.warnings
         ],
         **_posed(read, question, say),
@@ -256,21 +260,21 @@ def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
 def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return variants beside the text itself: verdicts, what they say and what it does.
 
-    Of a campaign what they say, and the lives of those that have been asked.
+    What texts of the `same` file say otherwise stands there by its address too; of a campaign
+    that, and the lives of those that have been asked.
     """
     given = args.get("variants", [])
     named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
+    texts = [one.manuscript for _, one in named]
+    every = dict.fromkeys(at for of in texts for at in of.addresses)
+    rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
+    written = [{"name": at, "values": said} for at, said in rows if len(set(said)) > 1]
     if read.recordings:
-        texts = [one.manuscript for _, one in named]
-        every = dict.fromkeys(at for of in texts for at in of.addresses)
-        rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
         lives: list[dict[str, str]] = args.get("lives", [])
         gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
             "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
-            "differences": [
-                {"name": at, "values": said} for at, said in rows if len(set(said)) > 1
-            ],
+            "differences": written,
             "effects": [
                 {
                     "name": f"{gauge}: {say('hours to failure')}",
@@ -292,7 +296,11 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
             }
             for v in found
         ],
-        "differences": [{"name": d.name, "values": d.values} for d in differences(found, say)],
+        "differences": [
+            *({"name": d.name, "values": d.values} for d in differences(found, say)),
+            # What a table of inputs leaves out as well: a title, who signs, what may move.
+            *(written if args.get("same", True) else ()),
+        ],
         "effects": [
             {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
         ],

@@ -82,7 +82,10 @@ def _response(read: Document, args: Json) -> Response:
 
 
 def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
-    """Return corrections of a line with what each moves, gives, and would edit."""
+    """Return corrections of a line with what each moves, gives, and would edit.
+
+    The best that is known is told from the first on.
+    """
     r = _response(read, args)
     tell({"doing": say("looking for corrections")})
     free = {_id(a) for a in adjustables(r)}
@@ -90,6 +93,7 @@ def corrections(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     found = fix(
         read.application, line=r.line.name, hold=hold, count=PROPOSED,
         tell=lambda done, of: tell({"done": done, "of": of} if of > 1 else {}),
+        show=lambda p: tell({"proposals": [_proposal(read, p, say)]}),
     )  # fmt: skip
     return {
         "line": r.line.name,

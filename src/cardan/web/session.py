@@ -214,6 +214,7 @@ class Session:
             every = {row["file"]: row for row in await self._texts()}
             if first := every.get(self._number(said)):
                 question |= {"text": first["text"], "name": first["name"]}
+            args["same"] = False
             args["variants"] = [
                 {"name": every[k]["name"], "text": every[k]["text"]} for k in files if k in every
             ]
