@@ -80,7 +80,7 @@ def parquet(path: Path) -> Table:
         except (pa.ArrowInvalid, OSError) as error:
             raise bad(path, f"it is damaged: {error}") from error
         if read != claimed:
-            raise bad(path, f"it is damaged: of {claimed} rows it holds {read}")
+            raise _lacking(path, claimed, read)
 
     def channel(f: Any) -> Channel:
         if f in clocks:  # the only one is the clock, whatever its name
@@ -115,6 +115,10 @@ def _paged(path: Path, of: Any, names: set[str]) -> None:
                     raise bad(path, f"it is damaged: {error}") from error
                 if most > room(group.num_rows):
                     raise _swollen(path, name, most, group.num_rows)
+
+
+def _lacking(path: Path, claimed: int, read: int) -> BadFile:
+    return bad(path, f"it is damaged: of {claimed} rows it holds {read}")
 
 
 def _swollen(path: Path, name: str, size: int, samples: int) -> BadFile:
@@ -329,7 +333,7 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
         _within(channel, found.channel_group, path)
         sample = _next(iter(file.iter_get(group=group, index=k)), path)
         if sample is None:
-            raise bad(path, f"it is damaged: of {samples} rows it holds 0")
+            raise _lacking(path, samples, 0)
         if sample.samples.dtype.kind in "fiu" and sample.samples.ndim == 1:
             kept.append(k)
             time = k == master
@@ -364,7 +368,7 @@ def _channels(path: Path, file: Any, group: int, samples: int, name: str) -> Tab
             read += piece.shape[1]
             yield piece
         if read != samples:
-            raise bad(path, f"it is damaged: of {samples} rows it holds {read}")
+            raise _lacking(path, samples, read)
 
     return Table(
         columns=tuple(columns), rows=rows, samples=samples, group=name,
