@@ -161,6 +161,8 @@ def test_a_lost_scheduler_is_told_and_what_is_done_is_kept(tmp_path, cluster, sc
 class Waiting:
     """Stands for a client whose cluster gets a worker when it is told that it has none."""
 
+    status = "running"
+
     def __init__(self):
         self.begin, self.most, self.pending = Event(), 0, 0
         self.threads = ThreadPoolExecutor(16)

@@ -798,13 +798,12 @@ def test_without_the_built_page_it_says_what_is_missing(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("lang", "ends"), [("en", "Ends with"), ("pt", "Termina com"), ("it", "Termina con")]
 )
-def test_what_it_says_as_it_starts_is_in_the_language(monkeypatch, lang, ends):
-    def begun(_, listening, *, ready):
-        for one in listening:
-            one.close()
-        ready()
-
-    monkeypatch.setattr(server, "serve", begun)
+def test_what_it_says_as_it_starts_is_in_the_language(tmp_path, monkeypatch, lang, ends):
+    page = tmp_path / "static" / "index.html"
+    page.parent.mkdir()
+    page.write_text("<html></html>", encoding="utf-8")
+    monkeypatch.setattr(server, "files", lambda _: tmp_path)
+    monkeypatch.setattr(server, "serve", lambda *_, ready: ready())
     found = CliRunner().invoke(cli, ["serve", str(CHAIN), "--no-browser", f"--lang={lang}"])
     assert (found.exit_code, f"{ends} Ctrl-C." in found.output) == (0, True), found.output
 

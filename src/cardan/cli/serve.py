@@ -1,5 +1,6 @@
 """`cardan serve`: the workbench, in the browser of this machine."""
 
+from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -33,15 +34,16 @@ def serve(opened: Path, *, port: int, no_browser: bool, lang: str) -> None:
     from cardan.web.desk import Desk
 
     desk = Desk(opened)
-    listening = server.sockets(port)
-    house = server.House(desk, port=listening[0].getsockname()[1])
+    with ExitStack() as held:
+        listening = [held.enter_context(one) for one in server.sockets(port)]
+        house = server.House(desk, port=listening[0].getsockname()[1])
 
-    def ready() -> None:
-        put(house.address)
-        note(Language(lang)("Ends with Ctrl-C."))
-        if not no_browser:
-            import webbrowser
+        def ready() -> None:
+            put(house.address)
+            note(Language(lang)("Ends with Ctrl-C."))
+            if not no_browser:
+                import webbrowser
 
-            webbrowser.open(house.opening)
+                webbrowser.open(house.opening)
 
-    server.serve(house, listening, ready=ready)
+        server.serve(house, listening, ready=ready)
