@@ -19,7 +19,7 @@ from cardan.kinematics.chain import Turn, cross, turn
 from cardan.loads.cycle import Cycle, major_axis
 from cardan.loads.rubber import Motion, Suspended
 from cardan.loads.statics import CARDAN_GRADE, Loads, loads, resting, unbalance
-from cardan.model.layout import Layout, unit
+from cardan.model.layout import Layout, from_points, unit
 from cardan.model.parts import Line
 
 ORDERS = (2, 4, 6)
@@ -189,6 +189,26 @@ def shifted(
         mean=gone[..., 0, :, :, :].real,
         thrust=slip * gone[..., drawn, :, :, :].real,
         waves=np.delete(gone, (0, drawn), axis=-4),
+    )
+
+
+def set_down(
+    layout: Layout, line: Line, phases: ArrayLike, *, torque: ArrayLike, held: Suspended
+) -> Layout:
+    """Return where a line runs whose bearings torque (...) N m has moved on their rubber.
+
+    By the mean moments of its crosses alone: thrust passes, and what order 2 adds is a tenth.
+    """
+    torque = np.asarray(torque, dtype=float)
+    _, carried = _turning(layout, line, phases, torque=torque, speed=0 * torque, inertias=None)
+    moved = held.moved(held.pushed(carried.joint_moments.order(0)), torque=torque)
+    joints = held.ends(moved.coordinates[..., None, :]).real[..., 0, 1:, 0, :]
+    none = np.zeros_like(joints[..., :1, :])
+    d = layout.directions
+    return from_points(
+        layout.points + np.concatenate([none, joints, none], axis=-2),
+        gearbox=d[..., 0, :],
+        pinion=d[..., -1, :],
     )
 
 

@@ -21,7 +21,7 @@ from cardan.demand.states import Demand, demand_pitched, pitch_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
-from cardan.loads.running import Running, at_joints, running, shifted
+from cardan.loads.running import Running, at_joints, running, set_down, shifted
 from cardan.loads.sketch import PITCHES, Facing, Reach, Sketch, sketch
 from cardan.model.layout import Layout
 from cardan.model.seat import soft
@@ -369,6 +369,21 @@ def _facing(r: "Response", laid: Layout) -> Facing | None:
         *nearer.shape[:-4], shafts * obstacles, shafts, 2, 3
     )
     return Facing(free=free.reshape(*free.shape[:-2], -1), nearer=nearer)
+
+
+def settled(r: "Response") -> "Response":
+    """Return a line whose bearings sit, at each operating point, where its torque moves them.
+
+    At a state's own torque and speed, which need not meet, it lies as it did. Its angles are to
+    be asked: forces on rubber are those of a line before its rubber gives.
+    """
+
+    def lay(of: Demand) -> Layout:
+        torque = np.nan_to_num(of.torque)
+        assert r.held is not None  # or nothing gives
+        return set_down(r.lay(of), r.line, r.phases, torque=torque, held=r.held)
+
+    return replace(r, lay=lay)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

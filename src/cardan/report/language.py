@@ -169,13 +169,14 @@ class Language:
             if isinstance(value, str):
                 number = _NUMBER.fullmatch(value)
                 return self.pointed(number[1]) + number[2] if number else self.given(value)
-            return value
+            return self.part(value) if isinstance(value, Part) else value
 
         return self(of.text, **{name: filled(value) for name, value in of.values})
 
     def given(self, said: str) -> str:
         """Return a text that is ours or a publication's: translated where it is ours."""
-        return catalogue(self.code).get(("", said), said) if said else said
+        found = catalogue(self.code)
+        return found.get(("", said), found.get(("quantity", said), said)) if said else said
 
     def source(self, said: str) -> str:
         """Return what a source says in our words; titles of publications stay as they are.

@@ -7,7 +7,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.said import Said, said
 from cardan.base.units import mm
-from cardan.base.verdict import EQUAL
+from cardan.base.verdict import EQUAL, GRADES
 from cardan.demand.suspension import spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
@@ -15,12 +15,20 @@ from cardan.model.vehicle import Spring
 from cardan.quantity import points
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
+from cardan.study.driveline import asked
 
 MISMATCH = 0.005
 """Share by which stated rates may miss the loads of their table before it is worth a word."""
 
 LINEAR = 10 * mm
 """How far the rubber of a centre bearing may be taken to go without stiffening: house practice."""
+
+OF_ANGLES = frozenset({
+    "joint_angle", "joint_angle_min", "end_angle_difference", "odd_joint_angle",
+    "torsional_acceleration", "inertia_drive_acceleration", "inertia_coast_acceleration",
+    "inertia_drive_torque", "inertia_coast_torque", "irregularity", "angle_for_speed", "n_beta",
+})  # fmt: skip
+"""What follows from where the joints are, and from speed, alone."""
 
 OTHERWISE = (LOSS / 2, 2 * LOSS)
 """Loss factors between which rubber mounts lie."""
@@ -32,6 +40,7 @@ def noted(application: Application, responses: Sequence[Response]) -> Iterator[S
     yield from _assumed_losses(responses)
     yield from _beyond_stops(responses)
     yield from _giving_rubber(responses)
+    yield from _set_down(responses)
     yield from _lifted_axles(responses)
     yield from _not_driven(responses)
 
@@ -153,6 +162,36 @@ def _giving_rubber(responses: Iterable[Response]) -> Iterator[Said]:
             state=r.demand.states[s],
             steady=_mm(r.worst_travel.running.static[s, k]),
         )
+
+
+def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
+    """Yield what an angle's limits would say of bearings where torque moves them, if otherwise.
+
+    Of each limit on a line, where that leaves least.
+    """
+    for r in responses:
+        if r.held is None or r.spread is None or r.layout.points.ndim > 3:
+            continue
+        both = (asked(of, quantities=OF_ANGLES) for of in (r, points.settled(r)))
+        for hung, given in zip(*both, strict=True):
+            (before, _), (after, left) = (hung.limit.judged(one.values) for one in (hung, given))
+            turned = (before != after) & ~np.isnan(hung.values) & ~np.isnan(given.values)
+            if not turned.any():
+                continue
+            at = np.unravel_index(int(np.where(turned, left, np.inf).argmin()), left.shape)
+            quantity = QUANTITIES[hung.limit.quantity]
+            yield said(
+                "with the bearings where torque moves them on their rubber, {quantity}, {part} of "
+                "line {line}, would be {given} for {hung} {unit} in {state}: {grade}",
+                quantity=quantity.name,
+                part=hung.parts[at[1]],
+                line=r.line.name,
+                state=r.demand.states[at[0]],
+                grade=GRADES[after[at]],
+                given=_figures(given.values[at] / quantity.factor),
+                hung=_figures(hung.values[at] / quantity.factor),
+                unit=quantity.unit_name,
+            )
 
 
 def _travels(responses: Iterable[Response]) -> Iterator[tuple[Response, FloatArray]]:
