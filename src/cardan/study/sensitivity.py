@@ -167,11 +167,12 @@ def _asked(
 
 def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivity]:
     """Yield the sensitivities of a line with what each move that helps would spoil."""
-    spoilt = _spoilt(response, [*dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)])
+    helps = [*dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)]
+    spoilt = _spoilt(response, helps, _made(response, helps)) if helps else {}
     halves = {move: half for move in spoilt if (half := _half(move))}
-    harm = _spoilt(response, [*halves.values()])
-    halves = {move: half for move, half in halves.items() if half not in harm}
-    for s in _halved(response, found, halves):
+    if halves:
+        found = _halved(response, found, halves)
+    for s in found:
         helpful = [replace(e, spoilt=spoilt.get(s.better(e)[0])) for e in s.helpful]
         helpful.sort(key=lambda e: badness(e.spoilt)[0] if e.spoilt else 0, reverse=True)
         others = [e for e in s.effects if e not in s.helpful]
@@ -190,31 +191,41 @@ def _half(move: Move) -> Move | None:
 
 def _halved(
     response: Response, found: list[Sensitivity], halves: dict[Move, Move]
-) -> Iterator[Sensitivity]:
-    """Yield the sensitivities with half a move in place of a whole, where that helps as well."""
+) -> list[Sensitivity]:
+    """Return the sensitivities with half a move in place of a whole one that spoils something.
+
+    Where the half helps as well, and spoils nothing.
+    """
+    amounts = [*halves.values()]
+    made = _made(response, amounts)
+    harm = _spoilt(response, amounts, made)
+    place = {move: k for k, (move, half) in enumerate(halves.items()) if half not in harm}
+    after: list[Sensitivity] = []
     for s in found:
         effects = list(s.effects)
-        whole = {k: m for k, e in enumerate(effects) if (m := s.better(e)[0]) in halves}
-        values = _values(response, s.check, [halves[m] for m in whole.values()])
-        for (k, m), value in zip(whole.items(), values, strict=True):
-            e, half = effects[k], halves[m]
+        whole = {k: m for k, e in enumerate(effects) if (m := s.better(e)[0]) in place}
+        values = _values(made, s.check, len(amounts)) if whole else []
+        for k, m in whole.items():
+            e, half, value = effects[k], halves[m], values[place[m]]
             less = replace(
                 e, **({"low": half.amount, "back": value} if half.amount < 0
                       else {"high": half.amount, "forth": value})
             )  # fmt: skip
             if s.better(less)[0] == half and less in replace(s, effects=(less,)).helpful:
                 effects[k] = less
-        yield replace(s, effects=tuple(sorted(effects, key=s.gain, reverse=True)))
+        after.append(replace(s, effects=tuple(sorted(effects, key=s.gain, reverse=True))))
+    return after
 
 
-def _values(response: Response, of: Check, moves: list[Move]) -> list[float]:
-    """Return what each move makes of the value of a check."""
-    if not moves:
-        return []
-    after = asked(_made(response, moves), quantities={of.quantity})
-    then = next(q for q in after if q.limit == of.limit and of.part in q.parts)
-    state, part = response.demand.states.index(of.when.name), then.parts.index(of.part)
-    return np.broadcast_to(then.values[..., state, part], len(moves)).tolist()
+def _values(made: Response, of: Check, count: int) -> list[float]:
+    """Return what each of so many moves makes of the value of a check."""
+    then = next(
+        q
+        for q in asked(made, quantities={of.quantity})
+        if q.limit == of.limit and of.part in q.parts
+    )
+    state, part = made.demand.states.index(of.when.name), then.parts.index(of.part)
+    return np.broadcast_to(then.values[..., state, part], count).tolist()
 
 
 def _made(response: Response, moves: Sequence[Move]) -> Response:
@@ -224,15 +235,13 @@ def _made(response: Response, moves: Sequence[Move]) -> Response:
     return tried(response, movable, amounts)
 
 
-def _spoilt(response: Response, moves: Sequence[Move]) -> dict[Move, Check]:
+def _spoilt(response: Response, moves: Sequence[Move], made: Response) -> dict[Move, Check]:
     """Return the worst check of each move that spoils what a line keeps as it stands.
 
     A limit of a part is spoilt that warns or fails in some state, and was not as bad in any.
     """
-    if not moves:
-        return {}
     found: dict[Move, Check] = {}
-    for now, then in zip(asked(response), asked(_made(response, moves)), strict=True):
+    for now, then in zip(asked(response), asked(made), strict=True):
         values = np.broadcast_to(then.values, (len(moves), *now.values.shape))
         worse = _worst_grades(then, values) > _worst_grades(now, now.values)
         for k, p in np.argwhere(worse).tolist():
