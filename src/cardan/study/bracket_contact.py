@@ -104,7 +104,7 @@ class Contact:
         """Return what share loads (t, 9) are of those under which the bolts slip or open.
 
         The most of all moments: where no other can have more by what balance said of those
-        asked, or after so many.
+        asked, or after so many. Balance knows no frame, contact does: of both frames the worse.
         """
         planes = np.zeros((0, len(UNITS)))
         asked: dict[int, float] = {}
@@ -118,7 +118,7 @@ class Contact:
             asked[k], plane = self.tight.unbalanced(loads[k])
             planes = np.vstack([planes, plane])
         worst = max(asked, key=lambda k: asked[k])
-        return self.tight.share(loads[worst])[0]
+        return max(on.share(loads[worst])[0] for on in (self.tight, self.soft))
 
     def times(self, passes: Sequence[FloatArray]) -> FloatArray:
         """Return swings (features,) over those told, on their safe side, of a history (t, 9).
