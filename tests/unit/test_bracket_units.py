@@ -62,6 +62,19 @@ def test_sheet_volume_of_a_u():
     assert solid(U).volume == pytest.approx(expected, rel=1e-9)
 
 
+def test_volume_of_an_l():
+    """Plate and wall where they do not overlap, the root's fillets, less corners, bore and holes.
+
+    The two corners that the wall is rounded off by, which no drawing gives, are 2 % of it.
+    """
+    t, square = 8 * mm, 1 - np.pi / 4
+    plate, wall = 180 * mm * 90 * mm, 144 * mm * (80 - 8 + 26 + 24) * mm
+    corner = 0.6 * min(144 / 2, 24 + 26) * mm
+    cut = 2 * square * corner**2 + np.pi * (26 * mm) ** 2 + 4 * np.pi / 4 * (11 * mm) ** 2
+    expected = (plate + wall - cut) * t + square * (5 * mm) ** 2 * 144 * mm
+    assert solid(L).volume == pytest.approx(expected, rel=1e-9)
+
+
 @pytest.mark.parametrize("part", [U, replace(U, height=40 * mm), replace(U, height=16 * mm),
                                   replace(U, gusset=6 * mm, gusset_height=60 * mm), L,
                                   replace(L, gusset=8 * mm, gusset_height=50 * mm)])  # fmt: skip

@@ -93,7 +93,8 @@ def apart(
                 watch.join()
         if not reply.exists():
             raise Stopped(why[0]) if why else Crashed(_ending(child.returncode))
-        told: Told = pickle.loads(reply.read_bytes())  # our own, from a folder of our own
+        with reply.open("rb") as stream:
+            told: Told = pickle.load(stream)  # our own, from a folder of our own
     if told.error is not None:
         raise told.error
     return told.answer
@@ -112,7 +113,8 @@ def answer(folder: str) -> None:
     except CardanError as error:
         told = Told(None, error)
     part = Path(folder, "part")
-    part.write_bytes(pickle.dumps(told, protocol=pickle.HIGHEST_PROTOCOL))
+    with part.open("wb") as stream:  # not by way of bytes: an answer is large enough once
+        pickle.dump(told, stream, protocol=pickle.HIGHEST_PROTOCOL)
     part.rename(Path(folder, "reply"))
     sys.stdout.flush()
     os._exit(0)  # the kernel's own tidying up at the end has crashed before
