@@ -388,6 +388,15 @@ def _settled(
 # --------------------------------------------------------------------------- condensing
 
 
+def forces_of(*, hole: Metre, thickness: Metre, bolts: int, plane: float) -> float:
+    """Return about how many forces there will be between a flange and its frame.
+
+    `hole` is its bolts' diameter, `plane` the surface m² of it beyond their washers.
+    """
+    rings = np.ceil(((HEAD - 1) * hole / 2 + thickness) / (PATCH * hole))
+    return float(3 * bolts * rings * _PARTS + plane / (_COARSE * hole) ** 2 + bolts + len(UNITS))
+
+
 def condensed(
     held: Elastic,
     loads: FloatArray,
