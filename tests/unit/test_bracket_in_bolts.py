@@ -25,13 +25,13 @@ SHARES = ((0.6, 1.3), (0.7, 1.2))
 def contact() -> Contact:
     """A foot whose two places feel the force along y: told 1 Pa per N, really a share of it."""
     joint = foot()
-    stress = np.zeros((4, len(joint.compliance), 6))
+    stress = np.zeros((len(joint.compliance), 4, 6))
     along = 3 * np.arange(2 * COUNT) + 1
     unit = np.zeros((2, 9, 6))
     unit[:, 1, 0] = 1.0
     for place in (0, 1):  # of the sliding way, then of the clamped one, which tells half
         for way in (0, 1):
-            stress[2 * way + place, along, 0] = -SHARES[way][place]  # it stands against the force
+            stress[along, 2 * way + place, 0] = -SHARES[way][place]  # it stands against the force
     zones = SimpleNamespace(normals=np.tile([0.0, 0, 1], (2, 1)), kind=np.zeros(2, dtype=int))
     both = tuple(SimpleNamespace(unit=unit * size, zones=zones) for size in (1.0, 0.5))
     object.__setattr__(joint, "stress", stress)

@@ -85,7 +85,7 @@ def worst(request, tmp_path_factory):
     for on in (joint, joint.on_thick):
         tight = on.tightened(Bolts(preload=PRELOAD))
         forces = np.stack([tight.under(one) for one in asked], axis=1)
-        ours.append(von_mises(np.einsum("pqs,qc->pcs", joint.stress, forces)))
+        ours.append(von_mises(np.einsum("qps,qc->pcs", joint.stress, forces)))
     low, high = nodes.points.min(axis=0) - 50 * mm, nodes.points.max(axis=0) + 50 * mm
     flat = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
     rounds = _rounds(held, body.bolts, 2)

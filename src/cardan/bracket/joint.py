@@ -89,7 +89,7 @@ class Joint:
         Work of each force on the six rigid motions.
     rubs : (patches,)
         Whether a patch has forces along the plane: those far from bolts only push.
-    stress : (places, q, 6) Pa
+    stress : (q, places, 6) Pa
         At the places that were asked for; in single precision, for there are many.
     upright : int
         Axis square to the plane.
@@ -442,14 +442,15 @@ def condensed(
     used = np.flatnonzero(np.pad(rub, (0, len(heads) + len(loads)), constant_values=True))
     tell(f"solving for {len(used)} forces between flange and frame")
     count = forces.shape[0]
-    compliance, stress = np.zeros((count, count)), np.zeros((0, count, 6), dtype=np.float32)
+    compliance, stress = np.zeros((count, count)), np.zeros((count, 0, 6), dtype=np.float32)
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
         moved = body.solve(forces[some].toarray() - felt[some] @ heavy, still=_STILL)
         compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
-        told = read(moved)
-        stress = stress if len(stress) else np.zeros((len(told), count, 6), dtype=np.float32)
-        stress[:, some] = told
+        told = read(moved).swapaxes(0, 1)
+        if not stress.size:
+            stress = np.zeros((count, *told.shape[1:]), dtype=np.float32)
+        stress[some] = told
     metal, washer = held.material, 2 * max(r.radius for r in rounds)
     return Joint(
         compliance=compliance, rigid=rigid, rubs=rubs, stress=stress,

@@ -167,7 +167,10 @@ class Contact:
         assert self.solved.bolted is not None
         joint = self.solved.bolted.joint
         ways = [np.stack([on.under(load) for load in loads]) for on in (self.tight, self.soft)]
-        real = [forces.astype(joint.stress.dtype) @ joint.stress for forces in ways]
+        real = [
+            np.tensordot(forces.astype(joint.stress.dtype), joint.stress, 1).swapaxes(0, 1)
+            for forces in ways
+        ]
         told, found = np.zeros((2, self.count))
         start = 0
         for held, own, at in self._places():
