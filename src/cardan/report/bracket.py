@@ -502,9 +502,10 @@ def better(before: Judged, after: Judged, say: Language = EN) -> str:
     part = say.part(
         (after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part
     )
+    told = {"what": what, "part": part}
     if gain:
-        return say("At its worst zone the variant is better: {what} ({part}).", what=what, part=part)
-    return say("At its worst zone the variant is not better: {what} ({part}).", what=what, part=part)
+        return say("At its worst zone the variant is better: {what} ({part}).", **told)
+    return say("At its worst zone the variant is not better: {what} ({part}).", **told)
 
 
 # --------------------------------------------------------------------------- contract
