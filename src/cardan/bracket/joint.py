@@ -528,7 +528,7 @@ def _patches(
     belongs = csr_array(
         (np.ones(len(own)), (own, patch.ravel())), shape=(flat.ndof, len(first))
     )  # fmt: skip
-    each = (spread @ belongs).T.tocsr()
+    each: Any = csr_array((spread @ belongs).T)
     # Functions of corners add up to 1: their share is the patch's area.
     area = np.asarray(each[:, : held.mesh.nv].sum(axis=1), dtype=float).ravel()
     each = each.tocoo()

@@ -167,8 +167,9 @@ class Contact:
         assert self.solved.bolted is not None
         joint = self.solved.bolted.joint
         ways = [np.stack([on.under(load) for load in loads]) for on in (self.tight, self.soft)]
+        single = joint.stress.dtype
         real = [
-            np.tensordot(forces.astype(joint.stress.dtype), joint.stress, 1).swapaxes(0, 1)
+            np.tensordot(forces.astype(single), joint.stress, 1).swapaxes(0, 1).astype(float)
             for forces in ways
         ]
         told, found = np.zeros((2, self.count))
