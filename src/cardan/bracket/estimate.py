@@ -133,9 +133,7 @@ def affordable(
     if wanted < coarsest:
         msg += f"try `element_mm: {wanted / mm:.2g}`{lower}, or check the bracket's sizes"
     elif forces and fits(of(coarsest, 0.0)):
-        msg += (
-            "contact in its bolts takes it there: leave out `bolts`, or check the bracket's sizes"
-        )
+        msg += "contact in its bolts takes that: leave out `bolts`, or check the bracket's sizes"
     else:
         msg += (
             f"a sheet of {2 * volume / area / mm:.2g} mm asks for such elements at its bolts and "
