@@ -1,6 +1,7 @@
 """What may break apart breaks nothing: a process of its own, an estimate, smaller fillets."""
 
 import os
+import re
 import signal
 import time
 from dataclasses import replace
@@ -21,6 +22,7 @@ from cardan.bracket.solve import Task, solved_apart
 from cardan.cli import cli
 from cardan.model.bracket import UShape
 from cardan.model.material import STEEL
+from cardan.report.language import Language
 
 LIMITS = {"memory": 4e9, "seconds": 60.0}
 CRASHES = UShape(
@@ -153,11 +155,15 @@ def test_an_estimate_in_bolts_is_good_to_a_factor_of_two(shape):
 
 
 def test_where_contact_alone_is_too_much_leaving_it_out_is_told():
-    """No coarser elements help, and what there is without contact fits."""
+    """No coarser elements help, and what there is without contact fits; in every language."""
     wide = {"volume": 0.035 * 1.3 * mm, "area": 0.07, "size": 5 * mm, "degree": 2, "finer": 9000.0}
     affordable(**wide)
-    with pytest.raises(DesignError, match="leave out `bolts`"):
+    with pytest.raises(DesignError, match="leave out `bolts`") as refused:
         affordable(**wide, forces=2000.0)
+    for code, says in (("pt", "tire `bolts`"), ("it", "togliere `bolts`")):
+        told = Language(code).error(str(refused.value))
+        assert says in told
+        assert not re.findall(r"\b(?:about|would|allowed|minutes|contact|check)\b", told), told
 
 
 def test_what_nobody_can_afford_is_refused_with_what_could_be():
