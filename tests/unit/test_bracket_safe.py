@@ -54,6 +54,11 @@ def sleep(seconds, _tell):
     time.sleep(seconds)
 
 
+def work(seconds, _tell):
+    while time.process_time() < seconds:
+        pass
+
+
 def grow(count, _tell):
     held = np.ones(count)
     time.sleep(20)
@@ -83,12 +88,21 @@ def test_a_crash_there_is_a_message_here():
 def test_what_takes_too_long_or_too_much_is_stopped():
     start = time.monotonic()
     with pytest.raises(Stopped, match=r"longer than 0\.0\d+ minutes"):
-        apart(sleep, 60, tell=print, memory=4e9, seconds=2.0)
+        apart(sleep, 60, tell=print, memory=4e9, seconds=1.0)
     assert time.monotonic() - start < 30
     if not Path("/proc/self/statm").exists():
         pytest.skip("this system does not tell what a process holds")
     with pytest.raises(Stopped, match=r"held 0\.\d+ GB of the 0\.3 GB allowed"):
         apart(grow, 100_000_000, tell=print, memory=3e8, seconds=60.0)
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="does not tell what it worked")
+def test_who_waits_for_a_busy_processor_is_not_stopped_for_it():
+    """It sleeps for twice its seconds. A bracket was stopped, with 183 of its 900 s worked."""
+    assert apart(sleep, 4.0, tell=print, memory=4e9, seconds=2.0) is None
+    with pytest.raises(Stopped, match="longer than"):
+        apart(work, 60.0, tell=print, memory=4e9, seconds=2.0)
+    assert room.worked(os.getpid()) == pytest.approx(time.process_time(), abs=0.1)
 
 
 def test_an_estimate_grows_as_the_mesh_does():
