@@ -14,7 +14,7 @@ DAYS = {"joints": "promise.yaml", "road": "tracks.yaml", "engine": "direct.yaml"
 heard = {day: listen_to_all(CASE / file).answer.parts[0][2] for day, file in DAYS.items()}
 truth = {day: json.loads((CASE / f"{day}.truth.json").read_text()) for day in DAYS}
 
-figure, (cut, cause, cure) = plt.subplots(1, 3, figsize=(14, 4.2), layout="constrained")
+figure, (cause, cut, cure) = plt.subplots(1, 3, figsize=(14, 4.2), layout="constrained")
 of = heard["joints"].identification
 g, speed = of.gauges.index("S3"), of.cuts.windows.speed * 60
 for name, z, style in (
@@ -36,7 +36,7 @@ for day, one in heard.items():
         place -= 1
 cause.set_yticks(-np.arange(len(names)), names)
 cause.set(
-    xlabel="share of the damage that goes with the joints", title="Step 3: interval, and truth"
+    xlabel="share of the damage that goes with the joints", title="Step 3: interval, and truth (|)"
 )
 
 known = truth["joints"]["cured"]["gauges"]
@@ -49,6 +49,6 @@ for k, (name, hours) in enumerate((
 )):  # fmt: skip
     cure.bar(x + 0.27 * (k - 1), hours, 0.25, label=name)
 cure.set_xticks(x, [p.gauge for p in kept])
-cure.set(yscale="log", ylabel="life, h", title="Step 6")
-cure.legend()
+cure.set(yscale="log", ylim=(1e3, 1e9), ylabel="life, h", title="Step 6")  # room for the legend
+cure.legend(loc="upper center")
 figure.savefig("docs/case.png", dpi=80)

@@ -1,13 +1,14 @@
 """A bracket in its bolts, from loads to the verdict: on a rigid foot, and by a whole study."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from brackets import LINE
 from click.testing import CliRunner
-from test_bracket_joint import COUNT, foot
+from test_bracket_joint import COUNT, coupled, foot
 
 from cardan.cli import cli
 from cardan.fatigue.strength import SNCurve
@@ -24,13 +25,13 @@ SHARES = ((0.6, 1.3), (0.7, 1.2))
 def contact() -> Contact:
     """A foot whose two places feel the force along y: told 1 Pa per N, really a share of it."""
     joint = foot()
-    stress = np.zeros((4, len(joint.compliance), 6))
+    stress = np.zeros((len(joint.compliance), 4, 6))
     along = 3 * np.arange(2 * COUNT) + 1
     unit = np.zeros((2, 9, 6))
     unit[:, 1, 0] = 1.0
     for place in (0, 1):  # of the sliding way, then of the clamped one, which tells half
         for way in (0, 1):
-            stress[2 * way + place, along, 0] = -SHARES[way][place]  # it stands against the force
+            stress[along, 2 * way + place, 0] = -SHARES[way][place]  # it stands against the force
     zones = SimpleNamespace(normals=np.tile([0.0, 0, 1], (2, 1)), kind=np.zeros(2, dtype=int))
     both = tuple(SimpleNamespace(unit=unit * size, zones=zones) for size in (1.0, 0.5))
     object.__setattr__(joint, "stress", stress)
@@ -70,6 +71,24 @@ def test_what_the_bolts_hold_is_told_of_the_worst_moment():
     history = pulled(*np.random.default_rng(5).uniform(-0.7, 0.5, 200) * BEARS, 0.8 * BEARS)
     assert contact().share(history) == pytest.approx(0.8, rel=0.03)
     assert contact().share(pulled(1.6 * BEARS)) == pytest.approx(1.6, rel=0.03)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_what_the_bolts_hold_is_asked_of_both_frames(swapped):
+    """On a bed as soft as a tenth of the ground a foot slips under a tenth less than on a hard one.
+
+    Whichever of the two bears less is told.
+    """
+    joint = replace(coupled(np.random.default_rng(1)), thick=1 / (1e-8 * 1e-4))
+    bolts = Bolts(preload=PRELOAD, friction=0.3)
+    frames = [on.tightened(bolts) for on in (joint, joint.on_thick)]
+    loads = np.random.default_rng(25).normal(size=9) * ([100] * 3 + [30] * 3 + [0] * 3)
+    loads /= frames[0].unbalanced(loads)[0]
+    each = [on.share(loads)[0] for on in frames]
+    assert each[1] > 1.05 * each[0]
+    hard, soft = reversed(frames) if swapped else frames
+    of = Contact(tight=hard, soft=soft, solved=None, features=(), count=0, strength={})
+    assert of.share(loads[None]) == each[1]
 
 
 # --------------------------------------------------------------------------- a whole study

@@ -17,9 +17,10 @@ from cardan.bracket import refine
 from cardan.bracket.elastic import elastic, hooke, mesh, silent
 from cardan.bracket.engine import engine
 from cardan.bracket.gauges import influence
+from cardan.bracket.joint import _patches, _rounds
 from cardan.bracket.refine import Problem, refined, solution
-from cardan.bracket.shape import Solid, solid
-from cardan.bracket.solve import Task, solve
+from cardan.bracket.shape import MOUNT, Solid, solid
+from cardan.bracket.solve import Task, _asked_of_faces, _forces, solve
 from cardan.bracket.stress import superpose
 from cardan.bracket.surface import nearest, sharp_edges
 from cardan.bracket.unit import unit_loads, unit_solutions
@@ -60,6 +61,19 @@ def test_sheet_volume_of_a_u():
     holes = 4 * np.pi / 4 * (11 * mm) ** 2 * t
     expected = (round_ + legs + bends + flanges) * t * 70 * mm - holes
     assert solid(U).volume == pytest.approx(expected, rel=1e-9)
+
+
+def test_volume_of_an_l():
+    """Plate and wall where they do not overlap, the root's fillets, less corners, bore and holes.
+
+    The two corners that the wall is rounded off by, which no drawing gives, are 2 % of it.
+    """
+    t, square = 8 * mm, 1 - np.pi / 4
+    plate, wall = 180 * mm * 90 * mm, 144 * mm * (80 - 8 + 26 + 24) * mm
+    corner = 0.6 * min(144 / 2, 24 + 26) * mm
+    cut = 2 * square * corner**2 + np.pi * (26 * mm) ** 2 + 4 * np.pi / 4 * (11 * mm) ** 2
+    expected = (plate + wall - cut) * t + square * (5 * mm) ** 2 * 144 * mm
+    assert solid(L).volume == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("part", [U, replace(U, height=40 * mm), replace(U, height=16 * mm),
@@ -574,3 +588,21 @@ def test_the_command_judges_a_file(tmp_path):
 def test_an_l_whose_washers_or_gusset_find_no_room_is_refused(changed, said):
     with pytest.raises(DesignError, match=said):
         replace(L, **changed)
+
+
+@pytest.mark.parametrize("part", [U, L, replace(U, thickness=2 * mm, bend_radius=4 * mm)])
+def test_what_washers_and_contact_ask_for_is_foretold(part):
+    """Triangles on the washers' rings, and forces between flange and frame, before any mesh."""
+    body = solid(part)
+    asked = _asked_of_faces(body, 15 * mm, bolted=True)
+    held = elastic(mesh(body.shape, size=15 * mm), STEEL, held=body.held())
+    triangles = held.nodes.face_names
+    edges = {float(face.maxh) for face in body.shape.faces if face.name in body.bolts}
+    assert max(edges) < 15 * mm
+    assert asked > np.isin(triangles, body.bolts).sum() / 1.5
+    rounds = _rounds(held, body.bolts, 2)
+    _, rubs, area = _patches(held, rounds, body.bolts, 2, body.thickness)
+    flat = [f.mass for f in body.shape.faces if f.name in (*body.bolts, MOUNT)]
+    assert area.sum() == pytest.approx(sum(flat), rel=1e-3)
+    count = 3 * rubs.sum() + (~rubs).sum() + len(body.bolts) + 9
+    assert 0.9 * count < _forces(body) < 1.4 * count  # rings that end at an edge count whole

@@ -180,7 +180,7 @@ def bolted():
         for k, sign in LOADS.values():
             forces = tight.under(sign * FORCE * np.eye(9)[k])
             stiff.append(FORCE**2 / float(forces @ joint.compliance @ forces))
-            level = von_mises(np.einsum("pqs,q->ps", joint.stress, forces))
+            level = von_mises(np.einsum("qps,q->ps", joint.stress, forces))
             levels.append([level[kinds == kind].max() for kind in (SHEET, CUT, BORDER)])
     hard, soft = np.array(levels).reshape(2, len(LOADS), -1).swapaxes(1, 2)
     return np.array(stiff[: len(LOADS)]), hard, np.maximum(hard, soft)

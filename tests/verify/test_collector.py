@@ -366,9 +366,54 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
     (outcome,) = [o for o in judged.outcomes if o.case.when.name == "morning"]
     known = truth("joints")["crack"]
     assert known["hours"] / 2 <= outcome.life.hours <= 2 * known["hours"]
+    assert outcome.life.hours == pytest.approx(told(r"upper bend, ([\d ]+) hours")[0], rel=1 / 3)
     place = 1e3 * np.array(judged.features[int(outcome.life.spots.argmax())].point)
     true = np.array(known["place_mm"])
     # Both legs are alike: the bend, on one side or the other, and where along it.
     assert abs(abs(place[1]) - abs(true[1])) < 4
     assert abs(place[2] - true[2]) < 4
     assert abs(place[0] - true[0]) < 20
+
+
+@pytest.mark.bracket
+@pytest.mark.slow
+def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
+    """Step 6: between its hours lie those that CalculiX has under what the engine then drove."""
+    from cardan.study.bracket import study
+
+    asked = ["life", str(CASE / "promise.yaml"), "--changed-history", str(tmp_path / "cured.csv")]
+    CliRunner().invoke(cli, asked)
+    text = (CASE / "cured.yaml").read_text().replace(
+        "  fatigue:", "  recordings: [{name: promised, file: cured.csv}]\n  fatigue:"
+    )  # fmt: skip
+    (tmp_path / "a.yaml").write_text(text)
+    judged = study(files.read(tmp_path / "a.yaml")).variants[0]
+    (life,) = [o.life for o in judged.outcomes if o.case.when.name == "promised"]
+    hours, low, high, true = told(
+        r"promised ([\d ]+) hours, between ([\d ]+) and ([\d ]+), and has ([\d ]+)\."
+    )
+    assert life.hours == pytest.approx(hours, rel=1 / 3)
+    assert life.hours_within == pytest.approx((low, high), rel=1 / 3)
+    assert low < true < high
+
+
+def told(sentence):
+    """Return the numbers that a sentence of the page has, its spaces for thousands left out."""
+    found = re.search(sentence, (CASE.parents[1] / "docs/case.md").read_text(encoding="utf-8"))
+    return [float(number.replace(" ", "")) for number in found.groups()]
+
+
+@pytest.mark.bracket
+@pytest.mark.slow
+def test_the_lightest_sheet_is_the_one_the_page_names():
+    """Step 6: sizes and masses as told, lives to a third; they were a fifth of that, unnoticed."""
+    from cardan.study.bracket_search import search
+
+    thick, heavy, light, *lives = told(
+        r"is (\d+) mm: ([\d.]+) kg for ([\d.]+), ([\d ]+) hours for ([\d ]+) \("
+    )
+    searched = search(files.read(CASE / "cured.yaml"))
+    (drawn,) = (one for one in searched.tried if one.sizes["thickness"] == pytest.approx(5e-3))
+    assert searched.best.sizes["thickness"] == pytest.approx(thick / 1e3)
+    assert [searched.best.mass, drawn.mass] == pytest.approx([heavy, light], abs=6e-4)
+    assert [searched.best.life, drawn.life] == pytest.approx(lives, rel=1 / 3)

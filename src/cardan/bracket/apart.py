@@ -23,6 +23,8 @@ _BEGIN = (
     "from cardan.bracket.apart import answer; answer(sys.argv[2])"
 )
 _LOOK = 0.25  # s between looks at the memory
+_STARVED = 4.0
+"""Times its seconds, by the clock, that a process has whose processor others are on."""
 
 
 class Crashed(CardanError):  # noqa: N818  the name is the news
@@ -60,7 +62,7 @@ def apart(
     memory
         Bytes it may hold; where the system tells how many it does.
     seconds
-        It may take.
+        It may take of a processor; by the clock four times that.
 
     Raises
     ------
@@ -93,7 +95,8 @@ def apart(
                 watch.join()
         if not reply.exists():
             raise Stopped(why[0]) if why else Crashed(_ending(child.returncode))
-        told: Told = pickle.loads(reply.read_bytes())  # our own, from a folder of our own
+        with reply.open("rb") as stream:
+            told: Told = pickle.load(stream)  # our own, from a folder of our own
     if told.error is not None:
         raise told.error
     return told.answer
@@ -112,7 +115,8 @@ def answer(folder: str) -> None:
     except CardanError as error:
         told = Told(None, error)
     part = Path(folder, "part")
-    part.write_bytes(pickle.dumps(told, protocol=pickle.HIGHEST_PROTOCOL))
+    with part.open("wb") as stream:  # not by way of bytes: an answer is large enough once
+        pickle.dump(told, stream, protocol=pickle.HIGHEST_PROTOCOL)
     part.rename(Path(folder, "reply"))
     sys.stdout.flush()
     os._exit(0)  # the kernel's own tidying up at the end has crashed before
@@ -122,7 +126,8 @@ def _watch(child: "subprocess.Popen[str]", memory: float, seconds: float, why: l
     """Stop a process that takes too much."""
     start = time.monotonic()
     while child.poll() is None:
-        if time.monotonic() - start > seconds:
+        gone = time.monotonic() - start
+        if gone > _STARVED * seconds or min(gone, worked(child.pid)) > seconds:
             why.append(f"it took longer than {seconds / 60:.3g} minutes")
         elif (held := resident(child.pid)) > memory:
             why.append(f"it held {held / 1e9:.2g} GB of the {memory / 1e9:.2g} GB allowed")
@@ -140,6 +145,16 @@ def resident(process: int) -> float:
         )
     except (OSError, ValueError, IndexError, AttributeError):
         return 0.0
+
+
+def worked(process: int) -> float:
+    """Return the seconds of a processor a process has had; endless where the system says none."""
+    try:
+        # A name in brackets, which may have spaces in it, stands before them.
+        told = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return (int(told[11]) + int(told[12])) / os.sysconf("SC_CLK_TCK")
+    except (OSError, ValueError, IndexError, AttributeError):
+        return float("inf")
 
 
 def _threads() -> str:

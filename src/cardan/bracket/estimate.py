@@ -16,8 +16,12 @@ _UNKNOWNS = {1: 0.9, 2: 6.2, 3: 18.0, 4: 40.0}
 _COARSEST = 5.0
 """Times a sheet's thickness, elements of it that an estimate believes."""
 _ADDED = 35e3
-"""Unknowns that washers, bends, ribs and refinement where it is worst add to those of plain sheet,
-whatever its elements: on six brackets 14 to 57 thousand."""
+"""Unknowns that bends, ribs and refinement where it is worst add to those of plain sheet, whatever
+its elements: on six brackets 14 to 57 thousand."""
+_BEHIND = 3.0
+"""Elements behind a triangle of a face that asks for smaller ones than the rest."""
+_PLACES = 0.12
+"""Of the unknowns, places where stress in contact is kept, six numbers of four bytes a force."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,33 +46,59 @@ class Estimate:
     def __str__(self) -> str:
         """Return it as people read it."""
         return (
-            f"about {_rounded(self.unknowns)} unknowns, {self.memory / 1e9:.2g} GB and "
-            f"{max(self.minutes, 0.1):.2g} minutes"
+            f"about {_rounded(self.unknowns)} unknowns, {_two(self.memory / 1e9)} GB and "
+            f"{_two(max(self.minutes, 0.1))} minutes"
         )
 
 
-def estimate(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
+def triangles(area: float, edge: Metre) -> float:
+    """Return how many triangles of an edge cover an area m²."""
+    return area / (0.433 * edge**2)
+
+
+def estimate(
+    *,
+    volume: float,
+    area: float,
+    size: Metre,
+    degree: int,
+    finer: float = 0.0,
+    forces: float = 0.0,
+) -> Estimate:
     """Estimate a model from its volume m³, its surface m² and the edge of its elements.
 
     A sheet is as many prisms of three tetrahedra as triangles of the edge cover one side of
-    it, in as many layers as the edge goes into its thickness. Memory and time are those of
+    it, in as many layers as the edge goes into its thickness; `finer` are the triangles of faces
+    that ask for a smaller edge, washers above all. Memory and time are those of
     sparse Cholesky factorisations of a sheet's stiffness, two of the last mesh, one for each way
-    its flange is held: measured at 43, 72 and 260 thousand unknowns.
+    its flange is held: measured at 43, 72 and 260 thousand unknowns. In contact there are `forces`
+    between flange and frame, with a third, and a back-substitution each.
     """
     thickness = 2 * volume / area
     layers = max(thickness / size, 1.0)
-    elements = 1.3 * 3 * layers * (area / 2) / (0.433 * size**2)
+    elements = 1.3 * 3 * layers * triangles(area / 2, size) + _BEHIND * finer
     unknowns = _ADDED + _UNKNOWNS[degree] * elements
     denser = (degree / 2) ** 1.0  # higher degrees couple more unknowns to each
+    factor, plain = 20 * unknowns ** (4 / 3), 8e3 * unknowns
+    contact = forces * 24 * _PLACES * unknowns + (factor if forces else 0.0)
+    minutes = 3 * 6.8 * (unknowns / 72_705) ** 1.42 + forces * 0.055 * (unknowns / 72_705) ** 1.42
     return Estimate(
         elements=unknowns / _UNKNOWNS[degree],
         unknowns=unknowns,
-        memory=0.2e9 + denser * (1460 * unknowns**1.15 + 68 * unknowns ** (4 / 3)),
-        minutes=3 * 6.8 / 60 * denser * (unknowns / 72_705) ** 1.42,
+        memory=0.2e9 + denser * (plain + 2 * factor) + contact,
+        minutes=denser * minutes / 60,
     )
 
 
-def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estimate:
+def affordable(
+    *,
+    volume: float,
+    area: float,
+    size: Metre,
+    degree: int,
+    finer: float = 0.0,
+    forces: float = 0.0,
+) -> Estimate:
     """Estimate a model, and refuse one that would take too much memory or time.
 
     Washers and bends ask for elements by the sheet's thickness, however large those asked for are.
@@ -80,14 +110,21 @@ def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estim
     """
     coarsest = _COARSEST * 2 * volume / area
     size = min(size, coarsest)
-    found = least = estimate(volume=volume, area=area, size=size, degree=degree)
+
+    def of(edge: Metre, forces: float) -> Estimate:
+        return estimate(
+            volume=volume, area=area, size=edge, degree=degree, finer=finer, forces=forces
+        )
+
+    def fits(one: Estimate) -> bool:
+        return one.memory <= memory and one.minutes <= MINUTES
+
     memory = min(MEMORY, 0.6 * _installed())
-    if found.memory <= memory and found.minutes <= MINUTES:
+    if fits(found := of(size, forces)):
         return found
     wanted = size
-    while wanted < 1e3 * size and not (least.memory <= memory and least.minutes <= MINUTES):
+    while wanted < 1e3 * size and not fits(of(wanted, forces)):
         wanted *= 1.1
-        least = estimate(volume=volume, area=area, size=wanted, degree=degree)
     lower = " or a lower `order`" if degree > 2 else ""
     msg = (
         f"elements of {size / mm:.3g} mm, degree {degree}, would make {found}; allowed are "
@@ -95,6 +132,8 @@ def affordable(*, volume: float, area: float, size: Metre, degree: int) -> Estim
     )
     if wanted < coarsest:
         msg += f"try `element_mm: {wanted / mm:.2g}`{lower}, or check the bracket's sizes"
+    elif forces and fits(of(coarsest, 0.0)):
+        msg += "contact in its bolts takes that: leave out `bolts`, or check the bracket's sizes"
     else:
         msg += (
             f"a sheet of {2 * volume / area / mm:.2g} mm asks for such elements at its bolts and "
@@ -109,6 +148,11 @@ def _installed() -> float:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, OSError, ValueError):
         return float("inf")
+
+
+def _two(value: float) -> str:
+    """Return a number to two digits, without a power of ten: 0.83, 1900."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _rounded(value: float) -> str:

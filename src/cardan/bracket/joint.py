@@ -23,9 +23,10 @@ in it; VDI 2230 part 1 (2015) for the bolts. Held against CalculiX in
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
@@ -88,8 +89,8 @@ class Joint:
         Work of each force on the six rigid motions.
     rubs : (patches,)
         Whether a patch has forces along the plane: those far from bolts only push.
-    stress : (places, q, 6) Pa
-        At the places that were asked for.
+    stress : (q, places, 6) Pa
+        At the places that were asked for; in single precision, for there are many.
     upright : int
         Axis square to the plane.
     area : (patches,) m2
@@ -102,7 +103,7 @@ class Joint:
     compliance: FloatArray
     rigid: FloatArray
     rubs: BoolArray
-    stress: FloatArray
+    stress: npt.NDArray[np.float32]
     upright: int
     bolts: int
     area: FloatArray
@@ -387,6 +388,15 @@ def _settled(
 # --------------------------------------------------------------------------- condensing
 
 
+def forces_of(*, hole: Metre, thickness: Metre, bolts: int, plane: float) -> float:
+    """Return about how many forces there will be between a flange and its frame.
+
+    `hole` is its bolts' diameter, `plane` the surface m² of it beyond their washers.
+    """
+    rings = np.ceil(((HEAD - 1) * hole / 2 + thickness) / (PATCH * hole))
+    return float(3 * bolts * rings * _PARTS + plane / (_COARSE * hole) ** 2 + bolts + len(UNITS))
+
+
 def condensed(
     held: Elastic,
     loads: FloatArray,
@@ -415,12 +425,12 @@ def condensed(
     DesignError
         If no face lies under a bolt's head.
     """
-    from scipy.sparse import csr_array
+    from scipy.sparse import csr_array, vstack
 
     rounds = _rounds(held, bolts, upright)
     patches, rubs, area = _patches(held, rounds, bolts, upright, thickness)
     heads = _heads(held, rounds, upright, thickness)
-    forces = csr_array(np.concatenate([patches, heads, loads]))
+    forces = csr_array(vstack([patches, csr_array(np.concatenate([heads, loads]))]))
     body, rigid = held.floating(), np.asarray(forces @ held.rigid.T)
     # Each force with what its own mass would feel, so that it is in balance by itself: else three
     # points bear it, and what a patch gives is mostly how the sheet moves about them. Forces in
@@ -432,14 +442,15 @@ def condensed(
     used = np.flatnonzero(np.pad(rub, (0, len(heads) + len(loads)), constant_values=True))
     tell(f"solving for {len(used)} forces between flange and frame")
     count = forces.shape[0]
-    compliance, stress = np.zeros((count, count)), np.zeros((0, count, 6))
+    compliance, stress = np.zeros((count, count)), np.zeros((count, 0, 6), dtype=np.float32)
     for start in range(0, len(used), _BATCH):
         some = used[start : start + _BATCH]
         moved = body.solve(forces[some].toarray() - felt[some] @ heavy, still=_STILL)
         compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
-        told = read(moved)
-        stress = stress if len(stress) else np.zeros((len(told), count, 6))
-        stress[:, some] = told
+        told = read(moved).swapaxes(0, 1)
+        if not stress.size:
+            stress = np.zeros((count, *told.shape[1:]), dtype=np.float32)
+        stress[some] = told
     metal, washer = held.material, 2 * max(r.radius for r in rounds)
     return Joint(
         compliance=compliance, rigid=rigid, rubs=rubs, stress=stress,
@@ -476,14 +487,14 @@ def _patches(
     bolts: tuple[str, ...],
     upright: int,
     thickness: Metre,
-) -> tuple[FloatArray, BoolArray, FloatArray]:
-    """Return unit forces (3 patches, unknowns) spread over patches of the plane.
+) -> tuple[Any, BoolArray, FloatArray]:
+    """Return unit forces, sparse (3 patches, unknowns), spread over patches of the plane.
 
     Then which of them rub, and their areas m².
 
     A patch is made of whole triangles of the mesh, near a bolt in rings about it.
     """
-    from scipy.sparse import csr_array
+    from scipy.sparse import coo_array, csr_array
 
     ngs = engine().ngs
     names = [*bolts, *({MOUNT} & set(held.mesh.GetBoundaries()))]
@@ -517,14 +528,19 @@ def _patches(
     belongs = csr_array(
         (np.ones(len(own)), (own, patch.ravel())), shape=(flat.ndof, len(first))
     )  # fmt: skip
-    each = (spread @ belongs).toarray().T
+    each: Any = csr_array((spread @ belongs).T)
     # Functions of corners add up to 1: their share is the patch's area.
-    area = each[:, : held.mesh.nv].sum(axis=1)
-    each /= area[:, None]
-    forces = np.zeros((len(first), 3, each.shape[1], 3))
-    for k, axis in enumerate((*ways, upright)):
-        forces[:, k, :, axis] = each * (rounds[0].out if k == 2 else 1.0)
-    return forces.reshape(3 * len(first), -1), rubs[first], area
+    area = np.asarray(each[:, : held.mesh.nv].sum(axis=1), dtype=float).ravel()
+    each = each.tocoo()
+    value = each.data / area[each.row]
+    axes, way = (*ways, upright), np.arange(3)[:, None]
+    pushes = value * np.where(way == 2, rounds[0].out, 1.0)
+    places = 3 * each.row + way, 3 * each.col + np.array(axes)[:, None]
+    forces = coo_array(
+        (pushes.ravel(), tuple(place.ravel() for place in places)),
+        shape=(3 * len(first), 3 * functions.ndof),
+    )  # fmt: skip
+    return forces, rubs[first], area
 
 
 def _heads(held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre) -> FloatArray:

@@ -4,10 +4,11 @@ The work is done in a process of its own (`cardan.bracket.apart`), after an esti
 it takes, and with smaller welds and fillets where the CAD kernel breaks on those drawn.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,9 @@ from cardan.base.units import Metre, mm
 from cardan.bracket.afar import too_high
 from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
-from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable
+from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable, triangles
 from cardan.bracket.gauges import influence
-from cardan.bracket.joint import PATCH, Joint, condensed
+from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
     LEVELS,
     UNSETTLED,
@@ -29,7 +30,7 @@ from cardan.bracket.refine import (
     refined,
     telling,
 )  # fmt: skip
-from cardan.bracket.shape import MOUNT, Picked, Solid, longest_on, solid
+from cardan.bracket.shape import MOUNT, WASHER, Picked, Solid, longest_on, solid
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -274,17 +275,12 @@ def solve(task: Task, tell: Progress) -> Solved:
     tell("building the shape")
     body = solid(task.shape)
     size = task.element or 1.5 * body.thickness
-    area = float(sum(face.mass for face in body.shape.faces))
-    expected = affordable(volume=body.volume, area=area, size=size, degree=task.order)
+    finer = _asked_of_faces(body, size, bolted=task.bolted)
+    expected = affordable(
+        volume=body.volume, area=_area(body.shape.faces), size=size, degree=task.order,
+        finer=finer, forces=_forces(body) if task.bolted else 0.0,
+    )  # fmt: skip
     tell(f"expecting {expected}")
-    for face in body.shape.faces:
-        if face.name in body.bolts:  # at a washer's border stress is read close by
-            face.maxh = min(size, 0.5 * body.thickness)
-            if task.bolted:
-                low, high = face.bounding_box
-                face.maxh = min(face.maxh, PATCH * (high.x - low.x + high.y - low.y) / 4)
-        elif (most := longest_on(face, body.thickness)) < size:
-            face.maxh = most
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
         clamps=tuple(body.held("sliding")), firm=body.held("clamped"), loads=unit_loads, size=size,
@@ -324,6 +320,39 @@ def solve(task: Task, tell: Progress) -> Solved:
         found=body.found,
         bolted=_bolted(body, done, task, tell) if task.bolted else None,
     )
+
+
+def _asked_of_faces(body: Solid, size: Metre, *, bolted: bool) -> float:
+    """Ask of some faces for edges below `size`; return how many triangles there will be on them."""
+    finer = 0.0
+    for face in body.shape.faces:
+        edge = longest_on(face, body.thickness)
+        if face.name in body.bolts:  # at a washer's border stress is read close by
+            edge = 0.5 * body.thickness
+            if bolted:
+                edge = min(edge, PATCH * _hole(face))
+        if edge < size:
+            face.maxh = edge
+            finer += triangles(face.mass, edge)
+    return finer
+
+
+def _forces(body: Solid) -> float:
+    """Return about how many forces there will be between its flange and the frame."""
+    faces = body.shape.faces
+    hole = min(_hole(face) for face in faces if face.name in body.bolts)
+    plane = _area(face for face in faces if face.name == MOUNT)
+    return forces_of(hole=hole, thickness=body.thickness, bolts=len(body.bolts), plane=plane)
+
+
+def _hole(ring: Any) -> Metre:
+    """Return the diameter of the hole in a washer's ring."""
+    low, high = ring.bounding_box
+    return float(high.x - low.x + high.y - low.y + high.z - low.z) / (2 * WASHER)
+
+
+def _area(faces: Iterable[Any]) -> float:
+    return float(sum(face.mass for face in faces))
 
 
 def _units(body: Solid, found: Solution, size: Metre) -> Units:

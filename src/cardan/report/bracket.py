@@ -502,10 +502,10 @@ def better(before: Judged, after: Judged, say: Language = EN) -> str:
     part = say.part(
         (after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part
     )
-    said = say("better") if gain else say("not better")
-    return say(
-        "At its worst zone the variant is {said}: {what} ({part}).", said=said, what=what, part=part
-    )
+    told = {"what": what, "part": part}
+    if gain:
+        return say("At its worst zone the variant is better: {what} ({part}).", **told)
+    return say("At its worst zone the variant is not better: {what} ({part}).", **told)
 
 
 # --------------------------------------------------------------------------- contract

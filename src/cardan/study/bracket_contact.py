@@ -104,7 +104,7 @@ class Contact:
         """Return what share loads (t, 9) are of those under which the bolts slip or open.
 
         The most of all moments: where no other can have more by what balance said of those
-        asked, or after so many.
+        asked, or after so many. Balance knows no frame, contact does: of both frames the worse.
         """
         planes = np.zeros((0, len(UNITS)))
         asked: dict[int, float] = {}
@@ -118,7 +118,7 @@ class Contact:
             asked[k], plane = self.tight.unbalanced(loads[k])
             planes = np.vstack([planes, plane])
         worst = max(asked, key=lambda k: asked[k])
-        return self.tight.share(loads[worst])[0]
+        return max(on.share(loads[worst])[0] for on in (self.tight, self.soft))
 
     def times(self, passes: Sequence[FloatArray]) -> FloatArray:
         """Return swings (features,) over those told, on their safe side, of a history (t, 9).
@@ -167,7 +167,11 @@ class Contact:
         assert self.solved.bolted is not None
         joint = self.solved.bolted.joint
         ways = [np.stack([on.under(load) for load in loads]) for on in (self.tight, self.soft)]
-        real = [forces @ joint.stress for forces in ways]
+        single = joint.stress.dtype
+        real = [
+            np.tensordot(forces.astype(single), joint.stress, 1).swapaxes(0, 1).astype(float)
+            for forces in ways
+        ]
         told, found = np.zeros((2, self.count))
         start = 0
         for held, own, at in self._places():
