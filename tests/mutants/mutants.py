@@ -1684,7 +1684,7 @@ WEB = (
     mutant("web/session.py", 'if question["job"] in jobs.LIGHT:', "if False:",
            "what is done at once waits behind a bracket",
            "unit/test_web_jobs.py::test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes"),
-    mutant("web/session.py", 'self.lanes.folder if question["job"] in jobs.FOLDER', 'self.lanes.work if question["job"] in jobs.FOLDER',
+    mutant("web/session.py", 'self.lanes.beside if beside else', 'self.lanes.work if beside else',
            "files are listed behind a bracket", "unit/test_web_jobs.py::test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes"),
     mutant("web/heard.py", '"low": f(of.interval[0], 4),', '"low": f(of.interval[1], 4),',
            "a cause is surer on the page than it is", "unit/test_web_recording.py::test_life_of_a_campaign_is_that_of_the_command"),

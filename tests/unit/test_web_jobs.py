@@ -52,7 +52,10 @@ def job(name, text=TRUCK, parts=None, lang="en", **args):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="holds a process still")
 def test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes(house):
-    """The limits had come 17 s after they were asked for, behind a bracket."""
+    """The limits had come 17 s after they were asked for, behind a bracket.
+
+    Nor do hands wait behind what a view shows by itself: corrections had, behind its map.
+    """
     with page(house) as one:
         one.hello()
         text = one.open()["saved"]
@@ -69,10 +72,19 @@ def test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes(house):
             assert {one.hear("done")["id"] for _ in range(2)} == {3, 4}
             one.say("job", id=5, job="library", text="", args={})
             assert [row["name"] for row in one.hear("done")["rows"]] == ["truck.yaml"]
+            for number, sought in ((6, False), (7, True)):
+                args = {"x": "bearing_height 2", "y": "shim 1", "sought": sought}
+                one.say("job", id=number, job="map", text=text, args=args)
+            assert one.hear("done")["id"] == 6
+            one.say("job", id=8, job="speeds", text=text, args={"state": 1})
+            assert one.hear("done")["id"] == 8
+            one.say("cancel", id=7)
+            assert one.hear("done")["id"] == 7
         finally:
             os.kill(pid, signal.SIGCONT)
         one.say("cancel", id=2)
         assert one.hear("done")["fault"] == "cancelled"
+        assert house.lanes.work.pid not in (None, pid)  # who asks next finds a process
 
 
 @pytest.mark.slow
