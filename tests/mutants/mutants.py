@@ -1032,6 +1032,8 @@ STUDY = (
     mutant("study/fix.py", "return worst([self.verdict, self.installed.verdict]) == self.installed.verdict",
            "return True",
            "a warning is mended by what fails", "unit/test_study.py::test_no_warning_is_mended_by_what_fails"),
+    mutant("study/fix.py", "return now >= was - EQUAL or _wrong", "return True or _wrong",
+           "what loses a hair and mends nothing is proposed", "unit/test_study.py::test_what_loses_a_hair_and_mends_nothing_is_no_proposal"),
     mutant("study/fix.py", "np.where(stands | ~stands.any(), asked[to].min(-1), -np.inf)",
            "asked[to].min(-1)",
            "only what fails is looked for", "unit/test_study.py::test_no_warning_is_mended_by_what_fails"),

@@ -1,7 +1,7 @@
 // Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
 
 import { Card } from "./Card";
-import { number } from "./format";
+import { number, pointed } from "./format";
 import { store, type Known } from "./store";
 import { t } from "./text";
 import type { Shown } from "./Drawing";
@@ -36,7 +36,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
               return (
                 <tr key={`t${k}`}>
                   <th scope="row">{part}</th>
-                  <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, `${c.outer_mm} × ${c.wall_mm}`])} /></td>
+                  <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, [c.outer_mm, c.wall_mm].map(String).map(pointed).join(" × ")])} /></td>
                   <td class="n" colSpan={3}>{size && `${size} mm`}</td>
                 </tr>
               );
