@@ -3,6 +3,7 @@
 Needs the built page: `make browser` builds it.
 """
 
+import re
 import sys
 import time
 from pathlib import Path
@@ -98,6 +99,9 @@ def test_no_view_has_anything_serious_or_is_wider_than_its_screen(tmp_path, code
             "return [...document.querySelectorAll('[data-part] option')].map(o => o.textContent)"
         )
         assert any("," in s for s in sizes if " × " in s) == (code != "en")
+        several = {"en": "fail", "pt": "reprovados", "it": "non conformi"}[code]
+        told = driver.find_element("css selector", ".counts .fail").text
+        assert re.fullmatch(rf"[1-9]\d+ {several}", told)
         assert driver.execute_script(OVERLAPPING, ".room text", ".joint .angle") == []
         for view in shown:
             show(driver, view)

@@ -211,7 +211,7 @@ function Strip({ known }: { known: Known }) {
     <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
       <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>
       <p class="counts">
-        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counts[g]} {t(g)}</span>)}
+        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && full.missed > 0 && <span>{t("{count} unanswered", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
         <span class="pending" aria-hidden={settled}>{settled ? "" : t("bearing forces follow …")}</span>

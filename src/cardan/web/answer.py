@@ -31,7 +31,7 @@ from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
 from cardan.report.inputs import inputs
 from cardan.report.language import Language
-from cardan.report.wording import cited, move, notes, occasion, spoils, unanswered
+from cardan.report.wording import cited, counted, move, notes, occasion, spoils, unanswered
 from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
@@ -211,7 +211,7 @@ def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
     others = [c for f in found.findings if f.study != DRIVELINE for c in f.checks]
     return {
         "verdict": found.verdict,
-        "counts": {g: sum(c.grade == g for c in found.checks) for g in GRADES},
+        "counted": counted(found.checks, say),
         "missed": len(found.coverage.unanswered),
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
@@ -277,7 +277,7 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         lives: list[dict[str, str]] = args.get("lives", [])
         gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
-            "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
+            "variants": [{"name": name, "verdict": None, "counted": {}} for name, _ in named],
             "differences": written,
             "effects": [
                 {
@@ -296,7 +296,7 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         "variants": [
             {
                 "name": v.name, "verdict": v.approval.verdict,
-                "counts": {g: sum(c.grade == g for c in v.approval.checks) for g in GRADES},
+                "counted": counted(v.approval.checks, say),
             }
             for v in found
         ],
