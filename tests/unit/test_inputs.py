@@ -114,10 +114,13 @@ def test_what_has_a_row_in_words_stands_in_a_file_above_and_all_else_by_its_addr
     say, tried = Language("it").typeset, set()
     for app in (*map(files.loads, (RARE, ODD)), *map(files.read, EXAMPLES)):
         rows = {i.name: i.value for i in inputs(app, say)}
+        groups = {i.name: i.group for i in inputs(app, say)}
         for one in entered(app):
             tried.add(one.path)
             if one.path not in SAID:
                 assert rows[one.at].count(";") >= len(one.values) - 1
+                if one.at.startswith("drivelines."):
+                    assert groups[one.at] == f"Linea {one.at.split('.')[1]}"
             else:
                 assert one.at not in rows
     assert SAID - tried == set()
