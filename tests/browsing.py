@@ -87,10 +87,10 @@ def on(driver, handle):
     return driver.find_element("css selector", f"[data-handle='{handle}']")
 
 
-def drag(driver, handle, dx, dy, steps=6):
+def drag(driver, handle, dx, dy, steps=6, dot=".dot"):
     from selenium.webdriver.common.action_chains import ActionChains
 
-    at = driver.find_element("css selector", f"[data-handle='{handle}'] .dot")
+    at = driver.find_element("css selector", f"[data-handle='{handle}'] {dot}")
     hand = ActionChains(driver, duration=10).move_to_element(at).click_and_hold()
     for _ in range(steps):
         hand.move_by_offset(dx, dy)

@@ -3,10 +3,14 @@
 Needs the built page: `make browser` builds it.
 """
 
+import csv
 import sys
 import time
+from importlib import resources
+from io import StringIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -30,6 +34,8 @@ from browsing import (
 from workbench import PATIENCE
 
 from cardan import files
+from cardan.base.units import deg
+from cardan.base.verdict import GRADES
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
 
@@ -137,6 +143,49 @@ def test_a_cell_leads_to_its_part_its_equation_and_its_source(browser, tmp_path)
         assert state in detail
 
 
+CELLS = """
+return [...document.querySelectorAll('.heat tbody tr')].flatMap(row =>
+  [...row.querySelectorAll('td')].map((cell, k) => [row.querySelector('th').title, k,
+    (row.querySelector('th i')?.innerText ?? '').replace(/:.*/, ''),
+    cell.querySelector('button')?.ariaLabel ?? ''])).filter(c => c[3]);
+"""
+
+
+@pytest.mark.parametrize("name", ["refuse-collector-6x2", "pick-up-4x4"])
+def test_every_cell_of_the_heat_map_is_what_the_check_says(browser, tmp_path, name):
+    """Margin, grade and part of `cardan.check`; what is worst of a quantity in a state is there."""
+    text, say = (ROOT / f"examples/{name}.yaml").read_text("utf-8"), Language("en").typeset
+    found = approve(files.loads(text))
+    states, several = [s.name for s in found.application.states], len(found.responses) > 1
+    said, least = set(), {}
+    for c in (c for f in found.findings if f.study == "driveline" for c in f.checks):
+        line, part = c.line if several else "", "" if c.part.kind == "line" else say.part(c.part)
+        row, margin = (say.name(c.quantity), states.index(c.when.name), line), shown(c.margin)
+        said.add((*row, part, c.grade, margin))
+        rank = (-GRADES.index(c.grade), c.margin)
+        least[row] = min(least.get(row, (rank, margin)), (rank, margin))
+    with workbench(tmp_path, text) as (house, _):
+        opened(browser, house)
+        cells = browser.execute_script(CELLS)
+    drawn = {}
+    for title, k, line, label in cells:
+        where, _, what = label.rpartition(": ")
+        grade, margin = what.removesuffix(" %").split(", ")
+        parts = where.removeprefix(f"{title}, {say.state(states[k])}").removeprefix(", ")
+        assert (title, k, line, parts, grade, margin) in said
+        drawn.setdefault((title, k, line), set()).add(margin)
+    assert drawn.keys() == least.keys()
+    assert all(margin in drawn[row] for row, (_, margin) in least.items())
+
+
+def shown(margin):
+    """A margin as a cell has room for."""
+    if abs(margin) > 9.99:
+        return "> 999" if margin > 0 else "< −999"
+    digits = 1 if 0 < abs(margin) < 0.0095 else 0
+    return f"{100 * margin:+.{digits}f}".replace("-", "−").replace("+0", "0", margin == 0)
+
+
 @pytest.mark.parametrize("lang", ["en", "pt"])
 def test_what_rubber_leaves_of_a_clearance_leads_to_its_obstacle(browser, tmp_path, lang):
     """The value beside the obstacle is that of the cell, not the one of rubber that stands."""
@@ -215,6 +264,65 @@ def test_the_dial_turns_a_yoke(browser, tmp_path):
         assert files.loads(now).lines[0].line.phases[1] == pytest.approx(0.349, abs=1e-3)
         assert browser.find_element("css selector", ".figure b").text != sum_
         assert len(browser.find_elements("css selector", ".dials .plot canvas")) == 2
+
+
+def test_the_dial_follows_a_hand_and_its_sum_is_the_checks(browser, tmp_path):
+    """The angle below the phasors is that of AE-7, summed here by hand from the members' bends."""
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was, angle = text_of(browser), "document.querySelector('.figure b').innerText"
+        first, at = browser.execute_script(f"return {angle}"), "driveline.shafts[3].phase_deg"
+        dial = on(browser, f"phase/{at}")
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", dial)
+        hand = drag(browser, f"phase/{at}", 4, -4, dot=".knob")
+        hand.perform()
+        wait(browser, f"return {angle} !== arguments[0]", first)  # held: the sum has followed
+        assert text_of(browser) == was
+        hand.reset_actions()
+        hand.release().perform()
+        app = files.loads(edited(browser, was))
+        turned = float(dial.get_attribute("aria-valuenow"))
+        assert turned > 20
+        assert app.lines[0].line.phases[2] == pytest.approx(turned * deg, abs=1e-9)
+        shown = browser.find_elements("css selector", ".poser .chips button")
+        (state,) = (k for k, b in enumerate(shown) if b.get_attribute("aria-pressed") == "true")
+        response = approve(app).responses[0]
+        bends = response.side_angles[state] - 1j * response.top_angles[state]
+        turns = np.cumsum([0.0, *(shaft.phase for shaft in app.lines[0].line.shafts)])
+        whole = abs(
+            sum(
+                (-1) ** k * (b * np.exp(1j * p)) ** 2
+                for k, (b, p) in enumerate(zip(bends, turns, strict=True))
+            )
+        )
+        told = float(browser.execute_script(f"return {angle}").removesuffix("°"))
+        # The exact sum differs by what the squares of the angles are of 1.
+        assert told == pytest.approx(whole**0.5 / deg, rel=max(abs(bends)) ** 2)
+        clean(browser)
+
+
+def test_a_joint_is_swapped_for_another_with_its_ratings_beside(browser, tmp_path):
+    """Its torques are those of the row in the catalogue's own file."""
+    from selenium.webdriver.support.ui import Select
+
+    catalogue = resources.files("cardan.files").joinpath("catalogues/joints.csv")
+    rows = {row["name"]: row for row in csv.DictReader(StringIO(catalogue.read_text("utf-8")))}
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        was, at = text_of(browser), "[data-part='driveline.joints']"
+        before = browser.find_element("css selector", ".counts").text
+        Select(browser.find_element("css selector", at)).select_by_value("2065")
+        now = edited(browser, was)
+        joints = files.loads(now).lines[0].line.joints
+        assert {j.name for j in joints} == {"2065"}
+        cells = browser.find_elements("css selector", ".parts tbody tr:first-child td.n")
+        peak, reversing, _ = (c.text.removesuffix(" N·m") for c in cells)
+        assert float(peak) == float(rows["2065"]["peak_Nm"]) == joints[0].peak_torque
+        assert float(reversing) == float(rows["2065"]["reversing_Nm"])
+        assert browser.find_element("css selector", ".counts").text != before
+        browser.find_element("css selector", "[aria-label='undo']").click()
+        assert edited(browser, now) == was
+        clean(browser)
 
 
 def test_what_would_help_is_made_by_a_click(browser, tmp_path):

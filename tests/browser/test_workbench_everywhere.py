@@ -3,6 +3,7 @@
 Needs the built page: `make browser` builds it.
 """
 
+import re
 import sys
 import time
 from pathlib import Path
@@ -50,6 +51,17 @@ TURNED = (
 )
 
 
+OVERLAPPING = """
+const boxes = (s) => [...document.querySelectorAll(s)].filter(e => e.textContent)
+  .map(e => [e.textContent, e.getBoundingClientRect()]);
+return boxes(arguments[0]).flatMap(([a, p]) => boxes(arguments[1])
+  .filter(([, q]) => p.left < q.right && q.left < p.right)
+  .filter(([, q]) => p.top < q.bottom - 3 && q.top + 3 < p.bottom)
+  .map(([b]) => [a, b]));
+"""
+"""Texts that lie over each other, by more than the room that a line leaves."""
+
+
 def sized(driver, width):
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
         "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500,
@@ -83,6 +95,14 @@ def test_no_view_has_anything_serious_or_is_wider_than_its_screen(tmp_path, code
             for e in driver.find_elements("css selector", "[data-view]")
         ]
         assert sorted(shown) == sorted(VIEWS)
+        sizes = driver.execute_script(
+            "return [...document.querySelectorAll('[data-part] option')].map(o => o.textContent)"
+        )
+        assert any("," in s for s in sizes if " × " in s) == (code != "en")
+        several = {"en": "fail", "pt": "reprovados", "it": "non conformi"}[code]
+        told = driver.find_element("css selector", ".counts .fail").text
+        assert re.fullmatch(rf"[1-9]\d+ {several}", told)
+        assert driver.execute_script(OVERLAPPING, ".room text", ".joint .angle") == []
         for view in shown:
             show(driver, view)
             wide = driver.execute_script(
@@ -187,6 +207,9 @@ def test_a_bracket_is_solved_turned_and_its_zones_marked(tmp_path):
         zones = driver.find_elements("css selector", ".zones li")
         assert "MPa" in zones[0].text
         assert driver.find_elements("css selector", ".marks canvas")
+        # Far below the page, on a telephone, pictures had come when they were scrolled to.
+        drawn = "[...document.querySelectorAll('.paper img')].map(i => i.naturalWidth > 0)"
+        wait(driver, f"return {drawn}.length > 1 && {drawn}.every(Boolean)")
         assert [e.text for e in driver.find_elements("css selector", ".marks span")][:1] == ["H1"]
         top = driver.execute_script("return document.querySelector('[data-top]').innerText")
         chips = driver.find_elements("css selector", ".chips[aria-label=case] button")

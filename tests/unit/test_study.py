@@ -406,6 +406,27 @@ def test_a_better_verdict_comes_before_a_cheaper_one():
     assert ranked[0].cost < ranked[1].cost
 
 
+@pytest.mark.parametrize(
+    ("verdict", "margin", "grades", "stands"),
+    [
+        ("fail", -2.02, ["fail", "fail", "warn"], True), ("fail", -2.03, ["fail", "warn"], True),
+        ("fail", -2.03, ["fail", "fail", "warn"], False), ("fail", -2.03, ["fail", "fail"], True),
+        ("fail", -2.03, ["fail", "fail", "warn", "warn"], False), ("warn", -0.4, ["warn"], True),
+    ],
+)  # fmt: skip
+def test_what_loses_a_hair_and_mends_nothing_is_no_proposal(verdict, margin, grades, stands):
+    """-203 % after -202 % was listed, for margin that it won where all passes."""
+
+    def approval(verdict, margin, grades):
+        checks = [SimpleNamespace(grade=g) for g in grades]
+        return SimpleNamespace(verdict=verdict, smallest_margin=margin, checks=checks)
+
+    was = approval("fail", -2.02, ["fail", "fail", "warn"])
+    now = approval(verdict, margin, grades)
+    one = Proposal(line="x", moves=(), before=-2, margin=-1, approval=now, installed=was)
+    assert one.stands == stands
+
+
 @pytest.mark.parametrize("limits", [(SMALLEST, TORSIONAL), (SMALLEST,)])
 def test_what_is_shown_first_is_known_before_the_search_and_only_gets_better(truck, limits):
     """And what the search ends with is what it ends with where nobody looks on."""

@@ -367,7 +367,12 @@ def test_what_is_missing_in_a_file_is_said_whole(code):
         ("it", "did you mean torque_Nm?", "si intendeva torque_Nm?"),
         ("pt", "must be a number of 0 or more", "deve ser um número de 0 ou mais"),
         ("it", "no catalogue has a tube 100x33", "nessun catalogo ha un tubo 100x33"),
-        ("pt", "nobody ever refused this", "nobody ever refused this"),
+        ("pt", "x holds another study, with other application, limits: name another folder",
+         "x contém outro estudo, que difere em aplicação, limites: indique outra pasta"),
+        ("it", "vary, tolerances or ask, files that it names changed while the study ran: begin it"
+         " anew", "mentre lo studio era in corso è cambiato: vary, tolerances o ask, file che "
+         "indica; ricominciarlo"),
+        ("pt", "nobody, ever, refused this", "nobody, ever, refused this"),
         ("en", "unknown key", "unknown key"),
     ],
 )  # fmt: skip

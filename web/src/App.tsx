@@ -3,7 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
 import { Campaign } from "./Campaign";
-import { Card } from "./Card";
+import { Card, Select } from "./Card";
 import { Change } from "./Change";
 import { Drawing, type Shown } from "./Drawing";
 import { Dials } from "./Dial";
@@ -158,10 +158,7 @@ function Head({ known }: { known: Known }) {
       <svg class="mark" viewBox="0 0 32 32" aria-hidden="true"><path d="M2 10 13 14m6 4 11 4" /><circle cx="16" cy="16" r="5" /></svg>
       <h1 title={title}>{title}</h1>
       {known.files.length > 1 && (
-        <select aria-label={t("File")} value={known.file ?? ""} onChange={(e) => store.open(Number((e.currentTarget as HTMLSelectElement).value))}>
-          {known.file === null && <option value="">…</option>}
-          {known.files.map((name, k) => <option key={name} value={k}>{name}</option>)}
-        </select>
+        <Select label={t("File")} value={String(known.file ?? "")} choose={(k) => store.open(Number(k))} of={[...(known.file === null ? [["", "…"] as const] : []), ...known.files.map((name, k) => [String(k), name] as const)]} />
       )}
       <div class="tools">
         {known.connection === "lost" && <span class="note fail" role="status">{t("connection lost")}</span>}
@@ -170,12 +167,8 @@ function Head({ known }: { known: Known }) {
         <button disabled={!history?.future.length} onClick={() => store.redo()} title="Ctrl+Y" aria-label={t("redo")}>↷</button>
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
         </>}
-        <select aria-label={t("Language")} value={known.lang} onChange={(e) => store.speak(e.currentTarget.value)}>{known.languages.map((code) => <option key={code}>{code}</option>)}</select>
-        <select aria-label={t("Colours")} value={known.theme} onChange={(e) => store.theme((e.currentTarget as HTMLSelectElement).value as Known["theme"])}>
-          <option value="auto">{t("as the system")}</option>
-          <option value="light">{t("light")}</option>
-          <option value="dark">{t("dark")}</option>
-        </select>
+        <Select label={t("Language")} value={known.lang} choose={(lang) => store.speak(lang)} of={known.languages} />
+        <Select label={t("Colours")} value={known.theme} choose={(theme) => store.theme(theme as Known["theme"])} of={[["auto", t("as the system")], ["light", t("light")], ["dark", t("dark")]]} />
       </div>
     </header>
   );
@@ -218,7 +211,7 @@ function Strip({ known }: { known: Known }) {
     <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
       <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>
       <p class="counts">
-        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counts[g]} {t(g)}</span>)}
+        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && full.missed > 0 && <span>{t("{count} unanswered", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
         <span class="pending" aria-hidden={settled}>{settled ? "" : t("bearing forces follow …")}</span>

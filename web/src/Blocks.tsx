@@ -9,7 +9,7 @@ export function Blocks({ of }: { of: Block[] }) {
         if (b.kind === "text") return b.paragraphs.map((p) => <p key={p} class="note">{p}</p>);
         if (b.kind === "figure") return (
           <figure key={k} class="paper">
-            <img src={`data:image/svg+xml,${encodeURIComponent(b.svg)}`} alt={b.alt} loading="lazy" />
+            <img src={`data:image/svg+xml,${encodeURIComponent(b.svg)}`} alt={b.alt} />
             <figcaption>{b.title}{b.note && <span class="note">. {b.note}</span>}</figcaption>
           </figure>
         );

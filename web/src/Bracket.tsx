@@ -65,7 +65,7 @@ function Shape({ of }: { of: Seated }) {
       <div class="chips" role="group" aria-label={t("case")}>{variant.cases.map((o, k) => <button key={o.name} aria-pressed={o === shown} onClick={() => setC(k)}>{o.name}</button>)}</div>
       {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas marks" ref={box} />}
       <p class="ends colours"><span>0</span><i aria-hidden="true" /><span data-top>{fixed(shown.top, 1)} MPa</span></p>
-      <label class="slider">{t("deformation")}<output>{plenty === 0 ? t("none") : ""}</output><input type="range" min={0} max={1} step={0.01} value={plenty} onInput={(e) => give(Number((e.currentTarget as HTMLInputElement).value))} /></label>
+      <label class="slider">{t("deformation")}<output>{plenty === 0 ? t("none") : ""}</output><input type="range" min={0} max={1} step={0.01} value={plenty} onInput={(e) => give(Number(e.currentTarget.value))} /></label>
       <ol class="zones">
         {variant.zones.map((z, k) => (
           <li key={z.said}><button class="link" aria-pressed={marked === k} onClick={() => mark(marked === k ? null : k)}>{z.mark} {z.said}</button>: {number(z.MPa)} MPa, {z.case} <span class="note">{z.at.map((x) => fixed(x, 0)).join(" ")} mm{z.used !== null && `, ${t("{share} % of its fatigue limit", { share: number(100 * z.used) })}`}</span></li>

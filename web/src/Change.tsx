@@ -1,7 +1,7 @@
 // What to change: corrections with holds, a map of two moves, what remains where moves scatter.
 
 import { useEffect, useState } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Select } from "./Card";
 import type { Shown } from "./Drawing";
 import { Field } from "./Field";
 import { fixed, number, percent, pointed } from "./format";
@@ -87,9 +87,7 @@ function Front({ of }: { of: Corrections["proposals"] }) {
 
 function Choice({ of, value, set, label }: { of: Movable[]; value: string; set: (id: string) => void; label: string }) {
   return (
-    <select aria-label={label} value={value} onChange={(e) => set((e.currentTarget as HTMLSelectElement).value)}>
-      {of.map((m) => <option key={m.id} value={m.id}>{m.said}</option>)}
-    </select>
+    <Select label={label} value={value} choose={set} of={of.map((m) => [m.id, m.said] as const)} />
   );
 }
 
@@ -161,7 +159,7 @@ function Scatter({ known, shown }: Both) {
   return (
     <Card id="scatter" title={t("What remains under tolerances")} head={<Asking job={job} name="yield" word={t("try {count}", { count: 4096 })} stale={job?.of !== store.about(args)} ask={() => store.work("yield", args)} disabled={sigmas.length === 0} />}>
       <div class="fields">
-        {every.map((m) => <label key={m.id}>{m.said} ± [{unit(m.unit)}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: (e.currentTarget as HTMLInputElement).value })} /></label>)}
+        {every.map((m) => <label key={m.id}>{m.said} ± [{unit(m.unit)}]<input inputMode="decimal" value={sigma(m)} onInput={(e) => give({ ...given, [m.id]: e.currentTarget.value })} /></label>)}
       </div>
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (

@@ -130,7 +130,7 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
         const left = of.given[o.name];
         // Beside it, or where that is on the line itself, below.
         const [behind, narrow] = [last < p.width - (left === undefined ? 180 : 260), p.width < 560];
-        const x = narrow ? p.width - 4 : behind ? last + 8 : first - 8;
+        const x = narrow ? p.x(of.shown.laid.joints.at(-1)?.[0] ?? 0) - 26 : behind ? last + 8 : first - 8;
         const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known)) + (narrow ? 24 : 0);
         const y = Math.min(Math.max(up, 60), p.height - 62);
         const room = free.length ? `${fixed(Math.min(...free), 1)} mm` : "";

@@ -1,7 +1,7 @@
 // From a protractor's readings, or a pasted table, to a file and its verdict.
 
 import { useEffect, useState } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Select, Sheet } from "./Card";
 import { fixed, number, percent } from "./format";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -42,7 +42,7 @@ export function Guide({ known }: { known: Known }) {
   };
   const fields: Record<string, string> = {};
   const field = (key: string, name: string, value: string, put: (v: string) => void) => (fields[key] = name) && (
-    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} onInput={(e) => put((e.currentTarget as HTMLInputElement).value)} />
+    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} onInput={(e) => put(e.currentTarget.value)} />
   );
   const n = form.shafts.length;
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
@@ -54,52 +54,39 @@ export function Guide({ known }: { known: Known }) {
     <div class="columns">
       <div class="left"><Card id="guide" title={t("From a protractor's readings")} note={t("slopes down to the rear are positive, to the right too")}>
         <div class="fields">
-          <label>{t("title")}<input value={form.title} data-field="title" onInput={(e) => change({ title: (e.currentTarget as HTMLInputElement).value })} /></label>
+          <label>{t("title")}<input value={form.title} data-field="title" onInput={(e) => change({ title: e.currentTarget.value })} /></label>
           <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
           <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
-          <label>{t("shafts")}<select value={n} data-field="count" onChange={(e) => count(Number((e.currentTarget as HTMLSelectElement).value))}>{[1, 2, 3, 4, 5, 6].map((k) => <option key={k} value={k}>{k}</option>)}</select></label>
-          <label>{t("lengths in")}<select value={form.unit} onChange={(e) => change({ unit: (e.currentTarget as HTMLSelectElement).value })}><option>mm</option><option>in</option></select></label>
-          <label>{t("limits")}<select value={form.limits} data-field="limits" onChange={(e) => change({ limits: (e.currentTarget as HTMLSelectElement).value })}>{known.profiles.map((p) => <option key={p} value={p}>{p}</option>)}</select></label>
+          <label>{t("shafts")}<Select value={String(n)} data-field="count" choose={(k) => count(Number(k))} of={["1", "2", "3", "4", "5", "6"]} /></label>
+          <label>{t("lengths in")}<Select value={form.unit} choose={(unit) => change({ unit })} of={["mm", "in"]} /></label>
+          <label>{t("limits")}<Select value={form.limits} data-field="limits" choose={(limits) => change({ limits })} of={known.profiles} /></label>
         </div>
         <div class="chips" role="group" aria-label={t("The line by")}>
           <button aria-pressed={!pasting} onClick={() => paste(false)}>{t("slopes and lengths")}</button>
           <button aria-pressed={pasting} data-way="points" onClick={() => paste(true)}>{t("points, pasted from a spreadsheet")}</button>
         </div>
         {pasting && <Pasted form={form} change={change} invalid={wrong.has("points") || [...wrong.keys()].some((k) => k.startsWith("row"))} />}
-        <div class="scroll" tabindex={0} role="region" aria-label={t("From a protractor's readings")}>
-          <table class="rows">
-            <thead>
-              <tr>
-                <th scope="col" /><th scope="col">{t("side slope [deg]")}</th><th scope="col">{t("top slope [deg]")}</th>
-                {!pasting && <th scope="col">{t("length")} [{form.unit}]</th>}
-                <th scope="col">{t("bearing ahead of the rear joint")} [{form.unit}]</th><th scope="col">{t("phase [deg]")}</th><th scope="col">{t("tube")}</th>
+        <Sheet label={t("From a protractor's readings")} head={["", t("side slope [deg]"), t("top slope [deg]"), ...(pasting ? [] : [`${t("length")} [${form.unit}]`]), `${t("bearing ahead of the rear joint")} [${form.unit}]`, t("phase [deg]"), t("tube")]}>
+          {names.map((name, k) => {
+            const shaft = k > 0 && k <= n ? form.shafts[k - 1] : undefined;
+            const put = (key: string, label: string) => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v));
+            const sloped = !pasting || !shaft;
+            return (
+              <tr key={k}>
+                <th scope="row">{name}</th>
+                {(["side", "top"] as const).map((view) => (
+                  <td key={view}>{sloped && field(`members[${k + 1}].${view}`, `${name}: ${t(view === "side" ? "side slope [deg]" : "top slope [deg]")}`, form.members[k]?.[view] ?? "", (v) => cell("members", k, view, v))}</td>
+                ))}
+                {!pasting && <td>{shaft && put("length", t("length"))}</td>}
+                <td>{shaft && k < n && put("bearing", t("bearing ahead of the rear joint"))}</td>
+                <td>{shaft && put("phase", t("phase [deg]"))}</td>
+                <td>{shaft && (
+                  <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", ...known.catalogue.tubes.map((o) => o.name)]} />
+                )}</td>
               </tr>
-            </thead>
-            <tbody>
-              {names.map((name, k) => {
-                const shaft = k > 0 && k <= n ? form.shafts[k - 1] : undefined;
-                const put = (key: string, label: string) => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v));
-                const sloped = !pasting || !shaft;
-                return (
-                  <tr key={k}>
-                    <th scope="row">{name}</th>
-                    {(["side", "top"] as const).map((view) => (
-                      <td key={view}>{sloped && field(`members[${k + 1}].${view}`, `${name}: ${t(view === "side" ? "side slope [deg]" : "top slope [deg]")}`, form.members[k]?.[view] ?? "", (v) => cell("members", k, view, v))}</td>
-                    ))}
-                    {!pasting && <td>{shaft && put("length", t("length"))}</td>}
-                    <td>{shaft && k < n && put("bearing", t("bearing ahead of the rear joint"))}</td>
-                    <td>{shaft && put("phase", t("phase [deg]"))}</td>
-                    <td>{shaft && (
-                      <select aria-label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} onChange={(e) => cell("shafts", k - 1, "tube", (e.currentTarget as HTMLSelectElement).value)}>
-                        <option value="" />{known.catalogue.tubes.map((o) => <option key={o.name}>{o.name}</option>)}
-                      </select>
-                    )}</td>
-                  </tr>
-                );
-              })}
-            </tbody>
-          </table>
-        </div>
+            );
+          })}
+        </Sheet>
       </Card></div>
       <div class="right"><Card id="comes" kind={`guided ${of?.verdict ?? ""}`} title={t("What it comes to")} head={of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}>
         {!of && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
@@ -123,11 +110,8 @@ export function Guide({ known }: { known: Known }) {
 export function Pasted({ form, change, invalid }: { form: { points: string; axes: string }; change: (part: { points?: string; axes?: string }) => void; invalid: boolean }) {
   return (
     <div class="pasted">
-      <textarea aria-label={t("x, y and z of every joint, a row each, gearbox first")} placeholder={t("x, y and z of every joint, a row each, gearbox first")} aria-invalid={invalid} value={form.points} rows={5} spellcheck={false} onInput={(e) => change({ points: (e.currentTarget as HTMLTextAreaElement).value })} />
-      <select aria-label={t("axes")} value={form.axes} onChange={(e) => change({ axes: (e.currentTarget as HTMLSelectElement).value })}>
-        <option value="rear">{t("x to the rear, y to the right, z up")}</option>
-        <option value="front">{t("x ahead, y to the left, z up")}</option>
-      </select>
+      <textarea aria-label={t("x, y and z of every joint, a row each, gearbox first")} placeholder={t("x, y and z of every joint, a row each, gearbox first")} aria-invalid={invalid} value={form.points} rows={5} spellcheck={false} onInput={(e) => change({ points: e.currentTarget.value })} />
+      <Select label={t("axes")} value={form.axes} choose={(axes) => change({ axes })} of={[["rear", t("x to the rear, y to the right, z up")], ["front", t("x ahead, y to the left, z up")]]} />
     </div>
   );
 }
@@ -142,7 +126,7 @@ export function PasteInto({ known, line }: { known: Known; line: number }) {
     <details class="more paste">
       <summary>{t("Paste the joints' points from a spreadsheet")}</summary>
       <Pasted form={form} change={(part) => set({ ...form, ...part })} invalid={job?.why !== undefined && job.why !== ""} />
-      <select aria-label={t("lengths in")} value={form.unit} onChange={(e) => set({ ...form, unit: (e.currentTarget as HTMLSelectElement).value })}><option>mm</option><option>in</option></select>{" "}
+      <Select label={t("lengths in")} value={form.unit} choose={(unit) => set({ ...form, unit })} of={["mm", "in"]} />{" "}
       <button disabled={form.points.trim() === ""} onClick={() => store.work("pasted", { ...form, line })}>{t("put them in")}</button>
       {job?.why && <p class="note fail">{job.why}</p>}
     </details>

@@ -1,6 +1,6 @@
 // Limits by states: the margin as colour and number; a click shows what it is about.
 
-import { Card } from "./Card";
+import { Card, Sheet } from "./Card";
 import { number, percent } from "./format";
 import { GRADES } from "./marks";
 import { store, worstPart, type Known } from "./store";
@@ -137,30 +137,25 @@ export function Detail({ known }: { known: Known }) {
   const state = live.states[selected.state];
   return (
     <Card id="detail" title={row.name} note={state?.said} head={<button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>}>
-      <table class="rows">
-        <thead>
-          <tr>{[t("part"), t("value"), t("limit"), t("margin")].map((h, k) => <th key={h} scope="col" class={k > 0 ? "n" : ""}>{h}</th>)}</tr>
-        </thead>
-        <tbody>
-          {row.parts.map((part, p) => {
-            const grade = row.grades[selected.state]?.[p];
-            if (grade === null || grade === undefined) return null;
-            return (
-              <tr key={p} class={p === selected.part ? "chosen" : ""}>
-                <th scope="row">
-                  <button class="link" onClick={() => store.look({ ...selected, part: p })}>
-                    {part || t("line")}
-                  </button>
-                  {row.points?.[selected.state]?.[p] && <small>{row.points[selected.state]?.[p]}</small>}
-                </th>
-                <td class="n">{number(row.values[selected.state]?.[p])} {row.unit}</td>
-                <td class="n">{bound(row)}</td>
-                <td class={`n ${GRADES[grade]}`}>{percent(row.margins[selected.state]?.[p])} %</td>
-              </tr>
-            );
-          })}
-        </tbody>
-      </table>
+      <Sheet label={row.name} head={[t("part"), [t("value")], [t("limit")], [t("margin")]]}>
+        {row.parts.map((part, p) => {
+          const grade = row.grades[selected.state]?.[p];
+          if (grade === null || grade === undefined) return null;
+          return (
+            <tr key={p} class={p === selected.part ? "chosen" : ""}>
+              <th scope="row">
+                <button class="link" onClick={() => store.look({ ...selected, part: p })}>
+                  {part || t("line")}
+                </button>
+                {row.points?.[selected.state]?.[p] && <small>{row.points[selected.state]?.[p]}</small>}
+              </th>
+              <td class="n">{number(row.values[selected.state]?.[p])} {row.unit}</td>
+              <td class="n">{bound(row)}</td>
+              <td class={`n ${GRADES[grade]}`}>{percent(row.margins[selected.state]?.[p])} %</td>
+            </tr>
+          );
+        })}
+      </Sheet>
       {q && (
         <dl>
           <dt>{t("Equation")}</dt>

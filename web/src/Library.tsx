@@ -1,7 +1,7 @@
 // The folder as a library: what each file comes to; reports to take away; frozen revisions.
 
 import { useEffect, useState } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Select } from "./Card";
 import { percent } from "./format";
 import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
@@ -23,7 +23,7 @@ export function Library({ known }: { known: Known }) {
     <>
       <Card id="library" title={t("Files")} head={
         <>
-          <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want((e.currentTarget as HTMLInputElement).value)} />
+          <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want(e.currentTarget.value)} />
           <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
           {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </>
@@ -88,15 +88,15 @@ function Reports({ known }: { known: Known }) {
     <div class="columns">
       <div class="left"><Card id="reports" title={t("Reports")}>
         <div class="fields">
-          <label>{t("Language")}<select value={lang} onChange={(e) => speak((e.currentTarget as HTMLSelectElement).value)}>{known.languages.map((l) => <option key={l}>{l}</option>)}</select></label>
-          <label>{t("as")}<select data-field="kind" value={kind} onChange={(e) => ask((e.currentTarget as HTMLSelectElement).value)}>{(known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]).map((k) => <option key={k}>{k}</option>)}</select></label>
+          <label>{t("Language")}<Select value={lang} choose={speak} of={known.languages} /></label>
+          <label>{t("as")}<Select data-field="kind" value={kind} choose={ask} of={known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]} /></label>
         </div>
         <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
       </Card><Script known={known} /></div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
-          <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign((e.currentTarget as HTMLInputElement).value)} /></label>
-          <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say((e.currentTarget as HTMLInputElement).value)} /></label>
+          <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign(e.currentTarget.value)} /></label>
+          <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say(e.currentTarget.value)} /></label>
         </div>
         <button data-do="freeze" disabled={!by.trim()} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
         <ol reversed class="proposals">

@@ -1,7 +1,7 @@
 // The limits with their sources: another profile, or a deviation that somebody signs.
 
 import { useEffect, useState } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Select, Sheet } from "./Card";
 import { number } from "./format";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -25,50 +25,41 @@ export function Limits({ known }: { known: Known }) {
   if (!of) return <p class="card note">{asked?.why || "…"}</p>;
   const wrong = new Set((job?.problems ?? []).map((p) => p.key));
   const field = (key: keyof typeof EMPTY, name: string) => (
-    <label>{name}<input data-field={key} value={form[key]} aria-invalid={wrong.has(key)} maxLength={key === "reason" ? 1000 : 40} onInput={(e) => set({ ...form, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
+    <label>{name}<input data-field={key} value={form[key]} aria-invalid={wrong.has(key)} maxLength={key === "reason" ? 1000 : 40} onInput={(e) => set({ ...form, [key]: e.currentTarget.value })} /></label>
   );
   return (
     <Card id="limits" title={t("Limits and their sources")} note={of.profile} head={of.plain && (
-      <select aria-label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} onChange={(e) => store.apply({ limits: (e.currentTarget as HTMLSelectElement).value })}>
-        {[...new Set([of.named, ...known.profiles])].filter(Boolean).map((p) => <option key={p} value={p}>{p}</option>)}
-      </select>
+      <Select label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} choose={(limits) => store.apply({ limits })} of={[...new Set([of.named, ...known.profiles])].filter(Boolean)} />
     )}>
       {job?.why && <p class="note fail" role="status">{job.why}</p>}
-      <div class="scroll" tabindex={0} role="region" aria-label={t("Limits and their sources")}>
-        <table class="rows">
-          <thead>
-            <tr><th scope="col">{t("limit")}</th><th scope="col" class="n">{t("warns past")}</th><th scope="col" class="n">{t("fails past")}</th><th scope="col">{t("in")}</th><th scope="col">{t("Source of the limit")}</th><td /></tr>
-          </thead>
-          <tbody>
-            {of.limits.map((m, k) => (
-              <>
-                <tr key={k} class={m.signed ? "differs" : ""}>
-                  <th scope="row">{m.name}{m.required && <small>{t("required")}</small>}</th>
-                  {m.band
-                    ? <td class="n" colSpan={2}>{t("outside")} {number(m.band[0])} … {number(m.band[1])} {m.unit}</td>
-                    : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${number(b)} ${m.unit}`}</td>)}
-                  <td>{m.states.join(", ")}</td>
-                  <td>{m.signed && <b class="warn">{t("deviation")} </b>}{m.source}</td>
-                  <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("deviate")}</button>}</td>
-                </tr>
-                {at === k && (
-                  <tr key={`f${k}`}>
-                    <td colSpan={6}>
-                      <div class="fields">
-                        {field("normal", `${t("warns past")} [${m.unit}]`)}
-                        {field("maximum", `${t("fails past")} [${m.unit}]`)}
-                        {field("reason", t("why"))}
-                        {field("by", t("signed by"))}
-                      </div>
-                      <button data-do="sign" class="make" disabled={!form.reason.trim() || !form.by.trim()} onClick={() => store.work("deviate", { which: k, ...form })}>{t("sign the deviation")}</button>
-                    </td>
-                  </tr>
-                )}
-              </>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <Sheet label={t("Limits and their sources")} head={[t("limit"), [t("warns past")], [t("fails past")], t("in"), t("Source of the limit"), ""]}>
+        {of.limits.map((m, k) => (
+          <>
+            <tr key={k} class={m.signed ? "differs" : ""}>
+              <th scope="row">{m.name}{m.required && <small>{t("required")}</small>}</th>
+              {m.band
+                ? <td class="n" colSpan={2}>{t("outside")} {number(m.band[0])} … {number(m.band[1])} {m.unit}</td>
+                : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${number(b)} ${m.unit}`}</td>)}
+              <td>{m.states.join(", ")}</td>
+              <td>{m.signed && <b class="warn">{t("deviation")} </b>}{m.source}</td>
+              <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("deviate")}</button>}</td>
+            </tr>
+            {at === k && (
+              <tr key={`f${k}`}>
+                <td colSpan={6}>
+                  <div class="fields">
+                    {field("normal", `${t("warns past")} [${m.unit}]`)}
+                    {field("maximum", `${t("fails past")} [${m.unit}]`)}
+                    {field("reason", t("why"))}
+                    {field("by", t("signed by"))}
+                  </div>
+                  <button data-do="sign" class="make" disabled={!form.reason.trim() || !form.by.trim()} onClick={() => store.work("deviate", { which: k, ...form })}>{t("sign the deviation")}</button>
+                </td>
+              </tr>
+            )}
+          </>
+        ))}
+      </Sheet>
     </Card>
   );
 }

@@ -1,7 +1,7 @@
 // Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
 
-import { Card } from "./Card";
-import { number } from "./format";
+import { Card, Select, Sheet } from "./Card";
+import { number, pointed } from "./format";
 import { store, type Known } from "./store";
 import { t } from "./text";
 import type { Shown } from "./Drawing";
@@ -14,36 +14,29 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
   const listed = alike ? line.joints.slice(0, 1) : line.joints;
   return (
     <Card id="parts" title={t("Parts")} note={t("of the catalogue, with their ratings")}>
-      <div class="scroll" tabindex={0} role="region" aria-label={t("Parts")}>
-        <table class="rows">
-          <thead>
-            <tr>{[t("part"), t("size"), t("elastic limit"), t("fatigue"), t("bearings")].map((h, k) => <th key={h} scope="col" class={k > 1 ? "n" : ""}>{h}</th>)}</tr>
-          </thead>
-          <tbody>
-            {listed.map((name, k) => {
-              const rated = joints.find((j) => j.name === name);
-              const part = alike && line.joints.length > 1 ? t("every joint") : t("joint {n}", { n: k + 1 });
-              return (
-                <tr key={`j${k}`}>
-                  <th scope="row" class={marks[`joint ${k + 1}`] ?? ""}>{part}</th>
-                  <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
-                  {[rated?.peak_Nm, rated?.reversing_Nm, rated?.bearing_Nm].map((torque, c) => <td key={c} class="n">{rated && (torque ? `${number(torque)} N·m` : "–")}</td>)}
-                </tr>
-              );
-            })}
-            {line.tube_names.map((size, k) => {
-              const part = t("tube of shaft {n}", { n: k + 1 });
-              return (
-                <tr key={`t${k}`}>
-                  <th scope="row">{part}</th>
-                  <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, `${c.outer_mm} × ${c.wall_mm}`])} /></td>
-                  <td class="n" colSpan={3}>{size && `${size} mm`}</td>
-                </tr>
-              );
-            })}
-          </tbody>
-        </table>
-      </div>
+      <Sheet label={t("Parts")} head={[t("part"), t("size"), [t("elastic limit")], [t("fatigue")], [t("bearings")]]}>
+        {listed.map((name, k) => {
+          const rated = joints.find((j) => j.name === name);
+          const part = alike && line.joints.length > 1 ? t("every joint") : t("joint {n}", { n: k + 1 });
+          return (
+            <tr key={`j${k}`}>
+              <th scope="row" class={marks[`joint ${k + 1}`] ?? ""}>{part}</th>
+              <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
+              {[rated?.peak_Nm, rated?.reversing_Nm, rated?.bearing_Nm].map((torque, c) => <td key={c} class="n">{rated && (torque ? `${number(torque)} N·m` : "–")}</td>)}
+            </tr>
+          );
+        })}
+        {line.tube_names.map((size, k) => {
+          const part = t("tube of shaft {n}", { n: k + 1 });
+          return (
+            <tr key={`t${k}`}>
+              <th scope="row">{part}</th>
+              <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, [c.outer_mm, c.wall_mm].map(String).map(pointed).join(" × ")])} /></td>
+              <td class="n" colSpan={3}>{size && `${size} mm`}</td>
+            </tr>
+          );
+        })}
+      </Sheet>
     </Card>
   );
 }
@@ -51,10 +44,5 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
 function Choice({ at, now, label, of }: { at: string | undefined; now: string; label: string; of: [string, string][] }) {
   if (!at) return <span>{now || "–"}</span>;
   const known = of.some(([name]) => name === now);
-  return (
-    <select aria-label={label} value={now} data-part={at} onChange={(e) => store.apply({ [at]: (e.currentTarget as HTMLSelectElement).value })}>
-      {!known && <option value={now}>{now || "–"}</option>}
-      {of.map(([name, said]) => (<option key={name} value={name}>{said}</option>))}
-    </select>
-  );
+  return <Select label={label} value={now} data-part={at} choose={(to) => store.apply({ [at]: to })} of={known ? of : [[now, now || "–"], ...of]} />;
 }

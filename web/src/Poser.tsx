@@ -1,7 +1,7 @@
 // Where the line is shown: in one of its states, or where the sliders have it.
 
 import { useMemo } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Sheet } from "./Card";
 import { fixed, number, signed } from "./format";
 import { PasteInto } from "./Guide";
 import { Plot, type Series } from "./Plot";
@@ -73,7 +73,7 @@ export function Slider(of: Slides) {
     <label class="slider">
       <span class="name">{of.name}</span>
       <output>{of.said}</output>
-      <input type="range" min={of.low} max={of.high} step={of.step} value={of.value} aria-valuetext={of.said} onInput={(e) => of.set(Number((e.currentTarget as HTMLInputElement).value))} onChange={() => of.done?.()} />
+      <input type="range" min={of.low} max={of.high} step={of.step} value={of.value} aria-valuetext={of.said} onInput={(e) => of.set(Number(e.currentTarget.value))} onChange={() => of.done?.()} />
       <span class="end">{of.ends[0]}</span>
       <span class="end">{of.ends[1]}</span>
     </label>
@@ -107,34 +107,19 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
   const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
   return (
     <Card id="angles" title={t("Joints")} note={shown.free ? t("where the sliders have it") : shown.live.states[state]?.said}>
-      <div class="scroll" tabindex={0} role="region" aria-label={t("Joints")}>
-        <table class="rows">
-          <thead>
-            <tr>
-              <th scope="col">{t("joint")}</th>
-              <th scope="col" class="n">{t("angle")}</th>
-              {before && <th scope="col" class="n">{known.variants[known.behind ?? 0]?.name}</th>}
-              <th scope="col" class="n">{t("side view")}</th>
-              <th scope="col" class="n">{t("top view")}</th>
-              <th scope="col" class="n">{t("plane at")}</th>
-              <th scope="col">{t("size")}</th>
-            </tr>
-          </thead>
-          <tbody>
-            {of("angles").map((angle, k) => (
-              <tr key={k}>
-                <th scope="row">{k + 1}</th>
-                <td class="n strong">{fixed(angle, 3)}°</td>
-                {before && <td class="n before">{fixed(before[k], 3)}°</td>}
-                <td class="n">{signed(of("side_angles")[k] ?? 0, 3)}°</td>
-                <td class="n">{signed(of("top_angles")[k] ?? 0, 3)}°</td>
-                <td class="n">{fixed(of("positions")[k], 1)}°</td>
-                <td>{line.joints[k]}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <Sheet label={t("Joints")} head={[t("joint"), [t("angle")], ...(before ? [[known.variants[known.behind ?? 0]?.name] as [string]] : []), [t("side view")], [t("top view")], [t("plane at")], t("size")]}>
+        {of("angles").map((angle, k) => (
+          <tr key={k}>
+            <th scope="row">{k + 1}</th>
+            <td class="n strong">{fixed(angle, 3)}°</td>
+            {before && <td class="n before">{fixed(before[k], 3)}°</td>}
+            <td class="n">{signed(of("side_angles")[k] ?? 0, 3)}°</td>
+            <td class="n">{signed(of("top_angles")[k] ?? 0, 3)}°</td>
+            <td class="n">{fixed(of("positions")[k], 1)}°</td>
+            <td>{line.joints[k]}</td>
+          </tr>
+        ))}
+      </Sheet>
       <p class="facts">
         <span>{t("spline travel")} <b>{plunge === null || plunge === undefined ? "–" : `${signed(plunge, 1)} mm`}</b></span>
         {rooms.length > 0 && <span>{t("clearance")} <b>{fixed(Math.min(...(rooms as number[])), 1)} mm</b></span>}

@@ -3,7 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Blocks } from "./Blocks";
-import { Card } from "./Card";
+import { Card, Select } from "./Card";
 import { Field } from "./Field";
 import { fixed, number } from "./format";
 import { Asking } from "./Speed";
@@ -68,7 +68,7 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   const job = known.jobs.life as Job<Lived> | undefined;
   const words = roleNames();
   const box = (key: string, label: string, hint = "") => (
-    <label>{label}<input data-field={key} inputMode="decimal" placeholder={hint} value={typed[key] ?? ""} onInput={(e) => type({ ...typed, [key]: (e.currentTarget as HTMLInputElement).value })} /></label>
+    <label>{label}<input data-field={key} inputMode="decimal" placeholder={hint} value={typed[key] ?? ""} onInput={(e) => type({ ...typed, [key]: e.currentTarget.value })} /></label>
   );
   const [first, last] = [Number(value("first")) || 0, Number(value("last")) || of.seconds];
   return (
@@ -76,9 +76,7 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
       <div class="left">
         <Channels of={of} between={[first, last]} rules={rules} gauge={(c) => roles[c.name] === "gauge"} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
           {(c) => (
-            <select aria-label={t("what {channel} is", { channel: c.name })} value={roles[c.name]} onChange={(e) => setRoles({ ...roles, [c.name]: (e.currentTarget as HTMLSelectElement).value as Channel["role"] })}>
-              {(Object.keys(words) as Channel["role"][]).map((r) => <option key={r} value={r}>{words[r]}</option>)}
-            </select>
+            <Select label={t("what {channel} is", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => setRoles({ ...roles, [c.name]: role as Channel["role"] })} of={Object.entries(words)} />
           )}
         </Channels>
       </div>
@@ -102,11 +100,7 @@ const at = (kind: string, a: number): string => `${kind}@${Math.max(0, a - 1e-6)
 export function Channels(p: { of: Heard; between: [number, number]; rules: Record<string, Rule>; gauge: (c: Channel) => boolean; decide: (of: string, rule: Rule) => void; children: (c: Channel) => ComponentChildren }) {
   const { of, rules } = p;
   const decide = (key: string, free: string, mask: boolean) => (
-    <select data-rule={key} value={rules[key] ?? ""} onChange={(e) => p.decide(key, (e.currentTarget as HTMLSelectElement).value as Rule)}>
-      <option value="">{free}</option>
-      {mask && <option value="mask">{t("mask: no part felt it")}</option>}
-      <option value="accept">{t("accept: the part felt it")}</option>
-    </select>
+    <Select data-rule={key} value={rules[key] ?? ""} choose={(rule) => p.decide(key, rule as Rule)} of={[["", free], ...(mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
   );
   return (
     <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}>

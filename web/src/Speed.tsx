@@ -112,11 +112,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: Known; shown: Shown }
 function Campbell({ of, known }: { of: Diagram; known: Known }) {
   const series: Series[] = of.orders.map((o, k) => ({ name: o.said, values: o.Hz, colour: k }));
   return (
-    <section class="card campbell" aria-label={of.title}>
-      <header>
-        <h2>{of.title}</h2>
-        <span class="note">{t("where an order meets a frequency is resonance")}</span>
-      </header>
+    <Card kind="campbell" title={of.title} note={t("where an order meets a frequency is resonance")}>
       <Plot
         x={of.rpm}
         series={series}
@@ -132,7 +128,7 @@ function Campbell({ of, known }: { of: Diagram; known: Known }) {
           <ul>{of.meets.map((m) => <li key={m.said}>{m.said}: {number(m.rpm)} rpm, {fixed(m.Hz, 1)} Hz</li>)}</ul>
         </details>
       )}
-    </section>
+    </Card>
   );
 }
 
@@ -156,11 +152,7 @@ function Launches({ known }: { known: Known }) {
   return (
     <>
       {of?.launches.map((l) => (
-        <section key={l.said} class="card launch" aria-label={l.said}>
-          <header>
-            <h2>{l.said}</h2>
-            <span class="note">{t("largest {peak} N·m, engine torque by ratios T i {target} N·m", { peak: number(l.peak), target: number(l.target) })}{l.slid ? `, ${t("tyres slide")}` : ""}</span>
-          </header>
+        <Card key={l.said} kind="launch" title={l.said} note={<>{t("largest {peak} N·m, engine torque by ratios T i {target} N·m", { peak: number(l.peak), target: number(l.target) })}{l.slid ? `, ${t("tyres slide")}` : ""}</>}>
           <Plot
             x={l.time}
             series={l.torque.map((s, k) => ({ name: s.said, values: s.values, colour: k, dash: k > 0 }))}
@@ -180,7 +172,7 @@ function Launches({ known }: { known: Known }) {
               label={t("force on the bearings [N] over time [s]")}
             />
           )}
-        </section>
+        </Card>
       ))}
     </>
   );

@@ -2,7 +2,7 @@
 
 import type { ComponentChild } from "preact";
 import { useEffect } from "preact/hooks";
-import { Card } from "./Card";
+import { Card, Select, Sheet } from "./Card";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Compared } from "./types";
@@ -13,13 +13,7 @@ export function Pin({ known }: { known: Known }) {
     <>
       <button data-do="pin" onClick={() => store.pin()}>{t("Pin this variant")}</button>
       {known.live && known.variants.length > 0 && (
-        <select aria-label={t("Drawn behind")} data-do="behind" value={known.behind ?? ""} onChange={(e) => {
-          const value = (e.currentTarget as HTMLSelectElement).value;
-          store.lay(value === "" ? null : Number(value));
-        }}>
-          <option value="">{t("nothing behind")}</option>
-          {known.variants.map((v, k) => <option key={k} value={k}>{v.name}</option>)}
-        </select>
+        <Select label={t("Drawn behind")} data-do="behind" value={String(known.behind ?? "")} choose={(k) => store.lay(k === "" ? null : Number(k))} of={[["", t("nothing behind")], ...known.variants.map((v, k) => [String(k), v.name] as const)]} />
       )}
     </>
   );
@@ -48,7 +42,7 @@ export function Variants({ known }: { known: Known }) {
         of={of && of.variants.length === names.length ? of : null}
         head={names.map((name, k) => k === 0 ? name : (
           <>
-            <input aria-label={t("name of variant {n}", { n: k })} value={name} maxLength={100} onChange={(e) => store.rename(k - 1, (e.currentTarget as HTMLInputElement).value)} />
+            <input aria-label={t("name of variant {n}", { n: k })} value={name} maxLength={100} onChange={(e) => store.rename(k - 1, e.currentTarget.value)} />
             <button class="plain" data-do="take" onClick={() => store.type(known.variants[k - 1]?.text ?? "", false)}>{t("take it")}</button>
             <button class="plain" aria-label={t("drop variant {n}", { n: k })} onClick={() => store.unpin(k - 1)}>✕</button>
           </>
@@ -61,17 +55,14 @@ export function Variants({ known }: { known: Known }) {
 /** What variants say differently, and what it does. */
 export function Sides({ of, head }: { of: Compared | null; head: ComponentChild[] }) {
   return (
-    <div class="scroll" tabindex={0} role="region" aria-label={t("Variants side by side")}>
-      <table class="rows">
-        <thead><tr><td />{head.map((h, k) => <th key={k} scope="col">{h}</th>)}</tr></thead>
-        {of && (
-          <tbody>
-            {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{t(v.verdict ?? "")}</b> <small>{v.counts.fail} {t("fail")}, {v.counts.warn} {t("warn")}</small></td>)}</tr>}
-            {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
-            {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
-          </tbody>
-        )}
-      </table>
-    </div>
+    <Sheet label={t("Variants side by side")} head={["", ...head]}>
+      {of && (
+        <>
+          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{t(v.verdict ?? "")}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
+          {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
+          {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
+        </>
+      )}
+    </Sheet>
   );
 }

@@ -295,15 +295,15 @@ describe("the document", () => {
 
   it("takes the verdict of the latest question alone", () => {
     const first = store.known;
-    socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
+    socket.tell({ type: "full", id: 99, text: "a", verdict: "pass", counted: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
     expect(store.known.settled).toBe(first.settled);
-    socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counts: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
+    socket.tell({ type: "full", id: 1, text: "a", verdict: "pass", counted: {}, limits: [], others: [], notes: [], missed: 0, unanswered: [] });
     expect(store.known.settled).toBe(true);
   });
 });
 
 describe("what is shown first", () => {
-  const full = { type: "full", text: "a", verdict: "fail", counts: {}, others: [], notes: [], missed: 0, unanswered: [] };
+  const full = { type: "full", text: "a", verdict: "fail", counted: {}, others: [], notes: [], missed: 0, unanswered: [] };
   const sought = { id: "b", name: "B", line: "main", values: [[1], [2], [3]], margins: [[-9], [-0.1], [-0.4]], grades: [[1], [2], [2]] };
 
   it("is the state of the worst limit: a failure before a warning of a smaller margin", () => {

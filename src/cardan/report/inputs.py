@@ -1,4 +1,8 @@
-"""What an application says, as rows of name and value: for reports and for comparing."""
+"""What an application says, as rows of name and value: for reports and for comparing.
+
+What is known best by a word of its own, or follows from several entries, has a row written for
+it; every other entry of the file stands there by its address.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,12 +12,66 @@ import numpy as np
 from cardan.base.part import Part
 from cardan.base.units import N, deg, kg, kN, mm, rpm
 from cardan.base.verdict import Limit
+from cardan.files.entered import Entered, entered
 from cardan.model.application import Application, Installed, State
 from cardan.model.laminate import CompositeTube
 from cardan.model.parts import JointSize, Shaft
 from cardan.model.vehicle import LoadState, Suspension
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
+
+_SIZES = ("outer", "wall", "material", "material.name", "layup.ply", "layup.angle", "layup.times")
+_BEARING = (
+    "from_rear_joint", "stiffness", "vertical_stiffness", "lateral_stiffness", "axial_stiffness",
+    "loss_factor", "travel", "bracket.stiffness", "bracket.loss_factor",
+)  # fmt: skip
+_SUSPENSION = (
+    "spring.load", "spring.deflection", "spring.rates", "spring.contact", "springs_per_axle",
+    "unsprung_mass", "linkage.radius", "linkage.front_half_length", "linkage.angle",
+    "linkage.pitch_rate", "linkage.travel", "windup_stiffness", "brake_torque", "reference",
+    "full_rebound_deflection", "jounce_deflection",
+)  # fmt: skip
+_LIMIT = ("quantity", "normal", "maximum", "sense", "band")
+_IN_WORDS: dict[str, tuple[str, ...]] = {
+    "": (
+        "torque", "coast_torque", "speed", "shock_factor", "prime_mover", "include", "duty",
+        "states", "limits",
+    ),
+    "vehicle": ("drive", "wheelbase", "driven_share", "grade", "grade_percent"),
+    "vehicle.loads.*": ("mass", "cg_behind_front", "cg_height", "front_axle", "rear_axle"),
+    "vehicle.auxiliary": ("behind_front", "load"),
+    "tyre": ("static_radius", "friction"),
+    "engine": ("speed", "torque", "brake_torque"),
+    "gearbox": (
+        "ratios", "efficiency", "converter_ratio", "transfer_ratio", "reverse_ratio",
+        "retarder_torque",
+    ),
+    "suspension": _SUSPENSION,
+    "torsion": (
+        "axle_inertia", "axle_stiffness", "gearbox_inertia", "gearbox_stiffness", "damping_ratio",
+    ),
+    "axle": ("ratio", "efficiency"),
+    "driveline": (
+        "slopes.side", "slopes.top", "joint_angles.side", "joint_angles.top",
+        "gearbox_slope.side", "gearbox_slope.top", "pinion_slope.side", "pinion_slope.top",
+        "axle.ratio", "axle.efficiency", "runs", "torque_share",
+        "joints", "joints.name", "joints.kind",
+    ),
+    "driveline.shafts": (
+        "length", "phase", "tube", "spline.plunge", "spline.draw", "yoke_mass", "balance_grade",
+    ),
+    "driveline.shafts.tube": _SIZES,
+    "driveline.shafts.centre_bearing": _BEARING,
+    "states": ("name", "load", "travel", "pitch", "torque", "speed"),
+    "obstacles": ("name", "start", "end", "radius", "diameter", "travel_share"),
+    "duty": ("share", "torque", "speed", "angle"),
+    "limits": ("profile", *_LIMIT),
+    "limits.overrides": _LIMIT,
+}  # fmt: skip
+"""Entries, by the tables they stand in, that a row below says in words of its own."""
+SAID = frozenset(
+    f"{table}.{name}" if table else name for table, names in _IN_WORDS.items() for name in names
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,25 +85,42 @@ class Input:
 
 def inputs(of: Application, say: Language) -> tuple[Input, ...]:
     """Return everything an application says, without what it leaves out."""
-    groups: list[tuple[str, Iterator[tuple[str, str]]]] = [
-        (say("Application"), _general(of, say)),
-        (say("Vehicle"), _vehicle(of, say)),
-        (say("Engine and gearbox"), _engine(of, say)),
-        (say("Suspension"), _suspension(of.suspension, say)),
-        (say("Torsion"), _torsion(of, say)),
+    torsion = ("torsion", "clutch", "dual_mass_flywheel", "converter", "inter_axle", "launch")
+    groups: list[tuple[str, tuple[str, ...], Iterator[tuple[str, str]]]] = [
+        (say("Application"), (), _general(of, say)),
+        (say("Vehicle"), ("vehicle", "axle", "tyre", "wheels"), _vehicle(of, say)),
+        (say("Engine and gearbox"), ("engine", "gearbox"), _engine(of, say)),
+        (say("Suspension"), ("suspension",), _suspension(of.suspension, say)),
+        (say("Torsion"), torsion, _torsion(of, say)),
     ]
-    groups += [(say("Line {line}", line=one.line.name), _line(one, say)) for one in of.lines]
+    for k, one in enumerate(of.lines):
+        tables = (f"driveline {one.line.name}", *(() if k else ("driveline",)))
+        groups.append((say("Line {line}", line=one.line.name), tables, _line(one, say)))
     groups += [
-        (say("States"), _states(of, say)),
-        (say("Obstacles"), _obstacles(of, say)),
-        (say("Limits"), _limits(of, say)),
+        (say("States"), ("states",), _states(of, say)),
+        (say("Obstacles"), ("obstacles",), _obstacles(of, say)),
+        (say("Limits"), ("limits",), _limits(of, say)),
     ]
+    captions = {table: caption for caption, tables, _ in groups for table in tables}
+    found = {caption: list(rows) for caption, _, rows in groups}
+    for one in entered(of):
+        if one.path not in SAID:
+            table = f"{one.path.partition('.')[0]} {one.line}".strip()
+            found[captions.get(table, say("Application"))].append(_entry(one, of, say))
     return tuple(
         Input(group=group, name=name, value=value)
-        for group, rows in groups
+        for group, rows in found.items()
         for name, value in rows
         if value
     )
+
+
+def _entry(one: Entered, of: Application, say: Language) -> tuple[str, str]:
+    """Return an entry of the file by its address, which is its name in every language."""
+    written = of.written
+    numbers = {**written.numbers, **written.single} if written else {}
+    values = (say.pointed(said) if at in numbers else said for at, said in one.values)
+    return one.at, ("; " if say.code != "en" else ", ").join(values)
 
 
 def _q(value: float | None, unit: float, name: str, say: Language) -> str:

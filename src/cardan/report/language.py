@@ -207,6 +207,9 @@ class Language:
         Errors are made in English where they are found, far below; here their sentences are
         known by their pattern, and what they name is put where the language has it.
         """
+        listed = [catalogue(self.code).get(("error", one), "") for one in said.split(", ")]
+        if all(listed):
+            return ", ".join(listed)
         tries = ((pattern.fullmatch(said), other) for pattern, other in _refusals(self.code))
         found, other = next(((f, o) for f, o in tries if f), (None, said))
         where, colon, what = said.partition(": ")

@@ -38,14 +38,19 @@ def counts(of: Approval, say: Language) -> str:
     return tally(of.checks, say, of.coverage.unanswered)
 
 
+def counted(checks: Iterable[Check], say: Language) -> dict[Grade, str]:
+    """Return how many checks have each grade in words, the worst first."""
+    grades = [c.grade for c in checks]
+    return {
+        "fail": say.count("{count} fail", "{count} fail", grades.count("fail")),
+        "warn": say.count("{count} warn", "{count} warn", grades.count("warn")),
+        "pass": say.count("{count} pass", "{count} pass", grades.count("pass")),
+    }
+
+
 def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] = ()) -> str:
     """Return how many checks have each grade, the worst first, and what has no answer."""
-    grades = [c.grade for c in checks]
-    said = [
-        say.count("{count} fail", "{count} fail", grades.count("fail")),
-        say.count("{count} warn", "{count} warn", grades.count("warn")),
-        say.count("{count} pass", "{count} pass", grades.count("pass")),
-    ]
+    said = list(counted(checks, say).values())
     if missed:
         said.append(say.count("{count} unanswered", "{count} unanswered", len(missed)))
     return ", ".join(said)

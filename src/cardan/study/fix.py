@@ -16,7 +16,7 @@ import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError
-from cardan.base.verdict import VERDICTS, Check, Unanswered, Verdict, badness, worst
+from cardan.base.verdict import EQUAL, VERDICTS, Check, Unanswered, Verdict, badness, worst
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES
@@ -107,9 +107,13 @@ class Proposal:
     def stands(self) -> bool:
         """Whether it comes to no worse a verdict than the application as it stands.
 
-        What does corrects nothing, whatever margin it wins elsewhere.
+        What does corrects nothing, whatever margin it wins elsewhere. Nor does what leaves less
+        margin at the same verdict, unless less fails or warns.
         """
-        return worst([self.verdict, self.installed.verdict]) == self.installed.verdict
+        if self.verdict != self.installed.verdict:
+            return worst([self.verdict, self.installed.verdict]) == self.installed.verdict
+        now, was = (a.smallest_margin or 0.0 for a in (self.approval, self.installed))
+        return now >= was - EQUAL or _wrong(self.approval) < _wrong(self.installed)
 
     @property
     def cost(self) -> float:
@@ -130,6 +134,12 @@ class Proposal:
     def unanswered(self) -> tuple[Unanswered, ...]:
         """What nothing moved can answer."""
         return self.approval.coverage.unanswered
+
+
+def _wrong(of: Approval) -> tuple[int, int]:
+    """Return how many checks fail, and how many warn."""
+    grades = [c.grade for c in of.checks]
+    return grades.count("fail"), grades.count("warn")
 
 
 def _cost(moves: Collection[Move]) -> float:

@@ -18,7 +18,7 @@ from cardan import files
 from cardan.base.errors import BadFile, CardanError, DesignError
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Limit, badness, worst
-from cardan.files.manuscript import Manuscript
+from cardan.files.manuscript import Manuscript, Raw
 from cardan.files.placing import Changes, name_address, phase_address
 from cardan.kinematics.chain import pin_phases, turn
 from cardan.kinematics.equivalent import ae7_terms
@@ -29,8 +29,9 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
 from cardan.report.compare import Variant, differences, effects
 from cardan.report.drawing import worst_state
+from cardan.report.inputs import inputs
 from cardan.report.language import Language
-from cardan.report.wording import cited, move, notes, occasion, spoils, unanswered
+from cardan.report.wording import cited, counted, move, notes, occasion, spoils, unanswered
 from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
@@ -50,6 +51,9 @@ PHASES = 37
 
 GRADE = 1e6
 """What a grade weighs against margins: a failure goes first."""
+
+SEEN = 40
+"""Entries that are written otherwise and tried one by one: more of them show somewhere."""
 
 HELD = ("held", "graded")
 """What is asked while a hand moves, each in a lane of its own."""
@@ -207,7 +211,7 @@ def _full(read: Document, _: Json, say: Language, __: Tell) -> Json:
     others = [c for f in found.findings if f.study != DRIVELINE for c in f.checks]
     return {
         "verdict": found.verdict,
-        "counts": {g: sum(c.grade == g for c in found.checks) for g in GRADES},
+        "counted": counted(found.checks, say),
         "missed": len(found.coverage.unanswered),
         "unanswered": unanswered(found, say),
         "notes": notes(found, say),
@@ -260,8 +264,8 @@ def _ghost(read: Document, _: Json, __: Language, ___: Tell) -> Json:
 def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return variants beside the text itself: verdicts, what they say and what it does.
 
-    What texts of the `same` file say otherwise stands there by its address too; of a campaign
-    that, and the lives of those that have been asked.
+    Of the `same` file also what no row shows as it is rounded; of a campaign all that is written
+    otherwise, and the lives of those that have been asked.
     """
     given = args.get("variants", [])
     named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
@@ -273,7 +277,7 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         lives: list[dict[str, str]] = args.get("lives", [])
         gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
-            "variants": [{"name": name, "verdict": None, "counts": {}} for name, _ in named],
+            "variants": [{"name": name, "verdict": None, "counted": {}} for name, _ in named],
             "differences": written,
             "effects": [
                 {
@@ -292,19 +296,32 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         "variants": [
             {
                 "name": v.name, "verdict": v.approval.verdict,
-                "counts": {g: sum(c.grade == g for c in v.approval.checks) for g in GRADES},
+                "counted": counted(v.approval.checks, say),
             }
             for v in found
         ],
         "differences": [
             *({"name": d.name, "values": d.values} for d in differences(found, say)),
-            # What a table of inputs leaves out as well: a title, who signs, what may move.
-            *(written if args.get("same", True) else ()),
+            *(row for row in written[:SEEN] if args.get("same", True) and _hidden(read, row, say)),
         ],
         "effects": [
             {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
         ],
     }  # fmt: skip
+
+
+def _hidden(read: Document, row: Json, say: Language) -> bool:
+    """Return whether inputs stay as they are where one entry is as others write it.
+
+    What cannot be another by itself comes with others, which show.
+    """
+    tried: list[bool] = []
+    for value in {*row["values"]} - {"-", read.manuscript.written(row["name"])}:
+        with suppress(CardanError):
+            text = read.manuscript.with_({row["name"]: Raw(value)})
+            other = files.loads(text, name=read.name, folder=read.folder, warn=False)
+            tried.append(inputs(other, say) == inputs(read.application, say))
+    return bool(tried) and all(tried)
 
 
 _LONG = {

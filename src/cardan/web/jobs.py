@@ -11,8 +11,9 @@ MOST = 4
 LIGHT = frozenset({"limits", "deviate", "script", "moved", "ghost", "guided", "pasted"})
 """Jobs that are done at once: they do not wait behind those that take minutes."""
 
-FOLDER = frozenset({"library", "compare"})
-"""Jobs of several files, which do not wait there either: who looks for a file wants it now."""
+BESIDE = frozenset({"library", "compare", "map", "speeds"})
+"""Jobs of several files, and what a view asks by itself: they do not wait there either, and what
+a hand asks for does not wait behind them."""
 
 VARIANTS = 12
 """Variants of a file that are kept."""

@@ -58,8 +58,11 @@ class Lane:
                 spent = await self._end() == -XCPU
                 return {"fault": "too much work" if spent else "ended"}
             except asyncio.CancelledError:
-                # Half an answer may be on its way: nobody could tell it from the next.
+                # Half an answer may be on its way: nobody could tell it from the next. Who asks
+                # next need not wait for a process to start.
                 await self._end()
+                if not self._closed:
+                    await self._running()
                 raise
 
     @property
@@ -71,7 +74,8 @@ class Lane:
     async def start(self) -> None:
         """Start the process before anybody asks."""
         async with self._turn:
-            await self._running()
+            if not self._closed:
+                await self._running()
 
     def close(self) -> None:
         """End the process for good, whatever it is doing."""
@@ -108,6 +112,8 @@ class Lane:
                 stdin=PIPE, stdout=PIPE, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
                 limit=MOST,
             )  # fmt: skip
+            if self._closed:  # meanwhile
+                self.close()
         return self._process
 
     async def _end(self) -> int | None:
@@ -134,8 +140,8 @@ class Lanes(NamedTuple):
     """The verdict, and what would help."""
     work: Lane
     """Jobs. It starts once a page has its verdict."""
-    folder: Lane
-    """Files listed, or held side by side. It starts when it is first asked."""
+    beside: Lane
+    """What a view shows by itself, files listed or held side by side. It starts after `work`."""
 
 
 class Latest:

@@ -147,7 +147,7 @@ class House:
             limits=Lane(),
             slow=Lane(patient=True),
             work=Lane(JOB, patient=True),
-            folder=Lane(JOB, patient=True),
+            beside=Lane(JOB, patient=True),
         )
         self.pages = 0
         self.transports: WeakSet[Any] = WeakSet()

@@ -274,7 +274,8 @@ class Session:
             if question["job"] in jobs.LIGHT:
                 answer = await asyncio.shield(self.lanes.limits.ask(question, part))
             else:
-                lane = self.lanes.folder if question["job"] in jobs.FOLDER else self.lanes.work
+                beside = question["job"] in jobs.BESIDE and not question["args"].get("sought")
+                lane = self.lanes.beside if beside else self.lanes.work
                 answer = await lane.ask(question, part)
         except asyncio.CancelledError:
             await self._tell("done", **which, fault="cancelled")
@@ -330,8 +331,10 @@ class Session:
                 await self.lanes.limits.start()
             if job == "full" and question["id"] == self._asked:
                 self.limits.put({**question, "job": "ready"})
-            if lane is self.slow and self.lanes.work.pid is None:
-                await self.lanes.work.start()
+            if lane is self.slow:
+                for later in (self.lanes.work, self.lanes.beside):
+                    if later.pid is None:
+                        await later.start()
 
     async def _later(self, question: Json, after: float) -> None:
         await asyncio.sleep(after)
