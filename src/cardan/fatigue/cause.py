@@ -234,20 +234,28 @@ class _Choices:
 
     def add(self, parts: FloatArray, gate: float) -> None:
         """Count every choice of a stretch (causes, n), without cycles below a gate."""
-        for k in np.flatnonzero(parts.any(-1)).tolist():
+        here = np.flatnonzero(parts.any(-1)).tolist()
+        for k in here:
             if k not in self.acting:
                 self.acting.append(k)
                 for book in (self.damage, self.residue):
                     book |= {choice | 1 << k: value for choice, value in book.items()}
+        # Who rests in this stretch changes nothing in it: they only have other residues.
+        rests = [0]
+        for k in self.acting:
+            rests += [] if k in here else [others | 1 << k for others in rests]
         x, choice = np.zeros(parts.shape[1]), 0
         closed = {0: Cycles(NONE, NONE, NONE)}
         # Gray's order: from one choice to the next a single cause comes or goes.
-        for step in range(1, 1 << len(self.acting)):
-            k = self.acting[(step & -step).bit_length() - 1]
-            choice ^= 1 << k
-            (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
+        for step in range(1 << len(here)):
+            if step:
+                k = here[(step & -step).bit_length() - 1]
+                choice ^= 1 << k
+                (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
             kept = without_small(x, gate=gate)
-            closed[choice], self.residue[choice] = four_point(kept, residue=self.residue[choice])
+            for of in (choice | others for others in rests):
+                if of:
+                    closed[of], self.residue[of] = four_point(kept, residue=self.residue[of])
         # All at once: few cycles are left of each, and none costs as much as a call.
         done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
         last = np.cumsum([cycles.count.size for cycles in closed.values()])
