@@ -161,7 +161,8 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         # The mean of lognormal levels of which so many were met: Cox's.
         freedom, v = max(road.stretches - 1, 1.0), road.variance
         half = float(student.ppf(edge, freedom)) * math.sqrt(v / (freedom + 1) + v**2 / 2 / freedom)
-        low, high = min(low, road.shift - half), max(high, road.shift + half)
+        # About it, and about the mean that was met: stops make no lognormal of a road.
+        low, high = min(low, min(road.shift, 0) - half), max(high, max(road.shift, 0) + half)
     # A tail that is a little heavier than exponential shows in few blows less than it does.
     more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), _shape(beyond[over]))
     heavier = float(total[0] + total[2] * more[0]) / max(float(total[1]), 1e-9) / found
