@@ -216,6 +216,57 @@ def gathered(
     return real + 1j * imag, sums
 
 
+def climbed(
+    best: FloatArray, reach: int, slope: float, key: FloatArray, queue: IntArray,
+    back: IntArray, after: FloatArray,
+) -> None:  # fmt: skip
+    """Write to `back` and `after` what `farther` returns; `key` and `queue` (n,) are its paper.
+
+    Who is behind in the queue is a better one that came later; whoever is out of reach leaves it.
+    """
+    n = best.size
+    first, last = 0, 0
+    for j in range(n):
+        key[j] = best[j] + slope * j
+        while last > first and key[queue[last - 1]] < key[j]:
+            last -= 1
+        queue[last] = j
+        last += 1
+        if queue[first] < j - reach:
+            first += 1
+        back[j] = queue[first]
+        after[j] = best[queue[first]] - slope * (j - queue[first])
+    first, last = 0, 0
+    for j in range(n - 1, -1, -1):
+        key[j] = best[j] - slope * j
+        while last > first and key[queue[last - 1]] <= key[j]:
+            last -= 1
+        queue[last] = j
+        last += 1
+        if queue[first] > j + reach:
+            first += 1
+        there = best[queue[first]] - slope * (queue[first] - j)
+        if there > after[j]:
+            back[j], after[j] = queue[first], there
+
+
+def farther(best: FloatArray, *, reach: int, slope: float) -> tuple[IntArray, FloatArray]:
+    """Return from where (n,) up to so many places away most is left, and what is.
+
+    Each place on the way costs the slope.
+    """
+    n = best.size
+    back, after = np.empty(n, np.intp), np.empty(n)
+    compiled = _compiled(climbed)
+    if compiled is not None:
+        compiled(best, reach, slope, np.empty(n), np.empty(n, np.intp), back, after)
+        return back, after
+    padded = np.pad(best, reach, constant_values=-np.inf)
+    options = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1)
+    options = options - slope * np.abs(np.arange(-reach, reach + 1))
+    return options.argmax(-1) + np.arange(n) - reach, options.max(-1)
+
+
 def placed(turns: FloatArray, marks: ComplexArray, out: ComplexArray) -> None:
     """Write to `out` where what began at 1 stands after so many turns (n,).
 
