@@ -1,5 +1,7 @@
 """Compiled loops against NumPy and SciPy doing the same, and what else is done by parts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -93,6 +95,10 @@ def test_a_stretch_knows_no_other_for_what_it_kept_of_the_one_before(monkeypatch
     kept = parts()
     none = orders._Normal.none(5, splitter.samples)
     monkeypatch.setattr(orders._Normal, "since", lambda *_: none)
+    monkeypatch.setattr(
+        orders._Normal, "weighed",
+        lambda of, weight: replace(of, weight=weight, gram=orders._gram(of.rows, weight)),
+    )  # fmt: skip
     anew = parts()
     assert len(kept) == len(anew) > 3
     for one, other in zip(kept, anew, strict=True):
