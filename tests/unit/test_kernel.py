@@ -10,7 +10,6 @@ from cardan.fatigue import kernel, orders
 from cardan.fatigue.conditioning import medians
 from cardan.fatigue.kernel import answered, farther, gathered
 from cardan.fatigue.orders import Rotation, Splitter, Tone
-from cardan.fatigue.recording import ahead
 
 
 @pytest.fixture(params=["compiled", "plain"])
@@ -103,16 +102,3 @@ def test_a_stretch_knows_no_other_for_what_it_kept_of_the_one_before(monkeypatch
     assert len(kept) == len(anew) > 3
     for one, other in zip(kept, anew, strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)
-
-
-def test_what_is_made_ahead_comes_in_order_and_with_its_errors():
-    def items():
-        yield from range(5)
-        msg = "the sixth"
-        raise OSError(msg)
-
-    got = []
-    with pytest.raises(OSError, match="the sixth"):
-        got.extend(ahead(items()))
-    assert list(ahead([])) == []
-    assert list(ahead([None, 1])) == [None, 1]

@@ -219,6 +219,10 @@ class Attribution:
         return {cause: self.share(cause) for cause in self.causes}
 
 
+AT_ONCE = 16
+"""Choices whose cycles are held until their damage is asked."""
+
+
 class _Choices:
     """Damage of one channel over all choices of causes, as stretches pass.
 
@@ -245,7 +249,7 @@ class _Choices:
         for k in self.acting:
             rests += [] if k in here else [others | 1 << k for others in rests]
         x, choice = np.zeros(parts.shape[1]), 0
-        closed = {0: Cycles(NONE, NONE, NONE)}
+        closed: dict[int, Cycles] = {}
         # Gray's order: from one choice to the next a single cause comes or goes.
         for step in range(1 << len(here)):
             if step:
@@ -256,10 +260,17 @@ class _Choices:
             for of in (choice | others for others in rests):
                 if of:
                     closed[of], self.residue[of] = four_point(kept, residue=self.residue[of])
-        # All at once: few cycles are left of each, and none costs as much as a call.
+            if len(closed) >= AT_ONCE or step + 1 == 1 << len(here):
+                self._done(closed)
+                closed = {}
+
+    def _done(self, closed: dict[int, Cycles]) -> None:
+        """Enter the damage of some choices' cycles: of few, none costs as much as a call."""
+        if not closed:
+            return
         done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
-        last = np.cumsum([cycles.count.size for cycles in closed.values()])
-        for choice, own in zip(closed, np.split(done, last[:-1]), strict=True):
+        ends = np.cumsum([cycles.count.size for cycles in closed.values()])
+        for choice, own in zip(closed, np.split(done, ends[:-1]), strict=True):
             self.damage[choice] += float(own.sum())
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:

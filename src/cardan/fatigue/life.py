@@ -58,7 +58,7 @@ from cardan.fatigue.rainflow import (
     half_cycles,
     join,
 )
-from cardan.fatigue.recording import SIZE, Recording, ahead, cut
+from cardan.fatigue.recording import SIZE, Recording, cut
 from cardan.fatigue.response import Identified, identified
 from cardan.fatigue.spectral import (
     Spectrum,
@@ -812,28 +812,6 @@ class _Joints:
 
     def taken_off(self, stress: Iterable[FloatArray]) -> Iterator[FloatArray]:
         """Yield the stress (gauges, n) without their part."""
-        start = 0
-        # The next stretch is asked while this one is taken apart further.
-        for piece, answers in ahead(self._answered(stress)):
-            for told, answer in zip(self.told, answers, strict=True):
-                told.append((answer.evidence, answer.damage))
-            # Held until the stretches that follow have passed: seven digits of it are taken off.
-            theirs = np.stack([a.stress.astype(np.float32) for a in answers])
-            theirs[np.isnan(piece)] = 0.0
-            order2 = np.stack([a.order2.astype(np.float32) for a in answers])
-            self.held.append((start, theirs, order2))
-            start += piece.shape[1]
-            left = piece - theirs
-            del answers, piece, theirs, order2
-            for count, x in zip(self.without, left, strict=True):
-                count.add(x)
-            for first in range(0, left.shape[1], SIZE // 8):
-                yield left[:, first : first + SIZE // 8]
-
-    def _answered(
-        self, stress: Iterable[FloatArray]
-    ) -> Iterator[tuple[FloatArray, list[Identified]]]:
-        """Yield stretches of the stress (gauges, n), each with what is theirs of it."""
         rate = self.recording.rate
         size = max(round(IDENTIFIED * rate), 1)
         loads: Iterator[FloatArray | None] = repeat(None)
@@ -849,8 +827,26 @@ class _Joints:
                 )
                 for x in piece
             ]  # fmt: skip
-            yield piece, answers
+            yield from self._left(start, piece, answers)
             start += piece.shape[1]
+
+    def _left(
+        self, start: int, piece: FloatArray, answers: list[Identified]
+    ) -> Iterator[FloatArray]:
+        """Take a stretch's answers in, and yield what is left of it without their part."""
+        for told, answer in zip(self.told, answers, strict=True):
+            told.append((answer.evidence, answer.damage))
+        # Held until the stretches that follow have passed: seven digits of it are taken off.
+        theirs = np.stack([a.stress.astype(np.float32) for a in answers])
+        theirs[np.isnan(piece)] = 0.0
+        order2 = np.stack([a.order2.astype(np.float32) for a in answers])
+        self.held.append((start, theirs, order2))
+        left = piece - theirs
+        for count, x in zip(self.without, left, strict=True):
+            count.add(x)
+        del answers, piece, theirs, order2
+        for first in range(0, left.shape[1], SIZE // 8):
+            yield left[:, first : first + SIZE // 8]
 
     def part(self, start: int, n: int) -> "tuple[_Coarse, _Coarse]":
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""

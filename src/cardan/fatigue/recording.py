@@ -2,10 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextvars import copy_context
 from dataclasses import dataclass, replace
-from typing import TypeVar, cast
 
 import numpy as np
 
@@ -125,24 +122,6 @@ def cut(pieces: Iterable[FloatArray], *, size: int) -> Iterator[FloatArray]:
             del whole
     if count:
         yield np.concatenate(held, axis=-1)
-
-
-Item = TypeVar("Item")
-
-
-def ahead(items: Iterable[Item]) -> Iterator[Item]:
-    """Yield items while the next one is made already, in a thread beside."""
-    source, done = iter(items), object()
-    with ThreadPoolExecutor(1) as beside:
-
-        def begun() -> "Future[Item | object]":
-            # What is said there is said in the same language.
-            return beside.submit(copy_context().run, next, source, done)
-
-        coming = begun()
-        while (item := coming.result()) is not done:
-            coming = begun()
-            yield cast("Item", item)
 
 
 def between(recording: Recording, first: float, last: float, *, name: str = "") -> Recording:
