@@ -205,6 +205,10 @@ def test_a_card_that_claims_rows_that_are_not_there(tmp_path, claimed, size):
 def test_a_card_s_channel_beyond_its_row_is_an_error_that_says_so(tmp_path, offset):
     """It had ended in a traceback of the library's."""
     refused(tmp_path / "a.tdms", card(BOTH, offset=offset), f"lies at {offset} in rows of 4 bytes")
+    asked = [str(tmp_path / "a.tdms"), "--sn", "80,2e6,5", "--lang", "it"]
+    said = CliRunner().invoke(command, asked)
+    assert said.exit_code == 2
+    assert f"sta a {offset} in righe di 4 byte" in said.stderr
 
 
 @pytest.mark.parametrize(

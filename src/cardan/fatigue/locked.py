@@ -116,20 +116,23 @@ def aligned(
     place = share[:, None] + np.arange(each) + 0.5
     amid = (share + np.append(share[1:], count)) // 2 + 0.5
     turned = np.exp(-4j * np.pi * TURNS * np.outer(amid, beside))
-    cell, wide = band * place.size + stands[bins], bands * place.size
-    cell[~fast] = -1
+    cell = stands[bins]
     found: list[Aligned] = []
     for shift in shifts:
         own = slice(most - shift, most - shift + m)
         if np.count_nonzero(fast[own]) < 100:
             continue
         lag = float(shift * step)
-        grid, (weight, speeds, heard) = gathered(
-            cell[own], band[own], moved, ahead[own], square, f2[own], cells=wide, slots=bands
-        )
+        weight = np.bincount(band[own], np.where(fast[own], square, 0.0), bands)
         busy = weight > 1e-3 * weight.sum()
-        grid, weight = grid.reshape(bands, -1)[busy], weight[busy]
-        middle = speeds[busy] / heard[busy]
+        row_of = np.where(busy, np.cumsum(busy) - 1, -1)
+        rows = np.where(fast[own], row_of[band[own]], -1)
+        many_rows = int(np.count_nonzero(busy))
+        grid, (weight, speeds, heard) = gathered(
+            np.where(rows < 0, -1, rows * place.size + cell[own]), rows, moved, ahead[own],
+            square, f2[own], cells=many_rows * place.size, slots=many_rows,
+        )  # fmt: skip
+        grid, middle = grid.reshape(many_rows, -1), speeds / heard
         which = np.divmod(np.flatnonzero(busy), bands // many)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
         spectra = fft(grid.astype(np.complex64).take(stands, axis=1), size)[:, near]
@@ -451,7 +454,13 @@ def _searched(
         ) -> tuple[float, float, float]:  # fmt: skip
             """Energy that the order through one more mode explains of what is left, and which."""
             fresh = [mode for mode in dict.fromkeys(modes) if mode not in gains]
-            for mode, rows in zip(fresh, slow.turning.through(fresh), strict=True):
+            # Four at a time: what is followed in step is held at once.
+            followed = (
+                row
+                for k in range(0, len(fresh), 4)
+                for row in slow.turning.through(fresh[k : k + 4])
+            )
+            for mode, rows in zip(fresh, followed, strict=True):
                 # One by one: of a few long rows BLAS makes copies first.
                 met = np.array([[row @ one for one in known] for row in rows])
                 own = np.array([[np.vdot(one, row) for one in rows] for row in rows])
