@@ -174,8 +174,44 @@ def write_recording(path, gigabytes):
     return blocks * data.nbytes
 
 
+MDF = {
+    "whole, once, by asammdf": (
+        "import asammdf;"
+        "f = asammdf.MDF(path); kept = f.select([c.name for c in r.channels]); f.close()"
+    ),
+    "in stretches": "for piece in r.pieces(): pass",
+}
+
+
+def write_mdf(path, parquet, gigabytes, *, compression):
+    """Write as much of a Parquet recording as MDF4."""
+    import asammdf
+    import pyarrow.parquet as pq
+
+    with pq.ParquetFile(parquet) as source:
+        names, schema = source.schema_arrow.names, source.schema_arrow
+        rows = round(gigabytes * 1e9 / 4 / len(names))
+        groups = range(min(-(-rows // (1 << 18)), source.num_row_groups))
+        table = source.read_row_groups(list(groups))
+    time_of = np.arange(table.num_rows) / RATE
+    signals = [
+        asammdf.Signal(
+            table.column(n).to_numpy(), time_of, name=n,
+            unit=(schema.field(n).metadata or {}).get(b"unit", b"").decode(),
+        )
+        for n in names
+    ]  # fmt: skip
+    with asammdf.MDF(version="4.10") as file:
+        file.append(signals)
+        file.save(path, overwrite=True, compression=compression)
+    return table.nbytes
+
+
 WORK = {
     "just reading": "for piece in r.pieces(): pass",
+    "speed estimated from a gauge": (
+        "estimated_rotation(r.pieces(plan.gauges[0].channels), rate=r.rate)"
+    ),
     "life of five gauges": "life(r, plan=plan)",
     "life and causes of one gauge": (
         "plan = replace(plan, gauges=plan.gauges[:1]);"
@@ -192,12 +228,13 @@ from pathlib import Path
 from cardan.base.units import MPa
 from cardan.fatigue.cause import separation, suspects
 from cardan.fatigue.life import Plan, causes, life, look
-from cardan.fatigue.orders import rotation_from_speed
+from cardan.fatigue.orders import estimated_rotation, rotation_from_speed
 from cardan.fatigue.rainflow import four_point
 from cardan.fatigue.strain import direct
 from cardan.fatigue.strength import SNCurve
 from cardan.files.recordings import open_recording
-r = open_recording(Path({path!r}))
+path = {path!r}
+r = open_recording(Path(path))
 plan = Plan(gauges=tuple(direct(g, g, factor=MPa) for g in {gauges!r}),
             curve=SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).modified())
 four_point([0.0, 1.0])
@@ -211,17 +248,34 @@ print(json.dumps([seconds, used, peak]))
 """
 
 
-def end_to_end(path):
+def end_to_end(path, works):
     """Seconds, CPU seconds and peak MB of each kind of work, each in its own process, in turn."""
-    rounds = {name: [] for name in WORK}
+    rounds = {name: [] for name in works}
     for _ in range(ROUNDS):
-        for name, work in WORK.items():
+        for name, work in works.items():
             code = SETUP.format(path=str(path), gauges=GAUGES, work=work)
             done = subprocess.run(
                 [sys.executable, "-c", code], capture_output=True, text=True, check=True
             )
             rounds[name].append(json.loads(done.stdout))
     return [(name, *np.median(each, axis=0)) for name, each in rounds.items()]
+
+
+def told(what, path, size, works):
+    """Print how long each kind of work takes on a file, over the first of them."""
+    print(
+        f"\n| {what} ({path.stat().st_size / 1e9:.2f} GB as a file) "
+        "| seconds | over reading | CPU seconds | over reading | MB/s | peak MB |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    rows = end_to_end(path, works)
+    for name, seconds, used, peak in rows:
+        print(
+            f"| {name} | {seconds:.1f} | {seconds / rows[0][1]:.1f} "
+            f"| {used:.1f} | {used / rows[0][2]:.1f} "
+            f"| {size / 1e6 / seconds:.0f} | {peak:.0f} |",
+            flush=True,
+        )
 
 
 def main():
@@ -240,18 +294,11 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         path = how.keep or Path(folder) / "synthetic.parquet"
         size = write_recording(path, how.gigabytes)
-        print(
-            f"\n| {size / 1e9:.2f} GB of float32 ({path.stat().st_size / 1e9:.2f} GB as a file) "
-            "| seconds | over reading | CPU seconds | over reading | MB/s | peak MB |"
-        )
-        print("|---|---|---|---|---|---|---|")
-        rows = end_to_end(path)
-        for name, seconds, used, peak in rows:
-            print(
-                f"| {name} | {seconds:.1f} | {seconds / rows[0][1]:.1f} "
-                f"| {used:.1f} | {used / rows[0][2]:.1f} "
-                f"| {size / 1e6 / seconds:.0f} | {peak:.0f} |"
-            )
+        told(f"{size / 1e9:.2f} GB of float32", path, size, WORK)
+        for compression, named in ((0, "not compressed"), (2, "compressed")):
+            mdf = Path(folder) / "synthetic.mf4"
+            size = write_mdf(mdf, path, how.gigabytes / 2, compression=compression)
+            told(f"{size / 1e9:.2f} GB as MDF4, {named}", mdf, size, MDF)
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\nThe benchmark itself peaked at {own:.0f} MB, the whole signal in memory.")
 

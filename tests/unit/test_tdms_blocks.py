@@ -61,6 +61,54 @@ def segment(columns, *, by_rows=False, chunks=1, claimed=None, size=None, order=
     return head + meta + raw
 
 
+CARD, SCALER, BITS = 1 << 7, 0x1269, 0x126A
+CARD_KINDS = {"u1": 0, "i1": 1, "u2": 2, "i2": 3, "u4": 4, "i4": 5}
+
+
+def linear(source):
+    """The scale of a card's channel: number 0 is what its scaler gives, 1 is made of that."""
+
+    def text(word):
+        return struct.pack("<I", len(word)) + word.encode()
+
+    own = [
+        text("wf_increment") + struct.pack("<Id", 10, 1 / RATE),
+        text("NI_Number_Of_Scales") + struct.pack("<II", 7, 2),
+        text("NI_Scale[1]_Scale_Type") + struct.pack("<I", 32) + text("Linear"),
+        text("NI_Scale[1]_Linear_Slope") + struct.pack("<Id", 10, 2.5),
+        text("NI_Scale[1]_Linear_Y_Intercept") + struct.pack("<Id", 10, 3.0),
+        text("NI_Scale[1]_Linear_Input_Source") + struct.pack("<II", 7, source),
+    ]
+    return struct.pack("<I", len(own)) + b"".join(own)
+
+
+def card(buffers, *, chunks=1, claimed=None, size=None, offset=None, scale=None):
+    """A segment of data acquisition cards: a buffer each, of rows of their channels (n,)."""
+    widths = [sum(x.itemsize for x in own.values()) for own in buffers]
+    meta = struct.pack("<I", sum(map(len, buffers)))
+    for which, own in enumerate(buffers):
+        inside = 0
+        for name, x in own.items():
+            n = x.size // chunks if claimed is None else claimed
+            path = f"/'g'/'{name}'".encode()
+            meta += struct.pack("<I", len(path)) + path + struct.pack("<II", SCALER, 0xFFFFFFFF)
+            meta += struct.pack("<IQI", 1, n, 1)
+            at = inside if offset is None else offset
+            meta += struct.pack("<IIIII", CARD_KINDS[x.dtype.str[1:]], which, at, 0, 0)
+            meta += struct.pack(f"<I{len(widths)}I", len(widths), *widths)
+            meta += linear(0) if scale is None else scale
+            inside += x.itemsize
+    raw = b""
+    for c in range(chunks):
+        for own in buffers:
+            part = [np.split(x, chunks)[c] for x in own.values()]
+            row = np.dtype([(f"f{k}", x.dtype) for k, x in enumerate(part)])
+            raw += np.rec.fromarrays(part, dtype=row).tobytes()
+    size = len(meta) + len(raw) if size is None else size
+    head = b"TDSm" + struct.pack("<IIQQ", META | NEW | RAW | CARD, 4713, size, len(meta))
+    return head + meta + raw
+
+
 def refused(path, data, match):
     path.write_bytes(data)
     with pytest.raises(BadFile, match=match):
@@ -110,6 +158,69 @@ def test_samples_are_those_that_the_library_reads_all_at_once(tmp_path, monkeypa
         for places in (tuple(range(len(names))), (len(names) - 1,)):
             found = np.concatenate(list(own.rows(places)), axis=-1)
             np.testing.assert_array_equal(found, [expected[names[k]] for k in places])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_card_s_samples_are_those_that_the_library_reads_all_at_once(tmp_path, monkeypatch, seed):
+    """Of one card or two, in chunks and segments, cut off anywhere; each of its own kind."""
+    rng = np.random.default_rng(seed)
+    monkeypatch.setattr(recording_tdms, "AT_ONCE", int(rng.integers(1, 400)))
+    monkeypatch.setattr(recording_tdms, "SIZE", int(rng.integers(1, 300)))
+    kinds = {"a": "i2", "b": "i4", "c": "u1", "d": "u2"}
+    homes = [["a", "b"], ["c", "d"]] if seed % 2 else [["a", "c", "b"]]
+    data = b""
+    for _ in range(rng.integers(1, 4)):
+        chunks = int(rng.integers(1, 4))
+        # Two cards need not be equally fast.
+        buffers = [
+            {k: rng.integers(0, 100, n).astype(kinds[k]) for k in names}
+            for names in homes
+            for n in [chunks * int(rng.integers(1, 200))]
+        ]
+        data += card(buffers, chunks=chunks)
+    if rng.random() < 0.5:
+        data = data[: len(data) - int(rng.integers(1, 300))]
+    path = tmp_path / "a.tdms"
+    path.write_bytes(data)
+    expected = held(path)
+    table = recording_tdms.tdms(path)
+    for own in (table, *table.beside):
+        found = np.concatenate(list(own.rows(tuple(range(len(own.columns))))), axis=-1)
+        np.testing.assert_array_equal(found, [expected.pop(c.name) for c in own.columns])
+    assert not expected
+
+
+COUNTS = (100 * np.sin(30 * np.arange(N) / RATE)).astype("i2")
+BOTH = [{"S1": COUNTS, "S2": COUNTS}]
+
+
+@pytest.mark.parametrize("claimed", [10**9, 10**12, 2**59])
+@pytest.mark.parametrize("size", [None, UNKNOWN])
+def test_a_card_that_claims_rows_that_are_not_there(tmp_path, claimed, size):
+    why = f"claims more samples than it can hold .*{re.escape(f'{claimed:.4g}')} samples of 2"
+    refused(tmp_path / "a.tdms", card(BOTH, claimed=claimed, size=size), why)
+
+
+@pytest.mark.parametrize("offset", [3, 4, 2**32 - 1])
+def test_a_card_s_channel_beyond_its_row_is_an_error_that_says_so(tmp_path, offset):
+    """It had ended in a traceback of the library's."""
+    refused(tmp_path / "a.tdms", card(BOTH, offset=offset), f"lies at {offset} in rows of 4 bytes")
+    asked = [str(tmp_path / "a.tdms"), "--sn", "80,2e6,5", "--lang", "it"]
+    said = CliRunner().invoke(command, asked)
+    assert said.exit_code == 2
+    assert f"sta a {offset} in righe di 4 byte" in said.stderr
+
+
+@pytest.mark.parametrize(
+    ("scale", "why"),
+    [
+        (linear(1), "it is damaged"), (linear(0xFFFFFFFF), "it is damaged"),
+        (struct.pack("<I", 0), "no channel of numbers"),
+    ],
+)  # fmt: skip
+def test_a_scale_that_is_made_of_nothing_or_of_itself_is_an_error(tmp_path, scale, why):
+    """A scale that is its own source had ended in the depth of the stack."""
+    refused(tmp_path / "a.tdms", card(BOTH, scale=scale), why)
 
 
 @pytest.mark.parametrize("order", "<>")

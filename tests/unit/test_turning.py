@@ -38,7 +38,9 @@ def test_a_mode_follows_a_steady_force_exactly(compiled, monkeypatch):
     rate, w, p = 50.0, 70.0, -6.0 + 80.0j
     forces = np.exp(1j * w * np.arange(600) / rate) * np.array([[1.0], [2.0j]])
     spin = np.full(600, 1j * w)
-    answer = kernel.answered(forces, spin, np.exp(-spin / rate), p, np.exp(p / rate), 3.0)
+    one, share = np.array([p]), np.array([3.0])
+    back = np.exp(-spin / rate)
+    answer = kernel.answered(forces, spin, back, one, np.exp(one / rate), share)[0]
     ahead = (
         np.array([[1.0], [2.0j]]) * np.exp(-1j * w / rate) * np.exp(p / rate) ** np.arange(1, 601)
     )

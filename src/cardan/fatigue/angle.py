@@ -10,6 +10,7 @@ and these zeros, the stress itself tells (`response`).
 """
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -290,7 +291,7 @@ def shaft_angle(
     """
     own = readings(speed, rate=rate)
     step = max(step, speed.size / rate / MOST)
-    time = np.arange(0.0, speed.size / rate + step, step)
+    time = _clock(speed.size / rate + step, step)
     turning = own.at(time)
     stair = own.period >= STAIR
     known = own.known if engine is None else own.known & ~_stuck(speed, engine, rate=rate)
@@ -337,6 +338,14 @@ def shaft_angle(
         lost=runs if trusted else runs[:0], dark=black / whole, ends=ends,
         holes=holes,
     )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def _clock(until: float, step: float) -> FloatArray:
+    """Return times (n,) s up to one: shaft and engine of a day's drive share them."""
+    time = np.arange(0.0, until, step)
+    time.flags.writeable = False
+    return time
 
 
 def _stuck(speed: FloatArray, engine: FloatArray, *, rate: float) -> BoolArray:

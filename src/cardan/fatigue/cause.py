@@ -219,6 +219,10 @@ class Attribution:
         return {cause: self.share(cause) for cause in self.causes}
 
 
+AT_ONCE = 16
+"""Choices whose cycles are held until their damage is asked."""
+
+
 class _Choices:
     """Damage of one channel over all choices of causes, as stretches pass.
 
@@ -234,24 +238,39 @@ class _Choices:
 
     def add(self, parts: FloatArray, gate: float) -> None:
         """Count every choice of a stretch (causes, n), without cycles below a gate."""
-        for k in np.flatnonzero(parts.any(-1)).tolist():
+        here = np.flatnonzero(parts.any(-1)).tolist()
+        for k in here:
             if k not in self.acting:
                 self.acting.append(k)
                 for book in (self.damage, self.residue):
                     book |= {choice | 1 << k: value for choice, value in book.items()}
+        # Who rests in this stretch changes nothing in it: they only have other residues.
+        rests = [0]
+        for k in self.acting:
+            rests += [] if k in here else [others | 1 << k for others in rests]
         x, choice = np.zeros(parts.shape[1]), 0
-        closed = {0: Cycles(NONE, NONE, NONE)}
+        closed: dict[int, Cycles] = {}
         # Gray's order: from one choice to the next a single cause comes or goes.
-        for step in range(1, 1 << len(self.acting)):
-            k = self.acting[(step & -step).bit_length() - 1]
-            choice ^= 1 << k
-            (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
+        for step in range(1 << len(here)):
+            if step:
+                k = here[(step & -step).bit_length() - 1]
+                choice ^= 1 << k
+                (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
             kept = without_small(x, gate=gate)
-            closed[choice], self.residue[choice] = four_point(kept, residue=self.residue[choice])
-        # All at once: few cycles are left of each, and none costs as much as a call.
+            for of in (choice | others for others in rests):
+                if of:
+                    closed[of], self.residue[of] = four_point(kept, residue=self.residue[of])
+            if len(closed) >= AT_ONCE or step + 1 == 1 << len(here):
+                self._done(closed)
+                closed = {}
+
+    def _done(self, closed: dict[int, Cycles]) -> None:
+        """Enter the damage of some choices' cycles: of few, none costs as much as a call."""
+        if not closed:
+            return
         done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
-        last = np.cumsum([cycles.count.size for cycles in closed.values()])
-        for choice, own in zip(closed, np.split(done, last[:-1]), strict=True):
+        ends = np.cumsum([cycles.count.size for cycles in closed.values()])
+        for choice, own in zip(closed, np.split(done, ends[:-1]), strict=True):
             self.damage[choice] += float(own.sum())
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:

@@ -310,6 +310,22 @@ def _longest(where: Places) -> int:
     return int((where.runs[:, 1] - where.runs[:, 0]).max(initial=0))
 
 
+def medians(rows: FloatArray) -> FloatArray:
+    """Return the median (k,) of each row (k, n), nan left out of account; nan where all is.
+
+    As NumPy's, which asks for both middle values at once and so takes eight times as long.
+    """
+    if (missing := np.isnan(rows)).any():
+        found = np.full(len(rows), np.nan)
+        some = ~missing.all(-1)
+        found[some] = np.nanmedian(rows[some], axis=-1)
+        return found
+    half = rows.shape[-1] // 2
+    parted = np.partition(rows, half, axis=-1)
+    upper = parted[:, half]
+    return upper if rows.shape[-1] % 2 else (parted[:, :half].max(-1) + upper) / 2
+
+
 BEYOND = 1e30
 """Size from which a sample is no number of a sensor: its powers are no numbers of a computer."""
 
@@ -363,7 +379,7 @@ class _Survey:
         before, at, behind = x[:-2], x[1:-1], x[2:]
         crest = np.flatnonzero((at - before) * (at - behind) > 0)
         y, a, b = at[crest], before[crest], behind[crest]
-        height = np.abs(y - np.median(x))
+        height = np.abs(y - medians(x[None])[0])
         tall = height > 0.5 * height.max(initial=0.0)
         y, a, b, height = y[tall], a[tall], b[tall], height[tall]
         lost = (a - b) ** 2 / (8 * np.abs(2 * y - a - b))
@@ -375,10 +391,8 @@ class _Survey:
         full = whole.size if last else whole.size // self.span * self.span
         if full:
             rows = whole[:full].reshape(-1, full if last else self.span)
-            some = ~np.isnan(rows).all(-1)
-            level, swing = np.full(len(rows), np.nan), np.full(len(rows), np.nan)
-            level[some] = np.nanmedian(rows[some], axis=-1)
-            swing[some] = np.nanmedian(np.abs(rows[some] - level[some, None]), axis=-1)
+            level = medians(rows)
+            swing = medians(np.abs(rows - level[:, None]))
             if not last:
                 self.levels.append(level)
             self.swings.append(swing)

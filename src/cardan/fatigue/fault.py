@@ -45,6 +45,8 @@ SENTINELS = (
     *(sign * value for sign in (-1.0, 1.0) for value in (999.0, 9999.0, 99999.0, 999999.0)),
 )  # fmt: skip
 """Numbers that loggers write where they have none."""
+LEAST_SENTINEL = min(map(abs, SENTINELS))
+"""Of their sizes."""
 
 CLIPPED_RUN = 4
 """Samples in a row at one level that make a crest look cut off."""
@@ -197,7 +199,9 @@ class Finder:
         missing = np.isnan(x)
         self.hole.add(missing, self.start, x)
         self._still(x)
-        written = np.isin(x, SENTINELS)
+        written = np.zeros(x.size, bool)
+        if (np.abs(x) >= LEAST_SENTINEL).any():
+            written = np.isin(x, SENTINELS)
         if written.any():
             at = np.flatnonzero(written)
             self.sentinels.append((at + self.start, x[at]))

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 
 Kernel: TypeAlias = Callable[..., tuple[int, int, float, int]]
 
@@ -111,23 +111,26 @@ def followed(force: ComplexArray, stays: complex, out: ComplexArray) -> None:
 
 
 def turned(
-    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: complex, stays: complex,
-    share: float, out: ComplexArray,
+    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: ComplexArray,
+    stays: ComplexArray, share: FloatArray, out: ComplexArray,
 ) -> None:  # fmt: skip
     """Write to `out` what `answered` returns."""
     for i in range(spin.size):
-        d = p - spin[i]
-        gain = (stays * back[i] - 1) * d.conjugate() * (share / (d.real * d.real + d.imag * d.imag))
-        for row in range(forces.shape[0]):
-            before = out[row, i - 1] if i else 0j
-            out[row, i] = forces[row, i] * gain + stays * before
+        # All modes in step: no one waits for what another remembers.
+        for k in range(p.size):
+            d = p[k] - spin[i]
+            size = d.real * d.real + d.imag * d.imag
+            gain = (stays[k] * back[i] - 1) * d.conjugate() * (share[k] / size)
+            for row in range(forces.shape[0]):
+                before = out[k, row, i - 1] if i else 0j
+                out[k, row, i] = forces[row, i] * gain + stays[k] * before
 
 
 def answered(
-    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: complex, stays: complex,
-    share: float,
+    forces: ComplexArray, spin: ComplexArray, back: ComplexArray, p: ComplexArray,
+    stays: ComplexArray, share: FloatArray,
 ) -> ComplexArray:  # fmt: skip
-    """Return what forces (rows, n) that spin do to a mode, a steady one exactly followed.
+    """Return what forces (rows, n) that spin do to modes (m,), steady ones exactly followed.
 
     Parameters
     ----------
@@ -135,15 +138,22 @@ def answered(
         As they turn.
     spin : (n,) 1/s
         Their i times rad/s; `back` (n,) turns them back by a step.
-    p : 1/s
-        Of the mode, that keeps `stays` of itself each step.
-    share
+    p : (m,) 1/s
+        Of each mode, that keeps `stays` (m,) of itself each step.
+    share : (m,)
         The response's scale.
+
+    Returns
+    -------
+    (m, rows, n)
+        Of each mode to each force.
     """
+    out = np.empty((p.size, *forces.shape), complex)
     compiled = _compiled(turned)
     if compiled is None:
-        return remembered(forces * ((stays * back - 1) * (share / (p - spin))), stays)
-    out = np.empty_like(forces)
+        for one, q, kept, scale in zip(out, p, stays, share, strict=True):
+            one[:] = remembered(forces * ((kept * back - 1) * (scale / (q - spin))), kept)
+        return out
     compiled(forces, spin, back, p, stays, share, out)
     return out
 
@@ -158,6 +168,103 @@ def remembered(force: ComplexArray, stays: complex) -> ComplexArray:
     out = np.empty_like(force)
     compiled(force, stays, out)
     return out
+
+
+def heaped(
+    place: IntArray, slot: IntArray, values: ComplexArray, ahead: ComplexArray,
+    square: FloatArray, speed: FloatArray, cells: ComplexArray, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Write to `cells` and `sums` what `gathered` returns."""
+    for i in range(place.size):
+        k = place[i]
+        if k >= 0:
+            cells[k] += values[i] * ahead[i]
+            into = sums[:, slot[i]]
+            into[0] += square[i]
+            into[1] += speed[i]
+            into[2] += 1
+
+
+def gathered(
+    place: IntArray, slot: IntArray, values: ComplexArray, ahead: ComplexArray,
+    square: FloatArray, speed: FloatArray, *, cells: int, slots: int,
+) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
+    """Return sums of values (n,) turned ahead by their places, and of what goes with them by slots.
+
+    Parameters
+    ----------
+    place, slot : (n,)
+        Of each; places below 0 are left out.
+    square, speed : (n,)
+        What goes with them.
+
+    Returns
+    -------
+    (cells,), (3, slots)
+        The second of squares, speeds and how many.
+    """
+    compiled = _compiled(heaped)
+    if compiled is not None:
+        there, sums = np.zeros(cells, complex), np.zeros((3, slots))
+        compiled(place, slot, values, ahead, square, speed, there, sums)
+        return there, sums
+    here = np.flatnonzero(place >= 0)
+    place, slot, values = place[here], slot[here], values[here] * ahead[here]
+    real, imag = (np.bincount(place, part, cells) for part in (values.real, values.imag))
+    each = (square[here], speed[here], np.ones(here.size))
+    sums = np.array([np.bincount(slot, x, slots) for x in each], float)
+    return real + 1j * imag, sums
+
+
+def climbed(
+    best: FloatArray, reach: int, slope: float, key: FloatArray, queue: IntArray,
+    back: IntArray, after: FloatArray,
+) -> None:  # fmt: skip
+    """Write to `back` and `after` what `farther` returns; `key` and `queue` (n,) are its paper.
+
+    Who is behind in the queue is a better one that came later; whoever is out of reach leaves it.
+    """
+    n = best.size
+    first, last = 0, 0
+    for j in range(n):
+        key[j] = best[j] + slope * j
+        while last > first and key[queue[last - 1]] < key[j]:
+            last -= 1
+        queue[last] = j
+        last += 1
+        if queue[first] < j - reach:
+            first += 1
+        back[j] = queue[first]
+        after[j] = best[queue[first]] - slope * (j - queue[first])
+    first, last = 0, 0
+    for j in range(n - 1, -1, -1):
+        key[j] = best[j] - slope * j
+        while last > first and key[queue[last - 1]] <= key[j]:
+            last -= 1
+        queue[last] = j
+        last += 1
+        if queue[first] > j + reach:
+            first += 1
+        there = best[queue[first]] - slope * (queue[first] - j)
+        if there > after[j]:
+            back[j], after[j] = queue[first], there
+
+
+def farther(best: FloatArray, *, reach: int, slope: float) -> tuple[IntArray, FloatArray]:
+    """Return from where (n,) up to so many places away most is left, and what is.
+
+    Each place on the way costs the slope.
+    """
+    n = best.size
+    back, after = np.empty(n, np.intp), np.empty(n)
+    compiled = _compiled(climbed)
+    if compiled is not None:
+        compiled(best, reach, slope, np.empty(n), np.empty(n, np.intp), back, after)
+        return back, after
+    padded = np.pad(best, reach, constant_values=-np.inf)
+    options = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1)
+    options = options - slope * np.abs(np.arange(-reach, reach + 1))
+    return options.argmax(-1) + np.arange(n) - reach, options.max(-1)
 
 
 def placed(turns: FloatArray, marks: ComplexArray, out: ComplexArray) -> None:

@@ -12,13 +12,13 @@ Source: derived from first principles; Ljung, System Identification (1999), ch. 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.fatigue.angle import Angle
-from cardan.fatigue.kernel import answered, remembered
+from cardan.fatigue.kernel import answered, gathered, remembered
 from cardan.fatigue.orders import wave
 
 OFF = 0.05
@@ -116,28 +116,27 @@ def aligned(
     place = share[:, None] + np.arange(each) + 0.5
     amid = (share + np.append(share[1:], count)) // 2 + 0.5
     turned = np.exp(-4j * np.pi * TURNS * np.outer(amid, beside))
-    cell, wide = band * place.size + stands[bins], bands * place.size
+    cell = stands[bins]
     found: list[Aligned] = []
     for shift in shifts:
         own = slice(most - shift, most - shift + m)
-        used = np.flatnonzero(fast[own])
-        if used.size < 100:
+        if np.count_nonzero(fast[own]) < 100:
             continue
         lag = float(shift * step)
-        here = cell[own][used]
-        z = moved[used] * ahead[own][used]
-        grid = np.empty(wide, complex)
-        grid.real, grid.imag = (np.bincount(here, part, wide) for part in (z.real, z.imag))
-        slot = band[own][used]
-        weight = np.asarray(np.bincount(slot, square[used], bands), float)
+        weight = np.bincount(band[own], np.where(fast[own], square, 0.0), bands)
         busy = weight > 1e-3 * weight.sum()
-        grid, weight = grid.reshape(bands, -1)[busy], weight[busy]
-        heard = np.bincount(slot, minlength=bands)[busy]
-        middle = np.bincount(slot, f2[own][used], bands)[busy] / heard
+        row_of = np.where(busy, np.cumsum(busy) - 1, -1)
+        rows = np.where(fast[own], row_of[band[own]], -1)
+        many_rows = int(np.count_nonzero(busy))
+        grid, (weight, speeds, heard) = gathered(
+            np.where(rows < 0, -1, rows * place.size + cell[own]), rows, moved, ahead[own],
+            square, f2[own], cells=many_rows * place.size, slots=many_rows,
+        )  # fmt: skip
+        grid, middle = grid.reshape(many_rows, -1), speeds / heard
         which = np.divmod(np.flatnonzero(busy), bands // many)
         # What turns within a bin is averaged: at the ends of the search it loses this much.
         spectra = fft(grid.astype(np.complex64).take(stands, axis=1), size)[:, near]
-        energy = (1 / weight) @ np.abs(spectra) ** 2
+        energy = (1 / weight) @ (spectra.real**2 + spectra.imag**2)
         energy /= np.sinc(2 * TURNS * off[near]) ** 2
         peaks = off[near[_peaks(energy)[:4]]]
         near_line = wave(-2 * TURNS * place[..., None] * peaks)
@@ -351,7 +350,7 @@ class _Slow:
         beside = wave(shift * time)
         turning = self.turning.by(beside, shift)
         back = np.conj(self.turn)
-        each = [self.loads * beside, *(turning.through(p) * back for p in poles)]
+        each = [self.loads * beside, *(turning.through(poles) * back)]
         return np.concatenate(each).astype(np.complex128)
 
     @cached_property
@@ -380,12 +379,13 @@ class _Turning:
             step_back=self.step_back * np.exp(-faster / self.rate),
         )  # fmt: skip
 
-    def through(self, pole: tuple[float, float]) -> ComplexArray:
-        """Response (forces, m) of one mode (Hz, damping), scaled to about one."""
-        w = 2 * np.pi * pole[0]
-        p = w * (-pole[1] + 1j * np.sqrt(1 - pole[1] ** 2))
+    def through(self, poles: Sequence[tuple[float, float]]) -> ComplexArray:
+        """Response (poles, forces, m) of modes (Hz, damping), each scaled to about one."""
+        hertz, damping = np.array(poles, float).reshape(-1, 2).T
+        w = 2 * np.pi * hertz
+        p = w * (-damping + 1j * np.sqrt(1 - damping**2))
         return answered(
-            self.forces, self.spin, self.step_back, p, np.exp(p / self.rate), w * pole[1]
+            self.forces, self.spin, self.step_back, p, np.exp(p / self.rate), w * damping
         )
 
 
@@ -446,17 +446,30 @@ def _searched(
         # What is known already and what is left, as they turn.
         known = np.conj(np.stack([*q.T, left]) * slow.turn)
 
-        @cache
-        def gain(pole: tuple[float, float], known: ComplexArray = known) -> float:
-            """Energy that the order through one more mode explains of what is left."""
-            rows = slow.turning.through(pole)
-            # One by one: of a few long rows BLAS makes copies first.
-            met = np.array([[row @ one for one in known] for row in rows])
-            own = np.array([[np.vdot(one, row) for one in rows] for row in rows])
-            theirs, right = met[:, :-1], np.conj(met[:, -1])
-            return _explained(np.conj(own - theirs @ np.conj(theirs.T)), right, ridge=1e-6)[1]
+        gains: dict[tuple[float, float], float] = {}
 
-        best, f, d = max((gain(pole), *pole) for pole in _likely(slow, left, within))
+        def best_of(
+            modes: Sequence[tuple[float, float]], *, known: ComplexArray = known,
+            gains: dict[tuple[float, float], float] = gains,
+        ) -> tuple[float, float, float]:  # fmt: skip
+            """Energy that the order through one more mode explains of what is left, and which."""
+            fresh = [mode for mode in dict.fromkeys(modes) if mode not in gains]
+            # Four at a time: what is followed in step is held at once.
+            followed = (
+                row
+                for k in range(0, len(fresh), 4)
+                for row in slow.turning.through(fresh[k : k + 4])
+            )
+            for mode, rows in zip(fresh, followed, strict=True):
+                # One by one: of a few long rows BLAS makes copies first.
+                met = np.array([[row @ one for one in known] for row in rows])
+                own = np.array([[np.vdot(one, row) for one in rows] for row in rows])
+                theirs, right = met[:, :-1], np.conj(met[:, -1])
+                gram = np.conj(own - theirs @ np.conj(theirs.T))
+                gains[mode] = _explained(gram, right, ridge=1e-6)[1]
+            return max((gains[mode], *mode) for mode in modes)
+
+        best, f, d = best_of(_likely(slow, left, within))
         log_step, damp_step, steps = 0.03, 0.5, 0
         while steps < 6:
             options = [
@@ -466,7 +479,7 @@ def _searched(
                 )
                 for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
             ]
-            better = max((gain(o), *o) for o in options)
+            better = best_of(options)
             if better[0] > best:
                 best, f, d = better
             else:

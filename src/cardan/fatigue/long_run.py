@@ -161,7 +161,8 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         # The mean of lognormal levels of which so many were met: Cox's.
         freedom, v = max(road.stretches - 1, 1.0), road.variance
         half = float(student.ppf(edge, freedom)) * math.sqrt(v / (freedom + 1) + v**2 / 2 / freedom)
-        low, high = min(low, road.shift - half), max(high, road.shift + half)
+        # About it, and about the mean that was met: stops make no lognormal of a road.
+        low, high = min(low, min(road.shift, 0) - half), max(high, max(road.shift, 0) + half)
     # A tail that is a little heavier than exponential shows in few blows less than it does.
     more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), _shape(beyond[over]))
     heavier = float(total[0] + total[2] * more[0]) / max(float(total[1]), 1e-9) / found
@@ -202,22 +203,24 @@ def _road(done: FloatArray, *, size: int, rng: np.random.Generator) -> _Road:
     met = levels(logs)
     spread = float(met.var(ddof=1))
     shuffled = np.array([levels(rng.permutation(logs)).var(ddof=1) for _ in range(SHUFFLES)])
-    chance = float(shuffled.mean())
     if spread <= float(np.quantile(shuffled, CHANGED)):
         return _Road()
-    variance, c = spread - chance, met - met.mean()
+    variance, c = spread - float(shuffled.mean()), met - met.mean()
     # A stretch lasts as long as levels are alike: the integral of their correlation.
-    stretch = 1.0
+    stretch, lags = 1.0, 0
     for lag in range(1, n // 2):
         alike = float(c[lag:] @ c[:-lag]) / n / variance
         if alike < 0.1:
             break
-        stretch += 2 * min(alike, 1.0)
+        stretch, lags = stretch + 2 * min(alike, 1.0), lag
+    # It may last longer than it seems to: by a standard deviation of such a sum, Bartlett's.
+    seen, stretch = stretch, stretch * (1 + math.sqrt(2 * (2 * lags + 1) / n))
     damage = np.exp(met)
+    meetings = float(damage.sum() ** 2 / (damage**2).sum()) / seen
     return _Road(
         stretch=stretch, variance=variance,
         shift=float(met.mean() + spread / 2 - np.log(damage.mean())),
-        meetings=float(damage.sum() ** 2 / (damage**2).sum()) / stretch, stretches=n / stretch,
+        meetings=meetings, stretches=n / stretch,
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from cardan.base.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.fatigue.conditioning import bridged, low_pass, overlapping
-from cardan.fatigue.kernel import on_circle
+from cardan.fatigue.kernel import farther, on_circle
 from cardan.fatigue.recording import cut
 from cardan.fatigue.spectral import periodograms
 
@@ -199,7 +199,7 @@ def estimated_rotation(
     ----------
     signal : (n,) or pieces of it (1, n)
         A channel in which the orders stand out. Of a long one some bytes a sample are held,
-        thinned to what the orders need, and two bytes for each speed and half second.
+        thinned to what the orders need, and one byte for each speed and half second.
     rate : Hz
         Of its samples.
     orders
@@ -217,20 +217,19 @@ def estimated_rotation(
     fine = 0.1 / window / max(orders)
     speeds = np.arange(slowest, fastest, fine)
     reach = max(int(jerk / fine), 1)
-    price = np.abs(np.arange(-reach, reach + 1)) * (0.5 * len(orders) / reach)
+    slope = 0.5 * len(orders) / reach
     best: FloatArray = np.zeros(speeds.size)
-    back: list[npt.NDArray[np.int16]] = []
+    back: list[npt.NDArray[np.signedinteger]] = []
+    short = np.int8 if reach < 128 else np.int16
+    here = np.arange(speeds.size)
     for score in _scores(thin, rate=rate, n=n, orders=orders, speeds=speeds):
-        options = np.lib.stride_tricks.sliding_window_view(
-            np.pad(best, reach, constant_values=-np.inf), 2 * reach + 1
-        )
-        options = options - price
-        back.append(options.argmax(-1).astype(np.int16))
-        best = score + options.max(-1)
+        came, left = farther(best, reach=reach, slope=slope)
+        back.append((came - here).astype(short))
+        best = score + left
     path = np.empty(len(back), dtype=np.int64)
     path[-1] = int(best.argmax())
     for k in range(len(back) - 1, 0, -1):
-        path[k - 1] = path[k] + back[k][path[k]] - reach
+        path[k - 1] = path[k] + back[k][path[k]]
     middle = (np.arange(len(back)) * (n // 2) + n / 2) / rate
     time = np.arange(0, thin.size / rate + 0.02, 0.02)
     speed = np.interp(time, middle, speeds[path])
@@ -238,7 +237,9 @@ def estimated_rotation(
     return Rotation(time, turns)
 
 
-def _thinned(pieces: Iterable[FloatArray], *, every: int, rate: float) -> FloatArray:
+def _thinned(
+    pieces: Iterable[FloatArray], *, every: int, rate: float
+) -> FloatArray | npt.NDArray[np.float32]:
     """Every so manyth sample (n / every,) of a signal in pieces (1, n), freed of what is faster."""
     if every == 1:
         kept = [bridged(piece[0]) for piece in pieces]
@@ -249,29 +250,35 @@ def _thinned(pieces: Iterable[FloatArray], *, every: int, rate: float) -> FloatA
         x = bridged(piece[0])
         found.append(x[-start % every :: every].astype(np.float32))
         start += x.size
-    return np.concatenate(found or [np.empty(0, np.float32)]).astype(float)
+    return np.concatenate(found or [np.empty(0, np.float32)])
 
 
 def _scores(
-    x: FloatArray, *, rate: float, n: int, orders: Sequence[float], speeds: FloatArray
-) -> Iterator[FloatArray]:
+    x: FloatArray | npt.NDArray[np.float32], *, rate: float, n: int, orders: Sequence[float],
+    speeds: FloatArray,
+) -> Iterator[FloatArray]:  # fmt: skip
     """Yield how much the orders of each speed stand out, frame by half-overlapping frame."""
     step = n // 2
     most = 512
     for first in range(0, x.size - n + 1, most * step):
-        frequency, power = periodograms(x[first : first + (most + 1) * step], rate=rate, segment=n)
+        some = x[first : first + (most + 1) * step].astype(float)
+        frequency, power = periodograms(some, rate=rate, segment=n)
         power = power[:most]
         level = np.log(power + 1e-9 * power.max() + 1e-300)
         # Above the neighbourhood: half a window's median over a tenth of the band flattens roads.
         around = np.lib.stride_tricks.sliding_window_view(
             np.pad(level, ((0, 0), (12, 12)), mode="edge"), 25, axis=-1
         )
-        level = np.maximum(level - np.median(around, axis=-1), 0)
-        for row in level:
-            score: FloatArray = np.zeros(speeds.size)
-            for rank, k in enumerate(orders):
-                score += np.interp(k * speeds, frequency, row, right=0) / (rank + 1)
-            yield score
+        # Of 25 a median is the thirteenth: NumPy's own asks for more, and takes six times as long.
+        level = np.maximum(level - np.partition(around, 12, axis=-1)[..., 12], 0)
+        score: FloatArray = np.zeros((len(level), speeds.size))
+        for rank, k in enumerate(orders):
+            place = np.minimum(k * speeds / frequency[1], frequency.size - 1.0)
+            low = np.minimum(place.astype(np.intp), frequency.size - 2)
+            share = np.where(k * speeds > frequency[-1], 0.0, 1 / (rank + 1))
+            low_share = (1 - (place - low)) * share
+            score += level[:, low] * low_share + level[:, low + 1] * (share - low_share)
+        yield from score
 
 
 def order_spectrum(
@@ -452,13 +459,17 @@ class Splitter:
         """Take a signal (channels, n) in pieces apart; the cuts do not matter."""
         n, reach = self.samples, MARGIN * self.samples
         size = self.stretch * n
-        start = 0
+        start, normal = 0, _Normal.none(1 + 2 * len(self.tones), n)
         for padded in overlapping(cut(_numbered(pieces), size=size), reach=reach):
             body = padded.shape[1] - 2 * reach
-            yield self._solve(padded[1:], padded[0], start, body)
+            split, normal = self._solve(padded[1:], padded[0], start, body, normal)
+            yield split
             start += body
 
-    def _solve(self, x: FloatArray, number: FloatArray, start: int, body: int) -> Split:
+    def _solve(
+        self, x: FloatArray, number: FloatArray, start: int, body: int, before: "_Normal"
+    ) -> "tuple[Split, _Normal]":
+        """Take a stretch apart, knowing what turned where the one `before` met it."""
         n, reach = self.samples, MARGIN * self.samples
         x = bridged(x)
         # Whole spans: the last stretch is filled up with samples that count for nothing.
@@ -468,17 +479,16 @@ class Splitter:
         inside = (place >= number[0]) & (place <= number[-1])
         time = place / self.rate
         spans = x.shape[1] // n
-        regressors = self._regressors(time, spans)
-        basis = _basis(n)
-        weight = inside.astype(float)
-        fitted, coefficients = self._fit(x, weight, regressors, basis)
+        weight = inside.astype(float).reshape(spans, n)
+        normal = self._normal(start - reach, weight, before)
+        fitted, coefficients = _fit(x, normal)
         event = np.zeros_like(x)
         if np.isfinite(self.event_factor):
             event = self._events(x - fitted.sum(1), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
-                quiet = weight * np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT)
-                fitted, coefficients = self._fit(x, quiet, regressors, basis)
+                quiet = np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT).reshape(spans, n)
+                fitted, coefficients = _fit(x, normal.weighed(weight * quiet))
                 event = self._events(x - fitted.sum(1), inside)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
@@ -489,14 +499,27 @@ class Splitter:
             np.empty((0, spans))
         )  # fmt: skip
         amplitude = np.where(frequency >= self.slowest, amplitude, 0)
-        return Split(
+        split = Split(
             start=start, signal=x[:, keep], slow=fitted[:, 0, keep], tones=fitted[:, 1:, keep],
             amplitude=amplitude[..., held], time=middle[held], frequency=frequency[:, held],
             padded_rest=np.where(inside, x - fitted.sum(1), 0.0), padded_event=event, margin=reach,
         )  # fmt: skip
+        return split, normal
 
-    def _regressors(self, time: FloatArray, spans: int) -> FloatArray:
-        """One for the slow mean, cosine and sine for each tone, (1 + 2 tones, spans, n)."""
+    def _normal(self, first: int, weight: FloatArray, before: "_Normal") -> "_Normal":
+        """Return what turns in spans (spans, n) from a sample on, their samples weighed."""
+        met = before.since(first)
+        known = len(met.weight)
+        met = met.weighed(weight[:known])
+        rows = self._rows(first + known * self.samples, len(weight) - known)
+        return _Normal(
+            first, np.concatenate([met.rows, rows]), weight,
+            np.concatenate([met.gram, _gram(rows, weight[known:])]),
+        )  # fmt: skip
+
+    def _rows(self, first: int, spans: int) -> FloatArray:
+        """One for the slow mean, cosine and sine for each tone, (spans, 1 + 2 tones, n)."""
+        time = (first + np.arange(spans * self.samples)) / self.rate
         rows = [np.ones_like(time)]
         met = {id(t.rotation): t.rotation for t in self.tones}
         known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
@@ -509,58 +532,7 @@ class Splitter:
                 gate = np.clip(risen, 0, 1)
                 turning *= gate * gate * (3 - 2 * gate)
             rows += [turning.real, turning.imag]
-        return np.stack(rows).reshape(len(rows), spans, -1)
-
-    def _fit(
-        self, x: FloatArray, weight: FloatArray, regressors: FloatArray, basis: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
-        from scipy.linalg import solveh_banded
-
-        p, spans, n = regressors.shape
-        channels = x.shape[0]
-        rows = regressors.transpose(1, 0, 2)
-        weighted = rows * weight.reshape(spans, 1, n)
-        # Four splines times p regressors, each by each: what two splines make is alike in all
-        # spans, and what two regressors make is alike either way round.
-        powers, both = _pairs(n)
-        gram = np.empty((spans, 4, p, 4, p))
-        for k in range(p):
-            pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) @ both.T
-            pairs = pairs.reshape(spans, k + 1, 4, 4).transpose(0, 2, 1, 3)
-            gram[:, :, : k + 1, :, k] = pairs
-            gram[:, :, k, :, : k + 1] = pairs.swapaxes(-1, -2)
-        gram = gram.reshape(spans, 4 * p, 4 * p)
-        target = x.reshape(channels, spans, 1, n)
-        right = np.stack([_products(weighted * each, basis) for each in target], axis=-1)
-        right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
-        size = (spans + 3) * p
-        banded: FloatArray = np.zeros((4 * p, size))
-        total: FloatArray = np.zeros((size, channels))
-        row, column = np.tril_indices(4 * p)
-        # Lower form: entry (i, k) of the matrix stands at [i - k, k].
-        low: FloatArray = np.zeros((4 * p, spans, 4 * p))
-        low[row - column, :, column] = gram[:, row, column].T
-        for j in range(4):  # every fourth span has splines of its own
-            apart, own = low[:, j::4].reshape(4 * p, -1), right[j::4].reshape(-1, channels)
-            banded[:, j * p : j * p + apart.shape[1]] += apart
-            total[j * p : j * p + len(own)] += own
-        # Where the signal does not decide (holes, events, tones let go or running together)
-        # amplitudes go on steadily and stay small: it costs a steady tone half a per mille.
-        ridge = np.full(size, RIDGE * n)
-        ridge[::p] = 0.0
-        banded[0] += ridge + 1e-9 * n
-        banded[0, :-p] += STEADY * n
-        banded[0, p:] += STEADY * n
-        banded[p, :-p] -= STEADY * n
-        c = solveh_banded(banded, total, lower=True, check_finite=False)
-        c = c.reshape(spans + 3, p, channels)
-        local = np.stack([c[k : k + spans].T for k in range(4)], axis=-1)  # (ch, p, spans, 4)
-        each = local @ basis
-        each *= regressors
-        each = each.reshape(channels, p, -1)
-        parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
-        return parts, local
+        return np.stack([row.reshape(spans, -1) for row in rows], axis=1)
 
     def _events(self, rest: FloatArray, inside: BoolArray) -> FloatArray:
         """Weight (channels, n) of the event windows in a rest, 0 to 1 with soft edges."""
@@ -586,6 +558,100 @@ class Splitter:
                 edge = np.clip((wide + soft - far) / soft, 0, 1)
                 out[k] = edge * edge * (3 - 2 * edge)
         return out
+
+
+@dataclass(frozen=True)
+class _Normal:
+    """What turns in some spans, and the matrices by which amplitudes are found.
+
+    Attributes
+    ----------
+    first : samples
+        Where they begin.
+    rows : (spans, p, n)
+        One for the slow mean, cosine and sine for each tone.
+    weight : (spans, n)
+        Of the samples.
+    gram : (spans, 4 p, 4 p)
+        Sums over samples, so weighed, of each two of four splines times p rows.
+    """
+
+    first: int
+    rows: FloatArray
+    weight: FloatArray
+    gram: FloatArray
+
+    @classmethod
+    def none(cls, p: int, n: int) -> "_Normal":
+        """Return that of no spans."""
+        return cls(0, np.empty((0, p, n)), np.empty((0, n)), np.empty((0, 4 * p, 4 * p)))
+
+    def since(self, first: int) -> "_Normal":
+        """Return those from a sample on."""
+        k = (first - self.first) // self.rows.shape[-1]
+        return _Normal(first, self.rows[k:], self.weight[k:], self.gram[k:])
+
+    def weighed(self, weight: FloatArray) -> "_Normal":
+        """Return them otherwise weighed: only spans in which that is so are summed again."""
+        other = (weight != self.weight).any(-1)
+        gram = self.gram.copy()
+        gram[other] = _gram(self.rows[other], weight[other])
+        return replace(self, weight=weight, gram=gram)
+
+
+def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return what `_Normal.gram` is, of rows (spans, p, n) with weights (spans, n)."""
+    spans, p, n = rows.shape
+    weighted = rows * weight[:, None]
+    # What two splines make is alike in all spans, and what two rows make either way round.
+    powers, both = _pairs(n)
+    gram = np.empty((spans, 4, p, 4, p))
+    for k in range(p):
+        pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) @ both.T
+        pairs = pairs.reshape(spans, k + 1, 4, 4).transpose(0, 2, 1, 3)
+        gram[:, :, : k + 1, :, k] = pairs
+        gram[:, :, k, :, : k + 1] = pairs.swapaxes(-1, -2)
+    return gram.reshape(spans, 4 * p, 4 * p)
+
+
+def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
+    """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
+    from scipy.linalg import solveh_banded
+
+    rows, gram = normal.rows, normal.gram
+    spans, p, n = rows.shape
+    channels = x.shape[0]
+    basis = _basis(n)
+    target = (x.reshape(channels, spans, n) * normal.weight)[:, :, None]
+    right = np.stack([_products(rows * each, basis) for each in target], axis=-1)
+    right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
+    size = (spans + 3) * p
+    banded: FloatArray = np.zeros((4 * p, size))
+    total: FloatArray = np.zeros((size, channels))
+    row, column = np.tril_indices(4 * p)
+    # Lower form: entry (i, k) of the matrix stands at [i - k, k].
+    low: FloatArray = np.zeros((4 * p, spans, 4 * p))
+    low[row - column, :, column] = gram[:, row, column].T
+    for j in range(4):  # every fourth span has splines of its own
+        apart, own = low[:, j::4].reshape(4 * p, -1), right[j::4].reshape(-1, channels)
+        banded[:, j * p : j * p + apart.shape[1]] += apart
+        total[j * p : j * p + len(own)] += own
+    # Where the signal does not decide (holes, events, tones let go or running together)
+    # amplitudes go on steadily and stay small: it costs a steady tone half a per mille.
+    ridge = np.full(size, RIDGE * n)
+    ridge[::p] = 0.0
+    banded[0] += ridge + 1e-9 * n
+    banded[0, :-p] += STEADY * n
+    banded[0, p:] += STEADY * n
+    banded[p, :-p] -= STEADY * n
+    c = solveh_banded(banded, total, lower=True, check_finite=False)
+    c = c.reshape(spans + 3, p, channels)
+    local = np.stack([c[k : k + spans].T for k in range(4)], axis=-1)  # (ch, p, spans, 4)
+    each = local @ basis
+    each *= rows.swapaxes(0, 1)
+    each = each.reshape(channels, p, -1)
+    parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
+    return parts, local
 
 
 def _products(a: FloatArray, b: FloatArray) -> FloatArray:

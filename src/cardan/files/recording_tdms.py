@@ -1,16 +1,18 @@
 """TDMS recordings: npTDMS tells what is in a file and where it lies, and it is read from there.
 
 npTDMS takes memory for as many samples as a segment claims, and reads all of an interleaved one
-anew for each piece of each channel. Source: NI, TDMS file format internal structure (2024).
+anew for each piece of each channel. Of a data acquisition card a channel's samples are what one
+or more scalers cut out of the rows of a buffer. Source: NI, TDMS file format internal structure
+(2024).
 """
 
 import logging
 import struct
 from array import array
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -21,7 +23,8 @@ from cardan.files.recordings import Table, bad, budget, joined
 AT_ONCE = 1 << 24
 """Bytes of the file that are read at once."""
 _DAMAGE = (
-    ValueError, TypeError, OSError, EOFError, OverflowError, MemoryError, KeyError, struct.error,
+    ValueError, TypeError, OSError, EOFError, OverflowError, MemoryError, LookupError,
+    RecursionError, struct.error,
 )  # fmt: skip
 """What is raised of a file that says what is not there."""
 _INTERLEAVED, _BIG = 1 << 5, 1 << 6
@@ -40,8 +43,14 @@ class _Runs:
         Bytes of a row before the channel's own.
     big
         Whether its numbers begin with the high byte.
+    kind
+        Of its numbers.
+    made
+        What is made of them: of a digital line its bit.
     """
 
+    kind: np.dtype[Any]
+    made: Callable[[Any], Any] = np.asarray
     at: "array[int]" = field(default_factory=lambda: array("q"))
     step: "array[int]" = field(default_factory=lambda: array("q"))
     count: "array[int]" = field(default_factory=lambda: array("q"))
@@ -86,9 +95,7 @@ def tdms(path: Path, *, group: str = "") -> Table:
         groups = {g.name: g for g in file.groups() if any(len(c) for c in g.channels())}
         segments: list[Any] = file._reader._segments
         notes = _short(path, segments)
-        # Samples of a data acquisition card lie as their own heads say: npTDMS reads them.
-        plain = not any(s._have_daqmx_objects() for s in segments)
-        runs = _runs(segments) if plain else {}
+        runs = _runs(segments)
     except _DAMAGE as error:
         raise bad(path, f"TDMS cannot open it: {error}") from error
     if not groups:
@@ -131,39 +138,109 @@ def _short(path: Path, segments: list[Any]) -> tuple[str, ...]:
     return (note,) if lost or (segments and segments[-1].segment_incomplete) else ()
 
 
-def _runs(segments: list[Any]) -> dict[str, _Runs]:
-    """Return where the samples of each channel lie, by its path."""
-    found: dict[str, _Runs] = {}
+_Found: TypeAlias = dict[tuple[str, int], _Runs]
+"""Of each channel by its path, and by which of its scalers, `PLAIN` without one."""
+PLAIN = -1
+
+
+def _runs(segments: list[Any]) -> _Found:
+    """Return where the samples of each channel lie."""
+    found: _Found = {}
     for s in segments:
         own = [o for o in s.ordered_objects if o.has_data]
-        chunk = sum(o.data_size for o in own)
-        left: dict[str, int] | None = s.final_chunk_lengths_override
-        whole = s.num_chunks - (left is not None)
-        last = s.data_position + whole * chunk
-        # Of one channel only text has no size; and of text nothing lies in rows.
-        sized = all(o.data_type.size is not None for o in own)
-        rows = bool(s.toc_mask & _INTERLEAVED) and sized
-        width = sum(o.data_type.size for o in own) if rows else 0
-        before = gone = 0
-        for o in own:
-            size, n = o.data_type.size or 0, o.number_values
-            ends = 0 if left is None else left.get(o.path, 0)
-            runs = found.setdefault(o.path, _Runs())
-            big, inside = int(bool(s.toc_mask & _BIG)), before if rows else 0
-            place = {"step": width or size, "inside": inside, "big": big}
-            if rows or o.data_size == chunk:  # chunks that follow each other are one
-                runs.add(s.data_position, size=1, chunks=1, count=whole * n + ends, **place)
-            else:
-                first = s.data_position + before
-                runs.add(first, size=chunk, chunks=whole, count=n, **place)
-                if ends:
-                    runs.add(last + gone, size=1, chunks=1, count=ends, **place)
-            before += size if rows else o.data_size
-            gone += o.data_size if ends == n else size * ends
+        (_carded if s._have_daqmx_objects() else _plain)(found, s, own)
     return found
 
 
-def _taken(rows: _Rows, runs: _Runs, begun: Any, kind: np.dtype[Any], first: int, n: int) -> Any:
+def _of(
+    found: _Found, path: str, scaler: int, kind: Any, made: Callable[[Any], Any] = np.asarray
+) -> _Runs:
+    """Return a channel's runs so far.
+
+    Raises
+    ------
+    ValueError
+        If its numbers were of another kind before.
+    """
+    known = found.setdefault((path, scaler), _Runs(np.dtype(kind), made))
+    if known.kind != np.dtype(kind):
+        msg = f"{path} changes the kind of its numbers from {known.kind} to {np.dtype(kind)}"
+        raise ValueError(msg)
+    return known
+
+
+def _plain(found: _Found, s: Any, own: list[Any]) -> None:
+    """Enter a segment whose channels lie one after another, or row by row."""
+    chunk = sum(o.data_size for o in own)
+    left: dict[str, int] | None = s.final_chunk_lengths_override
+    whole = s.num_chunks - (left is not None)
+    last = s.data_position + whole * chunk
+    # Of one channel only text has no size; and of text nothing lies in rows.
+    sized = all(o.data_type.size is not None for o in own)
+    rows = bool(s.toc_mask & _INTERLEAVED) and sized
+    width = sum(o.data_type.size for o in own) if rows else 0
+    before = gone = 0
+    for o in own:
+        size, n = o.data_type.size or 0, o.number_values
+        ends = 0 if left is None else left.get(o.path, 0)
+        big, inside = int(bool(s.toc_mask & _BIG)), before if rows else 0
+        place = {"step": width or size, "inside": inside, "big": big}
+        runs = _of(found, o.path, PLAIN, o.data_type.nptype)
+        if rows or o.data_size == chunk:  # chunks that follow each other are one
+            runs.add(s.data_position, size=1, chunks=1, count=whole * n + ends, **place)
+        else:
+            first = s.data_position + before
+            runs.add(first, size=chunk, chunks=whole, count=n, **place)
+            if ends:
+                runs.add(last + gone, size=1, chunks=1, count=ends, **place)
+        before += size if rows else o.data_size
+        gone += o.data_size if ends == n else size * ends
+
+
+def _carded(found: _Found, s: Any, own: list[Any]) -> None:
+    """Enter a segment of data acquisition cards: the rows of each one's buffer, then the next's.
+
+    Raises
+    ------
+    ValueError
+        If channels of no card are among them, or one lies beyond its row.
+    """
+    from nptdms.daqmx import (  # pyright: ignore[reportMissingTypeStubs]
+        DaqmxSegmentObject,
+        get_buffer_dimensions,
+    )
+    from nptdms.types import DaqMxRawData  # pyright: ignore[reportMissingTypeStubs]
+
+    if not all(isinstance(o, DaqmxSegmentObject) for o in own):
+        msg = "channels of a card and others lie in one segment"
+        raise ValueError(msg)
+    buffers: list[tuple[int, int]] = get_buffer_dimensions(own)
+    begun = np.cumsum([0, *(n * width for n, width in buffers)]).tolist()
+    chunk = begun[-1]
+    left: dict[str, int] | None = s.final_chunk_lengths_override
+    whole = s.num_chunks - (left is not None)
+    for o in own:
+        n, ends = o.number_values, 0 if left is None else left.get(o.path, 0)
+        for scaler in o.daqmx_metadata.scalers:
+            rows, width = buffers[scaler.raw_buffer_index]
+            size, inside = scaler.data_type.size, scaler.byte_offset()
+            if inside + size > width:
+                msg = f"{o.path} lies at {inside} in rows of {width} bytes"
+                raise ValueError(msg)
+            raw = o.data_type is DaqMxRawData
+            kind, name = scaler.data_type.nptype, scaler.scale_id if raw else PLAIN
+            runs = _of(found, o.path, name, kind, scaler.postprocess_data)
+            place = {"step": width, "inside": inside, "big": int(bool(s.toc_mask & _BIG))}
+            first = s.data_position + begun[scaler.raw_buffer_index]
+            if len(buffers) == 1 and n == rows:
+                runs.add(first, size=1, chunks=1, count=whole * n + ends, **place)
+            else:
+                runs.add(first, size=chunk, chunks=whole, count=n, **place)
+                if ends:
+                    runs.add(first + whole * chunk, size=1, chunks=1, count=ends, **place)
+
+
+def _taken(rows: _Rows, runs: _Runs, begun: Any, first: int, n: int) -> Any:
     """Return n samples of a channel from one on, as they are written."""
     pieces: list[Any] = []
     k = int(np.searchsorted(begun, first, side="right")) - 1
@@ -172,42 +249,38 @@ def _taken(rows: _Rows, runs: _Runs, begun: Any, kind: np.dtype[Any], first: int
         m = min(n, runs.count[k] - skip)
         at, step = runs.at[k] + skip * runs.step[k], runs.step[k]
         data = rows.between(at, at + m * step)
-        own = kind.newbyteorder(">" if runs.big[k] else "<")
+        own = runs.kind.newbyteorder(">" if runs.big[k] else "<")
         pieces.append(np.ndarray((m,), own, data, runs.inside[k], (step,)))
         first, n, k = first + m, n - m, k + 1
-    return np.concatenate(pieces)
+    return runs.made(np.concatenate(pieces))
 
 
-def _waveforms(path: Path, items: list[Any], runs: dict[str, _Runs]) -> Table:
+def _waveforms(path: Path, items: list[Any], found: _Found) -> Table:
     """Return TDMS channels of one length and step as a table."""
     samples, properties = len(items[0]), items[0].properties
     step = properties.get("wf_increment")
 
     def pieces(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        from nptdms.base_segment import (  # pyright: ignore[reportMissingTypeStubs]
-            RawChannelDataChunk,
-        )
-
-        own = [(items[k], runs[items[k].path]) for k in places]
-        begun = [np.concatenate([[0], np.cumsum(r.count)])[:-1] for _, r in own]
-        many = max(min(SIZE, AT_ONCE // max(max(r.step) for _, r in own)), 1)
+        own = [
+            (items[k], {name: r for (of, name), r in found.items() if of == items[k].path})
+            for k in places
+        ]
+        runs = [r for _, each in own for r in each.values()]
+        begun = {id(r): np.concatenate([[0], np.cumsum(r.count)])[:-1] for r in runs}
+        many = max(min(SIZE, AT_ONCE // max(max(r.step) for r in runs)), 1)
         with path.open("rb") as stream:
             rows = _Rows(stream)
             for first in range(0, samples, many):
                 n = min(many, samples - first)
                 raw = [
-                    _taken(rows, r, b, c.data_type.nptype, first, n)
-                    for (c, r), b in zip(own, begun, strict=True)
+                    {name: _taken(rows, r, begun[id(r)], first, n) for name, r in each.items()}
+                    for _, each in own
                 ]
-                scaled: list[Any] = [
-                    c._scale_data(RawChannelDataChunk.channel_data(x))
-                    for (c, _), x in zip(own, raw, strict=True)
-                ]
-                yield np.stack([np.asarray(x, float) for x in scaled])
+                yield np.stack([_scaled(c, x) for (c, _), x in zip(own, raw, strict=True)])
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         try:
-            yield from cut(pieces(places), size=SIZE) if runs else _daqmx(path, items, places)
+            yield from cut(pieces(places), size=SIZE)
         except _DAMAGE as error:
             raise bad(path, f"it is damaged: {error}") from error
 
@@ -218,13 +291,21 @@ def _waveforms(path: Path, items: list[Any], runs: dict[str, _Runs]) -> Table:
     )  # fmt: skip
 
 
-def _daqmx(path: Path, items: list[Any], places: tuple[int, ...]) -> Iterator[FloatArray]:
-    """Yield pieces (k, n) of what a data acquisition card has written."""
-    from nptdms import TdmsFile  # pyright: ignore[reportMissingTypeStubs]
+def _scaled(channel: Any, raw: dict[int, Any]) -> FloatArray:
+    """Return what a channel's scales make of what is written, by scalers.
 
-    samples = len(items[0])
-    with path.open("rb") as stream, TdmsFile.open(stream) as file:
-        home = [file[items[k].group_name][items[k].name] for k in places]
-        for first in range(0, samples, SIZE):
-            n = min(SIZE, samples - first)
-            yield np.stack([np.asarray(c.read_data(first, n), float) for c in home])
+    Raises
+    ------
+    ValueError
+        If they make nothing of it.
+    """
+    from nptdms.base_segment import (  # pyright: ignore[reportMissingTypeStubs]
+        RawChannelDataChunk,
+    )
+
+    kind = RawChannelDataChunk
+    chunk = kind.channel_data(raw[PLAIN]) if PLAIN in raw else kind.scaler_data(raw)
+    try:
+        return np.asarray(channel._scale_data(chunk), float)
+    except Exception as error:  # what it has no name for it raises as just that
+        raise ValueError(str(error)) from error
