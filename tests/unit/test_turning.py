@@ -5,8 +5,9 @@ import pytest
 from scipy.signal import lfilter
 
 from cardan.fatigue import kernel
+from cardan.fatigue.angle import BESIDE, Angle
 from cardan.fatigue.locked import levelled, running_mean
-from cardan.fatigue.orders import wave
+from cardan.fatigue.orders import Rotation, wave
 
 
 @pytest.mark.parametrize("compiled", [True, False])
@@ -19,6 +20,24 @@ def test_a_wave_is_its_sine_and_cosine(compiled, monkeypatch):
     assert np.abs(wave(turns) - exact).max() < 1e-15
     rows = turns[: 2**20].reshape(4, -1)[:, ::2]
     np.testing.assert_array_equal(wave(rows), wave(rows.ravel()).reshape(rows.shape))
+
+
+@pytest.mark.parametrize(("first", "last"), [(200.013, 260.009), (-5.0, 30.0), (980.0, 1040.0)])
+def test_a_stretch_of_an_angle_turns_as_the_whole(first, last):
+    """Bit for bit, as far beside it as a lag goes; a part of the whole and no copy of it."""
+    speed = np.random.default_rng(3).uniform(0, 40, 50_000)
+    whole = Angle(
+        Rotation(np.arange(50_001) * 0.02, np.append(0, np.cumsum(speed) * 0.02)), lag=0.5,
+        lost=np.array([[100.0, 101.0], [230.0, 231.0], [990.0, 991.0]]),
+    )  # fmt: skip
+    part = whole.within(first, last)
+    edge = whole.lag + BESIDE
+    for time in (np.linspace(first, last, 999), np.array([first - edge, last + edge])):
+        np.testing.assert_array_equal(part.rotation.at(time), whole.rotation.at(time))
+        np.testing.assert_array_equal(part.rotation.speed(time), whole.rotation.speed(time))
+    assert np.shares_memory(part.rotation.turns, whole.rotation.turns)
+    assert part.rotation.turns.size < 6000
+    assert len(part.lost) == 1 - (first < 0)
 
 
 @pytest.mark.parametrize("half", [1, 7, 60])

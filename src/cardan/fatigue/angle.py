@@ -46,6 +46,8 @@ MOST = 2_500_000
 HELD, UPDATE, RARELY = 3, 1.0, 4.0
 """Readings, all alike, from which a speed is steady and not a step of a staircase; seconds in which
 it comes to its next speed at most, and seconds between readings at most as they are counted."""
+BESIDE = 10.0
+"""Seconds beside a stretch, and its lag, of which the angle is asked with it."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 
@@ -92,9 +94,14 @@ class Angle:
         return np.searchsorted(self.lost.mean(-1), time)
 
     def within(self, first: float, last: float) -> "Angle":
-        """Return the angle with what it loses between two times, s."""
+        """Return the angle between two times, s, and with what it loses there.
+
+        Of a day's drive the rest is held once: a stretch is asked at many ratios.
+        """
         near = (self.lost[:, 1] > first) & (self.lost[:, 0] < last)
-        return replace(self, lost=self.lost[near])
+        beside = self.lag + BESIDE
+        rotation = self.rotation.within(first - beside, last + beside)
+        return replace(self, rotation=rotation, lost=self.lost[near])
 
     def losing(self, time: FloatArray) -> BoolArray:
         """Return whether it is lost at times (n,) s."""

@@ -72,6 +72,12 @@ class Rotation:
         near = slice(max(min(first, self.time.size - 4), 0), max(last, 4))
         return np.interp(t, self.time[near], np.gradient(self.turns[near], self.time[near]))
 
+    def within(self, first: float, last: float) -> "Rotation":
+        """Return it between two times, s, and a few of its own beyond: a part, not a copy."""
+        k, end = np.searchsorted(self.time, (first, last))
+        k = max(min(int(k), self.time.size) - 4, 0)
+        return Rotation(self.time[k : int(end) + 4], self.turns[k : int(end) + 4])
+
     def geared(self, ratio: float) -> "Rotation":
         """Return the rotation of what turns `ratio` times as fast: a wheel, an engine."""
         return Rotation(self.time, ratio * self.turns)
