@@ -180,6 +180,7 @@ function Notices({ known }: { known: Known }) {
   const said = n && (n.kind === "refused" ? n.why : {
     restored: t("What was not saved last time is here again; undo goes back to the file."),
     reloaded: t("The file was changed on disk, and is shown as it is now."),
+    beside: t("A file that this one names was changed on disk, and is asked again."),
     conflict: t("The file was changed on disk while there are unsaved edits here."),
   }[n.kind]);
   return (

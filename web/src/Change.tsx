@@ -98,7 +98,7 @@ function Map({ known, shown }: Both) {
   const [sought, seek] = useState(false);
   const [at, setAt] = useState<[number, number] | null>(null);
   const args = { line: shown.index, x, y, sought };
-  useEffect(() => { if (!known.held && !sought) store.work("map", args); }, [known.history?.text, known.held, shown.index, x, y, sought, known.lang]);
+  useEffect(() => { if (!known.held && !sought) store.work("map", args); }, [known.history?.text, known.beside, known.held, shown.index, x, y, sought, known.lang]);
   const job = known.jobs.map as Job<MapOf, { map?: MapOf }> | undefined;
   const of = (job?.running ? job.part?.map : undefined) ?? job?.answer;
   const moved = known.jobs.moved as Job<{ edits: Record<string, number> }> | undefined;

@@ -13,7 +13,7 @@ import { Sides } from "./Variants";
 export function Library({ known }: { known: Known }) {
   const [wanted, want] = useState("");
   const [ticked, tick] = useState<number[]>([]);
-  useEffect(() => store.work("library", {}, ""), [known.files, known.history?.saved, known.lang]);
+  useEffect(() => store.work("library", {}, ""), [known.files, known.history?.saved, known.beside, known.lang]);
   const job = known.jobs.library as Job<{ rows: Status[] }, { rows: Status[] }> | undefined;
   const rows = (job?.running ? job.part?.rows : job?.answer?.rows) ?? [];
   const bare = (s: string): string => s.toLowerCase().normalize("NFKD");
@@ -54,7 +54,7 @@ function Script({ known }: { known: Known }) {
   const saved = known.history?.saved ?? "";
   const line = known.asked.line ?? 0;
   const [hold] = useKept<string[]>(`hold/${known.file}/${line}`, []);
-  useEffect(() => store.work("script", { saved, line, hold }), [known.history?.text, saved, line, hold, known.lang]);
+  useEffect(() => store.work("script", { saved, line, hold }), [known.history?.text, known.beside, saved, line, hold, known.lang]);
   const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
   if (!of) return null;
   return (

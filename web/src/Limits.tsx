@@ -12,7 +12,7 @@ const EMPTY = { normal: "", maximum: "", reason: "", by: "" };
 export function Limits({ known }: { known: Known }) {
   const [at, open] = useState<number | null>(null);
   const [form, set] = useState(EMPTY);
-  useEffect(() => { if (!known.held) store.work("limits"); }, [known.history?.text, known.held, known.lang]);
+  useEffect(() => { if (!known.held) store.work("limits"); }, [known.history?.text, known.beside, known.held, known.lang]);
   const asked = known.jobs.limits as Job<LimitsOf> | undefined;
   const of = asked?.answer;
   const job = known.jobs.deviate as Job<{ draft: string }> | undefined;

@@ -13,7 +13,7 @@ import type { Diagram, Force, Speeds, Torsion } from "./types";
 
 export function Speed({ known, shown }: { known: Known; shown: Shown }) {
   const { index, state } = shown;
-  useEffect(() => { if (!known.held) store.work("speeds", { line: index, state }); }, [known.history?.text, known.held, index, state, known.lang]);
+  useEffect(() => { if (!known.held) store.work("speeds", { line: index, state }); }, [known.history?.text, known.beside, known.held, index, state, known.lang]);
   const job = known.jobs.speeds as Job<Speeds> | undefined;
   const of = job?.answer;
   return (

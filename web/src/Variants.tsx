@@ -22,7 +22,7 @@ export function Pin({ known }: { known: Known }) {
 export function Variants({ known }: { known: Known }) {
   useEffect(() => {
     if (known.variants.length && !known.held) store.work("compare", { variants: known.variants });
-  }, [known.variants, known.history?.text, known.held, known.lang]);
+  }, [known.variants, known.history?.text, known.beside, known.held, known.lang]);
   const job = known.jobs.compare as Job<Compared> | undefined;
   const of = job?.of === store.about({ variants: known.variants }) || known.held ? job?.answer : null;
   const why = job?.why;

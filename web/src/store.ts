@@ -13,6 +13,7 @@ export type Notice =
   | { kind: "restored" }
   | { kind: "conflict"; text: string; mark: string }
   | { kind: "reloaded" }
+  | { kind: "beside" }
   | { kind: "refused"; why: string };
 
 export interface Known {
@@ -51,6 +52,8 @@ export interface Known {
   parcel: { id: number; name: string; got: number; size: number } | null;
   variants: Named[];
   revisions: (Named & { said: string })[];
+  /** How often a file that this one names has changed meanwhile: what was answered is of the last. */
+  beside: number;
   /** Which variant is drawn behind what is shown. */
   behind: number | null;
 }
@@ -76,7 +79,7 @@ const start: Known = {
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
   order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [],
-  behind: null,
+  beside: 0, behind: null,
 };
 
 interface Gesture {
@@ -139,7 +142,8 @@ export class Store {
     const connected = (c: Connection): void => this.connected(c);
     this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
     this.set({ fixed: Boolean(kept) });
-    addEventListener("pagehide", () => { if (this.known.history && History.unsaved(this.known.history)) this.keepNow(); });
+    addEventListener("pagehide", () => { if (this.aside || (this.known.history && History.unsaved(this.known.history))) this.keepNow(); });
+    addEventListener("beforeunload", (e) => { if (this.losing()) e.preventDefault(); });
     this.link.open();
   }
 
@@ -155,7 +159,7 @@ export class Store {
 
   private told(m: Told): void {
     // What is told of a file that was left meanwhile is not of this one.
-    if ((m.type === "saved" || m.type === "disk" || m.type === "frozen") && m.file !== this.known.file) return;
+    if ((m.type === "saved" || m.type === "disk" || m.type === "beside" || m.type === "frozen") && m.file !== this.known.file) return;
     switch (m.type) {
       case "welcome":
         learn(m.texts);
@@ -193,10 +197,25 @@ export class Store {
         if (history) this.set({ history: History.written(history, m.text, m.mark), notice: null });
         break;
       }
+      case "kept":
+        this.unkept = false;
+        this.safe = this.keptLast;
+        break;
+      case "beside":
+        this.set({ beside: this.known.beside + 1, notice: this.known.notice ?? { kind: "beside" } });
+        if (this.known.history) this.ask({ text: this.known.history.text });
+        break;
       case "disk":
         this.disk(m.text, m.mark, m.conflict);
         break;
       case "refused":
+        if (m.what === "keep") {
+          // Told once: who has read it need not close it after each letter.
+          if (!this.unkept && this.known.notice?.kind !== "conflict") this.set({ notice: { kind: "refused", why: t("What is not saved is on this page alone, and cannot be kept: {why}", { why: faulty(m.why) }) } });
+          this.unkept = true;
+          this.safe = null;
+          break;
+        }
         // What is gone from the disk is as good as never saved.
         if (m.what === "read" && this.known.history) this.set({ history: { ...this.known.history, saved: "" } });
         this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel });
@@ -262,7 +281,7 @@ export class Store {
   }
 
   /** What a job is about: another text, argument or language is another job. */
-  about(args: object, text = this.known.history?.text): string { return JSON.stringify([text, args, this.known.lang]); }
+  about(args: object, text = this.known.history?.text): string { return JSON.stringify([text, args, this.known.lang, this.known.beside]); }
 
   /** Make the edits that a job found, once. */
   taken(job: string, edits: Edits): void {
@@ -329,9 +348,10 @@ export class Store {
     if (mine && this.rejoining) {
       // The server was away: what is on the page is newer than any draft.
       this.rejoining = false;
-      const { now, conflict } = History.onDisk({ ...mine, saved: mine.saved }, m.saved, m.mark);
+      const { now, conflict } = History.onDisk(mine, m.saved, m.mark);
       this.set({ history: now, notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice });
       this.ask({ text: now.text });
+      if (History.unsaved(now)) this.keep(); // what was typed meanwhile
       return;
     }
     // Nothing that was under way is of this document.
@@ -368,7 +388,7 @@ export class Store {
       this.set({ history: found.now, notice: { kind: "reloaded" } });
       this.ask({ text: found.now.text });
     } else {
-      this.set({ history: found.now });
+      this.set({ history: found.now, notice: this.known.notice?.kind === "conflict" ? null : this.known.notice });
     }
   }
 
@@ -531,7 +551,7 @@ export class Store {
     const busy = this.sent?.commit || this.commits.length > 0;
     this.leaving = busy ? file : null;
     if (busy) return;
-    if (this.keeping !== undefined) this.keepNow();
+    if (this.keeping !== undefined || this.aside) this.keepNow();
     this.link?.say({ type: "open", file });
   }
 
@@ -539,9 +559,13 @@ export class Store {
 
   private now(history: History.History): void {
     if (history === this.known.history) return;
+    this.shown(history);
+    this.keep();
+  }
+
+  private shown(history: History.History): void {
     this.set({ history, helps: null });
     this.ask({ text: history.text });
-    this.keep();
   }
 
   type(text: string, merge: boolean): void { if (this.known.history) this.now(History.edited(this.known.history, text, merge)); }
@@ -576,7 +600,13 @@ export class Store {
     if (notice?.kind !== "conflict" || !history) return;
     const known = History.written(history, notice.text, notice.mark);
     this.set({ notice: null });
-    if (disk) this.now(History.edited(known, notice.text));
+    if (disk) {
+      // Mine stays kept until there is another, or the file is left: undo brings it back till then.
+      clearTimeout(this.keeping);
+      this.keeping = undefined;
+      this.aside = true;
+      this.shown(History.edited(known, notice.text));
+    }
     else this.set({ history: known });
     if (!disk) this.save();
   }
@@ -586,12 +616,30 @@ export class Store {
     this.keeping = setTimeout(() => this.keepNow(), 300);
   }
 
+  /** Whether a text of mine is kept that the file took the place of. */
+  private aside = false;
+
+  /** What is being kept, what is known to be, and whether that was refused. */
+  private keptLast: string | null = null;
+  private safe: string | null = null;
+  private unkept = false;
+
+  /** Whether edits would be lost with this page. */
+  private losing(): boolean {
+    this.pending?.();
+    const { history, connection } = this.known;
+    const away = connection !== "open" || this.unkept;
+    return away && history !== null && History.unsaved(history) && history.text !== this.safe;
+  }
+
   private keepNow(): void {
     clearTimeout(this.keeping);
     this.keeping = undefined;
+    this.aside = false;
     const { history, file } = this.known;
     if (!history || file === null) return;
     const { text, mark } = history;
+    this.keptLast = text;
     this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
   }
 

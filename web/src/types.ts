@@ -44,6 +44,7 @@ export type Told =
   | { type: "kept"; file: number }
   | { type: "saved"; file: number; mark: string; text: string }
   | { type: "disk"; file: number; text: string; mark: string; conflict: boolean }
+  | { type: "beside"; file: number }
   | { type: "refused"; what: string; file: number; why: string };
 
 export interface Drag { kind: Kind; number: number; line: string; by_mm: Point }

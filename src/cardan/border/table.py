@@ -78,6 +78,37 @@ class Spoilt(Exception):  # noqa: N818  not an error of its own
     """Something read so far is wrong and noted: what was to be made of it cannot be."""
 
 
+Stamp: TypeAlias = tuple[int, int, int]
+"""When a file was last changed, its length, and which it is: another where the file is."""
+
+
+def stamp(path: Path) -> Stamp:
+    """Return what tells a file from what it was before, without reading it."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return 0, -1, 0
+    return status.st_mtime_ns, status.st_size, status.st_ino
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A file that another names: at which key, under what name, and as it was before it was read.
+
+    `name` is None where it is not named by this text, but by a file that it names.
+    """
+
+    at: str
+    name: str | None
+    path: Path
+    stamp: Stamp
+
+    @property
+    def same(self) -> bool:
+        """Return whether the file is still what it was."""
+        return stamp(self.path) == self.stamp
+
+
 @dataclass
 class Reading:
     """What comes up while a file is read, and where the names in it are looked up.
@@ -97,7 +128,7 @@ class Reading:
     fixed: dict[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     places: dict[str, Place] = field(default_factory=dict[str, Place])
     """Where everything that was read stands, by its key."""
-    beside: list[Path] = field(default_factory=list[Path])
+    beside: list[Beside] = field(default_factory=list[Beside])
     """Files that this one names."""
 
 
@@ -155,7 +186,7 @@ class Here:
         if not (inside or self.reading.allow_outside):
             message = f"lies outside the folder of this file, {folder.resolve()}"
             self.refuse(message, "put it beside this file, or say --allow-outside", got=name)
-        self.reading.beside.append(path)
+        self.reading.beside.append(Beside(self.at, name, path, stamp(path)))
         return path
 
     def keep(self, written: Node | None = None) -> None:

@@ -39,8 +39,12 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
     BadFile
         If the file is there already and `replace` is False, or cannot be written.
     """
-    data = content.encode("utf-8") if isinstance(content, str) else content
     path = Path(path)
+    try:
+        data = content.encode("utf-8") if isinstance(content, str) else content
+    except UnicodeEncodeError as error:
+        line = error.object.count("\n", 0, error.start) + 1
+        raise _bad(path, f"line {line} holds half a letter, which no file can hold") from None
     try:
         target = _target(path)
         if isinstance(target, int):

@@ -25,6 +25,7 @@ from cardan.border.measure import (  # fmt: skip
     Travel,
 )
 from cardan.border.table import (
+    Beside,
     Choice,
     Enough,
     Here,
@@ -88,11 +89,14 @@ PRIME_MOVERS = {"diesel": 1.25, "petrol": 1.2, "electric": 1.0}
 """Prime mover factors of a joint's life. Source: Dana GWB catalogue, K1."""
 
 
-def read(path: str | Path, *, allow_outside: bool = False) -> Application:
+def read(
+    path: str | Path, *, allow_outside: bool = False, beside: list[Beside] | None = None
+) -> Application:
     """Return the application a file describes, in SI.
 
     Profiles, catalogues and STEP files that it names must lie in its own folder, unless
-    `allow_outside`: a file from somebody else is not to look around on this machine.
+    `allow_outside`: a file from somebody else is not to look around on this machine. `beside`
+    is given each that is looked up.
 
     Raises
     ------
@@ -101,7 +105,10 @@ def read(path: str | Path, *, allow_outside: bool = False) -> Application:
         What looks wrong but can be read is in `Application.warnings`.
     """
     path = Path(path)
-    return loads(text_of(path), name=str(path), folder=path.parent, allow_outside=allow_outside)
+    return loads(
+        text_of(path), name=str(path), folder=path.parent, allow_outside=allow_outside,
+        beside=beside,
+    )  # fmt: skip
 
 
 def loads(
@@ -111,18 +118,21 @@ def loads(
     folder: Path | None = None,
     allow_outside: bool = False,
     warn: bool = True,
+    beside: list[Beside] | None = None,
 ) -> Application:
     """Return the application a text describes; `read` is the same for a file.
 
     `name` is what errors call the text. Profiles and catalogues of the user's own are files
     in `folder`; a text without one stands alone. Without `warn` nobody asks whether what can
-    be read looks wrong.
+    be read looks wrong. `beside` is given each file that is looked up, whatever comes of it.
     """
     written = Written(text=text, name=name, folder=folder, allow_outside=allow_outside)
-    return understood(written, warn=warn)
+    return understood(written, warn=warn, beside=beside)
 
 
-def understood(written: Written, *, warn: bool = True) -> Application:
+def understood(
+    written: Written, *, warn: bool = True, beside: list[Beside] | None = None
+) -> Application:
     """Return the application of a text with its changes made."""
     name = written.name
     root, wrong = _parsed(written.text, name)
@@ -132,6 +142,7 @@ def understood(written: Written, *, warn: bool = True) -> Application:
         folder=written.folder,
         changes=written.changes,
         allow_outside=written.allow_outside,
+        beside=[] if beside is None else beside,
     )
     try:
         reading.catalogue = Catalogue(tuple(_sheets(root, reading)))
@@ -148,7 +159,7 @@ def understood(written: Written, *, warn: bool = True) -> Application:
         written,
         numbers=reading.numbers,
         single=reading.fixed,
-        beside=tuple(reading.beside),
+        beside=tuple(b.path for b in reading.beside),
         application=application,
     )
     spread = any(np.ndim(to) for to in written.changes.values())

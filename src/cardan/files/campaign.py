@@ -14,6 +14,7 @@ from cardan.base.errors import BadFile
 from cardan.border.document import parse, text_of
 from cardan.border.table import (
     PROSE,
+    Beside,
     Enough,
     Here,
     ListOf,
@@ -331,7 +332,11 @@ class CampaignTable(Table):
         """Return the application of a file named by a key."""
         here = self.at(name)
         path = here.beside(getattr(self, name))
-        return application(path, allow_outside=here.reading.allow_outside)
+        found: list[Beside] = []
+        try:
+            return application(path, allow_outside=here.reading.allow_outside, beside=found)
+        finally:
+            here.reading.beside += (replace(b, at=here.at, name=None) for b in found)
 
 
 def read(path: Path, *, allow_outside: bool = False) -> Campaigned:
@@ -347,14 +352,23 @@ def read(path: Path, *, allow_outside: bool = False) -> Campaigned:
 
 
 def loads(
-    text: str, *, name: str = "campaign", folder: Path | None = None, allow_outside: bool = False
+    text: str,
+    *,
+    name: str = "campaign",
+    folder: Path | None = None,
+    allow_outside: bool = False,
+    beside: list[Beside] | None = None,
 ) -> Campaigned:
     """Return the campaign a text describes; `read` is the same for a file.
 
     `name` is what errors call the text, and its recordings are files in `folder`.
+    `beside` is given each file that is looked up, whatever comes of it.
     """
     root, problems = parse(text, name)
-    reading = Reading(folder=folder, allow_outside=allow_outside, problems=problems)
+    reading = Reading(
+        folder=folder, allow_outside=allow_outside, problems=problems,
+        beside=[] if beside is None else beside,
+    )  # fmt: skip
     try:
         found: Campaigned = TableRule(CampaignTable).read(Here(root, "", reading))
     except (Spoilt, Enough):

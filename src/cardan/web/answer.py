@@ -86,6 +86,12 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
     return {"text": text, "edits": edits, **found}
 
 
+def named(question: Json, text: str) -> list[list[str | int]]:
+    """Return the files that a text just answered of names, each with what it was, as stamped."""
+    folder = Path(question["folder"]) if question.get("folder") else None
+    return [[str(b.path), *b.stamp] for b in document(text, question["name"], folder).beside]
+
+
 def _problems(
     error: CardanError, text: str, name: str, folder: Path | None, say: Language
 ) -> list[Json]:
@@ -302,12 +308,29 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         ],
         "differences": [
             *({"name": d.name, "values": d.values} for d in differences(found, say)),
-            *(row for row in written[:SEEN] if args.get("same", True) and _hidden(read, row, say)),
+            *(
+                row for row in written[:SEEN]
+                if args.get("same", True) and not _alike([one for _, one in named], row["name"])
+                and _hidden(read, row, say)
+            ),
         ],
         "effects": [
             {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
         ],
     }  # fmt: skip
+
+
+def _alike(read: list[Document], at: str) -> bool:
+    """Return whether texts name files with the same contents at an address, as revisions do."""
+    found: list[bytes] = []
+    for one in read:
+        named = {b.name: b.path for b in one.beside if at == b.at or at.startswith(f"{b.at}[")}
+        path = named.get(one.manuscript.written(at))
+        if path is None:
+            return False
+        with suppress(OSError):
+            found.append(path.read_bytes())
+    return len(found) == len(read) and len(set(found)) == 1
 
 
 def _hidden(read: Document, row: Json, say: Language) -> bool:

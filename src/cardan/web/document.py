@@ -14,6 +14,7 @@ import numpy as np
 from cardan import files
 from cardan.base.arrays import FloatArray
 from cardan.base.verdict import Check
+from cardan.border.table import Beside
 from cardan.demand.states import demand, resolve
 from cardan.files import campaign
 from cardan.files.campaign import Campaigned
@@ -49,6 +50,8 @@ class Document:
     """What it was before a hand took hold of it."""
     numbers: Mapping[str, float] = field(default_factory=dict[str, float])
     """What the hand put in place of that one's."""
+    beside: list[Beside] = field(default_factory=list[Beside])
+    """The files that it names, as they were when it was read."""
 
     @cached_property
     def manuscript(self) -> Manuscript:
@@ -60,14 +63,16 @@ class Document:
         """What it says; nobody asks what looks wrong while a hand holds it."""
         if self.was:
             return files.change(self.was.application, self.numbers, warn=False)
-        return files.loads(self.text, name=self.name, folder=self.folder)
+        self.beside.clear()  # what could not be read is read again
+        return files.loads(self.text, name=self.name, folder=self.folder, beside=self.beside)
 
     @cached_property
     def recordings(self) -> Campaigned | None:
         """What it says as a campaign of recordings; None where it is an application."""
         if campaign.title(self.manuscript) is None:
             return None
-        return campaign.loads(self.text, name=self.name, folder=self.folder)
+        self.beside.clear()
+        return campaign.loads(self.text, name=self.name, folder=self.folder, beside=self.beside)
 
     @cached_property
     def stability(self) -> "Stability":
@@ -101,9 +106,14 @@ _READ: OrderedDict[tuple[str, str, Path | None], Document] = OrderedDict()
 
 
 def document(text: str, name: str, folder: Path | None) -> Document:
-    """Return a document, the same one where it was asked about a moment ago."""
+    """Return a document, the same one where it was asked about a moment ago.
+
+    It is another once a file that it names is another.
+    """
     key = text, name, folder
-    found = _READ.pop(key, None) or Document(*key)
+    found = _READ.pop(key, None)
+    if found is None or not all(b.same for b in found.beside):
+        found = Document(*key)
     _READ[key] = found
     while len(_READ) > KEPT:
         _READ.popitem(last=False)

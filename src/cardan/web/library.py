@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cardan.base.errors import CardanError
 from cardan.base.verdict import GRADES, badness
+from cardan.border.table import Beside
 from cardan.files import campaign
 from cardan.report.blocks import Issue, Story
 from cardan.report.language import CODES, Language
@@ -26,7 +27,8 @@ KINDS = {
 KEPT = 500
 """Texts whose status is not asked again."""
 
-_STATUS: OrderedDict[tuple[str, str], Json] = OrderedDict()
+_STATUS: OrderedDict[tuple[str, str], tuple[Json, tuple[Beside, ...]]] = OrderedDict()
+"""Rows, and the files that their texts name."""
 
 
 def status(_: Document, args: Json, say: Language, tell: Tell) -> Json:
@@ -36,17 +38,23 @@ def status(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     for k, one in enumerate(given):
         tell({"doing": one["name"], "done": k, "of": len(given), "rows": found})
         key = sha256(one["text"].encode("utf-8", "surrogatepass")).hexdigest(), say.code
-        row = _STATUS.pop(key, None) or _status(one, args.get("folder"), say)
-        _STATUS[key] = row
+        known = _STATUS.pop(key, None)
+        if known is None or not all(b.same for b in known[1]):
+            known = _status(one, args.get("folder"), say)
+        _STATUS[key], row = known, known[0]
         while len(_STATUS) > KEPT:
             _STATUS.popitem(last=False)
         found.append({**row, "file": one["file"], "name": one["name"], "draft": one["draft"]})
     return {"rows": found}
 
 
-def _status(one: Json, folder: str | None, say: Language) -> Json:
-    """Return title, verdict, counts and the worst check of a text."""
+def _status(one: Json, folder: str | None, say: Language) -> tuple[Json, tuple[Beside, ...]]:
+    """Return title, verdict, counts and the worst check of a text, and the files it names."""
     read = document(one["text"], one["name"], Path(folder) if folder else None)
+    return _row(read, say), tuple(read.beside)
+
+
+def _row(read: Document, say: Language) -> Json:
     title = ""
     try:
         title = campaign.title(read.manuscript) or ""

@@ -18,6 +18,7 @@
     freeze file, text, by, note            frozen: its revisions
     create title, text                     files: their names; then opened
                                            disk: a file is another than it was
+                                           beside: one that it names is another
 
 What has the wrong shape ends the socket: the page sends no such thing.
 """
@@ -25,10 +26,12 @@ What has the wrong shape ends the socket: the page sends no such thing.
 import asyncio
 import json
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, Protocol
 
 from cardan import __version__
 from cardan.base.errors import CardanError
+from cardan.border.table import Stamp, stamp
 from cardan.files.limit import names as profiles
 from cardan.report.language import CODES, Language
 from cardan.study.drag import KINDS
@@ -87,6 +90,8 @@ class Session:
         self._rest: asyncio.Task[None] | None = None
         self._lived: dict[tuple[str, str], Json] = {}
         """Lives of campaigns that were asked, by text and language: to be held side by side."""
+        self._beside: dict[Path, Stamp] = {}
+        """Files that the text on the page names, as they were when it was answered."""
 
     async def run(self) -> None:
         """Listen and answer until the page goes, or says what it should not."""
@@ -102,6 +107,7 @@ class Session:
             for task in rest:
                 task.cancel()
             await asyncio.gather(*rest, return_exceptions=True)
+            self.desk.leave(self)
             self.parcel.close()
 
     # ------------------------------------------------------------------- what the page says
@@ -163,6 +169,7 @@ class Session:
     async def _open(self, said: Json) -> None:
         number = self._number(said)
         self._look(number)
+        self._beside = {}
         try:
             opened = await asyncio.to_thread(self.desk.open, number)
         except CardanError as error:
@@ -289,18 +296,23 @@ class Session:
 
     async def _keep(self, said: Json) -> None:
         number, text = self._number(said), jobs.text(said, "text")
-        with suppress(CardanError, OSError):
-            await asyncio.to_thread(self.desk.keep, number, text, jobs.text(said, "mark"))
+        base = jobs.text(said, "mark")
+        try:
+            await asyncio.to_thread(self.desk.keep, number, text, base, by=self)
+        except (CardanError, OSError) as error:
+            await self._tell("refused", what="keep", file=number, why=self._why(error))
+        else:
             await self._tell("kept", file=number)
 
     async def _drop(self, said: Json) -> None:
         with suppress(OSError):
-            await asyncio.to_thread(self.desk.drop, self._number(said))
+            await asyncio.to_thread(self.desk.drop, self._number(said), by=self)
 
     async def _save(self, said: Json) -> None:
         number, text = self._number(said), jobs.text(said, "text")
+        base = jobs.text(said, "mark")
         try:
-            new = await asyncio.to_thread(self.desk.save, number, text, jobs.text(said, "mark"))
+            new = await asyncio.to_thread(self.desk.save, number, text, base, by=self)
         except Conflict:
             await self._tell_disk(number, conflict=True)
         except (CardanError, OSError) as error:
@@ -315,6 +327,8 @@ class Session:
         while True:
             question, answer = await lane.take()
             job, text = question["job"], answer.get("text")
+            if (beside := answer.pop("beside", None)) is not None:
+                self._beside = {Path(path): (*of,) for path, *of in beside}
             if job != "live":
                 answer.pop("text", None)  # the page has one: no other is kept before it lets go
             if job in ANSWERS:
@@ -346,6 +360,10 @@ class Session:
             number = self.file
             if number is not None and self.desk.papers[number].stamp() != self._seen:
                 await self._tell_disk(number, conflict=False)
+            if number is not None and any(stamp(p) != of for p, of in self._beside.items()):
+                self._beside = {}  # until it is asked again
+                self._lived.clear()
+                await self._tell("beside", file=number)
 
     async def _tell_disk(self, number: int, *, conflict: bool) -> None:
         """Tell what a file is on disk now."""

@@ -15,6 +15,7 @@ from cardan.report.wording import cited
 KINDS: tuple[Kind, ...] = ("joint", "tube")
 
 WORDS: tuple[str, ...] = (
+    "A file that this one names was changed on disk, and is asked again.",
     "Amplitude by order and speed: choose with the arrow keys",
     "Amplitude over speed and order",
     "Bracket",
@@ -102,6 +103,7 @@ WORDS: tuple[str, ...] = (
     "Verdict",
     "Vibration and stability",
     "Views",
+    "What is not saved is on this page alone, and cannot be kept: {why}",
     "What it comes to",
     "What remains under tolerances",
     "What to change",

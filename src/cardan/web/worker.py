@@ -34,7 +34,7 @@ def main() -> None:
     _limit()
     if "patient" in sys.argv[1:] and hasattr(os, "nice"):
         os.nice(10)
-    from cardan.web.answer import answer
+    from cardan.web.answer import answer, named
 
     def write(found: dict[str, Any]) -> None:
         said = json.dumps(found, ensure_ascii=False, separators=(",", ":"))
@@ -49,6 +49,8 @@ def main() -> None:
         _allow()
         try:
             found = answer(question, lambda part: write({PART: part}))
+            if question["job"] == "live":
+                found["beside"] = named(question, found["text"])
         except MemoryError:
             found = {"fault": "MemoryError"}
         except Exception as error:  # noqa: BLE001  a fault of ours is told, and asked about again
