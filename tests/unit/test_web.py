@@ -1020,3 +1020,216 @@ def test_lanes_take_only_the_latest():
 
     first, second = asyncio.run(take())
     assert (first[0], second[0]) == ({"k": 4}, {"k": 10})
+
+
+# ------------------------------------------------------------------ what a file names, and losses
+
+HOUSE = """profile: house
+title: Of the house
+limits:
+  - {quantity: torsional_acceleration, normal: 100, maximum: 120, unit: rad/s², source: "house"}
+"""
+OURS = re.sub(r"(?m)^limits:.*$", "limits: mine.yaml", TEXT)
+
+
+def checked(path):
+    """What the command says of a file: its exit code, and the verdict."""
+    told = CliRunner().invoke(cli, ["check", str(path), "--json", "-"])
+    return json.loads(told.output)["verdict"]
+
+
+@pytest.fixture
+def ours(tmp_path, monkeypatch):
+    """A workbench with a file whose limits are one's own, in a file beside it."""
+    monkeypatch.setattr(session, "WATCH", 0.05)
+    path, limits = tmp_path / "chain.yaml", tmp_path / "mine.yaml"
+    path.write_text(OURS, "utf-8")
+    limits.write_text(HOUSE, "utf-8")
+    with running(path, tmp_path / "drafts") as found:
+        yield found, path, limits
+
+
+def loose(limits):
+    limits.write_text(HOUSE.replace(" 100", " 900").replace(" 120", " 1000"), "utf-8")
+
+
+def test_limits_that_change_on_disk_change_the_verdict_of_the_same_text(ours):
+    """The page said PASS, and its report too, where the command said FAIL: held by text alone."""
+    house, path, limits = ours
+    loose(limits)
+    with page(house) as one:
+        one.hello()
+        one.open()
+        for text in (HOUSE, HOUSE.replace(" 100", " 900").replace(" 120", " 1000"), HOUSE):
+            limits.write_text(text, "utf-8")
+            one.ask(OURS)
+            assert one.full()["verdict"] == checked(path)
+            one.id += 1
+            one.say("job", id=one.id, job="library", text=OURS, args={})
+            (row,) = one.hear("done")["rows"]
+            assert row["verdict"] == checked(path)
+
+
+def test_a_page_hears_that_a_file_it_names_is_another_or_there_at_last(ours):
+    """It was told of its own file alone, and showed what it had."""
+    house, _, limits = ours
+    with page(house) as one:
+        one.hello()
+        one.open()
+        one.ask(OURS)
+        one.full()
+        loose(limits)
+        assert one.hear("beside", "disk")["type"] == "beside"
+        limits.unlink()
+        assert one.ask(OURS)["problems"]
+        limits.write_text(HOUSE, "utf-8")
+        assert one.hear("beside", "disk")["type"] == "beside"
+        one.ask(OURS)
+        assert one.full()["verdict"] == "fail"
+
+
+def test_a_frozen_revision_stays_what_was_approved_whatever_its_limits_become(ours):
+    """`cardan check` found no limits beside it; changed since was nothing, and the verdict new."""
+    house, path, limits = ours
+    loose(limits)
+    with page(house) as one:
+        one.hello()
+        one.open()
+        one.say("freeze", file=0, text=OURS, by="A", note="")
+        (kept,) = one.hear("frozen", "refused")["revisions"]
+        revision = path.parent / "revisions" / "chain.1.yaml"
+
+        def compared():
+            one.id += 1
+            variants = [{"name": "1", "text": kept["text"]}]
+            one.say("job", id=one.id, job="compare", text=OURS, args={"variants": variants})
+            return one.hear("done")
+
+        assert checked(revision) == checked(path) == "pass"
+        assert compared()["differences"] == []
+        limits.write_text(HOUSE, "utf-8")
+        assert checked(revision) == "pass"
+        assert checked(path) == "fail"
+        found = compared()
+        assert [v["verdict"] for v in found["variants"]] == ["fail", "pass"]
+        assert "900" in found["differences"][0]["values"][1]
+
+
+def test_a_revision_keeps_its_catalogues_too_each_under_its_name(tmp_path):
+    """Rewritten at the keys that name files, and nowhere else that says the same."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "ours.csv").write_text("name\n", "utf-8")
+    text = 'title: "sub/ours.csv"\ncatalogues: [sub/ours.csv]\nlimits: mine.yaml\n'
+    (tmp_path / "a.yaml").write_text(text, "utf-8")
+    (tmp_path / "mine.yaml").write_text(HOUSE, "utf-8")
+    desk = Desk(tmp_path / "a.yaml", drafts=tmp_path / "drafts")
+    (kept,) = desk.freeze(0, text, by="A", note="")
+    held = (tmp_path / "revisions" / "a.1.yaml").read_text("utf-8")
+    assert 'title: "sub/ours.csv"' in held
+    assert "a.1.files/sub/ours.csv" in held
+    copies = tmp_path / "revisions" / "a.1.files"
+    assert (copies / "mine.yaml").read_text("utf-8") == HOUSE
+    assert (copies / "sub" / "ours.csv").is_file()
+    assert "revisions/a.1.files/mine.yaml" in kept["text"]
+    assert len(desk.freeze(0, text, by="B", note="")) == 2
+
+
+@pytest.mark.parametrize("how", ["full", "half a letter"])
+def test_what_cannot_be_written_leaves_nothing_behind(tmp_path, monkeypatch, how):
+    """A full disk left an empty revision that was listed, and an empty file; half a letter too."""
+    (tmp_path / "a.yaml").write_text(OURS, "utf-8")
+    (tmp_path / "mine.yaml").write_text(HOUSE, "utf-8")
+    desk = Desk(tmp_path / "a.yaml", drafts=tmp_path / "drafts")
+    text = OURS
+    if how == "full":
+
+        def full(_):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(os, "fsync", full)
+    else:
+        text += "# \ud83d\n"
+    for write in (
+        lambda: desk.freeze(0, text, by="A", note=""),
+        lambda: desk.create("Another", text),
+        lambda: desk.save(0, text, desk.open(0)["mark"]),
+    ):
+        with pytest.raises(BadFile, match="No space left" if how == "full" else "half a letter"):
+            write()
+    left = {p.name for p in tmp_path.rglob("*")}
+    assert left <= {"a.yaml", "mine.yaml", "revisions", "drafts"}
+    assert desk.revisions(0) == []
+    assert (tmp_path / "a.yaml").read_text("utf-8") == OURS
+
+
+def test_half_a_letter_is_refused_and_kept_as_a_draft(own):
+    """The socket was dropped, and what was typed with it."""
+    house, _ = own
+    with page(house) as one:
+        one.hello()
+        mark = one.open()["mark"]
+        for what in ({"type": "save", "mark": mark}, {"type": "freeze", "by": "", "note": ""}):
+            kind = what.pop("type")
+            one.say(kind, file=0, text=TEXT + "# \ud83d\n", **what)
+            assert "half a letter" in one.hear("refused")["why"]
+        one.say("create", title="z", text="# \ud83d\n")
+        assert "half a letter" in one.hear("refused")["why"]
+        one.say("keep", file=0, text=TEXT + "# \ud83d\n", mark=mark)
+        assert one.hear("kept", "refused")["type"] == "kept"
+
+
+@pytest.mark.parametrize(
+    ("before", "typed", "after"),
+    [
+        ("a\r\nb\r\nc\r\n", "aZ\nb\nc\n", "aZ\r\nb\r\nc\r\n"),
+        ("a\r\nb\nc\r\nd\r\n", "a\nb\nnew\nc\nd\n", "a\r\nb\nnew\r\nc\r\nd\r\n"),
+        ("a\nb\nc\r\n", "a\nB\nc\n", "a\nB\nc\r\n"),
+        ("a\rb\r", "a\nb\nc", "a\rb\rc"),
+        ("a\nb", "b\n", "b\n"),
+        ("a\r\nb\r\n", "", ""),
+        ("", "a\nb\n", "a\nb\n"),
+        ("a\r\n", "a\na\na\n", "a\r\na\r\na\r\n"),
+    ],
+)  # fmt: skip
+def test_lines_end_as_they_did_whatever_a_browser_makes_of_them(tmp_path, before, typed, after):
+    """By hand: one letter typed turned every end of the file, and its difference was all of it."""
+    path = tmp_path / "a.yaml"
+    path.write_bytes(before.encode())
+    desk = Desk(path, drafts=tmp_path / "drafts")
+    opened = desk.open(0)
+    assert "\r" not in opened["saved"]
+    desk.save(0, opened["saved"], opened["mark"])
+    assert path.read_bytes() == before.encode()
+    desk.save(0, typed, opened["mark"])
+    assert path.read_bytes() == after.encode()
+
+
+def test_a_draft_is_no_other_tabs_to_throw_away(own):
+    """Undone in a second tab, the draft of the first was gone though its text was there still."""
+    house, _ = own
+    with page(house) as two:
+        two.hello()
+        with page(house) as one:
+            one.hello()
+            mark = one.open()["mark"]
+            one.say("keep", file=0, text=TEXT + "# one\n", mark=mark)
+            one.hear("kept")
+            assert two.open()["draft"] == TEXT + "# one\n"
+            two.say("drop", file=0)
+            assert two.open()["draft"] == TEXT + "# one\n"
+        end = time.monotonic() + 20
+        while two.open()["draft"] and time.monotonic() < end:
+            two.say("drop", file=0)  # whose it was has gone
+        assert two.open()["draft"] is None
+
+
+def test_drafts_that_cannot_be_kept_are_told_of(tmp_path):
+    """Where their folder is a file: nothing was said, and a crash lost all."""
+    path, drafts = tmp_path / "chain.yaml", tmp_path / "drafts"
+    path.write_text(TEXT, "utf-8")
+    drafts.write_text("a file", "utf-8")
+    with running(path, drafts) as house, page(house) as one:
+        one.hello()
+        one.say("keep", file=0, text=TEXT + "# mine\n", mark=one.open()["mark"])
+        told = one.hear("kept", "refused")
+        assert (told["type"], told["what"]) == ("refused", "keep")

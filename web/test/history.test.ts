@@ -65,6 +65,12 @@ describe("a file that another program writes", () => {
     expect(now).toBe(mine);
   });
 
+  it("is no conflict where it was only touched, or went away and came back", () => {
+    const mine = edited(start, "b");
+    expect(onDisk(mine, "a", "m")).toEqual({ now: mine, conflict: false });
+    expect(onDisk({ ...mine, saved: "" }, "a", "m")).toEqual({ now: mine, conflict: false });
+  });
+
   it("is no conflict where both say the same", () => {
     const { now, conflict } = onDisk(edited(start, "b"), "b", "n");
     expect(conflict).toBe(false);

@@ -49,6 +49,9 @@ const box = { getItem: (k: string) => kept.get(k) ?? null, setItem: (k: string, 
 let store: Store;
 let socket: Socket;
 let leave: () => void;
+let asked: boolean;
+/** Close the page: whether it is asked first. */
+let close: () => boolean;
 const by = (z: number) => ({ drag: { kind: "bearing" as const, number: 1, line: "main", by_mm: [0, 0, z] as [number, number, number] } });
 
 beforeEach(async () => {
@@ -63,7 +66,10 @@ beforeEach(async () => {
   vi.stubGlobal("navigator", { language: "en" });
   vi.stubGlobal("document", { documentElement: { dataset: {}, lang: "" }, getElementById: () => null });
   vi.stubGlobal("requestAnimationFrame", () => 0);
-  vi.stubGlobal("addEventListener", (kind: string, heard: () => void) => { if (kind === "pagehide") leave = heard; });
+  vi.stubGlobal("addEventListener", (kind: string, heard: (e: object) => void) => {
+    if (kind === "pagehide") leave = () => heard({});
+    if (kind === "beforeunload") close = () => { asked = false; heard({ preventDefault: () => { asked = true; } }); return asked; };
+  });
   store = new (await import("../src/store")).Store();
   store.connect();
   socket = Socket.last;
@@ -196,6 +202,66 @@ describe("the document", () => {
     socket.tell({ type: "disk", file: 0, text: "z", mark: "n", conflict: false });
     vi.advanceTimersByTime(400);
     expect(socket.said.at(-1)).toMatchObject({ type: "keep", text: "a*", mark: "m" });
+  });
+
+  it("is kept while the file takes its place, until there is another or it is left", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    socket.tell({ type: "disk", file: 0, text: "z", mark: "n", conflict: false });
+    vi.advanceTimersByTime(400);
+    socket.said = [];
+    store.settle(true);
+    vi.advanceTimersByTime(400);
+    expect(store.known.history).toMatchObject({ text: "z", saved: "z" });
+    expect(socket.said.filter((s) => s.type === "drop")).toEqual([]);
+    leave();
+    expect(socket.said.at(-1)).toMatchObject({ type: "drop", file: 0 });
+  });
+
+  it("has no conflict with a touched file, nor any more where the disk says again what it said", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    socket.tell({ type: "disk", file: 0, text: "a", mark: "m", conflict: false });
+    expect(store.known.notice).toBeNull();
+    socket.tell({ type: "disk", file: 0, text: "z", mark: "n", conflict: false });
+    expect(store.known.notice?.kind).toBe("conflict");
+    socket.tell({ type: "disk", file: 0, text: "a", mark: "m", conflict: false });
+    expect(store.known.notice).toBeNull();
+    expect(store.known.history?.text).toBe("a*");
+  });
+
+  it("is asked about again where a file that it names is another, and so is what was answered of it", () => {
+    const of = store.about({});
+    socket.tell({ type: "beside", file: 0 });
+    expect(socket.asked().map((s) => s.text)).toEqual(["a"]);
+    expect(store.known.notice?.kind).toBe("beside");
+    expect(store.about({})).not.toBe(of);
+  });
+
+  it("is not closed unasked while an edit is kept nowhere else, which is said once", () => {
+    store.apply({ x: 1 });
+    socket.answer();
+    expect(close()).toBe(false); // it is kept on the way out
+    vi.advanceTimersByTime(400);
+    socket.tell({ type: "refused", what: "keep", file: 0, why: "no space" });
+    expect(store.known.notice).toMatchObject({ kind: "refused", why: expect.stringContaining("no space") });
+    expect(close()).toBe(true);
+    store.dismiss();
+    socket.tell({ type: "refused", what: "keep", file: 0, why: "no space" });
+    expect(store.known.notice).toBeNull();
+    socket.tell({ type: "kept", file: 0 });
+    expect(close()).toBe(false);
+    socket.onclose?.();
+    expect(close()).toBe(false); // that text is kept
+    store.type("more", false);
+    expect(close()).toBe(true);
+    vi.advanceTimersByTime(5000);
+    Socket.last.onopen?.();
+    Socket.last.tell({ type: "welcome", version: "1", token: "token", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
+    Socket.last.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: "a*", stale: false });
+    expect(store.known.notice).toBeNull();
+    vi.advanceTimersByTime(400);
+    expect(Socket.last.said.at(-1)).toMatchObject({ type: "keep", text: "more" });
   });
 
   it("is without a change that is undone before it is made, and shown so", () => {
