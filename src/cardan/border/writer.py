@@ -40,11 +40,7 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
         If the file is there already and `replace` is False, or cannot be written.
     """
     path = Path(path)
-    try:
-        data = content.encode("utf-8") if isinstance(content, str) else content
-    except UnicodeEncodeError as error:
-        line = error.object.count("\n", 0, error.start) + 1
-        raise _bad(path, f"line {line} holds half a letter, which no file can hold") from None
+    data = encoded(path, content) if isinstance(content, str) else content
     try:
         target = _target(path)
         if isinstance(target, int):
@@ -56,6 +52,21 @@ def write(path: str | Path, content: str | bytes, *, replace: bool = False) -> P
     except OSError as error:
         raise _refusal(path, error) from None
     return path
+
+
+def encoded(path: Path, text: str) -> bytes:
+    """Return a text as it stands in a file.
+
+    Raises
+    ------
+    BadFile
+        If it holds half a letter, as browsers can: one of the two that make up a rare one.
+    """
+    try:
+        return text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise _bad(path, f"line {line} holds half a letter, which no file can hold") from None
 
 
 def claim(outputs: Mapping[str, str | Path | None], *, inputs: Iterable[Path] = ()) -> None:

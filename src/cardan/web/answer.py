@@ -310,7 +310,8 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
             *({"name": d.name, "values": d.values} for d in differences(found, say)),
             *(
                 row for row in written[:SEEN]
-                if args.get("same", True) and not _alike([one for _, one in named], row["name"])
+                if args.get("same", True)
+                and not _alike([one for _, one in named], str(row["name"]))
                 and _hidden(read, row, say)
             ),
         ],

@@ -20,8 +20,8 @@ from typing import Any
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, Problem
 from cardan.border.document import text_of, visible
-from cardan.border.table import Beside
-from cardan.border.writer import write
+from cardan.border.table import Beside, Stamp, stamp
+from cardan.border.writer import encoded, write
 from cardan.files import campaign
 from cardan.files.manuscript import Manuscript
 
@@ -91,13 +91,9 @@ class Paper:
         self.like = "".join(_END.findall(text)[:1])
         return plain(text)
 
-    def stamp(self) -> tuple[int, int]:
-        """Return when it was last changed, and how long it is: another where it is another."""
-        try:
-            status = self.path.stat()
-        except OSError:
-            return 0, -1
-        return status.st_mtime_ns, status.st_size
+    def stamp(self) -> Stamp:
+        """Return what tells it from what it was before."""
+        return stamp(self.path)
 
 
 class Conflict(CardanError):  # noqa: N818  the name is the news
@@ -181,11 +177,17 @@ class Desk:
         # A character that nobody sees would make a revision that nobody can read.
         said = "; ".join(" ".join(s.split()) for s in map(visible, (by, note)) if s)
         head = f"# frozen {date.today().isoformat()}: {said}\n"
+        encoded(paper.path, text)  # refused by its own lines
         named = self._named(paper, text)
         for k in range(1, MOST):
             path = folder / f"{paper.path.stem}.{k}.yaml"
             own = _copies(path)
-            if path.exists() or own.exists():
+            if path.exists():
+                continue
+            try:
+                if named:
+                    own.mkdir()  # nobody else's: ours from here on
+            except FileExistsError:
                 continue
             try:
                 for file in {rest: file for _, rest, file in named}.items():

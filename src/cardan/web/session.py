@@ -86,7 +86,7 @@ class Session:
         self.lang = "en"
         self.file: int | None = None
         self._sending = asyncio.Lock()
-        self._seen = (0, 0)
+        self._seen: Stamp = (0, 0, 0)
         self._rest: asyncio.Task[None] | None = None
         self._lived: dict[tuple[str, str], Json] = {}
         """Lives of campaigns that were asked, by text and language: to be held side by side."""
