@@ -345,6 +345,7 @@ export class Store {
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
     const mine = this.known.history;
+    this.safe = m.draft;
     if (mine && this.rejoining) {
       // The server was away: what is on the page is newer than any draft.
       this.rejoining = false;

@@ -260,6 +260,14 @@ describe("the document", () => {
     Socket.last.tell({ type: "welcome", version: "1", token: "token", lang: "en", languages: ["en"], texts: {}, quantities: {}, files: ["a.yaml"] });
     Socket.last.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: "a*", stale: false });
     expect(store.known.notice).toBeNull();
+    Socket.last.onclose?.();
+    expect(close()).toBe(true); // another text is kept
+    Socket.last.onopen?.();
+    store.type("a*", false);
+    Socket.last.onclose?.();
+    expect(close()).toBe(false);
+    Socket.last.onopen?.();
+    store.type("more", false);
     vi.advanceTimersByTime(400);
     expect(Socket.last.said.at(-1)).toMatchObject({ type: "keep", text: "more" });
   });
