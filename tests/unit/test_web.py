@@ -10,7 +10,9 @@ import signal
 import socket
 import sys
 import time
+from base64 import b64decode
 from contextlib import suppress
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -1202,6 +1204,18 @@ def test_lines_end_as_they_did_whatever_a_browser_makes_of_them(tmp_path, before
     assert path.read_bytes() == before.encode()
     desk.save(0, typed, opened["mark"])
     assert path.read_bytes() == after.encode()
+
+
+def test_a_report_has_the_fingerprint_of_its_file(own):
+    """As `sha256sum` tells it: of a file with a mark and `CRLF` it was that of the text."""
+    house, path = own
+    path.write_bytes(b"\xef\xbb\xbf" + TEXT.replace("\n", "\r\n").encode())
+    with page(house) as one:
+        one.hello()
+        saved = one.open()["saved"]
+        one.say("job", id=1, job="report", text=saved, args={"kind": "html", "lang": "en"})
+        told = b64decode(one.hear("done")["data"]).decode()
+    assert sha256(path.read_bytes()).hexdigest()[:16] in told
 
 
 def test_a_draft_is_no_other_tabs_to_throw_away(own):

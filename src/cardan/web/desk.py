@@ -333,16 +333,24 @@ class Desk:
         BadFile
             If it cannot be written.
         """
-        paper, text, like = self.papers[number], plain(text), ""
-        if paper.path.exists():  # what is gone is written anew
-            if mark(paper.read()) != base:
-                msg = f"{paper.name} was changed on disk meanwhile"
-                raise Conflict(msg)
-            like = text_of(paper.path)
-        head = "\ufeff" if paper.marked else ""
-        write(paper.path, head + ended(text, like or paper.like), replace=True)
+        paper, text = self.papers[number], plain(text)
+        if paper.path.exists() and mark(paper.read()) != base:  # what is gone is written anew
+            msg = f"{paper.name} was changed on disk meanwhile"
+            raise Conflict(msg)
+        write(paper.path, self._whole(paper, text), replace=True)
         self.drop(number, by=by)
         return mark(text)
+
+    def print_of(self, number: int, text: str) -> str:
+        """Return the fingerprint that a text has in its file, where reports by command look."""
+        whole = self._whole(self.papers[number], plain(text))
+        return sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+    @staticmethod
+    def _whole(paper: Paper, text: str) -> str:
+        """Return a plain text as it stands in its file: with its mark and its ends of lines."""
+        like = text_of(paper.path) if paper.path.exists() else paper.like
+        return ("\ufeff" if paper.marked else "") + ended(text, like)
 
     def _inside(self, path: Path) -> bool:
         """Return whether a path stays in the folder, wherever links lead."""

@@ -84,10 +84,10 @@ def report(read: Document, args: Json, _: Language, tell: Tell) -> Json:
     kind = args.get("kind", "html")
     say = Language(args["lang"] if args.get("lang") in CODES else "en")
     if read.recordings:
-        data = _campaign(read, kind, say, tell)
+        data = _campaign(read, args, say, tell)
     else:
         tell({"doing": say("asking"), "done": 0, "of": 1})
-        data = _made(approve(read.application), read, kind, say, tell)
+        data = _made(approve(read.application), read, args, say, tell)
     return {
         "name": f"{Path(read.name).stem}.{say.code}.{kind}",
         "media": KINDS[kind],
@@ -95,8 +95,9 @@ def report(read: Document, args: Json, _: Language, tell: Tell) -> Json:
     }
 
 
-def _campaign(read: Document, kind: str, say: Language, tell: Tell) -> bytes:
+def _campaign(read: Document, args: Json, say: Language, tell: Tell) -> bytes:
     """Return the report of a campaign, as `cardan life` makes it."""
+    kind = args.get("kind", "html")
     if kind == "xlsx":
         msg = "a campaign has no workbook: take html, pdf or json"
         raise CardanError(msg)
@@ -107,10 +108,11 @@ def _campaign(read: Document, kind: str, say: Language, tell: Tell) -> bytes:
         return _json(life.mix_document(found))
     from cardan.report import recording_story
 
-    return _published(recording_story.campaign(found, say=say, issue=_issue(read)), kind)
+    return _published(recording_story.campaign(found, say=say, issue=_issue(read, args)), kind)
 
 
-def _made(found: Approval, read: Document, kind: str, say: Language, tell: Tell) -> bytes:
+def _made(found: Approval, read: Document, args: Json, say: Language, tell: Tell) -> bytes:
+    kind = args.get("kind", "html")
     if kind == "json":
         from cardan.report import contract
 
@@ -122,7 +124,7 @@ def _made(found: Approval, read: Document, kind: str, say: Language, tell: Tell)
     from cardan.report import story
 
     told = story.whole(
-        found, say=say, issue=_issue(read),
+        found, say=say, issue=_issue(read, args),
         tell=lambda done, of: tell(
             {"doing": say("looking for corrections"), "done": done, "of": of}
         ),
@@ -134,11 +136,12 @@ def _json(told: Json) -> bytes:
     return (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def _issue(read: Document) -> Issue:
+def _issue(read: Document, args: Json) -> Issue:
     """Return what says which report this is: the day, the file and what it says."""
+    own = sha256(read.text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
     return Issue(
         date=date.today().isoformat(), files=(read.name,), texts=(read.text,),
-        prints=(sha256(read.text.encode("utf-8", "surrogatepass")).hexdigest()[:16],),
+        prints=(args.get("print") or own,),
     )  # fmt: skip
 
 

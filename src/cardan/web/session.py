@@ -215,6 +215,10 @@ class Session:
                 await self._tell("done", id=question["id"], job=job, fault="nothing brought")
                 return
             args["recording"] = self.parcel.here
+        elif job == "report" and self.file is not None:
+            with suppress(CardanError):
+                print_ = await asyncio.to_thread(self.desk.print_of, self.file, question["text"])
+                args["print"] = print_
         elif job == "library":
             args |= {"folder": question["folder"], "texts": await self._texts()}
         elif files := args.pop("files", []):
