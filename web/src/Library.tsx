@@ -10,6 +10,9 @@ import type { Compared, Status } from "./types";
 import { useKept } from "./use";
 import { Sides } from "./Variants";
 
+/** Files that are compared at once. */
+const MOST = 12;
+
 export function Library({ known }: { known: Known }) {
   const [wanted, want] = useState("");
   const [ticked, tick] = useState<number[]>([]);
@@ -24,7 +27,8 @@ export function Library({ known }: { known: Known }) {
       <Card id="library" title={t("Files")} head={
         <>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want(e.currentTarget.value)} />
-          <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          <button data-do="compare" disabled={ticked.length < 2 || ticked.length > MOST} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          {ticked.length > MOST && <span class="note warn" role="alert">{t("up to {count} files stand side by side: untick some", { count: MOST })}</span>}
           {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </>
       }>
@@ -34,7 +38,7 @@ export function Library({ known }: { known: Known }) {
             <li key={r.file}>
               <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: r.name })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
               <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
-              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{r.name}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
+              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}><bdi>{r.name}</bdi></button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
             </li>
           ))}
