@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { Card, Select } from "./Card";
-import { percent } from "./format";
+import { percent, plain } from "./format";
 import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
@@ -36,9 +36,9 @@ export function Library({ known }: { known: Known }) {
         <ul>
           {shown.map((r) => (
             <li key={r.file}>
-              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: r.name })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
+              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: plain(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
               <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
-              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}><bdi>{r.name}</bdi></button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
+              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{plain(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
             </li>
           ))}

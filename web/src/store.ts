@@ -1,7 +1,7 @@
 // What the page knows, and all it does. One question is under way; the latest one goes next.
 
 import * as History from "./history";
-import { speak } from "./format";
+import { plain, speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn, t } from "./text";
@@ -161,7 +161,7 @@ export class Store {
         learn(m.texts);
         speak(m.lang);
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(plain) });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -208,7 +208,7 @@ export class Store {
         this.set({ revisions: m.revisions });
         break;
       case "files":
-        this.set({ files: m.files, view: "line" });
+        this.set({ files: m.files.map(plain), view: "line" });
         break;
       case "part":
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });

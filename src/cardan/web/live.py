@@ -75,7 +75,9 @@ def _told(text: str, name: str, folder: str | None, say: Language) -> Json:
     files.loads(text, name=name, folder=Path(folder) if folder else None)  # refuses, and says why
     live = answer({**question, "job": "live", "pose": {"line": 0}, "want": []})
     lines = [
-        _line(question, k, len(live["states"]), [m for m in live["limits"] if m["line"] == of["name"]])
+        _line(
+            question, k, len(live["states"]), [m for m in live["limits"] if m["line"] == of["name"]]
+        )
         for k, of in enumerate(live["lines"])
     ]
     return {
