@@ -43,7 +43,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
             <Slider
               name={t("Torque, winding the axle up")} low={turns[0]} high={turns[1]} step={10} value={torque}
               said={`${number(torque)} N·m${pose?.at ? `, ${signed(pose.at.pitch ?? 0, 2)}°` : ""}`}
-              ends={[t("coast"), t("drive")]}
+              ends={[t("coast, reverse"), t("drive")]}
               set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
             />
           )}

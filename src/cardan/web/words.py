@@ -137,7 +137,7 @@ WORDS: tuple[str, ...] = (
     "choose a file",
     "clearance",
     "close",
-    "coast",
+    "coast, reverse",
     "compare what is ticked",
     "compare {file}",
     "connection lost",
