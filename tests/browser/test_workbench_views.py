@@ -459,6 +459,104 @@ def test_reports_are_taken_and_a_revision_is_frozen(tmp_path):
         clean(driver)
 
 
+LOST = "return document.querySelector('.head .note.fail')"
+
+
+def watched(driver, seconds=1.0):
+    """Return whether the page kept its server all the while."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if driver.execute_script(LOST):
+            return False
+        time.sleep(0.03)
+    return True
+
+
+PUT = """const e = document.querySelector(arguments[0]);
+    e.value = arguments[1]; e.dispatchEvent(new Event('input', {bubbles: true}));"""
+
+
+def test_a_click_on_a_limit_leads_to_where_it_is_worst(browser, tmp_path):
+    """5.612 mm, jounce, pulling away in reverse at -5969 N m: as `cardan check` has it."""
+    with workbench(tmp_path) as (house, _):
+        opened(browser, house)
+        find = (
+            "[...document.querySelectorAll('.worst button')].find(e => /5.612/.test(e.innerText))"
+        )
+        (told,) = [wait(browser, f"return {find}?.innerText")]
+        assert "jounce, pulling away in reverse" in told
+        browser.execute_script(f"{find}.click()")
+        wait(
+            browser, "return /clearance 5.6 mm/i.test(document.querySelector('.angles').innerText)"
+        )
+        assert "torque, as drawn −5969 N·m" in said(browser, ".angles .facts")
+        assert "jounce, pulling away in reverse" in said(browser, ".views .note")
+        assert "5.6 mm" in said(browser, ".views")
+        slider = browser.find_elements("css selector", ".poser input[type=range]")[1]
+        low, high, now = (float(slider.get_attribute(k)) for k in ("min", "max", "value"))
+        assert low <= now <= high
+        assert now == pytest.approx(-5969, abs=10)
+        assert said(browser, ".poser [aria-pressed=true]") == "jounce"
+        clean(browser)
+
+
+def test_what_is_too_long_is_said_and_the_server_stays(browser, tmp_path):
+    (tmp_path / "desk").mkdir()
+    for name in (*(f"c{k:02}" for k in range(13)), "evil\u202elmay"):
+        (tmp_path / "desk" / f"{name}.yaml").write_text(CHAIN, "utf-8")
+    with workbench(tmp_path, folder=True) as (house, _):
+        arrived(browser, house)
+        ready = "return document.querySelectorAll('.library li input:not([disabled])').length >= 14"
+        wait(browser, ready)
+        # A mark that turns writing round is seen, and turns nothing.
+        assert "evil\\u202elmay.yaml" in said(browser, ".library ul")
+        assert "evil\\u202elmay.yaml" in said(browser, ".head select")
+        for box in browser.find_elements("css selector", ".library li input")[:13]:
+            box.click()
+        assert "up to 12 files" in said(browser, ".library [role=alert]")
+        assert not browser.find_element("css selector", "[data-do=compare]").is_enabled()
+        browser.find_elements("css selector", ".library li input")[0].click()
+        press(browser, "[data-do=compare]")
+        assert watched(browser)
+        for title in ("x" * 201, "x" * 301):
+            browser.execute_script(PUT, "[data-field=title]", title)
+            assert watched(browser)
+        press(browser, "[data-way=points]")
+        rows = "0 0 0\n" * 4000
+        browser.execute_script(PUT, ".pasted textarea", rows)
+        assert watched(browser)
+        assert "20000" in said(browser, ".pasted [role=alert]")
+        kept = "return document.querySelector('.pasted textarea').value.length"
+        assert browser.execute_script(kept) == len(rows)
+        press(browser, ".library li .link")
+        wait(browser, SETTLED)
+        press(browser, ".paste summary")
+        browser.execute_script(PUT, ".paste textarea", rows)
+        assert "20000" in said(browser, ".paste [role=alert]")
+        assert not browser.find_element("css selector", ".paste button").is_enabled()
+        clean(browser)
+
+
+def test_limits_scroll_sideways_on_a_telephone(tmp_path):
+    with browsing() as driver, workbench(tmp_path) as (house, _):
+        how = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", how)
+        opened(driver, house)
+        show(driver, "limits")
+        wait(driver, "return document.querySelector('.limits tbody tr')")
+        sizes = """const e = document.querySelector('.limits .scroll'); e.scrollLeft = 1e4;
+            e.scrollIntoView(); const name = e.querySelector('tbody th').getBoundingClientRect();
+            return [e.scrollWidth - e.clientWidth - e.scrollLeft, e.scrollLeft,
+                    e.clientHeight / innerHeight, name.left >= 0 && name.right < innerWidth,
+                    document.documentElement.scrollWidth - innerWidth]"""
+        left, gone, tall, named, over = driver.execute_script(sizes)
+        assert abs(left) < 2
+        assert gone > 200
+        assert tall < 0.8  # the bar at its foot is on the screen
+        assert named
+        assert over <= 0
+
+
 def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
     from cardan.report.language import Language
     from cardan.web import live
@@ -487,7 +585,15 @@ def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
             "return document.querySelector('.angles table').innerText !== arguments[0]",
             still,
         )
-        driver.find_element("css selector", ".cell.fail").click()
+        # No slider of torque, which it could not follow; a limit leads to where it is worst.
+        assert len(driver.find_elements("css selector", ".poser input[type=range]")) == 1
+        worst = (
+            "[...document.querySelectorAll('.worst button')].find(e => /5,612/.test(e.innerText))"
+        )
+        driver.execute_script(f"{worst}.click()")
+        wait(driver, "return /5,6 mm/.test(document.querySelector('.angles .facts').innerText)")
+        assert "−5969 N·m" in said(driver, ".angles .facts")
+        assert len(driver.find_elements("css selector", ".poser input[type=range]")) == 1
         wait(driver, "return document.querySelector('.detail .equation')")
         driver.find_elements("css selector", ".views .chips button")[1].click()
         wait(driver, "return document.querySelector('.canvas canvas')")

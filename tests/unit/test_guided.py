@@ -33,6 +33,25 @@ def test_a_number_as_it_is_typed(said, value):
     assert number(said) == value
 
 
+@pytest.mark.parametrize(
+    ("said", "either"),
+    [("8.000", "8,000 or 8000"), ("-1.500°", "-1,500 or -1500"), ("0.125", None), ("2.5", None),
+     ("1.2345", None), ("8,000", None), ("1.234,5", None), ("2500.125", None)],
+)  # fmt: skip
+def test_a_point_that_may_divide_thousands_is_asked_about(said, either):
+    """A file of a form in Portuguese or Italian had 8 N m for 8.000; in English that is eight."""
+    for decimal in ",.":
+        form = {**FORM, "torque": said}
+        if decimal == "," and either:
+            with pytest.raises(BadFile) as found:
+                drafted(form, decimal=decimal)
+            (problem,) = found.value.problems
+            assert problem.message == f"decimals or thousands? write {either}"
+            assert (problem.key, problem.value) == ("torque", said)
+        else:
+            assert f"torque_Nm: {number(said):.10g}\n" in drafted(form, decimal=decimal)
+
+
 @given(st.floats(-1e6, 1e6).map(lambda v: round(v, 3)))
 def test_a_number_survives_either_decimal_sign(value):
     for said in (f"{value:.3f}", f"{value:.3f}".replace(".", ",")):

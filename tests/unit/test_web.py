@@ -318,6 +318,50 @@ def test_a_line_follows_a_hand_while_its_limits_are_asked(house, monkeypatch):
         assert [t["id"] for t in told if t["type"] == "full"] == [6]
 
 
+def test_a_limit_is_shown_where_it_is_worst():
+    """Values of limits come from `study.driveline`; a page lays the line there by itself."""
+    text = TRUCK.read_text("utf-8")
+    seen = set()
+    for row in asked(text)["limits"]:
+        if row["quantity"] not in ("joint_angle", "clearance"):
+            continue
+        for state, spots in enumerate(row.get("spots", [])):
+            for part, spot in enumerate(spots):
+                value = row["values"][state][part]
+                if spot is None or value is None:
+                    continue
+                told = asked(text, "pose", pose={"line": 0, "state": state, **spot}, want=[])
+                at = told["pose"]["at"]
+                angles = row["quantity"] == "joint_angle"
+                got = at["angles"][part] if angles else min(at["clearance"][part])
+                assert got == pytest.approx(value, abs=1e-3)
+                low, high = told["pose"]["torque_reach"]
+                assert low - 1 <= spot["torque_Nm"] <= high + 1
+                seen.add(spot["way"])
+    assert seen == {"drive", "reverse"}
+
+
+def test_what_holds_back_more_than_coasting_can_is_reverse():
+    """Jounce of the refuse collector: 5.612 mm free, pulling away in reverse, as `check` says."""
+    text = TRUCK.read_text("utf-8")
+    (row,) = [r for r in asked(text)["limits"] if r["quantity"] == "clearance"]
+    (spot,) = [s for s in row["spots"][4] if s]
+    pose = {"travel_mm": 1e3, "torque_Nm": spot["torque_Nm"]}
+    told = asked(text, "pose", pose=pose, want=[])["pose"]
+    assert min(min(room) for room in told["at"]["clearance"]) == pytest.approx(5.612, abs=1e-3)
+    assert told["torque"] == -5969
+
+
+def test_a_state_stands_under_the_torque_that_it_is_drawn_with():
+    text = TRUCK.read_text("utf-8")
+    kinds = [s["kind"] for s in asked(text)["states"]]
+    for state, kind in enumerate(kinds):
+        told = asked(text, "pose", pose={"line": 0, "state": state})["pose"]
+        line = asked(text)["lines"][0]
+        wound = kind.startswith("windup")
+        assert told["torque"] == (round(line["torque"][state]) if wound else 0)
+
+
 def test_sliders_are_answered_with_places_and_curves():
     text = TRUCK.read_text("utf-8")
     told = asked(text, "pose", pose={"travel_mm": -50.0, "torque_Nm": 4000.0})["pose"]

@@ -210,6 +210,22 @@ FORM = {
 }  # fmt: skip
 
 
+def test_a_form_says_what_is_odd_in_its_file_and_as_its_language_writes_it():
+    def wrong(lang, **changed):
+        question = {"job": "guided", "text": "", "name": "x", "folder": None, "lang": lang}
+        return answer({**question, "args": {**FORM, **changed}}).get("problems", [])
+
+    for lang, sign in (("en", "."), ("pt", ","), ("it", ",")):
+        told = job("guided", text="", lang=lang, **{**FORM, "speed": "2,5"})
+        assert any(w.startswith(f"2{sign}5 rpm ") for w in told["warnings"])
+        (short,) = wrong(lang, shafts=[{"length": "1,5"}])
+        assert short["value"] == f"1{sign}5"
+        assert len(wrong(lang, torque="8.000")) == (lang != "en")
+    (either,) = wrong("it", torque="8.000")
+    assert either["message"] == "decimali o migliaia? scrivere 8,000 o 8000"
+    assert either["value"] == "8.000"
+
+
 def test_a_form_comes_to_what_its_file_comes_to():
     told = job("guided", text="", **FORM)
     found = assess(files.loads(told["draft"]))

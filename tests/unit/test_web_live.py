@@ -44,6 +44,14 @@ def test_it_holds_the_verdict_and_every_state(path):
         heights = [p["travel"] for p in line["travel"]]
         assert heights == sorted(heights)
         assert len(heights) in (0, live.PLACES)
+        assert {tuple(p["torque_reach"]) for p in (*line["states"], *line["travel"])} == {(0, 0)}
+        # Wherever a click on a limit leads there is a place to show.
+        at = {(w["state"], w["torque_Nm"], w["way"]) for w in line["wound"]}
+        name = told["live"]["lines"][told["lines"].index(line)]["name"]
+        every = [m for m in told["live"]["limits"] if m["line"] == name]
+        spots = [(s, spot) for m in every for s, of in enumerate(m.get("spots", [])) for spot in of]
+        assert at == {(s, spot["torque_Nm"], spot["way"]) for s, spot in spots if spot}
+        assert all("at" in w["pose"] for w in line["wound"])
     assert told["live"]["handles"] == []
     assert len(page.encode()) < 300_000  # what is left of 1.2 MB beside the page itself
 

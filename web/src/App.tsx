@@ -30,9 +30,9 @@ import { card, still, useKnown } from "./use";
 type Both = { known: Known; shown: Shown };
 
 /** What is drawn of a line: where it runs, and what its limits make of that. */
-const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
+const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, s.where, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
 const StillViews = card<Both>("views", Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
-const StillAngles = card<Both>("angles", Angles, (p) => [...drawn(p), p.known.jobs]);
+const StillAngles = card<Both>("angles", Angles, (p) => [...drawn(p), p.known.jobs, p.known.pose?.line, p.known.pose?.torque]);
 const StillPhasors = card<Both>("phasors", Phasors, drawn);
 const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
 const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
@@ -126,9 +126,11 @@ function what(known: Known): Shown | null {
   const line = live.lines[index];
   if (!line) return null;
   const state = Math.min(asked.state ?? (pose?.line === index ? pose.state : null) ?? live.worst, live.states.length - 1);
-  const free = asked.travel_mm !== undefined && pose?.at !== undefined && pose.line === index;
+  const free = (asked.travel_mm ?? asked.torque_Nm) !== undefined && pose?.at !== undefined && pose.line === index;
+  const row = store.rows().find((r): r is Row => r.id === known.selected?.row);
+  const where = !free ? live.states[state]?.said : asked.state === undefined ? t("where the sliders have it") : row?.points?.[state]?.[known.selected?.part ?? 0];
   const laid = free ? pose.at?.laid : line.states[state];
-  return laid ? { live, line, index, state, laid, free, marks: marks(store.rows(), line.name, state) } : null;
+  return laid ? { live, line, index, state, laid, free, where: where ?? "", marks: marks(store.rows(), line.name, state) } : null;
 }
 
 function useKeys(): void {
@@ -226,7 +228,7 @@ function Strip({ known }: { known: Known }) {
             <li key={row.id}>
               <button class={grade} onClick={() => store.look({ row: row.id, state: s, part: p })}>
                 <b>{live && live.lines.length > 1 && `${row.line}: `}{row.name}</b>
-                <span>{live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
+                <span>{row.points?.[s]?.[p] || live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
                 <span>{number(row.values[s]?.[p])} {row.unit} <i>{percent(row.margins[s]?.[p])} %</i></span>
               </button>
             </li>
@@ -246,9 +248,8 @@ function Later<P extends object>({ load, ...props }: { load: () => Promise<{ def
 
 function Views({ known, shown }: { known: Known; shown: Shown }) {
   const [deep, go] = useState(false);
-  const where = shown.free ? t("where the sliders have it") : shown.live.states[shown.state]?.said;
   return (
-    <Card id="views" title={t("Drawing")} note={<>{where}{!deep && ` · ${t("light: the other states; dashed: as installed")}`}</>} head={
+    <Card id="views" title={t("Drawing")} note={<>{shown.where}{!deep && ` · ${t("light: the other states; dashed: as installed")}`}</>} head={
       <div class="chips" role="group" aria-label={t("Drawing")}>
         {!known.fixed && <Pin known={known} />}
         <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>

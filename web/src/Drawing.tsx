@@ -9,7 +9,7 @@ import type { Drag, Ghost, Handle, Laid, Line, Live, Maybe, Obstacle, Point } fr
 import { useHand, useWidth } from "./use";
 import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
 
-export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean; marks: Marks }
+export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean; /** In words: a state, a point of it, or where sliders have it. */ where: string; marks: Marks }
 
 const TALLEST: Record<View, number> = { side: 330, top: 250 };
 
@@ -28,7 +28,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
   const chosen = selected && store.rows().find((r) => r.id === selected.row);
   const part = chosen?.values ? chosen.kinds[selected?.part ?? 0] : undefined;
   const near = part?.[0] === "clearance" && chosen?.line === line.name ? part[2] : undefined;
-  const given = chosen?.quantity === "clearance_on_rubber" && !shown.free ? chosen.values?.[state]?.[selected?.part ?? 0] : undefined;
+  const given = chosen?.quantity === "clearance_on_rubber" && (!shown.free || known.asked.state !== undefined) ? chosen.values?.[state]?.[selected?.part ?? 0] : undefined;
   const marked = (kind: string, n: number): boolean =>
     chosen?.line === line.name && part?.[0] === kind && part[1] === n;
   const points = (laid: Laid): Point[] => [laid.ends[0], ...laid.joints, laid.ends[1]];

@@ -21,12 +21,17 @@ interface Form {
   shafts: Cells[];
 }
 
+/** Characters of a pasted table, and of a field: the server takes no more. */
+const MOST = 20_000;
+const FIELD = 200;
+
 const EMPTY: Form = { title: "", speed: "", torque: "", limits: "protractor", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}], shafts: [{}] };
 
 export function Guide({ known }: { known: Known }) {
   const [form, set] = useKept<Form>("guide", EMPTY);
   const [pasting, paste] = useKept("guide/pasting", false);
   useEffect(() => {
+    if (pasting && form.points.length > MOST) return;
     const timer = setTimeout(() => store.work("guided", { ...form, points: pasting ? form.points : "" }, ""), 200);
     return () => clearTimeout(timer);
   }, [form, pasting, known.lang]);
@@ -42,11 +47,12 @@ export function Guide({ known }: { known: Known }) {
   };
   const fields: Record<string, string> = {};
   const field = (key: string, name: string, value: string, put: (v: string) => void) => (fields[key] = name) && (
-    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} onInput={(e) => put(e.currentTarget.value)} />
+    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} maxLength={FIELD} onInput={(e) => put(e.currentTarget.value.slice(0, FIELD))} />
   );
   const n = form.shafts.length;
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
-  const of = job?.problems ? null : job?.answer;
+  const long = pasting && form.points.length > MOST;
+  const of = job?.problems || long ? null : job?.answer;
   // What is empty yet is no mistake: it is asked for by its name.
   const typed = () => (job?.problems ?? []).filter((p) => !(p.key in fields && !p.value) && (p.key !== "points" || form.points));
   const missing = (): string => (job?.problems ?? []).filter((p) => !p.value).map((p) => fields[p.key]).filter(Boolean).join("; ");
@@ -54,7 +60,7 @@ export function Guide({ known }: { known: Known }) {
     <div class="columns">
       <div class="left"><Card id="guide" title={t("From a protractor's readings")} note={t("slopes down to the rear are positive, to the right too")}>
         <div class="fields">
-          <label>{t("title")}<input value={form.title} data-field="title" onInput={(e) => change({ title: e.currentTarget.value })} /></label>
+          <label>{t("title")}<input value={form.title} data-field="title" maxLength={300} onInput={(e) => change({ title: e.currentTarget.value.slice(0, 300) })} /></label>
           <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
           <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
           <label>{t("shafts")}<Select value={String(n)} data-field="count" choose={(k) => count(Number(k))} of={["1", "2", "3", "4", "5", "6"]} /></label>
@@ -89,13 +95,14 @@ export function Guide({ known }: { known: Known }) {
         </Sheet>
       </Card></div>
       <div class="right"><Card id="comes" kind={`guided ${of?.verdict ?? ""}`} title={t("What it comes to")} head={of && <b class={of.verdict} role="status">{t(of.verdict)}</b>}>
-        {!of && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
-        {!of && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
+        {!of && !long && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
+        {!of && !long && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
           <>
             <p class="facts">{of.angles.map((a, k) => <span key={k}>{t("joint {n}", { n: k + 1 })} <b>{fixed(a, 2)}°</b></span>)}<span>{t("equivalent angle")} <b>{fixed(of.equivalent, 2)}°</b></span></p>
             <ul class="others">
               {of.unanswered.map((u) => <li key={u}>{u}</li>)}
+              {of.warnings.map((w) => <li key={w} class="warn"><b>{t("warn")}</b> {w}</li>)}
               {of.checks.map((c, k) => <li key={k} class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.sense === "<=" ? "≤" : "≥"} {number(c.bound)} {c.unit} ({percent(c.margin)} %)</li>)}
             </ul>
             <button class="make" onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>
@@ -111,6 +118,7 @@ export function Pasted({ form, change, invalid }: { form: { points: string; axes
   return (
     <div class="pasted">
       <textarea aria-label={t("x, y and z of every joint, a row each, gearbox first")} placeholder={t("x, y and z of every joint, a row each, gearbox first")} aria-invalid={invalid} value={form.points} rows={5} spellcheck={false} onInput={(e) => change({ points: e.currentTarget.value })} />
+      {form.points.length > MOST && <p class="note fail" role="alert">{t("a table may have up to {count} characters: paste the joints' rows alone", { count: MOST })}</p>}
       <Select label={t("axes")} value={form.axes} choose={(axes) => change({ axes })} of={[["rear", t("x to the rear, y to the right, z up")], ["front", t("x ahead, y to the left, z up")]]} />
     </div>
   );
@@ -127,7 +135,7 @@ export function PasteInto({ known, line }: { known: Known; line: number }) {
       <summary>{t("Paste the joints' points from a spreadsheet")}</summary>
       <Pasted form={form} change={(part) => set({ ...form, ...part })} invalid={job?.why !== undefined && job.why !== ""} />
       <Select label={t("lengths in")} value={form.unit} choose={(unit) => set({ ...form, unit })} of={["mm", "in"]} />{" "}
-      <button disabled={form.points.trim() === ""} onClick={() => store.work("pasted", { ...form, line })}>{t("put them in")}</button>
+      <button disabled={form.points.trim() === "" || form.points.length > MOST} onClick={() => store.work("pasted", { ...form, line })}>{t("put them in")}</button>
       {job?.why && <p class="note fail">{job.why}</p>}
     </details>
   );

@@ -2,13 +2,16 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { Card, Select } from "./Card";
-import { percent } from "./format";
+import { percent, plain } from "./format";
 import { Asking } from "./Speed";
 import { store, type Job, type Known } from "./store";
 import { t } from "./text";
 import type { Compared, Status } from "./types";
 import { useKept } from "./use";
 import { Sides } from "./Variants";
+
+/** Files that are compared at once. */
+const MOST = 12;
 
 export function Library({ known }: { known: Known }) {
   const [wanted, want] = useState("");
@@ -24,7 +27,8 @@ export function Library({ known }: { known: Known }) {
       <Card id="library" title={t("Files")} head={
         <>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want(e.currentTarget.value)} />
-          <button data-do="compare" disabled={ticked.length < 2} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          <button data-do="compare" disabled={ticked.length < 2 || ticked.length > MOST} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          {ticked.length > MOST && <span class="note warn" role="alert">{t("up to {count} files stand side by side: untick some", { count: MOST })}</span>}
           {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </>
       }>
@@ -32,9 +36,9 @@ export function Library({ known }: { known: Known }) {
         <ul>
           {shown.map((r) => (
             <li key={r.file}>
-              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: r.name })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
+              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: plain(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
               <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
-              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{r.name}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
+              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{plain(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
             </li>
           ))}

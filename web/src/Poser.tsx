@@ -17,10 +17,11 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
   const turns = pose?.torque_reach ?? [0, 0];
   const moves = reach[1] > reach[0];
   const winds = turns[1] > turns[0];
-  const travel = known.asked.travel_mm ?? pose?.travel ?? 0;
-  const torque = known.asked.torque_Nm ?? pose?.torque ?? 0;
+  // A page by itself goes from place to place, and says where it is.
+  const travel = (known.fixed ? undefined : known.asked.travel_mm) ?? pose?.travel ?? 0;
+  const torque = (winds ? known.asked.torque_Nm : undefined) ?? pose?.torque ?? 0;
   return (
-    <Card id="poser" title={t("State")} head={<>{free && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
+    <Card id="poser" title={t("State")} head={<>{free && known.asked.state === undefined && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
       {live.lines.length > 1 && (
         <div class="chips" role="group" aria-label={t("Line")}>
           {live.lines.map((l, k) => (<button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>))}
@@ -28,13 +29,13 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
       )}
       <div class="chips" role="group" aria-label={t("State")}>
         {live.states.map((s, k) => (
-          <button key={s.name} class={gradeOf(k, shown)} aria-pressed={!free && k === shown.state} onClick={() => store.pose({ line: index, state: k })}>{s.said}</button>
+          <button key={s.name} class={gradeOf(k, shown)} aria-pressed={k === shown.state && (!free || known.asked.state !== undefined)} onClick={() => store.pose({ line: index, state: k })}>{s.said}</button>
         ))}
       </div>
       {moves && (
         <div class="sliders">
           <Slider
-            name={t("Travel")} low={reach[0]} high={reach[1]} step={0.5} value={travel} said={`${signed(travel, 1)} mm`}
+            name={t("Travel")} low={reach[0]} high={reach[1]} step={known.fixed ? (reach[1] - reach[0]) / 40 : 0.5} value={travel} said={`${signed(travel, 1)} mm`}
             ends={[t("rebound"), t("jounce")]}
             set={(v) => store.pose({ line: index, travel_mm: v, torque_Nm: torque })}
           />
@@ -42,7 +43,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
             <Slider
               name={t("Torque, winding the axle up")} low={turns[0]} high={turns[1]} step={10} value={torque}
               said={`${number(torque)} N·m${pose?.at ? `, ${signed(pose.at.pitch ?? 0, 2)}°` : ""}`}
-              ends={[t("coast"), t("drive")]}
+              ends={[t("coast, reverse"), t("drive")]}
               set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
             />
           )}
@@ -106,7 +107,7 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
   const plunge = at ? at.plunge : line.plunge[state];
   const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
   return (
-    <Card id="angles" title={t("Joints")} note={shown.free ? t("where the sliders have it") : shown.live.states[state]?.said}>
+    <Card id="angles" title={t("Joints")} note={shown.where}>
       <Sheet label={t("Joints")} head={[t("joint"), [t("angle")], ...(before ? [[known.variants[known.behind ?? 0]?.name] as [string]] : []), [t("side view")], [t("top view")], [t("plane at")], t("size")]}>
         {of("angles").map((angle, k) => (
           <tr key={k}>
@@ -123,8 +124,9 @@ export function Angles({ known, shown }: { known: Known; shown: Shown }) {
       <p class="facts">
         <span>{t("spline travel")} <b>{plunge === null || plunge === undefined ? "–" : `${signed(plunge, 1)} mm`}</b></span>
         {rooms.length > 0 && <span>{t("clearance")} <b>{fixed(Math.min(...(rooms as number[])), 1)} mm</b></span>}
-        {!shown.free && line.torque[state] !== null && <span>{t("torque")} <b>{number(line.torque[state])} N·m</b></span>}
-        {!shown.free && line.speed[state] !== null && <span>{t("speed")} <b>{number(line.speed[state])} rpm</b></span>}
+        {known.pose?.line === shown.index && <span>{t("torque, as drawn")} <b>{number(known.pose.torque)} N·m</b></span>}
+        {!shown.free && line.torque[state] !== null && <span>{t("torque of the state")} <b>{number(line.torque[state])} N·m</b></span>}
+        {!shown.free && line.speed[state] !== null && <span>{t("speed of the state")} <b>{number(line.speed[state])} rpm</b></span>}
       </p>
       {!known.fixed && <PasteInto known={known} line={shown.index} />}
     </Card>

@@ -30,3 +30,7 @@ export function percent(margin: number | null | undefined): string {
   if (Math.abs(margin) > 0 && Math.abs(margin) < 0.0095) return signed(100 * margin, 1);
   return signed(100 * margin, 0);
 }
+
+/** A name with the marks written out that turn the writing of names round, and are not seen. */
+export const plain = (name: string): string =>
+  name.replace(/[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g, (mark) => `\\u${mark.charCodeAt(0).toString(16).padStart(4, "0")}`);

@@ -1,9 +1,9 @@
 // In place of a server: answers that were computed beforehand, in a page of its own.
 
 import type { Connection } from "./link";
-import type { Full, Live, Pose, PoseAsked, Told } from "./types";
+import type { Full, Live, Pose, PoseAsked, Spot, Told } from "./types";
 
-interface Kept { welcome: Omit<Extract<Told, { type: "welcome" }>, "type">; live: Live; full: Full; lines: { states: Pose[]; travel: Pose[] }[] }
+interface Kept { welcome: Omit<Extract<Told, { type: "welcome" }>, "type">; live: Live; full: Full; lines: { states: Pose[]; travel: Pose[]; wound: (Spot & { state: number; pose: Pose })[] }[] }
 
 export class Frozen {
   private readonly kept: Kept;
@@ -26,13 +26,14 @@ export class Frozen {
   }
 
   /** The pose that is nearest; its curves are those of the worst state. */
-  private pose({ line = 0, state, travel_mm }: PoseAsked): Pose {
-    const of = this.kept.lines[line] ?? { states: [], travel: [] };
+  private pose({ line = 0, state, travel_mm, torque_Nm, way }: PoseAsked): Pose {
+    const of = this.kept.lines[line] ?? { states: [], travel: [], wound: [] };
     const still = of.states[state ?? this.kept.live.worst] as Pose;
-    if (travel_mm === undefined) return still;
-    const away = (p: Pose): number => Math.abs(p.travel - travel_mm);
-    const near = of.travel.reduce((a, b) => (away(b) < away(a) ? b : a), of.travel[0] as Pose);
+    const wound = of.wound.find((w) => w.state === state && w.torque_Nm === torque_Nm && w.way === way);
+    if (travel_mm === undefined && !wound) return still;
+    const away = (p: Pose): number => Math.abs(p.travel - (travel_mm ?? 0));
+    const near = wound?.pose ?? of.travel.reduce((a, b) => (away(b) < away(a) ? b : a), of.travel[0] as Pose);
     const { over_travel, turn } = still;
-    return { ...near, ...(over_travel ? { over_travel } : {}), ...(turn ? { turn } : {}), torque_reach: [0, 0] };
+    return { ...near, ...(over_travel ? { over_travel } : {}), ...(turn ? { turn } : {}) };
   }
 }

@@ -1,11 +1,11 @@
 // What the page knows, and all it does. One question is under way; the latest one goes next.
 
 import * as History from "./history";
-import { speak } from "./format";
+import { plain, speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn, t } from "./text";
-import type { Campaign, Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Told } from "./types";
+import type { Campaign, Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Spot, Told } from "./types";
 
 export interface Selected { row: string; state: number; part: number }
 
@@ -165,7 +165,7 @@ export class Store {
         learn(m.texts);
         speak(m.lang);
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(plain) });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -227,7 +227,7 @@ export class Store {
         this.set({ revisions: m.revisions });
         break;
       case "files":
-        this.set({ files: m.files, view: "line" });
+        this.set({ files: m.files.map(plain), view: "line" });
         break;
       case "part":
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
@@ -437,7 +437,7 @@ export class Store {
     if (!live || since === undefined || !m.limits) return;
     const found = new Map(m.limits.map((r) => [r.id, r]));
     // Where a value was worst is said again once the hand rests.
-    const limits = live.limits.map(({ points: _, ...row }) => ({ ...row, ...found.get(row.id) }));
+    const limits = live.limits.map(({ points: _, spots: __, ...row }) => ({ ...row, ...found.get(row.id) }));
     this.set({ live: { ...live, limits, grade: m.grade ?? null } });
     painted(since);
   }
@@ -675,11 +675,13 @@ export class Store {
 
   look(selected: Selected | null): void {
     this.set({ selected });
-    if (selected) this.go(this.rows().find((r) => r.id === selected.row), selected.state);
+    const row = selected && this.rows().find((r) => r.id === selected.row);
+    // Where it is worst: in its state, and under the torque that winds the axle up there.
+    if (row && selected) this.go(row, selected.state, ("spots" in row && row.spots?.[selected.state]?.[selected.part]) || {});
   }
 
-  private go(row: { line: string } | undefined, state: number): void {
-    this.pose({ line: Math.max(this.known.live?.lines.findIndex((l) => l.name === row?.line) ?? 0, 0), state });
+  private go(row: { line: string }, state: number, spot: Partial<Spot> = {}): void {
+    this.pose({ line: Math.max(this.known.live?.lines.findIndex((l) => l.name === row.line) ?? 0, 0), state, ...spot });
   }
 
   help(): void {

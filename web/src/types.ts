@@ -1,6 +1,6 @@
 // What the page is told and what it says; the shapes of answers are made from their schema.
 
-import type { Campaign, Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row } from "../made/types";
+import type { Campaign, Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row, Spot } from "../made/types";
 
 export type * from "../made/types";
 
@@ -49,6 +49,6 @@ export type Told =
 
 export interface Drag { kind: Kind; number: number; line: string; by_mm: Point }
 
-export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number }
+export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number; way?: Spot["way"] }
 
 export interface Question { text: string; drag?: Drag; edits?: Edits; held?: boolean; pose?: PoseAsked; want?: ("curves" | "turn")[] }

@@ -39,7 +39,7 @@ class Socket {
       return;
     }
     const moved = q.drag ? `${q.text}+${q.drag.by_mm[2]}` : q.edits ? `${q.text}*` : q.text;
-    this.tell({ type: "live", id: q.id, text: text ?? moved, lines: [{ name: "main", joints: ["2040"], angles: [[0]] }], limits: [{ id: "a", name: "A", values: [[0]], margins: [[1]], grades: [[0]], points: [["here"]] }], pending: [], states: [], obstacles: [], handles: [] });
+    this.tell({ type: "live", id: q.id, text: text ?? moved, lines: [{ name: "main", joints: ["2040"], angles: [[0]] }], limits: [{ id: "a", name: "A", values: [[0]], margins: [[1]], grades: [[0]], points: [["here"]], spots: [[{ torque_Nm: -5, way: "reverse" }]] }], pending: [], states: [], obstacles: [], handles: [] });
   }
 }
 
@@ -149,6 +149,15 @@ describe("a hand that moves", () => {
     expect(store.known.notice).not.toBeNull();
     socket.answer();
     expect(store.known).toMatchObject({ notice: null, history: { text: "a+2" } });
+  });
+});
+
+describe("a limit", () => {
+  it("is looked at in its state and under the torque at which it is worst", () => {
+    store.look({ row: "a", state: 0, part: 0 });
+    const asked = socket.said.find((s) => s.type === "pose") as unknown as { pose: object };
+    expect(asked.pose).toEqual({ line: 0, state: 0, torque_Nm: -5, way: "reverse" });
+    expect(store.known.asked.state).toBe(0);
   });
 });
 

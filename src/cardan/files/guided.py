@@ -8,7 +8,7 @@ from typing import Any
 
 from cardan.base.errors import BadFile, Problem
 from cardan.files.manuscript import token
-from cardan.files.pasted import hardpoints, number
+from cardan.files.pasted import hardpoints, number, readings
 
 NAME = "form"
 
@@ -20,7 +20,7 @@ UNITS = {"mm": "mm", "in": "in"}
 Form = Mapping[str, Any]
 
 
-def drafted(form: Form) -> str:
+def drafted(form: Form, *, decimal: str = ".") -> str:
     """Return the text of an application from what a form holds, all of it as it was typed.
 
     Parameters
@@ -33,13 +33,16 @@ def drafted(form: Form) -> str:
         sits. `points`, a pasted table of the joints' centres, goes before the slopes of the
         shafts and their lengths; its x goes to the rear and its y to the right, or ahead and
         to the left where `axes` is "front".
+    decimal
+        What the language of the form writes before decimals. Where that is a comma, a point
+        before three digits may be one of thousands: nobody guesses, both readings are named.
 
     Raises
     ------
     BadFile
         With every field that holds no number where there must be one, by its key.
     """
-    reader = _Reader(form)
+    reader = _Reader(form, decimal)
     shafts, members = form.get("shafts") or [], form.get("members") or []
     text = "\n".join((*reader.head(), *reader.line(shafts, members), *reader.foot())) + "\n"
     if reader.problems:
@@ -50,8 +53,9 @@ def drafted(form: Form) -> str:
 class _Reader:
     """Reads fields, and remembers what is wrong in them."""
 
-    def __init__(self, form: Form) -> None:
+    def __init__(self, form: Form, decimal: str) -> None:
         self.form = form
+        self.decimal = decimal
         self.problems: list[Problem] = []
         self.unit = UNITS.get(str(form.get("unit")), "mm")
 
@@ -136,6 +140,9 @@ class _Reader:
             if needed:
                 self.wrong(key, "give a number", "")
             return "0" if needed else None
+        if self.decimal == "," and (either := readings(typed)):
+            self.wrong(key, "decimals or thousands? write {} or {}".format(*either), typed)
+            return "0"
         value = number(typed)
         if value is None:
             self.wrong(key, "is no number", typed[:40])

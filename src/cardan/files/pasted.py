@@ -9,6 +9,8 @@ _NUMBER = re.compile(r"[-+\u2212]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d{1,2}
 _CELLS = re.compile(r"\t|;|\|")
 _AXIS = re.compile(r"([xyz])(?:[\W_].*)?")
 
+_EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}\.\d{3}")
+
 NAME = "points"
 
 MOST = 60
@@ -31,6 +33,20 @@ def number(said: str) -> float | None:
     if bare.count(",") + bare.count(".") > 1 or not _NUMBER.fullmatch(bare):
         return None
     return float(bare.replace(",", ".").replace("\u2212", "-"))
+
+
+def readings(said: str) -> tuple[str, str] | None:
+    """Return both readings of a number where decimals stand after a comma; None if it has one.
+
+    Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma.
+
+    >>> readings("8.000"), readings("0.125"), readings("2.5")
+    (('8,000', '8000'), None, None)
+    """
+    bare = said.strip().removesuffix("°").strip()
+    if not _EITHER.fullmatch(bare):
+        return None
+    return bare.replace(".", ","), bare.replace(".", "")
 
 
 def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:

@@ -99,6 +99,9 @@ _NAMED = re.compile(r"\{(\d)\}")
 _NUMBER = re.compile(r"([-+]?\d+\.\d+(?:e[-+]?\d+)?)((?: ?%| [^\s.]+)?)")
 """A number with decimals that a sentence was given, and its unit."""
 
+_DECIMALS = re.compile(r"(?<![\w.,])\d+\.\d+(?![\w.,]*\d)")
+"""The same inside a sentence, where it is no part of a name or a date."""
+
 _BELOW = re.compile(r"(?<![\d.,e])-(?=\d)")
 """What stands before a number below nothing; between two numbers it is another sign."""
 
@@ -133,6 +136,11 @@ class Language:
         if self.code not in CODES:
             msg = f"there is no language {self.code}; there are: {', '.join(CODES)}"
             raise ValueError(msg)
+
+    @property
+    def decimal(self) -> str:
+        """The sign before decimals."""
+        return _decimal(self.code)
 
     @property
     def typeset(self) -> "Language":
@@ -172,6 +180,10 @@ class Language:
             return self.part(value) if isinstance(value, Part) else value
 
         return self(of.text, **{name: filled(value) for name, value in of.values})
+
+    def spelt(self, said: str) -> str:
+        """Return a sentence with its numbers as the language writes them: 2,5 rpm."""
+        return _DECIMALS.sub(lambda number: self.pointed(number[0]), said)
 
     def given(self, said: str) -> str:
         """Return a text that is ours or a publication's: translated where it is ours."""

@@ -29,7 +29,8 @@ class Reach:
     travel : m
         Lowest and highest rise of the axle from the reference state.
     torque : N m
-        Most in coast, below 0, and in drive; (0, 0) where no torque winds the axle up.
+        Most in reverse or coast, below 0, and in drive, of its states and operating points;
+        (0, 0) where no torque winds the axle up.
     """
 
     travel: tuple[float, float]
@@ -48,11 +49,21 @@ def reach(response: Response) -> Reach:
             at = replace(application, states=(State(name=kind, kind=kind),))
             travels.append(float(demand(resolve(at, installed)).travel[0]))
     asked = response.demand
-    winds = line.suspension.windup_stiffness is not None and line.axle is not None
-    most = np.nan_to_num(np.nanmax(np.append(asked.torque, 0.0))) if winds else 0.0
-    least = -np.nan_to_num(np.nanmax(np.append(asked.coast_torque, 0.0))) if winds else 0.0
-    lowest = min(float(least), float(np.nanmin(np.append(asked.torque, 0.0)))) if winds else 0.0
-    return Reach(travel=(min(travels), max(travels)), torque=(lowest, float(most)))
+    may = [np.zeros(1)]
+    if winds(response):
+        may += [np.ravel(asked.torque), -np.ravel(asked.coast_torque)]
+        if response.spread is not None:
+            may.append(np.ravel(response.spread.spots.torque))
+    every = np.concatenate(may)
+    torque = float(np.nanmin(every)), float(np.nanmax(every))
+    return Reach(travel=(min(travels), max(travels)), torque=torque)
+
+
+def winds(response: Response) -> bool:
+    """Return whether torque winds the axle of a line up."""
+    line = response.demand.standing.line
+    stiff = line.suspension is not None and line.suspension.windup_stiffness is not None
+    return stiff and line.axle is not None
 
 
 def under(response: Response, point: Point) -> Response:
@@ -76,7 +87,7 @@ def ride(
     travel : (N,) m
         Rise of the axle from the reference state.
     torque : (N,) N m
-        Of the line; negative holds back.
+        Of the line; negative holds back, and more than coasting can is driven in reverse.
 
     Returns
     -------
@@ -97,8 +108,9 @@ def ride(
     )
     asked = demand(resolve(at, installed))
     wound: FloatArray = turned[None]
+    reverses = wound < -asked.coast_torque * (1 + 1e-6)  # false where nobody knows
     under = demand_under(
-        asked, torque=wound, speed=asked.speed, coasts=wound < 0
+        asked, torque=wound, speed=asked.speed, coasts=(wound < 0) & ~reverses
     )  # points of its own come first: here there is one
     layout = under.layout[0]
     return respond(at, asked, lay=lambda _: layout)

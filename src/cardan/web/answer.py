@@ -16,6 +16,7 @@ import numpy as np
 
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, DesignError
+from cardan.base.part import Point
 from cardan.base.units import deg, mm, rpm
 from cardan.base.verdict import GRADES, Limit, badness, worst
 from cardan.files.manuscript import Manuscript, Raw
@@ -36,7 +37,7 @@ from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
-from cardan.study.ride import Reach, ride
+from cardan.study.ride import Reach, ride, under, winds
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
 from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
@@ -54,6 +55,9 @@ GRADE = 1e6
 
 SEEN = 40
 """Entries that are written otherwise and tried one by one: more of them show somewhere."""
+
+WOUND = ("windup", "windup brake")
+"""Kinds of states that stand as their torque winds the axle up; others stand without."""
 
 HELD = ("held", "graded")
 """What is asked while a hand moves, each in a lane of its own."""
@@ -82,7 +86,13 @@ def answer(question: Json, tell: Tell = _nobody) -> Json:
         else:
             found = _LONG[question["job"]](read, question["args"], say, tell)
     except CardanError as error:
-        return {"text": text, "problems": _problems(error, text, name, folder, say)}
+        wrong = _problems(error, text, name, folder, say)
+        if question["job"] == "guided":
+            # Of the excerpt that was made: who filled the form in wrote no point in it.
+            made = [p for p in wrong if p["line"]]
+            for p in made:
+                p |= {key: say.spelt(p[key]) for key in ("message", "hint", "value")}
+        return {"text": text, "problems": wrong}
     return {"text": text, "edits": edits, **found}
 
 
@@ -508,7 +518,7 @@ def _rows(r: Response, say: Language, quantities: frozenset[str] = AT_ONCE) -> I
             "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
             "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
             **graded,
-            **({"points": _points(r, a, say)} if a.spots else {}),
+            **({"points": _points(r, a, say), "spots": _spots(r, a)} if a.spots else {}),
         }
 
 
@@ -578,6 +588,16 @@ def _points(r: Response, a: Asked, say: Language) -> list[list[str]]:
     ]
 
 
+def _spots(r: Response, a: Asked) -> list[list[Json | None]]:
+    """Return under what torque in its state each value was found worst; None where its own."""
+    assert a.spots is not None
+    found: list[list[Json | None]] = []
+    for s in range(len(a.values)):
+        at = [a.spots.named((s, p)) if winds(r) else None for p in range(a.values.shape[1])]
+        found.append([{"torque_Nm": g(q.torque), "way": q.direction} if q else None for q in at])
+    return found
+
+
 def _pending(r: Response, say: Language) -> Iterator[Json]:
     """Yield the limits whose values come with a later answer."""
     for k, limit in enumerate(m for m in r.application.limits if m.quantity in SOUGHT):
@@ -620,7 +640,9 @@ def _posed(read: Document, question: Json, say: Language) -> Json:
     reaches = read.reaches[place_]
     low, high = reaches.travel
     height = float(r.demand.travel[s]) if travel is None else float(np.clip(travel * mm, low, high))
-    turned = 0.0 if torque is None else float(np.clip(torque, *reaches.torque))
+    # A state stands unwound, but for one that is wound up by its torque.
+    own = float(np.nan_to_num(r.demand.torque[s])) if r.kinds[s] in WOUND and not free else 0.0
+    turned = float(np.clip(own if torque is None else torque, *reaches.torque))
     posed: Json = {
         "line": place_,
         "state": None if free else s,
@@ -632,8 +654,11 @@ def _posed(read: Document, question: Json, say: Language) -> Json:
     shown, k = r, s
     try:
         if free:
-            installed = r.demand.installed
-            shown, k = ride(read.application, installed, travel=[height], torque=turned), 0
+            if (way := asked_for.get("way")) and travel is None:
+                shown, k = under(r, Point("", way, 0.0, turned)), s
+            else:
+                installed = r.demand.installed
+                shown, k = ride(read.application, installed, travel=[height], torque=turned), 0
             posed["at"] = _place(shown, k, r)
         if "curves" in wanted:
             posed |= _curves(read, r, reaches, height, turned)

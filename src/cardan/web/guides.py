@@ -20,7 +20,7 @@ SHEET = "points"
 
 def guided(_: Document, args: Json, say: Language, __: Tell) -> Json:
     """Return the text that a form comes to, and what it comes to where it is held to limits."""
-    text = drafted(args)
+    text = drafted(args, decimal=say.decimal)
     read = document(text, "form", None)
     found = assess(read.application)
     r = read.responses[0]
@@ -30,6 +30,7 @@ def guided(_: Document, args: Json, say: Language, __: Tell) -> Json:
         "angles": fs(r.angles[0] / deg, 3),
         "equivalent": g(float(r.excitation.torsional.angle[0] / deg)),
         "unanswered": unanswered(found, say),
+        "warnings": [say.spelt(say.error(p.message)) for p in read.application.warnings],
         "checks": [other(c, found, say) for c in sorted(found.checks, key=badness)[:8]],
     }
 

@@ -143,7 +143,8 @@ def _files(said: Json, key: str) -> list[int]:
 LINE: dict[str, Shape] = {"line": _below(100)}
 PASTED: dict[str, Shape] = {"points": _typed(20_000), "unit": _typed(), "axes": _typed()}
 FORM: dict[str, Shape] = {
-    **{key: _typed() for key in ("title", "speed", "torque", "limits")},
+    "title": _typed(300),  # as a file's
+    **{key: _typed() for key in ("speed", "torque", "limits")},
     **PASTED,
     "members": _rows(("side", "top"), 8),
     "shafts": _rows(("length", "phase", "tube", "bearing"), 6),

@@ -6,6 +6,7 @@ the same as that of `cardan serve`, built once more into one script.
 
 import json
 from base64 import b64encode
+from collections.abc import Sequence
 from hashlib import sha256
 from html import escape
 from importlib import resources
@@ -73,7 +74,12 @@ def _told(text: str, name: str, folder: str | None, say: Language) -> Json:
     question = {"text": text, "name": name, "folder": folder, "lang": say.code}
     files.loads(text, name=name, folder=Path(folder) if folder else None)  # refuses, and says why
     live = answer({**question, "job": "live", "pose": {"line": 0}, "want": []})
-    lines = [_line(question, k, len(live["states"])) for k in range(len(live["lines"]))]
+    lines = [
+        _line(
+            question, k, len(live["states"]), [m for m in live["limits"] if m["line"] == of["name"]]
+        )
+        for k, of in enumerate(live["lines"])
+    ]
     return {
         "welcome": {
             "version": __version__, "token": "", "lang": say.code, "languages": [say.code],
@@ -86,17 +92,32 @@ def _told(text: str, name: str, folder: str | None, say: Language) -> Json:
     }  # fmt: skip
 
 
-def _line(question: Json, line: int, states: int) -> Json:
-    """Return a line's poses: in every state, and over the travel of its axle."""
+def _line(question: Json, line: int, states: int, limits: Sequence[Json]) -> Json:
+    """Return a line's poses: in every state, over its axle's travel, where limits are worst.
 
-    def pose(want: tuple[str, ...], **where: float) -> Json:
+    No other torque is told: there is none that a slider of torque could go to.
+    """
+
+    def pose(want: tuple[str, ...], **where: float | str) -> Json:
         asked = {"job": "pose", "pose": {"line": line, **where}, "want": want}
-        return answer({**question, **asked})["pose"]
+        return {**answer({**question, **asked})["pose"], "torque_reach": [0, 0]}
 
     found = [pose(("curves",), state=s) for s in range(states)]
     low, high = found[0]["travel_reach"]
+    worst = {
+        (s, spot["torque_Nm"], spot["way"])
+        for m in limits
+        for s, parts in enumerate(m.get("spots", ()))
+        for spot in parts
+        if spot
+    }
     heights = np.linspace(low, high, PLACES) if high > low else np.array([])
     return {
         "states": found,
         "travel": [pose((), travel_mm=float(z), torque_Nm=0.0) for z in heights],
-    }
+        "wound": [
+            {"state": s, "torque_Nm": torque, "way": way,
+             "pose": pose((), state=s, torque_Nm=torque, way=way)}
+            for s, torque, way in sorted(worst)
+        ],
+    }  # fmt: skip

@@ -27,11 +27,12 @@ import asyncio
 import json
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, get_args
 
 from cardan import __version__
 from cardan.base.errors import CardanError
 from cardan.border.table import Stamp, stamp
+from cardan.demand.points import Direction
 from cardan.files.limit import names as profiles
 from cardan.report.language import CODES, Language
 from cardan.study.drag import KINDS
@@ -157,7 +158,7 @@ class Session:
             await self._tell("kept", file=number)
 
     async def _create(self, said: Json) -> None:
-        title, text = jobs.text(said, "title", 200), jobs.text(said, "text")
+        title, text = jobs.text(said, "title", 300), jobs.text(said, "text")
         try:
             number = await asyncio.to_thread(self.desk.create, title, text)
         except (CardanError, OSError) as error:
@@ -434,6 +435,10 @@ def _pose(said: Any) -> Json:
     for key in ("travel_mm", "torque_Nm"):
         if said.get(key) is not None:
             pose[key] = jobs.number(said[key], most=1e9)
+    if said.get("way") is not None:
+        if said["way"] not in get_args(Direction):
+            raise Wrong
+        pose["way"] = said["way"]
     return pose
 
 
