@@ -169,12 +169,8 @@ export class Store {
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
-      case "opened":
-        this.opened(m);
-        break;
-      case "graded":
-        this.graded(m);
-        break;
+      case "opened": return this.opened(m);
+      case "graded": return this.graded(m);
       case "moved":
       case "live":
       case "posed":
@@ -198,31 +194,25 @@ export class Store {
         break;
       }
       case "kept":
-        this.unkept = false;
-        this.safe = this.keptLast;
+        [this.unkept, this.safe] = [false, this.keptLast];
         break;
       case "beside":
         this.set({ beside: this.known.beside + 1, notice: this.known.notice ?? { kind: "beside" } });
         if (this.known.history) this.ask({ text: this.known.history.text });
         break;
-      case "disk":
-        this.disk(m.text, m.mark, m.conflict);
-        break;
+      case "disk": return this.disk(m.text, m.mark, m.conflict);
       case "refused":
         if (m.what === "keep") {
           // Told once: who has read it need not close it after each letter.
           if (!this.unkept && this.known.notice?.kind !== "conflict") this.set({ notice: { kind: "refused", why: t("What is not saved is on this page alone, and cannot be kept: {why}", { why: faulty(m.why) }) } });
-          this.unkept = true;
-          this.safe = null;
+          [this.unkept, this.safe] = [true, null];
           break;
         }
         // What is gone from the disk is as good as never saved.
         if (m.what === "read" && this.known.history) this.set({ history: { ...this.known.history, saved: "" } });
         this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel });
         break;
-      case "brought":
-        this.brought(m.id, m.got);
-        break;
+      case "brought": return this.brought(m.id, m.got);
       case "frozen":
         this.set({ revisions: m.revisions });
         break;
@@ -604,8 +594,7 @@ export class Store {
     if (disk) {
       // Mine stays kept until there is another, or the file is left: undo brings it back till then.
       clearTimeout(this.keeping);
-      this.keeping = undefined;
-      this.aside = true;
+      [this.keeping, this.aside] = [undefined, true];
       this.shown(History.edited(known, notice.text));
     }
     else this.set({ history: known });
@@ -629,8 +618,7 @@ export class Store {
   private losing(): boolean {
     this.pending?.();
     const { history, connection } = this.known;
-    const away = connection !== "open" || this.unkept;
-    return away && history !== null && History.unsaved(history) && history.text !== this.safe;
+    return (connection !== "open" || this.unkept) && history !== null && History.unsaved(history) && history.text !== this.safe;
   }
 
   private keepNow(): void {
