@@ -148,13 +148,16 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
     rough = np.zeros(stress.shape[:2])
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
-        mean, amplitude = swings(stress, _farthest(np.concatenate(one.loads), worth))
+        mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
         rough += one.times * harm(more * amplitude, more * mean)
     return rough
 
 
-def _farthest(loads: FloatArray, worth: FloatArray) -> FloatArray:
-    """Return the moments of loads (t, c), each worth so much stress (c,), that go farthest."""
+def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
+    """Return the moments of loads (t, c), each worth so much stress (c,), that go farthest.
+
+    Along the three ways in which they vary most, and between them.
+    """
     weighed = (loads - loads.mean(axis=0)) * worth
     _, axes = np.linalg.eigh(weighed.T @ weighed)
     main = weighed @ axes[:, -_MOST:]

@@ -22,7 +22,7 @@ from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import extremes, some, superpose, von_mises
+from cardan.bracket.stress import envelope, extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -76,6 +76,11 @@ class Case:
     """Whether the bracket answers as it swings: else it is loaded as if each moment lasted."""
     times: FloatArray | None = None
     """Swing of each feature in contact, (features,), over that told by the two ways held."""
+    once: bool = False
+    """Whether nobody knows how often it happens: it does no damage."""
+    among: tuple["Case", ...] = ()
+    """The same at each operating point: of these the worst is told. `loads` are then those that go
+    farthest, which the mesh is made for."""
 
     @property
     def when(self) -> Occasion:
@@ -85,7 +90,7 @@ class Case:
     @property
     def repeats(self) -> bool:
         """Whether it is a pass of something, and no load by itself."""
-        return not (np.isnan(self.turns) and np.isnan(self.duration))
+        return not (self.once or (np.isnan(self.turns) and np.isnan(self.duration)))
 
 
 Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
@@ -165,6 +170,8 @@ class Outcome:
     slips : float
         Its loads over those along them under which the bolts slip or open; nan where their force
         is not known.
+    slips_at : Point
+        Where that is most, of the operating points asked; None at the state's own.
     times : (features,)
         Swing of each feature in contact over that told by the two ways held; None where that was
         not asked.
@@ -188,6 +195,7 @@ class Outcome:
     motion: Metre
     life: Endured | None = None
     slips: float = np.nan
+    slips_at: Point | None = None
     times: FloatArray | None = None
     pulls_off: bool = False
 
@@ -252,7 +260,7 @@ class Judged:
     @property
     def slips(self) -> tuple[Slip, ...]:
         """What each case asks of the bolts, then what the duty cycle does."""
-        cases = (Slip(o.case.when, o.slips, o.case.point) for o in self.outcomes)
+        cases = (Slip(o.case.when, o.slips, o.slips_at) for o in self.outcomes)
         return (*(s for s in cases if not np.isnan(s.share)), *self.riding)
 
     @property
@@ -590,6 +598,7 @@ def judge(
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
+    cases = [_worst_of(case, ways) for case in cases]
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
     outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
@@ -605,10 +614,7 @@ def judge(
             for when, parts in (duty or {}).items()
         }
         outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
-        outcomes = [
-            replace(o, times=o.case.times, slips=contact.share(_bare(o.case, ways[0])))
-            for o in outcomes
-        ]
+        outcomes = [_held(o, contact, ways[0]) for o in outcomes]
         riding = [
             Slip(when, contact.share(np.concatenate([_bare(case, ways[0]) for _, case in parts])))
             for when, parts in duty.items() if parts
@@ -662,6 +668,30 @@ def _tightened(
 def _bare(case: Case, way: _Way) -> FloatArray:
     """Return the loads (t, 9) of a case, with what it swings but for its own modes."""
     return way.loads(case)[:, : len(UNITS)]
+
+
+def _worst_of(case: Case, ways: Sequence[_Way]) -> Case:
+    """Return of the operating points a case may meet that where it stresses most, held either way.
+
+    It is sought at the places that its farthest loads stress most.
+    """
+    if not case.among:
+        return case
+    worst = np.zeros(len(case.among))
+    for way in ways:
+        unit = way.unit[np.unique(way.places(way.loads(case)))]
+        most = [envelope(unit, way.loads(one)).max() for one in case.among]
+        worst = np.maximum(worst, most)
+    return replace(case.among[int(worst.argmax())], among=case.among)
+
+
+def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
+    """Return an outcome with what it asks of the bolts, at the operating point that asks most."""
+    among = o.case.among or (o.case,)
+    each = [_bare(case, way) for case in among]
+    moment, share = contact.worst(np.concatenate(each))
+    which = int(np.searchsorted(np.cumsum([len(e) for e in each]), moment, side="right"))
+    return replace(o, times=o.case.times, slips=share, slips_at=among[which].point)
 
 
 def _in_contact(case: Case, contact: Contact, way: _Way) -> Case:
