@@ -154,8 +154,8 @@ class Outcome:
     hot, error : (features,) Pa
         Largest von Mises stress of each feature, and its estimated error.
     mean, amplitude : (features,) Pa
-        Of the normal stress on the plane where it swings most, at the place of each feature that
-        uses most of its fatigue limit (where none is stated, that swings most), wherever `hot` is.
+        Of the normal stress at the place of each feature, and on the plane, that use most of its
+        fatigue limit (where none is stated, that swing most), wherever `hot` is.
     used : (features,)
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
@@ -430,20 +430,29 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
     return ways, tuple(every)
 
 
-def _swing(way: _Way, loads: FloatArray, places: int) -> tuple[FloatArray, FloatArray]:
-    """Return mean and amplitude (m,) of the normal stress at every place, where it swings most.
+def _swing(
+    way: _Way,
+    loads: FloatArray,
+    places: int,
+    strength: Mapping[Zone, Strength],
+    times: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
-    Where von Mises stress is highest may be far from there: what is steady swings nothing.
+    On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
+    zone's limit is stated, the amplitude itself. Where von Mises stress is highest may be far
+    from there: what is steady swings nothing.
     """
-    best = np.zeros((2, len(way.feature)))
+    best = np.zeros((3, len(way.feature)))
     for at in _blocks(len(way.feature)):
         stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
         for one in np.split(loads, places):
             mean, amplitude = swings(stress, one)
-            plane = amplitude.argmax(axis=-1)[:, None]
-            found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (mean, amplitude)]
-            best[:, at] = np.where(found[1] > best[1, at], found, best[:, at])
-    return best[0], best[1]
+            share = _used(way, at, mean, amplitude, strength, times) if strength else amplitude
+            plane = share.argmax(axis=-1)[:, None]
+            found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
+            best[:, at] = np.where(found[0] > best[0, at], found, best[:, at])
+    return best[0], best[1], best[2]
 
 
 def _blocks(count: int) -> list[slice]:
@@ -453,16 +462,18 @@ def _blocks(count: int) -> list[slice]:
 
 def _used(
     way: _Way,
+    at: slice,
     mean: FloatArray,
     amplitude: FloatArray,
     strength: Mapping[Zone, Strength],
     times: FloatArray,
 ) -> FloatArray:
-    """Return the share (m,) of its zone's fatigue limit that a swing (m,) uses at every place."""
-    more, used = times[way.feature], np.zeros(len(way.feature))
-    for kind in np.unique(way.held.zones.kind).tolist():
-        at = way.held.zones.kind == kind
-        used[at] = strength[ZONES[kind]].used(more[at] * amplitude[at], more[at] * mean[at])
+    """Return the share (m, planes) of its zone's fatigue limit that swings at places use."""
+    more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
+    used = np.zeros_like(amplitude)
+    for zone in np.unique(kind).tolist():
+        own = kind == zone
+        used[own] = strength[ZONES[zone]].used((more * amplitude)[own], (more * mean)[own])
     return used
 
 
@@ -529,7 +540,7 @@ def _worn(
     rest = np.flatnonzero((done < 0) & (most > found[way.feature]))
     done[rest] = _damage(way, rest, passes, strength)
     top = way.highest(done)[:, 0]
-    return top, done[top] * way.has
+    return top, np.where(way.has, done[top], 0.0)
 
 
 def _span(
@@ -777,8 +788,7 @@ def _outcome(
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
         hot = np.maximum(hot, level.max(axis=1))
-        m, a = _swing(way, loads, case.places)
-        share = _used(way, m, a, strength, times) if strength else a
+        share, m, a = _swing(way, loads, case.places, strength, times)
         most = way.highest(share)[:, 0]
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
