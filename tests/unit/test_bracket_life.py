@@ -284,7 +284,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )
     outcome = SimpleNamespace(
         case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa,
-        used=np.array([0.5, 0.75, np.nan]),
+        used=np.array([0.5, 0.75, np.nan]), life=None,
     )  # fmt: skip
     spent = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9, 3e-9]), gauges=np.zeros(0),
@@ -292,7 +292,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )  # fmt: skip
     judged: Any = SimpleNamespace(
         outcomes=(outcome,), duty=(spent,), features=features, carried=np.array([50.0]),
-        frequencies=np.array([150.0]),
+        frequencies=np.array([150.0]), forced=None,
     )  # fmt: skip
     limits = (
         Limit(quantity="bracket_stress_utilisation", maximum=0.6, source=MINER),
@@ -323,6 +323,46 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))
     *_, own = checks_of(soft, judged, limits)
     assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
+    # The rubber of the bearing counts as that of the bracket: what rides on it is told over speed.
+    judged.forced = object()
+    *_, own = checks_of(answer, judged, limits)
+    assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
+
+
+def test_a_recording_s_life_is_held_against_the_limit():
+    """Measured damage can fail beside a duty cycle that passes; a case by hand has no life."""
+    features = tuple(
+        Feature(zone=zone, number=k, point=(0, 0, 0), error=0.0)
+        for k, zone in enumerate(("sheet", "weld toe"), 1)
+    )
+
+    def lived(name: str, *, damage: float, kind: Any = "case") -> Endured:
+        spots = np.array([damage, damage / 2])
+        return Endured(when=Occasion(kind, name), spots=spots, gauges=np.zeros(0), turns=np.nan,
+                       duration=10.0)  # fmt: skip
+
+    def case(name: str, damage: float) -> Any:
+        return SimpleNamespace(case=Case(name, np.zeros((1, 9))), life=lived(name, damage=damage))
+
+    judged: Any = SimpleNamespace(
+        outcomes=(case("pothole", 1.0), case("morning", 1e-3)), features=features,
+        duty=(lived("gvw", damage=1e-9, kind="duty"),),
+    )  # fmt: skip
+    of: Any = SimpleNamespace(
+        bracket=SimpleNamespace(
+            line="main",
+            material=SimpleNamespace(yield_strength=None),
+            recordings=(SimpleNamespace(name="morning"),),
+        )
+    )
+    limit = Limit(quantity="bracket_life", maximum=1e6, sense=">=", source=MINER)
+    found = {(c.state, str(c.part)): (c.value, c.grade) for c in checks_of(of, judged, (limit,))}
+    assert found == {
+        ("duty cycle, gvw", "sheet 1"): (pytest.approx(1e10), "pass"),
+        ("duty cycle, gvw", "weld toe 2"): (pytest.approx(2e10), "pass"),
+        ("morning", "sheet 1"): (pytest.approx(1e4), "fail"),
+        ("morning", "weld toe 2"): (pytest.approx(2e4), "fail"),
+    }
 
 
 def test_a_life_says_between_what_it_lies():

@@ -21,8 +21,8 @@ from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import respond
 from cardan.report import wording
 from cardan.report.language import Language
-from cardan.study.approval import assess, held_to
-from cardan.study.driveline import checks_of
+from cardan.study.approval import approve, assess, held_to
+from cardan.study.driveline import DrivelineStudy, checks_of
 from cardan.study.fix import NOTABLE, Proposal, fix
 from cardan.study.margins import PLENTY, margins
 from cardan.study.moves import Move, adjustables, tried
@@ -661,3 +661,20 @@ def test_a_correction_costs_the_sum_of_what_it_moves(truck):
     for proposal in found:
         assert proposal.cost == pytest.approx(sum(m.cost for m in proposal.moves), rel=1e-12)
         assert proposal.cost > max(m.cost for m in proposal.moves)
+
+
+def test_a_study_that_refuses_leaves_no_approval(truck):
+    """Asked for, and without an answer: what else passes is not approved with it."""
+
+    def refused(*_):
+        msg = "elements of 0.5 mm would make 151 million unknowns"
+        raise DesignError(msg)
+
+    study = SimpleNamespace(
+        name="bracket", concerns=lambda _: True, missing=lambda _: (), run=refused
+    )
+    lenient = only(truck, replace(TORSIONAL, normal=1e6, maximum=1e6))
+    alone = approve(lenient, (DrivelineStudy(),))
+    both = approve(lenient, (DrivelineStudy(), study))
+    assert (alone.verdict, both.verdict) == ("pass", "incomplete")
+    assert "151 million" in both.findings[1].doubts[0]

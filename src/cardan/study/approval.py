@@ -72,9 +72,11 @@ class Approval:
     def verdict(self) -> Verdict:
         """The worst of all checks, incomplete where nothing fails but an answer is missing.
 
-        An application that nothing was asked of is incomplete too.
+        An application that nothing was asked of is incomplete too, and one of which a study was
+        asked that could not answer.
         """
-        return verdict_of(self.checks, missed=bool(self.coverage.missed))
+        refused = any(f.refused for f in self.findings)
+        return verdict_of(self.checks, missed=refused or bool(self.coverage.missed))
 
     @property
     def smallest_margin(self) -> float | None:
@@ -225,7 +227,7 @@ def held_to(application: Application, study: str) -> Application:
 
 def _found(study: Study[Any], application: Application, tell: Tell, *, alone: bool) -> Finding[Any]:
     """Return what a study finds, or why it could not be asked."""
-    needs = study.missing(application)
+    needs, refused = study.missing(application), False
     if alone and needs:
         msg = f"{study.name} needs {', '.join(needs)}"
         raise DesignError(msg)
@@ -236,12 +238,13 @@ def _found(study: Study[Any], application: Application, tell: Tell, *, alone: bo
             # A recording was named for its own sake: silence about it would be no answer.
             if alone or study.name in (DRIVELINE, RECORDING):
                 raise
-            needs = (str(error),)
+            needs, refused = (str(error),), True
     return Finding(
         study=study.name,
         answer=None,
         unanswered=tuple(silence(study.name, application, needs)),
         doubts=needs,
+        refused=refused,
     )
 
 

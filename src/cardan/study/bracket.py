@@ -182,7 +182,9 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
-        for endured in variant.duty:
+        measured = {one.name for one in of.bracket.recordings}
+        lives = (o.life for o in variant.outcomes if o.life and o.case.name in measured)
+        for endured in (*variant.duty, *lives):
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
                 worst = max(mine, key=lambda k: float(endured.spots[k]))
@@ -196,7 +198,8 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
             yield _Value(when, Part("bolts"), share, point)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
-        own = variant.carried if of.bracket.rubber is None else variant.frequencies
+        on_rubber = of.bracket.rubber is not None or variant.forced is not None
+        own = variant.frequencies if on_rubber else variant.carried
         reached = SHAKEN * of.top_speed / (2 * np.pi)
         yield _Value(Occasion("speed", TOP), Part("mode", 1, SHAKEN), float(own[0]) / reached)
 

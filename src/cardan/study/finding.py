@@ -45,6 +45,8 @@ class Finding(Generic[Answer]):
         Why there is no answer, in the words of what refused.
     asked
         Whether the study was asked at all.
+    refused
+        Whether it was, and ended without an answer: nothing it is about is approved.
     """
 
     study: str
@@ -53,6 +55,7 @@ class Finding(Generic[Answer]):
     unanswered: tuple[Unanswered, ...] = ()
     doubts: tuple[str, ...] = ()
     asked: bool = True
+    refused: bool = False
 
 
 class Study(Protocol[Answer]):

@@ -20,6 +20,8 @@ from cardan.web.worker import LENGTH, MOST, PART
 LONGEST = 30.0
 """Seconds an answer may take."""
 
+DYING = 1.0
+"""Seconds in which a process that no longer answers ends by itself, or is made to."""
 XCPU = getattr(signal, "SIGXCPU", nan)
 """What ends a process that has used its seconds of processors; nothing does on Windows."""
 
@@ -55,7 +57,7 @@ class Lane:
                 await self._end()
                 return {"fault": "too slow"}
             except (OSError, asyncio.IncompleteReadError):
-                spent = await self._end() == -XCPU
+                spent = await self._end(by_itself=True) == -XCPU
                 return {"fault": "too much work" if spent else "ended"}
             except asyncio.CancelledError:
                 # Half an answer may be on its way: nobody could tell it from the next. Who asks
@@ -116,11 +118,15 @@ class Lane:
                 self.close()
         return self._process
 
-    async def _end(self) -> int | None:
+    async def _end(self, *, by_itself: bool = False) -> int | None:
         """End the process; return what it ended with, its own end where that came first."""
         process, self._process = self._process, None
         if process is None:
             return None
+        if by_itself:
+            # A signal to one that has just ended takes its status from who waits for it.
+            with suppress(TimeoutError):
+                return await asyncio.wait_for(process.wait(), DYING)
         with suppress(ProcessLookupError):
             process.kill()
         with suppress(Exception):
