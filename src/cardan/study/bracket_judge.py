@@ -28,6 +28,7 @@ from cardan.fatigue.critical import (
     CLOSELY,
     Harm,
     Pass,
+    farthest,
     largest_cycles,
     on_planes,
     plane_damage,
@@ -50,6 +51,8 @@ _STRAIGHT = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
+_NEARLY = 0.7
+"""Share of the worst swing of a feature, by few moments, from which a place is asked of all."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -441,18 +444,40 @@ def _swing(
 
     On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
     zone's limit is stated, the amplitude itself. Where von Mises stress is highest may be far
-    from there: what is steady swings nothing.
+    from there: what is steady swings nothing. Every place is asked at the moments where loads go
+    farthest, which tell a swing to a few percent, and those near the worst of their feature at
+    every moment.
     """
-    best = np.zeros((3, len(way.feature)))
-    for at in _blocks(len(way.feature)):
+    passes = np.split(loads, places)
+    worth = np.sqrt(np.mean(way.unit**2, axis=(0, 2)))
+    few = [farthest(one, worth) for one in passes]
+    every = _swing_at(way, np.arange(len(way.feature)), few, strength, times)
+    best = np.zeros(way.count)
+    np.maximum.at(best, way.feature, every[0])
+    near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
+    every[:, near] = _swing_at(way, near, passes, strength, times)
+    return every[0], every[1], every[2]
+
+
+def _swing_at(
+    way: _Way,
+    places: IntArray,
+    passes: Sequence[FloatArray],
+    strength: Mapping[Zone, Strength],
+    times: FloatArray,
+) -> FloatArray:
+    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most."""
+    best = np.zeros((3, len(places)))
+    for block in _blocks(len(places)):
+        at = places[block]
         stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
-        for one in np.split(loads, places):
+        for one in passes:
             mean, amplitude = swings(stress, one)
             share = _used(way, at, mean, amplitude, strength, times) if strength else amplitude
             plane = share.argmax(axis=-1)[:, None]
             found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
-            best[:, at] = np.where(found[0] > best[0, at], found, best[:, at])
-    return best[0], best[1], best[2]
+            best[:, block] = np.where(found[0] > best[0, block], found, best[:, block])
+    return best
 
 
 def _blocks(count: int) -> list[slice]:
@@ -462,7 +487,7 @@ def _blocks(count: int) -> list[slice]:
 
 def _used(
     way: _Way,
-    at: slice,
+    at: IntArray,
     mean: FloatArray,
     amplitude: FloatArray,
     strength: Mapping[Zone, Strength],
