@@ -10,8 +10,9 @@ from brackets import BRACKET, LINE
 from click.testing import CliRunner
 
 from cardan import files
+from cardan.base.part import Point
 from cardan.bracket.solve import Held
-from cardan.bracket.stress import superpose, von_mises
+from cardan.bracket.stress import along, superpose, von_mises
 from cardan.cli import cli
 from cardan.model.bracket import ZONES
 from cardan.report import bracket as shown
@@ -20,7 +21,8 @@ from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
 from cardan.study.approval import Approval, assess
 from cardan.study.bracket import BracketAnswer, duty_of, study
-from cardan.study.bracket_judge import judge
+from cardan.study.bracket_judge import Case, judge
+from cardan.study.bracket_life import strengths
 from cardan.study.finding import Finding
 
 pytestmark = pytest.mark.bracket
@@ -118,6 +120,72 @@ def test_a_feature_stands_where_what_is_told_of_it_is(found):
         by.add(max(there, key=there.get))
         assert max(there.values()) == pytest.approx(hot, rel=1e-9), f
     assert by == {"sliding", "clamped"}
+
+
+def test_use_and_damage_are_those_of_the_worst_place_and_plane(found):
+    """By brute force: every place and degree, a swing's cycles are alike and need no counting.
+
+    A steady pull had moved where they were read to where von Mises stress was highest.
+    """
+    solved = found.variants[0].solved
+    t = np.arange(240) / 20
+    loads = np.zeros((len(t), 9))
+    loads[:, 1], loads[:, 2] = 800.0 * np.sin(2 * np.pi * t), -30e3
+    case = Case("pulled", loads, duration=12.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+        told = judge(found.bracket, found.bracket.shape, [case])
+    (o,), strength = told.outcomes, strengths(found.bracket)
+    moved = []
+    for k, f in enumerate(told.features):
+        used, harm, seen = [], [], []
+        for held in solved.both:
+            own = [j for j, (zone, n) in enumerate(held.zones.features)
+                   if (ZONES[zone], n) == (f.zone, f.number)]  # fmt: skip
+            mine = np.isin(held.zones.feature, own)
+            if not mine.any():
+                continue
+            n = held.zones.normals[mine]
+            u = np.linalg.svd(n[:, None])[2][:, 1]  # square to the normal
+            v, angle = np.cross(n, u), np.radians(np.arange(180))[:, None, None]
+            ways = np.cos(angle) * u + np.sin(angle) * v
+            mean, top = (
+                along(superpose(held.unit[mine], at[None])[:, 0], ways)
+                for at in (loads.mean(axis=0), loads.mean(axis=0) + np.eye(9)[1] * 800)
+            )
+            swing = np.abs(top - mean)
+            used.append(strength[f.zone].used(swing, mean).max())
+            harm.append(12 * strength[f.zone].harm(swing, mean).max())
+            level = von_mises(superpose(held.unit[mine], loads)).max(axis=-1)
+            there = strength[f.zone].used(swing, mean).max(axis=0)
+            seen.append((level.max(), there[level.argmax()]))
+        assert max(used) * 0.98 < o.used[k] <= max(used) * 1.001, f
+        assert max(harm) * 0.85 < o.life.spots[k] <= max(harm) * 1.01, f
+        moved.append(max(seen)[1] / max(used))
+    assert min(moved) < 0.7  # else this would hold of the place where stress is highest too
+
+
+def test_a_case_on_a_state_is_told_at_the_worst_of_its_points(found):
+    """Each of its operating points judged by itself: at one the kick relieves, at another adds."""
+    solved, kick = found.variants[0].solved, np.array([0, 1000.0, *7 * [0]])
+    under = [[0, -2500, 300], [0, 900, 100], [0, 1600, -200], [1200, -400, 0]]
+    points = [Point(f"gear {k}", "drive", 20.0 + k, 1000.0) for k in range(len(under))]
+    among = tuple(
+        Case("kick", np.pad([f], ((0, 0), (0, 6))) + kick, point=p, once=True)
+        for f, p in zip(under, points, strict=True)
+    )
+    case = Case("kick", np.concatenate([one.loads for one in among]), among=among)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+        told, *apart = (
+            judge(found.bracket, found.bracket.shape, [one]).outcomes[0]
+            for one in (case, *(replace(one, among=()) for one in among))
+        )
+    each = [o.hot.max() for o in apart]
+    assert np.argmax(each) == 2  # not where the state alone is worst
+    assert told.hot.max() == pytest.approx(max(each), rel=1e-12)
+    assert told.case.point == points[2]
+    assert told.life is None
 
 
 @pytest.fixture(scope="module")

@@ -52,6 +52,7 @@ def test_a_bracket_is_read_in_si():
         (("direction: [0, 0, 1]", "direction: [0, 0, 0]"), "direction that is not zero"),
         (("reinforced: {thickness_mm: 8}", "recordings: [{name: down, file: down.csv}]"),
          r"recordings\[1\].*name is above already"),
+        (("u_shape:", "order: 1\n  u_shape:"), "must be 2 to 4, got 1: .* too stiff"),
         (("u_shape:", "step: {file: a.step, centre_mm: [0, 0, 0], seat: [{name: bore}], "
           "bolts: [{name: b}], thickness_mm: 8}\n  u_shape:"), "exclude each other"),
     ],

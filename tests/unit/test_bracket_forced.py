@@ -148,13 +148,22 @@ def test_a_case_on_top_of_a_state_has_both_loads(response):
     own = replace(found, cases=(found.cases[0], pothole, side))
     cases = {str(c.when): c for c in cases_of(own, response)}
     base = cases["jounce: worst point"]
-    more = cases["pothole in jounce"].loads - base.loads
+    pothole, kerb = cases["pothole in jounce"], cases["kerb"]
+    more = pothole.among[0].loads - base.loads
     a = 3 * g if response.gravity else 4 * g
     assert more == pytest.approx(np.tile([0, 0, -32 * a, 0, 0, 0, 0, 0, a], (len(more), 1)))
-    assert cases["pothole in jounce"].point == base.point
-    assert not cases["pothole in jounce"].repeats
-    kerb = cases["kerb"].loads - cases["gvw: worst point"].loads
-    assert kerb == pytest.approx(np.tile([0, 3000, 0] + [0] * 6, (len(kerb), 1)))
+    assert pothole.among[0].point == base.point
+    assert not any(case.repeats for case in (pothole, *pothole.among))
+    more = kerb.among[0].loads - cases["gvw: worst point"].loads
+    assert more == pytest.approx(np.tile([0, 3000, 0] + [0] * 6, (len(more), 1)))
+    # At every point that the bearing is asked at: where its forces add up to most comes first.
+    points = [case.point for case in kerb.among]
+    assert len(set(points)) > 20
+    loads = np.concatenate([case.loads for case in kerb.among])
+    assert len(kerb.loads) < 30
+    assert np.abs(kerb.loads[:, :3]).max(axis=0) == pytest.approx(
+        np.abs(loads[:, :3]).max(axis=0), rel=0.02
+    )
     alone = cases["pothole at 4 g"].loads
     assert alone == pytest.approx(np.array([[0, 0, -32 * 4 * g, 0, 0, 0, 0, 0, 4 * g]]))
     dark = replace(response, demand=replace(response.demand, torque=0 * response.demand.torque))

@@ -7,6 +7,7 @@ that repeats for ever, and the damage of all histories adds up on the same plane
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -15,9 +16,10 @@ from cardan.base.arrays import ArrayLike, FloatArray
 
 PLANES = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
-_SAMPLES = 16
-"""Moments of a history by which places and planes are told that matter."""
-_CLOSELY = 1e-3
+_MOST = 3
+"""Ways in which loads vary most: along these and between them those moments are sought that tell
+how far stress swings."""
+CLOSELY = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
 _BEST = 3
 """Planes of a place that are counted closely."""
@@ -117,8 +119,61 @@ def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
     return np.einsum("mpk,mck->mpc", squares, np.asarray(unit, dtype=float))
 
 
-def plane_damage(
+def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return mean and amplitude (m, planes) Pa of unit stresses (m, planes, c) under loads (t, c).
+
+    Of the whole history: its largest cycle.
+    """
+    found = np.empty((2, *stress.shape[:2]))
+    for rows in _chunks(len(stress), stress.shape[1] * len(loads)):
+        history = stress[rows] @ loads.T
+        top, low = history.max(axis=-1), history.min(axis=-1)
+        found[0, rows], found[1, rows] = (top + low) / 2, (top - low) / 2
+    return found[0], found[1]
+
+
+def largest_cycles(
     unit: ArrayLike, normals: ArrayLike, passes: Sequence[Pass], *, harm: Harm
+) -> FloatArray:
+    """Damage (m, planes) of the largest cycle of each pass, on each plane of `plane_damage`.
+
+    Told by the moments where loads go farthest, of all places of a pass together: all cycles do
+    as much at least, and so many times as much at most as there are.
+    """
+    return _largest(on_planes(unit, plane_directions(normals)), passes, harm)
+
+
+def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+    worth = np.sqrt(np.mean(stress**2, axis=(0, 1)))
+    rough = np.zeros(stress.shape[:2])
+    for one in passes:
+        more = np.broadcast_to(one.scale, len(stress))[:, None]
+        mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
+        rough += one.times * harm(more * amplitude, more * mean)
+    return rough
+
+
+def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
+    """Return the moments of loads (t, c), each worth so much stress (c,), that go farthest.
+
+    Along the three ways in which they vary most, and between them.
+    """
+    weighed = (loads - loads.mean(axis=0)) * worth
+    _, axes = np.linalg.eigh(weighed.T @ weighed)
+    main = weighed @ axes[:, -_MOST:]
+    main /= np.maximum(main.std(axis=0), 1e-300)
+    ways = list(product((-1, 0, 1), repeat=main.shape[1]))
+    along = main @ np.transpose(ways[len(ways) // 2 + 1 :])  # of a way and its opposite, one
+    return loads[np.unique([along.argmin(axis=0), along.argmax(axis=0)])]
+
+
+def plane_damage(
+    unit: ArrayLike,
+    normals: ArrayLike,
+    passes: Sequence[Pass],
+    *,
+    harm: Harm,
+    closely: float = CLOSELY,
 ) -> tuple[FloatArray, FloatArray]:
     """Damage at places of a surface, each on the plane that suffers most.
 
@@ -132,6 +187,8 @@ def plane_damage(
         Histories of the loads; their damage adds up.
     harm
         Damage of cycles: S-N curve and mean-stress correction.
+    closely
+        Share of the worst place's damage below which the largest cycle alone is counted.
 
     Returns
     -------
@@ -141,33 +198,26 @@ def plane_damage(
     """
     directions = plane_directions(normals)
     stress = on_planes(unit, directions)
-    rough = np.zeros(stress.shape[:2])
-    for one in passes:
-        more = np.broadcast_to(one.scale, len(stress))[:, None, None]
-        few = one.loads[0, :: max(1, one.loads.shape[1] // _SAMPLES)]
-        for rows in _chunks(len(stress), stress.shape[1] * len(few)):
-            history = more[rows] * stress[rows] @ few.T
-            top, low = history.max(axis=-1), history.min(axis=-1)
-            rough[rows] += one.times * harm((top - low) / 2, (top + low) / 2)
+    rough = _largest(stress, passes, harm)
     damage = rough.max(axis=1)
     best = rough.argmax(axis=1)
-    closely = np.flatnonzero(damage > _CLOSELY * damage.max(initial=0.0))
-    order = np.argsort(-rough[closely], axis=1)[:, :_BEST]
-    share = np.take_along_axis(stress[closely], order[..., None], axis=1)
+    counts = np.flatnonzero(damage > closely * damage.max(initial=0.0))
+    order = np.argsort(-rough[counts], axis=1)[:, :_BEST]
+    share = np.take_along_axis(stress[counts], order[..., None], axis=1)
     exact = np.zeros(order.shape)
     for one in passes:
-        more = np.broadcast_to(one.scale, len(stress))[closely, None, None]
+        more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
         t = one.loads.shape[1]
-        for rows in _chunks(len(closely), order.shape[1] * t):
+        for rows in _chunks(len(counts), order.shape[1] * t):
             done = np.zeros((len(share[rows]), order.shape[1]))
             for loads in one.loads:
                 signals = (more[rows] * share[rows] @ loads.T).reshape(-1, t)
                 each = harm(*counted(signals)).sum(axis=1)
                 done = np.maximum(done, each.reshape(done.shape))
             exact[rows] += one.times * done
-    damage[closely] = exact.max(axis=1, initial=0.0)
+    damage[counts] = exact.max(axis=1, initial=0.0)
     picked = exact.argmax(axis=1)
-    best[closely] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
+    best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
     return damage, directions[np.arange(len(best)), best]
 
 

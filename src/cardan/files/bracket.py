@@ -427,7 +427,7 @@ class BracketTable(Table):
     )
     optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
-    order: Annotated[int, Whole(4)] = key("degree of the displacements, 1 to 4", default=2)
+    order: Annotated[int, Whole(4)] = key("degree of the displacements, 2 to 4", default=2)
 
     def bracket(self, lines: tuple[Installed, ...], states: tuple[str, ...]) -> Bracket:
         """Return the bracket in SI."""

@@ -385,8 +385,11 @@ class Bracket:
         if not 0 < self.loss < 1:
             msg = f"loss_factor of a bracket must be above 0 and below 1, got {self.loss:g}"
             raise DesignError(msg)
-        if self.order not in (1, 2, 3, 4):
-            msg = f"order of a bracket's elements must be 1 to 4, got {self.order}"
+        if self.order not in (2, 3, 4):
+            msg = (
+                f"order of a bracket's elements must be 2 to 4, got {self.order}: elements of "
+                "order 1 are too stiff where a sheet bends, and show too little stress"
+            )
             raise DesignError(msg)
         if self.element is not None:
             _above_zero("a bracket", element=self.element)

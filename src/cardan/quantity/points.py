@@ -298,6 +298,19 @@ def worst(r: "Response") -> dict[str, Points]:
     return {name: _best(last, name) for name in FORCES}
 
 
+def every(r: "Response") -> Points | None:
+    """Return all points (P, ..., S) that bearings were asked at for the worst; None without one.
+
+    What is best for one load may be worst with another on top of it.
+    """
+    of = r.tries
+    if of is None or not r.worst:
+        return None
+    tried = r.tried.forces if r.tried else of
+    rows = [(tried.curve, tried.speed), _rows(*r.worst.values())]
+    return _at(r, r.curves, *_gathered(r.curves, [_once(*_gathered(r.curves, rows))]))
+
+
 def worst_travel(r: "Response") -> Points | None:
     """Return the point where each bearing goes farthest across its rubber, (..., S, n-2) m.
 

@@ -24,10 +24,11 @@ from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
+from cardan.fatigue.critical import farthest
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, BracketCase, Shape
-from cardan.quantity.points import run
+from cardan.quantity.points import every, run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_forced import hung, on_rubber, swept
 from cardan.study.bracket_judge import Case, Judged, Mounted, judge
@@ -254,19 +255,24 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     if response.line.joint_count < 3:
         return
     for s, state in enumerate(response.demand.states):
-        worst: Case | None = None
-        for worst in _of_state(bracket, response, s):
-            yield worst
+        yield from (own := [*_of_state(bracket, response, s)])
+        if not any(c.state == state for c in bracket.cases):
+            continue
+        # What the case adds may be worst where the state alone is not.
+        under = [*own[-1:], *_elsewhere(bracket, response, s)]
         for c in bracket.cases:
             if c.state == state:
-                if worst is None:
+                if not under:
                     msg = (
                         f"case {c.name} of the bracket comes on top of {state}, whose torque "
                         "nobody knows: give torque_Nm or an engine"
                     )
                     raise DesignError(msg, about="bracket.cases")
-                own = _by_hand(bracket, c, standing=response.gravity)
-                yield Case(c.name, worst.loads + own, point=worst.point)
+                more = _by_hand(bracket, c, standing=response.gravity)
+                among = tuple(
+                    replace(u, name=c.name, what="", loads=u.loads + more, once=True) for u in under
+                )
+                yield Case(c.name, farthest(np.concatenate([a.loads for a in among])), among=among)
 
 
 def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> FloatArray:
@@ -301,6 +307,24 @@ def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
         )  # fmt: skip
         shakes = bool(response.seats)
         yield replace(case, what="worst point", point=point, shakes=shakes)
+
+
+def _elsewhere(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
+    """Yield the case of each operating point of a state that its bearing was asked at."""
+    found = every(response)
+    if found is None:
+        return
+    state, once = response.demand.states[s], response.unbalance
+    for p in range(len(found.speed)):
+        point = found.named((p, s))
+        if point is None:
+            continue
+        at = (p, s, bracket.bearing - 1)
+        *_, case = _round_the_turn(
+            state, forces=Cycle(found.running.cycle.waves[at]), gravity=response.gravity,
+            speed=point.speed, once=float(found.running.order1[at]) if once else None,
+        )  # fmt: skip
+        yield replace(case, what="worst point", point=point, shakes=bool(response.seats))
 
 
 def recorded(bracket: Bracket, influence: FloatArray | None) -> Iterator[Case]:

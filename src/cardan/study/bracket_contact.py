@@ -101,7 +101,11 @@ class Contact:
         )  # fmt: skip
 
     def share(self, loads: FloatArray) -> float:
-        """Return what share loads (t, 9) are of those under which the bolts slip or open.
+        """Return what share loads (t, 9) are of those under which the bolts slip or open."""
+        return self.worst(loads)[1]
+
+    def worst(self, loads: FloatArray) -> tuple[int, float]:
+        """Return at which moment loads (t, 9) ask most of the bolts, and that `share`.
 
         The most of all moments: where no other can have more by what balance said of those
         asked, or after so many. Balance knows no frame, contact does: of both frames the worse.
@@ -118,7 +122,7 @@ class Contact:
             asked[k], plane = self.tight.unbalanced(loads[k])
             planes = np.vstack([planes, plane])
         worst = max(asked, key=lambda k: asked[k])
-        return max(on.share(loads[worst])[0] for on in (self.tight, self.soft))
+        return worst, max(on.share(loads[worst])[0] for on in (self.tight, self.soft))
 
     def times(self, passes: Sequence[FloatArray]) -> FloatArray:
         """Return swings (features,) over those told, on their safe side, of a history (t, 9).

@@ -22,9 +22,19 @@ from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import extremes, some, superpose, von_mises
+from cardan.bracket.stress import envelope, extremes, some, superpose, von_mises
 from cardan.bracket.unit import UNITS
-from cardan.fatigue.critical import Pass, on_planes, plane_damage, plane_directions
+from cardan.fatigue.critical import (
+    CLOSELY,
+    Harm,
+    Pass,
+    farthest,
+    largest_cycles,
+    on_planes,
+    plane_damage,
+    plane_directions,
+    swings,
+)
 from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
 from cardan.study.bracket_contact import Contact, InBolts
@@ -41,6 +51,10 @@ _STRAIGHT = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
+_NEARLY = 0.7
+"""Share of the worst swing of a feature, by few moments, from which a place is asked of all."""
+_AT_ONCE = 2000
+"""Places whose planes are held at once: under 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +79,11 @@ class Case:
     """Whether the bracket answers as it swings: else it is loaded as if each moment lasted."""
     times: FloatArray | None = None
     """Swing of each feature in contact, (features,), over that told by the two ways held."""
+    once: bool = False
+    """Whether nobody knows how often it happens: it does no damage."""
+    among: tuple["Case", ...] = ()
+    """The same at each operating point: of these the worst is told. `loads` are then those that go
+    farthest, which the mesh is made for."""
 
     @property
     def when(self) -> Occasion:
@@ -74,7 +93,7 @@ class Case:
     @property
     def repeats(self) -> bool:
         """Whether it is a pass of something, and no load by itself."""
-        return not (np.isnan(self.turns) and np.isnan(self.duration))
+        return not (self.once or (np.isnan(self.turns) and np.isnan(self.duration)))
 
 
 Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
@@ -138,7 +157,8 @@ class Outcome:
     hot, error : (features,) Pa
         Largest von Mises stress of each feature, and its estimated error.
     mean, amplitude : (features,) Pa
-        Of the normal stress there, on the plane where it swings most.
+        Of the normal stress at the place of each feature, and on the plane, that use most of its
+        fatigue limit (where none is stated, that swing most), wherever `hot` is.
     used : (features,)
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
@@ -153,6 +173,8 @@ class Outcome:
     slips : float
         Its loads over those along them under which the bolts slip or open; nan where their force
         is not known.
+    slips_at : Point
+        Where that is most, of the operating points asked; None at the state's own.
     times : (features,)
         Swing of each feature in contact over that told by the two ways held; None where that was
         not asked.
@@ -176,6 +198,7 @@ class Outcome:
     motion: Metre
     life: Endured | None = None
     slips: float = np.nan
+    slips_at: Point | None = None
     times: FloatArray | None = None
     pulls_off: bool = False
 
@@ -240,7 +263,7 @@ class Judged:
     @property
     def slips(self) -> tuple[Slip, ...]:
         """What each case asks of the bolts, then what the duty cycle does."""
-        cases = (Slip(o.case.when, o.slips, o.case.point) for o in self.outcomes)
+        cases = (Slip(o.case.when, o.slips, o.slips_at) for o in self.outcomes)
         return (*(s for s in cases if not np.isnan(s.share)), *self.riding)
 
     @property
@@ -360,8 +383,11 @@ class _Way:
     def places(self, loads: FloatArray) -> IntArray:
         """Return the places (features, k) where loads may be worst, a feature's own repeated."""
         few = some(loads, _FEW)
-        level = von_mises(superpose(self.unit, few)).max(axis=-1)
-        order = np.lexsort((-level, self.feature))
+        return self.highest(von_mises(superpose(self.unit, few)).max(axis=-1))
+
+    def highest(self, values: FloatArray) -> IntArray:
+        """Return the places (features, k) where values (places,) are highest, highest first."""
+        order = np.lexsort((-values, self.feature))
         starts = np.searchsorted(self.feature[order], np.arange(self.count))
         ends = np.searchsorted(self.feature[order], np.arange(self.count), side="right")
         # A feature that this way of holding does not have shows the first place, and no stress.
@@ -407,18 +433,73 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
     return ways, tuple(every)
 
 
-def _swing(way: _Way, at: IntArray, loads: FloatArray, places: int) -> tuple[FloatArray, ...]:
-    """Return mean and amplitude (m,) of the normal stress at places, where it swings most."""
-    directions = plane_directions(way.held.zones.normals[at])
-    stress = on_planes(way.unit[at], directions)
-    best = np.zeros((2, len(at)))
-    for one in np.split(loads, places):
-        history = stress @ one.T
-        top, low = history.max(axis=-1), history.min(axis=-1)
-        plane = (top - low).argmax(axis=-1)[:, None]
-        found = [np.take_along_axis(v, plane, 1)[:, 0] for v in ((top + low) / 2, (top - low) / 2)]
-        best = np.where(found[1] > best[1], found, best)
-    return best[0], best[1]
+def _swing(
+    way: _Way,
+    loads: FloatArray,
+    places: int,
+    strength: Mapping[Zone, Strength],
+    times: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
+
+    On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
+    zone's limit is stated, the amplitude itself. Where von Mises stress is highest may be far
+    from there: what is steady swings nothing. Every place is asked at the moments where loads go
+    farthest, which tell a swing to a few percent, and those near the worst of their feature at
+    every moment.
+    """
+    passes = np.split(loads, places)
+    worth = np.sqrt(np.mean(way.unit**2, axis=(0, 2)))
+    few = [farthest(one, worth) for one in passes]
+    every = _swing_at(way, np.arange(len(way.feature)), few, strength, times)
+    best = np.zeros(way.count)
+    np.maximum.at(best, way.feature, every[0])
+    near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
+    every[:, near] = _swing_at(way, near, passes, strength, times)
+    return every[0], every[1], every[2]
+
+
+def _swing_at(
+    way: _Way,
+    places: IntArray,
+    passes: Sequence[FloatArray],
+    strength: Mapping[Zone, Strength],
+    times: FloatArray,
+) -> FloatArray:
+    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most."""
+    best = np.zeros((3, len(places)))
+    for block in _blocks(len(places)):
+        at = places[block]
+        stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
+        for one in passes:
+            mean, amplitude = swings(stress, one)
+            share = _used(way, at, mean, amplitude, strength, times) if strength else amplitude
+            plane = share.argmax(axis=-1)[:, None]
+            found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
+            best[:, block] = np.where(found[0] > best[0, block], found, best[:, block])
+    return best
+
+
+def _blocks(count: int) -> list[slice]:
+    """Return slices of so many places, as few as can be held at once."""
+    return [slice(k, k + _AT_ONCE) for k in range(0, count, _AT_ONCE)]
+
+
+def _used(
+    way: _Way,
+    at: IntArray,
+    mean: FloatArray,
+    amplitude: FloatArray,
+    strength: Mapping[Zone, Strength],
+    times: FloatArray,
+) -> FloatArray:
+    """Return the share (m, planes) of its zone's fatigue limit that swings at places use."""
+    more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
+    used = np.zeros_like(amplitude)
+    for zone in np.unique(kind).tolist():
+        own = kind == zone
+        used[own] = strength[ZONES[zone]].used((more * amplitude)[own], (more * mean)[own])
+    return used
 
 
 def _damage(
@@ -427,23 +508,64 @@ def _damage(
     passes: Sequence[Pass],
     strength: Mapping[Zone, Strength],
     times: FloatArray | float = 1.0,
+    *,
+    closely: float = 0.0,
 ) -> FloatArray:
     """Return the damage (m,) of passes at places, each by the curve of its zone.
 
-    Of so many `times` (m,) the stress that is told; passes have a scale of each feature.
+    Of so many `times` (m,) the stress that is told; passes have a scale of each feature. Where
+    it is less than a share `closely` of the worst of its zone the largest cycle alone counts.
     """
     scale = np.broadcast_to(times, len(at))[:, None, None]
-    feature = way.feature[at]
-    zones = way.held.zones
     done = np.zeros(len(at))
-    for kind in np.unique(zones.kind[at]).tolist():
-        mine = np.flatnonzero(zones.kind[at] == kind)
-        done[mine], _ = plane_damage(
-            way.unit[at[mine]] * scale[mine], zones.normals[at[mine]],
-            [replace(p, scale=np.broadcast_to(p.scale, way.count)[feature[mine]]) for p in passes],
-            harm=strength[ZONES[kind]].harm,
-        )  # fmt: skip
+    for mine, own, harm in _by_zone(way, at, passes, strength):
+        unit, normals = way.unit[at[mine]] * scale[mine], way.held.zones.normals[at[mine]]
+        done[mine], _ = plane_damage(unit, normals, own, harm=harm, closely=closely)
     return done
+
+
+def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]) -> FloatArray:
+    """Return what damage passes may do at every place (m,): as if each cycle were the largest."""
+    most, count = np.zeros(len(way.feature)), max(p.loads.shape[1] for p in passes)
+    for block in _blocks(len(way.feature)):
+        at = np.arange(len(way.feature))[block]
+        for mine, own, harm in _by_zone(way, at, passes, strength):
+            unit, normals = way.unit[at[mine]], way.held.zones.normals[at[mine]]
+            most[at[mine]] = largest_cycles(unit, normals, own, harm=harm).max(axis=1)
+    return most * max(count // 2, 1)
+
+
+def _by_zone(
+    way: _Way, at: IntArray, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
+) -> Iterator[tuple[IntArray, list[Pass], Harm]]:
+    """Yield of each zone which of some places are its own, the passes there and what they do."""
+    kind, feature = way.held.zones.kind[at], way.feature[at]
+    for zone in np.unique(kind).tolist():
+        mine = np.flatnonzero(kind == zone)
+        scaled = [
+            replace(p, scale=np.broadcast_to(p.scale, way.count)[feature[mine]]) for p in passes
+        ]
+        yield mine, scaled, strength[ZONES[zone]].harm
+
+
+def _worn(
+    way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
+) -> tuple[IntArray, FloatArray]:
+    """Return the place (features,) where passes do each feature most damage, and how much.
+
+    Counted where they may do most, then wherever they may do more than was found there.
+    """
+    most = _at_most(way, passes, strength)
+    first = way.highest(most)
+    done = np.full(len(most), -1.0)
+    at = np.unique(first)
+    done[at] = _damage(way, at, passes, strength)
+    found = np.zeros(way.count)
+    np.maximum.at(found, way.feature[at], done[at])
+    rest = np.flatnonzero((done < 0) & (most > found[way.feature]))
+    done[rest] = _damage(way, rest, passes, strength)
+    top = way.highest(done)[:, 0]
+    return top, np.where(way.has, done[top], 0.0)
 
 
 def _span(
@@ -512,6 +634,7 @@ def judge(
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
+    cases = [_worst_of(case, ways) for case in cases]
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
     outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
@@ -527,10 +650,7 @@ def judge(
             for when, parts in (duty or {}).items()
         }
         outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
-        outcomes = [
-            replace(o, times=o.case.times, slips=contact.share(_bare(o.case, ways[0])))
-            for o in outcomes
-        ]
+        outcomes = [_held(o, contact, ways[0]) for o in outcomes]
         riding = [
             Slip(when, contact.share(np.concatenate([_bare(case, ways[0]) for _, case in parts])))
             for when, parts in duty.items() if parts
@@ -584,6 +704,30 @@ def _tightened(
 def _bare(case: Case, way: _Way) -> FloatArray:
     """Return the loads (t, 9) of a case, with what it swings but for its own modes."""
     return way.loads(case)[:, : len(UNITS)]
+
+
+def _worst_of(case: Case, ways: Sequence[_Way]) -> Case:
+    """Return of the operating points a case may meet that where it stresses most, held either way.
+
+    It is sought at the places that its farthest loads stress most.
+    """
+    if not case.among:
+        return case
+    worst = np.zeros(len(case.among))
+    for way in ways:
+        unit = way.unit[np.unique(way.places(way.loads(case)))]
+        most = [envelope(unit, way.loads(one)).max() for one in case.among]
+        worst = np.maximum(worst, most)
+    return replace(case.among[int(worst.argmax())], among=case.among)
+
+
+def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
+    """Return an outcome with what it asks of the bolts, at the operating point that asks most."""
+    among = o.case.among or (o.case,)
+    each = [_bare(case, way) for case in among]
+    moment, share = contact.worst(np.concatenate(each))
+    which = int(np.searchsorted(np.cumsum([len(e) for e in each]), moment, side="right"))
+    return replace(o, times=o.case.times, slips=share, slips_at=among[which].point)
 
 
 def _in_contact(case: Case, contact: Contact, way: _Way) -> Case:
@@ -649,8 +793,8 @@ def _outcome(
     times = np.ones(count) if case.times is None else case.times
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
-    hot, mean, amplitude = np.zeros((3, count))
-    used, spent = np.full((2, count), np.nan)
+    hot, mean, amplitude, swung = np.zeros((4, count))
+    spent = np.full(count, np.nan)
     span = np.full((count, 2), np.nan)
     best: list[tuple[Found, Found, Found]] = []
     peaks: list[_Peak] = []
@@ -668,25 +812,18 @@ def _outcome(
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
-        m, a = _swing(way, top, loads, case.places)
-        worse = level.max(axis=1) > hot
-        hot, mean = np.where(worse, level.max(axis=1), hot), np.where(worse, m, mean)
-        amplitude = np.where(worse, a, amplitude)
+        hot = np.maximum(hot, level.max(axis=1))
+        share, m, a = _swing(way, loads, case.places, strength, times)
+        most = way.highest(share)[:, 0]
+        worse = share[most] * way.has > swung
+        swung = np.where(worse, share[most], swung)
+        mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
         if strength and case.repeats:
-            kinds = way.held.zones.kind[top]
-            share = np.array([
-                float(strength[ZONES[k]].used(x, y))
-                for k, x, y in zip(kinds, a * times, m * times, strict=True)
-            ])  # fmt: skip
             passes = [Pass(np.stack(np.split(loads, case.places)), scale=times)]
-            every = _damage(way, flat, passes, strength)
-            every = every.reshape(places.shape)
-            worn = places[np.arange(count), every.argmax(axis=1)]
+            worn, done = _worn(way, passes, strength)
             within = _span(way, worn, passes, strength, error) * way.has[:, None]
             span = np.fmax(span, within)
-            done = every.max(axis=1)
-            used = np.fmax(used, share * way.has)
-            spent = np.fmax(spent, done * way.has)
+            spent = np.fmax(spent, done)
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -709,7 +846,7 @@ def _outcome(
         error=error * hot,
         mean=mean,
         amplitude=amplitude,
-        used=used,
+        used=swung if strength and case.repeats else np.full(count, np.nan),
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
@@ -750,8 +887,8 @@ def _duty(
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
     The map is damage of an hour (surface nodes,), in the state where it is largest; with it,
-    its peaks for each way of holding. Every place is asked of in that state; in the others
-    those where a load may be worst.
+    its peaks for each way of holding. Of each feature the worst of all places is told; those that
+    are a thousandth as bad as the worst stand in the map by their largest cycle alone.
     """
     spent: list[Endured] = []
     if not strength:
@@ -761,11 +898,9 @@ def _duty(
             continue
         worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
         for way in ways:
-            at = np.unique(np.concatenate([way.places(way.loads(c)).ravel() for _, c in parts]))
             passes = _passes(way, parts)
-            done = _damage(way, at, passes, strength)
-            top = at[_highest_of(way, done, at)]
-            np.maximum.at(worst, way.feature[at], done)
+            top, done = _worn(way, passes, strength)
+            worst = np.maximum(worst, done)
             within = _span(way, top, passes, strength, error)
             span = np.maximum(span, within * way.has[:, None])
         gauges = [
@@ -780,26 +915,13 @@ def _duty(
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
     damage, peaks = np.zeros(len(solved.nodes.surface)), list[_Peak]()
-    spots, span = spent[state].spots.copy(), np.zeros((ways[0].count, 2))
     for way in ways:
         passes = _passes(way, duty[spent[state].when])
-        every = _damage(way, np.arange(len(way.feature)), passes, strength)
-        top = _highest_of(way, every)
+        every = _damage(way, np.arange(len(way.feature)), passes, strength, closely=CLOSELY)
+        top = way.highest(every)[:, 0]
         peaks.append(_Peak.of(way, top, every[top]))
-        within = _span(way, top, passes, strength, error)
-        span = np.maximum(span, within * way.has[:, None])
-        np.maximum.at(spots, way.feature, every)
         damage = np.maximum(damage, every[way.held.zones.told_by])
-    spent[state] = replace(spent[state], spots=spots, span=span)
     return spent, damage * hour, peaks
-
-
-def _highest_of(way: _Way, values: FloatArray, at: IntArray | None = None) -> IntArray:
-    """Return at which of places `at`, all of them by default, each feature's value is highest."""
-    feature = way.feature if at is None else way.feature[at]
-    order = np.lexsort((values, feature))
-    last = np.searchsorted(feature[order], np.arange(way.count), side="right") - 1
-    return order[np.maximum(last, 0)]
 
 
 def _passes(way: _Way, parts: Sequence[tuple[float, Case]]) -> list[Pass]:
