@@ -187,6 +187,7 @@ def made_up_bracket() -> Iterator[None]:
             features=features,
             carried=np.array([100.0]),
             frequencies=np.array([100.0]),
+            forced=None,
         )
         return BracketAnswer(
             title=application.title, bracket=application.bracket, top_speed=200.0,

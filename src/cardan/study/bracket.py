@@ -183,7 +183,7 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         yield from _fatigue(variant)
     if quantity == "bracket_life":
         measured = {one.name for one in of.bracket.recordings}
-        lives = (o.life for o in variant.outcomes if o.life and o.case.name in measured)
+        lives = (o.life for o in variant.outcomes if o.case.name in measured and o.life)
         for endured in (*variant.duty, *lives):
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
