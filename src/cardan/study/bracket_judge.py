@@ -443,18 +443,18 @@ def _swing(
     """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
     On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
-    zone's limit is stated, the amplitude itself. Where von Mises stress is highest may be far
-    from there: what is steady swings nothing. Every place is asked at the moments where loads go
-    farthest, which tell a swing to a few percent, and those near the worst of their feature at
-    every moment.
+    zone's limit is stated, the amplitude itself; far from the worst of a feature, 0. Where von
+    Mises stress is highest may be far from there: what is steady swings nothing. Every place
+    is asked at the moments where loads go farthest, of all passes, which tell a swing nearly, and
+    those near the worst of their feature at every moment.
     """
     passes = np.split(loads, places)
     worth = np.sqrt(np.mean(way.unit**2, axis=(0, 2)))
-    few = [farthest(one, worth) for one in passes]
-    every = _swing_at(way, np.arange(len(way.feature)), few, strength, times)
+    every = _swing_at(way, np.arange(len(way.feature)), [farthest(loads, worth)], strength, times)
     best = np.zeros(way.count)
     np.maximum.at(best, way.feature, every[0])
     near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
+    every[:] = 0.0
     every[:, near] = _swing_at(way, near, passes, strength, times)
     return every[0], every[1], every[2]
 
