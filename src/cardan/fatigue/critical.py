@@ -24,6 +24,8 @@ CLOSELY = 1e-3
 _BEST = 3
 """Planes of a place that are counted closely."""
 _CHUNK = 4_000_000
+_NEAR = 200_000
+"""Numbers that stay near a processor: extremes of few moments are found five times as fast."""
 
 Harm: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 """From amplitude and mean of cycles, (...) Pa, to the damage of each."""
@@ -116,7 +118,7 @@ def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
     """Return normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along (m, planes, 3)."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=float), -1, 0)
     squares = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=-1)
-    return np.einsum("mpk,mck->mpc", squares, np.asarray(unit, dtype=float))
+    return squares @ np.asarray(unit, dtype=float).mT
 
 
 def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -124,12 +126,14 @@ def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArra
 
     Of the whole history: its largest cycle.
     """
-    found = np.empty((2, *stress.shape[:2]))
-    for rows in _chunks(len(stress), stress.shape[1] * len(loads)):
-        history = stress[rows] @ loads.T
-        top, low = history.max(axis=-1), history.min(axis=-1)
-        found[0, rows], found[1, rows] = (top + low) / 2, (top - low) / 2
-    return found[0], found[1]
+    every = stress.reshape(-1, stress.shape[-1])
+    found = np.empty((2, len(every)))
+    for rows in _chunks(len(every), len(loads), most=_NEAR):
+        history = loads @ every[rows].T  # moments in rows: extremes of many planes at once
+        top, low = history.max(axis=0), history.min(axis=0)
+        found[:, rows] = (top + low) / 2, (top - low) / 2
+    mean, amplitude = found.reshape(2, *stress.shape[:2])
+    return mean, amplitude
 
 
 def largest_cycles(
@@ -156,15 +160,23 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
 def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
     """Return the moments of loads (t, c), each worth so much stress (c,), that go farthest.
 
-    Along the three ways in which they vary most, and between them.
+    Along the ways of `along`.
+    """
+    gone = along(loads, worth)
+    return loads[np.unique([gone.argmin(axis=0), gone.argmax(axis=0)])]
+
+
+def along(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
+    """Return how far loads (t, c), each worth so much stress (c,), go, (t, ways).
+
+    Along the three ways in which they vary most, and between them: a stress is nearly one of these.
     """
     weighed = (loads - loads.mean(axis=0)) * worth
     _, axes = np.linalg.eigh(weighed.T @ weighed)
     main = weighed @ axes[:, -_MOST:]
     main /= np.maximum(main.std(axis=0), 1e-300)
     ways = list(product((-1, 0, 1), repeat=main.shape[1]))
-    along = main @ np.transpose(ways[len(ways) // 2 + 1 :])  # of a way and its opposite, one
-    return loads[np.unique([along.argmin(axis=0), along.argmax(axis=0)])]
+    return main @ np.transpose(ways[len(ways) // 2 + 1 :])  # of a way and its opposite, one
 
 
 def plane_damage(
@@ -221,7 +233,7 @@ def plane_damage(
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int) -> list[slice]:
-    """Return slices of `count` rows that hold no more than can be held at once."""
-    step = max(1, _CHUNK // max(width, 1))
+def _chunks(count: int, width: int, *, most: int = _CHUNK) -> list[slice]:
+    """Return slices of `count` rows that hold no more than `most` numbers."""
+    step = max(1, most // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]

@@ -8,7 +8,7 @@ a feature is the worse of the two.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, product
+from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -28,6 +28,7 @@ from cardan.fatigue.critical import (
     CLOSELY,
     Harm,
     Pass,
+    along,
     farthest,
     largest_cycles,
     on_planes,
@@ -334,6 +335,11 @@ class _Way:
         return np.concatenate([self.held.unit, self.held.swing.unit], axis=1)
 
     @cached_property
+    def worth(self) -> FloatArray:
+        """How much each column of its loads stresses, (c,) Pa."""
+        return np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
+
+    @cached_property
     def influence(self) -> FloatArray:
         """Strain (gauges, c) of each column of its loads."""
         return np.concatenate([self.held.influence, self.held.swing.influence], axis=1)
@@ -365,19 +371,12 @@ class _Way:
     def _telling(self, loads: FloatArray) -> FloatArray:
         """Return the moments of a long history that any stress turns at, the others left out.
 
-        Loads count by what they stress. A stress is nearly one of a few sums of the three
-        ways in which they vary most, along an axis or between: kept is where any of these
-        turns by more than a hundredth of its range, which no cycle that does harm is below.
+        Kept is where any of the ways in which they go `along` turns by more than a hundredth of
+        its range, which no cycle that does harm is below.
         """
         if len(loads) <= _LONG:
             return loads
-        worth = np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
-        weighed = (loads - loads.mean(axis=0)) * worth
-        _, axes = np.linalg.eigh(weighed.T @ weighed)
-        three = weighed @ axes[:, -3:]
-        three = three / np.maximum(three.std(axis=0), 1e-300)
-        ways = [w for w in product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
-        kept = [turns(three @ np.array(way), gate=_TURN) for way in ways]
+        kept = [turns(gone, gate=_TURN) for gone in along(loads, self.worth).T]
         return loads[np.unique(np.concatenate(kept))]
 
     def places(self, loads: FloatArray) -> IntArray:
@@ -449,8 +448,8 @@ def _swing(
     those near the worst of their feature at every moment.
     """
     passes = np.split(loads, places)
-    worth = np.sqrt(np.mean(way.unit**2, axis=(0, 2)))
-    every = _swing_at(way, np.arange(len(way.feature)), [farthest(loads, worth)], strength, times)
+    moments = [farthest(loads, way.worth)]
+    every = _swing_at(way, np.arange(len(way.feature)), moments, strength, times)
     best = np.zeros(way.count)
     np.maximum.at(best, way.feature, every[0])
     near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
