@@ -52,7 +52,6 @@ def test_a_bracket_is_read_in_si():
         (("direction: [0, 0, 1]", "direction: [0, 0, 0]"), "direction that is not zero"),
         (("reinforced: {thickness_mm: 8}", "recordings: [{name: down, file: down.csv}]"),
          r"recordings\[1\].*name is above already"),
-        (("u_shape:", "order: 1\n  u_shape:"), "must be 2 to 4, got 1: .* too stiff"),
         (("u_shape:", "step: {file: a.step, centre_mm: [0, 0, 0], seat: [{name: bore}], "
           "bolts: [{name: b}], thickness_mm: 8}\n  u_shape:"), "exclude each other"),
     ],
@@ -62,6 +61,14 @@ def test_what_cannot_be_is_refused_with_its_place(change, says):
     with pytest.raises(BadFile, match=says) as refused:
         bracket(text)
     assert all(p.line > LINE.count("\n") for p in refused.value.problems)
+
+
+def test_a_file_that_says_order_1_is_read_with_order_2_and_says_so():
+    """Files that were written when it was taken are read."""
+    application = files.loads(LINE + FULL.replace("u_shape:", "order: 1\n  u_shape:"))
+    assert application.bracket.order == 2
+    assert [w.key for w in application.warnings if "read as 2" in w.message] == ["bracket.order"]
+    assert not any("read as 2" in w.message for w in files.loads(LINE + FULL).warnings)
 
 
 def test_a_loss_that_the_file_gives_is_not_assumed():

@@ -80,6 +80,8 @@ DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
 """Details of the shipped catalogue, where a file says nothing of a zone: the cautious ones."""
+LEAST_ORDER = 2
+"""Of elements that a verdict can stand on."""
 Way: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(), *AXES)]
 
 
@@ -427,7 +429,9 @@ class BracketTable(Table):
     )
     optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
-    order: Annotated[int, Whole(4)] = key("degree of the displacements, 2 to 4", default=2)
+    order: Annotated[int, Whole(4)] = key(
+        "degree of the displacements, 2 to 4; 1 is read as 2", default=2
+    )
 
     def bracket(self, lines: tuple[Installed, ...], states: tuple[str, ...]) -> Bracket:
         """Return the bracket in SI."""
@@ -451,6 +455,10 @@ class BracketTable(Table):
             message = f"line {line} has {count} centre bearing{'s' * (count != 1)}"
             self.at("bearing").refuse(message, got=str(self.bearing))
         shape = next(s for s in (self.u_shape, self.l_shape, self.step) if s is not None)
+        if self.order < LEAST_ORDER:  # a file may say it that was written when it was taken
+            self.at("order").warn(
+                "order 1 is read as 2: its elements are too stiff where a sheet bends"
+            )
         return self.attempt(
             lambda: Bracket(
                 shape=shape,
@@ -466,7 +474,7 @@ class BracketTable(Table):
                 recordings=tuple(r.recording(self.gauges) for r in self.recordings),
                 reinforced=self.reinforced.shape(shape) if self.reinforced else None,
                 element=self.element,
-                order=self.order,
+                order=max(self.order, LEAST_ORDER),
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
                 details=self.fatigue.details() if self.fatigue else {},
                 bolts=self.bolts.bolts(shape) if self.bolts else None,
