@@ -57,6 +57,8 @@ class Lane:
                 await self._end()
                 return {"fault": "too slow"}
             except (OSError, asyncio.IncompleteReadError):
+                if self._closed:  # it was ended: nobody waits for how
+                    return {"fault": "closed"}
                 spent = await self._end(by_itself=True) == -XCPU
                 return {"fault": "too much work" if spent else "ended"}
             except asyncio.CancelledError:
