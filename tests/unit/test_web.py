@@ -1,11 +1,13 @@
 """The workbench's server: what it answers, what it refuses, how it ends. All on loopback."""
 
 import errno
+import hashlib
 import http.client
 import json
 import os
 import re
 import selectors
+import shutil
 import signal
 import socket
 import sys
@@ -25,11 +27,13 @@ from workbench import BUILT, PATIENCE, command, page, reached, running
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, NotInstalled
 from cardan.base.verdict import badness
+from cardan.border.document import LONGEST
 from cardan.cli import cli
+from cardan.files import campaign
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
-from cardan.web import lanes, library, server, session, words
+from cardan.web import lanes, library, revisions, server, session, words
 from cardan.web.answer import SOUGHT, answer
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
@@ -554,8 +558,7 @@ WRONG = [
     '{"type": "open", "file": -1}', '{"type": "open", "file": true}', '{"type": "ask"}',
     '{"type": "ask", "id": 1}', '{"type": "ask", "id": 1, "text": 3}',
     '{"type": "ask", "id": "1", "text": ""}', asking('"drag": {}'), dragging("[0, 0]"),
-    dragging("[0, 0, NaN]"), dragging("[0, 0, 1e9]"), asking('"edits": {"a": {}}'),
-    asking('"edits": {"a": "x\\ny"}'), asking('"pose": []'),
+    dragging("[0, 0, NaN]"), asking('"edits": {"a": {}}'), asking('"pose": []'),
     asking('"pose": {"travel_mm": Infinity}'), asking('"pose": {"state": 1.5}'),
     '{"type": "save", "file": 0, "text": "a"}',
     '{"type": "keep", "file": 7, "text": "a", "mark": ""}',
@@ -572,6 +575,50 @@ def test_a_message_of_the_wrong_shape_ends_its_socket_alone(house, said):
             one.hear("nothing")
         assert ended.value.rcvd.code == 1003
         assert other.open()["type"] == "opened"
+
+
+MUCH = "x" * (LONGEST + 2)
+TOO_MUCH = [
+    ("live", dragging("[0, 0, 1e9]"), "a number is beyond 100000"),
+    ("live", asking('"edits": {"a": "x\\ny"}'), "a would hold a character that nobody sees"),
+    ("live", asking(f'"edits": {{"a": "{"x" * 301}"}}'), "a is longer than 300 characters"),
+    ("live", asking(f'"edits": {json.dumps({f"a{k}": 1 for k in range(201)})}'), "more than 200"),
+    ("live", asking('"pose": {"state": 1000}'), "state is beyond 999"),
+    ("live", asking(f'"edits": {{"a": {10**400}}}'), "a number is beyond"),
+    ("moved", dragging("[0, 0, 1e9]")[:-1] + ', "held": true}', "a number is beyond 100000"),
+    ("posed", f'{{"type": "pose", "id": 1, "text": "{MUCH}"}}', "text is longer than"),
+    ("helped", f'{{"type": "help", "id": 1, "text": "{MUCH}"}}', "text is longer than"),
+    ("refused", f'{{"type": "keep", "file": 0, "mark": "", "text": "{MUCH}"}}', "longer than"),
+    ("refused", f'{{"type": "save", "file": 0, "mark": "", "text": "{MUCH}"}}', "longer than"),
+    ("refused", json.dumps({"type": "create", "title": "x" * 301, "text": ""}), "title is longer"),
+    ("refused", json.dumps({"type": "freeze", "file": 0, "text": "", "by": "x" * 101, "note": ""}),
+     "by is longer than 100"),
+    ("refused", json.dumps({"type": "pin", "file": 0, "variants": [{"name": "", "text": ""}] * 13}),
+     "variants are more than 12"),
+    ("refused", json.dumps({"type": "bring", "id": 1, "name": "x" * 1001, "size": 1}),
+     "name is longer than 1000"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "life", "text": "",
+                         "args": {"target_hours": 1e13}}), "a number is beyond 1e+12"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "guided", "text": "",
+                         "args": {"points": "0 0 0\n" * 4000}}), "points is longer than 20000"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "map", "file": 0, "bytes": 24e6}),
+     "what is asked takes 24 MB, more than the 8 MB that are read"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "said", "why"), TOO_MUCH, ids=lambda s: s[:60])
+def test_what_is_more_than_is_taken_is_refused_in_words_and_the_socket_stays(
+    house, kind, said, why
+):
+    """A name of 101 letters hung up on everything the page held: recording, masks, hand."""
+    with page(house) as one:
+        one.hello()
+        one.socket.send(said)
+        told = one.hear("live", "moved", "posed", "helped", "refused", "done")
+        assert told["type"] == kind
+        assert why in told["why" if kind == "refused" else "fault"]
+        assert told.get("id") == json.loads(said).get("id") or kind == "refused"
+        assert one.open()["type"] == "opened"
 
 
 def told_until_closed(one, said):
@@ -1180,6 +1227,124 @@ def test_a_revision_keeps_its_catalogues_too_each_under_its_name(tmp_path):
     assert len(desk.freeze(0, text, by="B", note="")) == 2
 
 
+JOB = ROOT / "examples" / "refuse-collector"
+
+
+@pytest.fixture
+def job(tmp_path):
+    """A campaign, a bracket from a STEP file, and all that they name."""
+    return Path(shutil.copytree(JOB, tmp_path / "job"))
+
+
+def since(desk, kept):
+    """Return what is told to have changed since a revision."""
+    paper = desk.papers[0]
+    args = {"variants": [{"name": "1", "text": kept["text"]}]}
+    told = asked(
+        paper.read(), job="compare", args=args, name=paper.name, folder=str(desk.folder)
+    )  # fmt: skip
+    return [(row["name"], *row["values"]) for row in told["differences"]]
+
+
+def sums(revision):
+    """Return what a revision keeps, as who knows nothing of us checks it."""
+    own = revision.with_name(f"{revision.stem}.files")
+    found = {}
+    for row in (own / "SHA256SUMS").read_text("utf-8").splitlines():
+        was, name = row.split("  ", 1)
+        assert hashlib.sha256((own / name).read_bytes()).hexdigest() == was
+        found[name] = own / name
+    return found
+
+
+@pytest.mark.parametrize("most", [64_000_000, 10_000])
+def test_a_frozen_campaign_keeps_its_recordings_and_who_writes_into_them_is_told_of(
+    job, monkeypatch, most
+):
+    """It kept its text alone: another recording under that name was what had been approved."""
+    monkeypatch.setattr(revisions, "HEAVIEST", most)
+    desk = Desk(job / "campaign.yaml", drafts=job / "drafts")
+    (kept,) = desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    revision = job / "revisions" / "campaign.1.yaml"
+    copy = sums(revision)["joints.parquet"]
+    assert {*sums(revision)} == {"joints.parquet", "application.yaml"}
+    # What is heavy takes no room: it is a second name of the file.
+    original = job / "joints.parquet"
+    assert copy.samefile(original) == (most < 64_000_000)
+    assert campaign.read(revision).drives[0].file.read_bytes() == original.read_bytes()
+    assert since(desk, kept) == []
+    was = original.read_bytes()
+    row = ("recordings[1].file: other contents", "joints.parquet")
+    named = "revisions/campaign.1.files/joints.parquet"
+    # Another file in its place leaves what was approved as it was.
+    original.unlink()
+    original.write_bytes(was[:-1] + b"x")
+    assert since(desk, kept) == [(*row, named)]
+    assert copy.read_bytes() == was
+    original.unlink()
+    assert since(desk, kept) == [(row[0], "joints.parquet: is no longer there", named)]
+    (os.link if most < 64_000_000 else shutil.copyfile)(copy, original)
+    assert since(desk, kept) == []
+    # Who writes into the file itself changes both of two names: there is no silence on that.
+    original.write_bytes(was[:-1] + b"x")
+    spoilt = f"{named}: overwritten since" if most < 64_000_000 else named
+    assert since(desk, kept) == [(*row, spoilt)]
+    original.write_bytes(was)
+    assert since(desk, kept) == []
+    # The application that it names counts too, and what that names.
+    with (job / "application.yaml").open("a") as file:
+        file.write("# another\n")
+    assert [one[:2] for one in since(desk, kept)] == [
+        ("application: other contents", "application.yaml")
+    ]
+
+
+def test_a_link_that_cannot_be_made_is_a_copy(job, monkeypatch):
+    """A stick or a share may know no second names."""
+
+    def never(*_):
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(revisions, "HEAVIEST", 0)
+    monkeypatch.setattr(os, "link", never)
+    desk = Desk(job / "tracks.yaml", drafts=job / "drafts")
+    desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    copy = sums(job / "revisions" / "tracks.1.yaml")["road.parquet"]
+    assert not copy.samefile(job / "road.parquet")
+
+
+def test_a_frozen_bracket_keeps_the_step_file_of_its_shape(job):
+    """`cardan bracket` on the revision reads the shape that was approved."""
+    desk = Desk(job / "from-step.yaml", drafts=job / "drafts")
+    (kept,) = desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    revision = job / "revisions" / "from-step.1.yaml"
+    was = (job / "bracket.step").read_bytes()
+    assert sums(revision)["bracket.step"].read_bytes() == was
+    assert since(desk, kept) == []
+    (job / "bracket.step").write_bytes(was + b"\n")
+    ((name, *_),) = since(desk, kept)
+    assert name == "bracket.step.file: other contents"
+    assert Path(files.read(revision).bracket.shape.path).read_bytes() == was
+
+
+def test_a_frozen_file_keeps_what_its_files_name(tmp_path):
+    """An application of a campaign has limits and catalogues of its own: they were left out."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "app.yaml").write_text(OURS, "utf-8")
+    (tmp_path / "sub" / "mine.yaml").write_text(HOUSE, "utf-8")
+    (tmp_path / "a.csv").write_text("time_s,S1 [MPa]\n0,1\n1,2\n", "utf-8")
+    text = "campaign: A day\nrecordings: [{file: a.csv}]\napplication: sub/app.yaml\n"
+    text += "gauges: [S1]\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+    (tmp_path / "c.yaml").write_text(text, "utf-8")
+    desk = Desk(tmp_path / "c.yaml", drafts=tmp_path / "drafts")
+    (kept,) = desk.freeze(0, text, by="A", note="")
+    revision = tmp_path / "revisions" / "c.1.yaml"
+    assert {*sums(revision)} == {"a.csv", "sub/app.yaml", "sub/mine.yaml"}
+    assert campaign.read(revision).options["application"].profile == "house"
+    (tmp_path / "sub" / "mine.yaml").write_text(HOUSE + "# \n", "utf-8")
+    assert [row[0] for row in since(desk, kept)] == ["application: other contents"]
+
+
 @pytest.mark.parametrize("how", ["full", "half a letter"])
 def test_what_cannot_be_written_leaves_nothing_behind(tmp_path, monkeypatch, how):
     """A full disk left an empty revision that was listed, and an empty file; half a letter too."""
@@ -1206,6 +1371,69 @@ def test_what_cannot_be_written_leaves_nothing_behind(tmp_path, monkeypatch, how
     assert left <= {"a.yaml", "mine.yaml", "revisions", "drafts"}
     assert desk.revisions(0) == []
     assert (tmp_path / "a.yaml").read_text("utf-8") == OURS
+
+
+def test_each_page_keeps_its_own_unsaved_text(own):
+    """Of two tabs with edits of one file a crash left the one that was typed in last."""
+    house, _ = own
+    with page(house) as one, page(house) as two:
+        whos = [tab.hello()["who"] for tab in (one, two)]
+        assert len(set(whos)) == 2
+        mark, _ = (tab.open()["mark"] for tab in (one, two))
+        for tab, said in ((one, "# one\n"), (two, "# two\n"), (one, "# one, later\n")):
+            tab.say("keep", file=0, text=TEXT + said, mark=mark)
+            tab.hear("kept")
+        # A third is told of what others have, and throws none of it away.
+        with page(house) as three:
+            three.hello()
+            told = three.open()
+            assert (told["draft"], told["elsewhere"]) == (TEXT + "# one, later\n", True)
+            three.say("drop", file=0)
+    # All of them have crashed.
+    with page(house) as four:
+        four.hello("pt")
+        told = four.open()
+        assert (told["draft"], told["elsewhere"]) == (TEXT + "# one, later\n", False)
+        (left,) = told["variants"]
+        assert left["text"] == TEXT + "# two\n"
+        assert left["name"].startswith("não salvo 20")
+        assert told["left"] == 1
+        # Kept among the variants it is still there for others; once it is taken out it is gone.
+        four.say("pin", file=0, variants=[left])
+        four.hear("kept")
+        assert four.open()["variants"] == [left]
+        four.say("pin", file=0, variants=[])
+        four.hear("kept")
+        told = four.open()
+        assert (told["variants"], told["draft"]) == ([], TEXT + "# one, later\n")
+
+
+def test_who_comes_back_takes_nobody_elses_unsaved_text(own):
+    """It has a text of its own: what another left meanwhile is for who opens the file anew."""
+    house, _ = own
+    with page(house) as one:
+        who = one.hello()["who"]
+        mark = one.open()["mark"]
+        one.say("keep", file=0, text=TEXT + "# one\n", mark=mark)
+        one.hear("kept")
+    with page(house) as two:  # which saw none of it
+        was = two.hello()["who"]
+    with page(house) as two:
+        two.say("hello", lang="en", was=was)
+        assert two.hear("welcome")["who"] == was
+        two.open()
+        two.say("drop", file=0)
+        two.say("keep", file=0, text=TEXT + "# two\n", mark=mark)
+        two.hear("kept")
+        with page(house) as one, page(house) as another:
+            for tab in (one, another):  # nobody is two
+                tab.say("hello", lang="en", was=who)
+            assert {tab.hear("welcome")["who"] == who for tab in (one, another)} == {True, False}
+    with page(house) as three:
+        three.hello()
+        told = three.open()
+        texts = {told["draft"], *(v["text"] for v in told["variants"])}
+        assert texts == {TEXT + "# one\n", TEXT + "# two\n"}
 
 
 def test_half_a_letter_is_refused_and_kept_as_a_draft(own):

@@ -9,7 +9,7 @@ _NUMBER = re.compile(r"[-+\u2212]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d{1,2}
 _CELLS = re.compile(r"\t|;|\|")
 _AXIS = re.compile(r"([xyz])(?:[\W_].*)?")
 
-_EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}\.\d{3}")
+_EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}[.,]\d{3}")
 
 NAME = "points"
 
@@ -35,18 +35,40 @@ def number(said: str) -> float | None:
     return float(bare.replace(",", ".").replace("\u2212", "-"))
 
 
-def readings(said: str) -> tuple[str, str] | None:
-    """Return both readings of a number where decimals stand after a comma; None if it has one.
+def readings(said: str, *, decimal: str) -> tuple[str, str] | None:
+    """Return both readings of a number with the sign that is not the decimal; None if it has one.
 
-    Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma.
+    Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma; who
+    writes 3.5 the other way round.
 
-    >>> readings("8.000"), readings("0.125"), readings("2.5")
-    (('8,000', '8000'), None, None)
+    >>> readings("8.000", decimal=","), readings("8,000", decimal=".")
+    (('8,000', '8000'), ('8.000', '8000'))
+    >>> readings("8.000", decimal="."), readings("0.125", decimal=","), readings("2.5", decimal=",")
+    (None, None, None)
     """
     bare = said.strip().removesuffix("°").strip()
-    if not _EITHER.fullmatch(bare):
+    other = "." if decimal == "," else ","
+    if other not in bare or not _EITHER.fullmatch(bare):
         return None
-    return bare.replace(".", ","), bare.replace(".", "")
+    return bare.replace(other, decimal), bare.replace(other, "")
+
+
+def entered(said: str, *, decimal: str) -> float:
+    """Return the number that stands in a field, in a language that writes `decimal`.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or may be another: nobody guesses, both readings are named.
+    """
+    if either := readings(said, decimal=decimal):
+        msg = "decimals or thousands? write {} or {}".format(*either)
+        raise ValueError(msg)
+    value = number(said)
+    if value is None:
+        msg = "is no number"
+        raise ValueError(msg)
+    return value
 
 
 def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:

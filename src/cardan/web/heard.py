@@ -12,9 +12,10 @@ from cardan.base.units import MPa
 from cardan.fatigue import life as room
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.evidence import Evidence
-from cardan.fatigue.fault import KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
 from cardan.fatigue.recording import Channel, Recording, between
 from cardan.files.campaign import Campaigned, Segment
+from cardan.files.pasted import entered
 from cardan.files.recordings import open_recording
 from cardan.report import recording_story as story
 from cardan.report.blocks import Issue, Story
@@ -89,11 +90,12 @@ def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell:
 def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return what a recording did to its gauges, and who did it."""
     options = {k: v for k, v in args.items() if k in ASKED and v not in ("", [], None)}
-    campaign = Campaign.of(**options)
+    numbers = {k: _typed(args, k, label, say) for k, label in _FIELDS.items() if args.get(k)}
+    curve = ",".join(repr(numbers[k]) for k in ("amplitude", "cycles", "slope") if k in numbers)
+    campaign = Campaign.of(sn=curve, target_hours=numbers.get("hours"), **options)
     recording = _opened(args)
-    if args.get("first") or args.get("last"):
-        first, last = (_seconds(args, k) for k in ("first", "last"))
-        recording = between(recording, first or 0.0, last or 1e12)
+    if {"first", "last"} & numbers.keys():
+        recording = between(recording, numbers.get("first", 0.0), numbers.get("last") or 1e12)
     try:
         found = RecordingStudy(campaign, draw=True).run(recording, _reading(say, tell))
     except ImportError as error:
@@ -196,10 +198,15 @@ def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
 
 
 ASKED = frozenset({
-    "gauges", "sn", "speed", "torque", "engine", "tacho", "mask", "accept", "target_hours",
-    "mean_stress", "ultimate_MPa", "engine_orders",
+    "gauges", "speed", "torque", "engine", "tacho", "mask", "accept", "zero",
 })  # fmt: skip
 """What the page may say of a campaign: options of `cardan life`."""
+
+_FIELDS = {
+    "amplitude": "amplitude [MPa]", "cycles": "cycles", "slope": "slope", "first": "from [s]",
+    "last": "to [s]", "hours": "hours to live",
+}  # fmt: skip
+"""Numbers that are typed, and what they are called there."""
 
 
 def _opened(args: Json) -> Recording:
@@ -215,12 +222,12 @@ def _missing(error: ImportError) -> NotInstalled:
     return NotInstalled(f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'")
 
 
-def _seconds(args: Json, key: str) -> float:
-    """Return a time that was typed."""
+def _typed(args: Json, key: str, label: str, say: Language) -> float:
+    """Return a number that was typed."""
     try:
-        return float(str(args.get(key) or 0).replace(",", "."))
-    except ValueError:
-        msg = f"a time is a number of seconds, got {args[key]!r}"
+        return entered(args[key], decimal=say.decimal)
+    except ValueError as error:
+        msg = f"{say(label)}: {say.error(str(error))}, {args[key]!r}"
         raise CardanError(msg) from None
 
 
@@ -255,13 +262,17 @@ def _envelope(
 
 
 def _role(of: Channel) -> str:
-    """Return what a channel is by its unit, or by its name: a guess for the form."""
+    """Return what a channel is by its unit, and its name where that says which: a guess.
+
+    An engine's speed is in units of speed: its torque, or strain on its mount, is none.
+    """
     name = of.name.lower()
-    for role, words in WORDS.items():
-        if any(w in name for w in words):
-            return role
+    named = next((role for role, words in WORDS.items() if any(w in name for w in words)), "")
     units = (("gauge", STRESS), ("gauge", STRAIN), ("speed", SPEED), ("torque", TORQUE))
-    return next((role for role, known in units if of.unit in known and of.unit != "Hz"), "")
+    measured = next((role for role, known in units if of.unit in known and of.unit != "Hz"), "")
+    if measured == "torque" and named:
+        return ""
+    return named if named and measured in ("", "speed") else measured
 
 
 def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
@@ -274,6 +285,11 @@ def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
             "kind": kind, "said": say(kind), "count": of.faults[kind].count,
             "mask": kind in REMOVABLE, "places": fs(runs[longest] / rate, 6),
         })  # fmt: skip
+    if of.drifts and DRIFT not in of.faults:
+        whole = fs(np.array([[0, of.samples]]) / rate, 6)
+        found.append(
+            {"kind": DRIFT, "said": say(DRIFT), "count": 1, "mask": False, "places": whole}
+        )
     return found
 
 
