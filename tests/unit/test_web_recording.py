@@ -1,5 +1,6 @@
 """A recording brought to the workbench: how it comes, what it holds, what it did."""
 
+import errno
 import json
 import os
 import subprocess
@@ -125,7 +126,7 @@ def test_a_recording_comes_in_pieces_is_heard_and_goes_with_the_page(
         ("run.exe", 10, "no reader for '.exe'"),
         ("/etc/passwd", 10, "no reader for ''"),
         ("run.csv", parcel.MOST + 1, "256 MB"),
-        ("run.csv", 0, "256 MB"),
+        ("run.csv", 0, "run.csv is empty"),
     ],
 )
 def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch, name, size, why):
@@ -135,6 +136,30 @@ def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch
         one.say("bring", id=1, name=name, size=size)
         assert why in one.hear("refused", "brought")["why"]
         assert kept(tmp_path) == []
+
+
+def test_a_full_disk_is_told_and_leaves_nothing_of_a_recording(house, tmp_path, monkeypatch):
+    """The socket was dropped, and everything the page held went with it, without a word."""
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(tmp_path))
+    with page(house) as one:
+        one.hello()
+        one.say("bring", id=1, name="run.csv", size=10)
+        one.hear("brought")
+        with monkeypatch.context() as crowded:
+            crowded.setattr(Path, "open", full)
+            one.say("piece", at=0, data="QUJD")
+            assert "No space left" in one.hear("refused", "brought")["why"]
+        assert kept(tmp_path) == []
+        with monkeypatch.context() as crowded:
+            crowded.setattr(parcel.tempfile, "mkdtemp", full)
+            one.say("bring", id=2, name="run.csv", size=10)
+            assert "No space left" in one.hear("refused", "brought")["why"]
+        one.say("bring", id=3, name="run.csv", size=10)
+        assert one.hear("refused", "brought")["got"] == 0
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
     <Select data-rule={key} value={rules[key] ?? ""} choose={(rule) => p.decide(key, rule as Rule)} of={[["", free], ...(mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
   );
   return (
-    <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}>
+    <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("not shown: {count}", { count: of.left })}</span>}>
       <ul>
         {of.channels.map((c) => (
           <li key={c.name}>

@@ -18,7 +18,7 @@ export class Frozen {
     const { welcome, live, full } = this.kept;
     const id = m.id ?? 0;
     if (m.type === "hello") this.told({ type: "welcome", ...welcome });
-    if (m.type === "open") this.told({ type: "opened", file: 0, name: welcome.files[0] ?? "", saved: "", mark: "", draft: null, stale: false, elsewhere: false, left: 0, variants: [], revisions: [] });
+    if (m.type === "open") this.told({ type: "opened", file: 0, name: welcome.files[0] ?? "", saved: "", mark: "", draft: null, stale: false, base: "", elsewhere: false, left: 0, variants: [], revisions: [] });
     if (m.type === "ask") this.told({ type: "live", id, text: "", ...live, pose: this.pose({ line: 0, state: live.worst }) });
     if (m.type === "ask") this.told({ type: "full", id, text: "", ...full });
     if (m.type === "pose") this.told({ type: "posed", id, text: "", pose: this.pose(m.pose ?? {}) });

@@ -255,7 +255,7 @@ export class Store {
     this.ids += 1;
     for (const job of ["recording", "life"]) this.stop(job);
     const { recording: _, life: __, ...jobs } = this.known.jobs;
-    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size } });
+    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size }, notice: this.known.notice?.kind === "refused" ? null : this.known.notice });
     this.link?.say({ type: "bring", id: this.ids, name: file.name.slice(-200), size: file.size });
   }
 
@@ -295,7 +295,7 @@ export class Store {
 
   beside(name: string, text: string): void {
     const { variants } = this.known;
-    if (variants.length >= 12) return;
+    if (variants.length >= VARIANTS) return this.set({ notice: { kind: "refused", why: t("up to {count} variants are kept: drop one first", { count: VARIANTS }) } });
     this.keepVariants([...variants, { name, text }]);
     this.lay(variants.length);
   }
@@ -308,7 +308,7 @@ export class Store {
     this.link?.say({ type: "freeze", file, text: history.text, by, note });
   }
 
-  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v))); }
+  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name: name.trim() || v.name } : v))); }
 
   unpin(k: number): void {
     this.lay(null);
@@ -350,7 +350,8 @@ export class Store {
     // Nothing that was under way is of this document.
     this.sent = this.next = this.gesture = null;
     this.commits = [];
-    const history = History.opened(m.saved, m.mark, m.draft);
+    // What was edited from another text is still that: it is not saved over this one unasked.
+    const history = History.opened(m.saved, m.stale ? m.base : m.mark, m.draft);
     const restored: Notice = m.stale ? { kind: "conflict", text: m.saved, mark: m.mark } : { kind: m.elsewhere ? "elsewhere" : "restored", left: m.left };
     this.set({
       file: m.file, history, notice: m.draft === null ? null : restored, live: null, campaign: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
@@ -726,6 +727,8 @@ export const placed = (p: Problem): string => [p.key, p.message].filter(Boolean)
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
   ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up: ask for less, or run its command in a shell"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), "too much work": t("it has used half an hour of processors, as much as an answer may: ask for less, or run its command in a shell"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
+
+const VARIANTS = 12;
 
 /** What a grade weighs against margins. */
 const GRADE = 1e6;

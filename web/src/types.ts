@@ -15,7 +15,7 @@ export type Told =
   | ({ type: "welcome"; token: string; who: string; longest: number; texts: Record<string, string> } & Welcome)
   | { type: "files"; files: string[] }
   | { type: "frozen"; file: number; revisions: Revision[] }
-  | { type: "opened"; file: number; name: string; saved: string; mark: string; draft: string | null; stale: boolean; elsewhere: boolean; left: number; variants: Named[]; revisions: Revision[] }
+  | { type: "opened"; file: number; name: string; saved: string; mark: string; draft: string | null; stale: boolean; base: string; elsewhere: boolean; left: number; variants: Named[]; revisions: Revision[] }
   | ({ type: "live"; edits?: Edits; campaign?: Campaign } & Answered & Partial<Live>)
   | ({ type: "moved"; lines?: (Pick<Line, "name"> & Partial<Line>)[]; obstacles?: Obstacle[]; pose?: Pose } & Answered)
   | ({ type: "graded"; limits?: Pick<Row, "id" | "values" | "margins" | "grades">[]; grade?: Live["grade"] } & Answered)

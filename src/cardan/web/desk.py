@@ -176,6 +176,7 @@ class Desk:
             "mark": mark(text),
             "draft": draft["text"] if draft else None,
             "stale": bool(draft and draft["mark"] != mark(text)),
+            "base": str(draft["mark"]) if draft else "",
             "elsewhere": draft is not None and draft is not mine,
             "left": len(new),
             "variants": variants,

@@ -57,11 +57,17 @@ def driven(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     except ImportError as error:
         raise _missing(error) from error
     recording = replace(campaign.scaled(recording), name=drive.name)
-    return _looked(recording, campaign.roles(recording), say, tell)
+    drifts = campaign.zero != "drift"
+    return _looked(recording, campaign.roles(recording), say, tell, drifts=drifts)
 
 
-def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell: Tell) -> Json:
-    """Return channels of a recording, and where those of gauges look wrong."""
+def _looked(
+    recording: Recording, roles: Mapping[str, str], say: Language, tell: Tell, *, drifts: bool = True
+) -> Json:
+    """Return channels of a recording, and where those of gauges look wrong.
+
+    `drifts` is false where what drifts is taken off.
+    """
     names = tuple(n for n in recording.names if n in roles)[:DRAWN]
     healths = room.look(recording, channels=names, progress=_progress(recording, say, tell))
     samples = max(h.samples for h in healths.values())
@@ -77,7 +83,7 @@ def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell:
             {
                 "name": c.name, "unit": c.unit, "role": roles[c.name],
                 "low": g(h.low), "high": g(h.high), "lowest": fs(a, 4), "highest": fs(b, 4),
-                "suspects": _suspects(h, recording.rate, say),
+                "suspects": _suspects(h, recording.rate, say, drifts=drifts),
                 "said": [say.said(s) for s in h.findings(rate=recording.rate, unit=c.unit)],
             }
             for c, h, a, b in zip(
@@ -275,7 +281,7 @@ def _role(of: Channel) -> str:
     return named if named and measured in ("", "speed") else measured
 
 
-def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
+def _suspects(of: Health, rate: float, say: Language, *, drifts: bool) -> list[Json]:
     """Return where a channel looks wrong, kind by kind, in seconds."""
     found: list[Json] = []
     for kind in (k for k in KINDS if k in of.faults):
@@ -285,11 +291,8 @@ def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
             "kind": kind, "said": say(kind), "count": of.faults[kind].count,
             "mask": kind in REMOVABLE, "places": fs(runs[longest] / rate, 6),
         })  # fmt: skip
-    if of.drifts and DRIFT not in of.faults:
-        whole = fs(np.array([[0, of.samples]]) / rate, 6)
-        found.append(
-            {"kind": DRIFT, "said": say(DRIFT), "count": 1, "mask": False, "places": whole}
-        )
+    if of.drifts and drifts:
+        found.append({"kind": DRIFT, "said": say(DRIFT), "count": 1, "mask": False, "places": []})
     return found
 
 

@@ -4,6 +4,7 @@ from datetime import date
 
 from cardan.base.errors import BadFile, Problem
 from cardan.base.verdict import Limit
+from cardan.border.document import visible
 from cardan.files.deviation import SIGNED, Deviation, deviated
 from cardan.files.pasted import entered
 from cardan.model.application import GIVEN
@@ -52,7 +53,7 @@ def deviation(read: Document, args: Json, say: Language, _: Tell) -> Json:
         raise BadFile(read.name, (problem,))
     bounds = {key: _bound(args.get(key, ""), key, say) for key in ("normal", "maximum")}
     to = Deviation(
-        **bounds, reason=args.get("reason", ""), by=args.get("by", ""),
+        **bounds, **{key: visible(args.get(key, "")) for key in ("reason", "by")},
         on=date.today().isoformat(),
     )  # fmt: skip
     edits = deviated(read.manuscript, app.limits, which, to, profile=app.profile)

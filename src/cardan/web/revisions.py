@@ -42,18 +42,21 @@ def freeze(file: Path, text: str, *, by: str, note: str) -> None:
     Raises
     ------
     BadFile
-        If it cannot be written; nothing is left then.
+        If it cannot be read, so that nobody knows what is signed, nobody signs it, or it cannot
+        be written; nothing is left then.
     """
+    # A character that nobody sees would make a revision that nobody can read.
+    by, note = (" ".join(visible(s).split()) for s in (by, note))
+    if not by:
+        raise BadFile(file.name, (Problem(message="is frozen by somebody: sign it"),))
+    encoded(file, text)  # refused by its own lines
+    beside = [b for b in _beside(file, text) if b.path.is_file()]
     folder = _folder(file)
     folder.mkdir(exist_ok=True)
     if not folder.resolve().is_relative_to(file.parent.resolve()):
         problem = Problem(message="revisions is a link that leads out of the folder")
         raise BadFile(file.name, (problem,))
-    # A character that nobody sees would make a revision that nobody can read.
-    said = "; ".join(" ".join(s.split()) for s in map(visible, (by, note)) if s)
-    head = f"# frozen {date.today().isoformat()}: {said}\n"
-    encoded(file, text)  # refused by its own lines
-    beside = [b for b in _beside(file, text) if b.path.is_file()]
+    head = f"# frozen {date.today().isoformat()}: {'; '.join(filter(None, (by, note)))}\n"
     for k in range(1, MOST):
         path = folder / f"{file.stem}.{k}.yaml"
         own = _copies(path)
@@ -126,14 +129,12 @@ def _sum(path: Path, _: Stamp) -> str:
 
 
 def _beside(file: Path, text: str) -> list[Beside]:
-    """Return the files that a text names, and those that they name; none where it is unreadable."""
+    """Return the files that a text names, and those that they name."""
     beside: list[Beside] = []
-    with suppress(CardanError):
-        of = Manuscript(text, file.name)
-        if campaign.title(of) is None:
-            files.loads(text, name=file.name, folder=file.parent, warn=False, beside=beside)
-        else:
-            campaign.loads(text, name=file.name, folder=file.parent, beside=beside)
+    if campaign.title(Manuscript(text, file.name)) is None:
+        files.loads(text, name=file.name, folder=file.parent, warn=False, beside=beside)
+    else:
+        campaign.loads(text, name=file.name, folder=file.parent, beside=beside)
     return [replace(b, path=Path(os.path.normpath(b.path))) for b in beside]
 
 

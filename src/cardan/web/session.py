@@ -26,6 +26,7 @@ the socket: the page sends no such thing.
 
 import asyncio
 import json
+from collections.abc import Callable
 from contextlib import suppress
 from math import inf
 from pathlib import Path
@@ -281,18 +282,19 @@ class Session:
         await asyncio.sleep(0)  # it begins: who is cancelled before would tell nobody
 
     async def _bring(self, said: Json) -> None:
-        why = await asyncio.to_thread(self.parcel.begin, said)
-        if why:
-            why = Language(self.lang).typeset.error(why)
-            await self._tell("refused", what="bring", file=0, why=why)
-        else:
-            await self._tell_parcel()
+        await self._bear(self.parcel.begin, said)
 
     async def _piece(self, said: Json) -> None:
-        await asyncio.to_thread(self.parcel.take, said)
-        await self._tell_parcel()
+        await self._bear(self.parcel.take, said)
 
-    async def _tell_parcel(self) -> None:
+    async def _bear(self, how: Callable[[Json], None], said: Json) -> None:
+        """Go on with a recording, and tell how much of it has come, or why none does."""
+        try:
+            await asyncio.to_thread(how, said)
+        except (CardanError, OSError) as error:
+            self.parcel.close()
+            await self._tell("refused", what="bring", file=0, why=self._why(error))
+            return
         p = self.parcel
         await self._tell("brought", id=p.id, name=p.name, got=p.got, size=p.size)
 
