@@ -33,7 +33,7 @@ from cardan.files import campaign
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
-from cardan.web import lanes, library, revisions, server, session, words
+from cardan.web import lanes, library, parcel, revisions, server, session, words
 from cardan.web.answer import SOUGHT, answer
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
@@ -598,9 +598,11 @@ TOO_MUCH = [
     ("refused", json.dumps({"type": "bring", "id": 1, "name": "x" * 1001, "size": 1}),
      "name is longer than 1000"),
     ("done", json.dumps({"type": "job", "id": 1, "job": "life", "text": "",
-                         "args": {"target_hours": 1e13}}), "a number is beyond 1e+12"),
+                         "args": {"hours": "1" * 41}}), "hours is longer than 40 characters"),
     ("done", json.dumps({"type": "job", "id": 1, "job": "guided", "text": "",
                          "args": {"points": "0 0 0\n" * 4000}}), "points is longer than 20000"),
+    ("refused", json.dumps({"type": "piece", "at": 0, "data": "A" * (parcel.PIECE + 8)}),
+     "data is longer than 1500000"),
     ("done", json.dumps({"type": "job", "id": 1, "job": "map", "file": 0, "bytes": 24e6}),
      "what is asked takes 24 MB, more than the 8 MB that are read"),
 ]  # fmt: skip
@@ -1302,8 +1304,8 @@ def test_a_frozen_campaign_keeps_its_recordings_and_who_writes_into_them_is_told
 
 @pytest.mark.parametrize(
     ("text", "by", "why"),
-    [("title: [\n", "A", "a value is missing"), ("title: x\n", "A", "driveline"), (TEXT, "", "sign it"),
-     (TEXT, "\u200b \u202e", "sign it")],
+    [("title: [\n", "A", "a value is missing"), ("title: x\n", "A", "driveline"),
+     (TEXT, "", "sign it"), (TEXT, "\u200b \u202e", "sign it")],
 )  # fmt: skip
 def test_what_nobody_can_read_or_nobody_signs_is_not_frozen(tmp_path, text, by, why):
     """A signature on a text that had not been shown, and one that nobody sees."""

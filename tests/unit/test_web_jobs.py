@@ -742,3 +742,16 @@ def test_a_shell_takes_a_file_name_for_a_name(name, tmp_path):
     assert not list(tmp_path.iterdir())
     for command in answer({**question, "name": "-h.yaml", "args": {"saved": TRUCK}})["commands"]:
         assert shlex.split(command)[2] == "./-h.yaml"
+
+
+@pytest.mark.bracket
+def test_why_a_bracket_has_no_answer_is_told(tmp_path):
+    """The page said AttributeError: a gauge beside the part, a STEP file cut short."""
+    folder = ROOT / "examples" / "refuse-collector"
+    text = (folder / "application.yaml").read_text("utf-8")
+    question = {"job": "bracket", "name": "a.yaml", "folder": str(folder), "lang": "pt", "args": {}}
+    off = text.replace("point_mm: [14, 65, 60]", "point_mm: [500, 65, 60]")
+    assert off != text
+    (problem,) = answer({**question, "text": off})["problems"]
+    assert "o extensômetro S1 está a 468 mm da superfície" in problem["message"]
+    assert problem["line"] == 1 + text[: text.index("\nbracket:") + 1].count("\n")

@@ -169,7 +169,6 @@ def test_a_full_disk_is_told_and_leaves_nothing_of_a_recording(house, tmp_path, 
         {"at": 0, "data": "QUJDREVGR0hJSktM"},  # more than was said
         {"at": 0, "data": "not base64!"},
         {"at": 0, "data": ""},
-        {"at": 0, "data": "A" * (parcel.PIECE + 8)},
         {"at": 0},
         {"at": 0, "data": "QUJD", "before": None},  # nothing was begun
     ],
@@ -312,9 +311,29 @@ def test_a_drift_is_decided_as_all_else_that_looks_wrong(tmp_path):
         return next(row for rows in tables for row in rows if row[0] == "S1")
 
     assert row()[4] == "vetoed"
+    (undecided,) = job("life", path, gauges=["S1"], **CURVE)["open"]
+    assert undecided["rule"] == "S1=drift"
+    assert job("life", path, gauges=["S1"], **CURVE, accept=["S1=drift"])["open"] == []
     assert row(accept=["S1=drift"])[4] != "vetoed"
     assert row(zero="drift")[4] != "vetoed"
     assert float(row(zero="drift")[3]) < float(row(accept=["S1=drift"])[3])
+
+
+def test_strain_is_turned_into_stress_by_what_is_said(tmp_path):
+    """206 GPa, unsaid: an aluminium part was off by thousands. Damage goes with E to the slope."""
+    rng = np.random.default_rng(3)
+    path = tmp_path / "a.csv"
+    rows = np.stack([np.arange(20_000) / 200, 300 * rng.standard_normal(20_000)], -1)
+    head = "time_s,S1 [um/m]"
+    np.savetxt(path, rows, "%.7g", delimiter=",", header=head, comments="")
+
+    def damage(**more):
+        told = job("life", path, gauges=["S1"], **CURVE, accept=["S1=rate"], **more)
+        tables = (b["rows"] for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table")
+        return float(next(row for rows in tables for row in rows if row[0] == "S1")[3])
+
+    assert damage(modulus="206") == damage()
+    assert damage() / damage(modulus="70") > (206 / 70) ** 5
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ export function Editor({ known }: { known: Known }) {
   };
   useEffect(() => {
     store.pending = commit;
-    return () => { commit(); store.pending = null; };
+    return () => { store.pending = null; };
   }, []);
   if (!history) return null;
   const go = (p: Problem): void => {

@@ -21,6 +21,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
   const travel = (known.fixed ? undefined : known.asked.travel_mm) ?? pose?.travel ?? 0;
   const torque = (winds ? known.asked.torque_Nm : undefined) ?? pose?.torque ?? 0;
   const braked = pose?.way === "brake";
+  const ways = { drive: t("drive"), coast: t("coast"), reverse: t("reverse"), brake: t("braking") };
   const slide = (travel_mm: number, torque_Nm: number, brakes = braked): void => store.pose({ line: index, travel_mm, torque_Nm, ...(brakes ? { way: "brake" } : {}) });
   return (
     <Card id="poser" title={t("State")} head={<>{free && known.asked.state === undefined && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
@@ -44,7 +45,7 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
           {winds && (
             <Slider
               name={t("Torque, winding the axle up")} low={turns[0]} high={braked ? 0 : turns[1]} step={10} value={torque}
-              said={[`${number(torque)} N·m`, braked ? t("braking") : torque && t(pose?.way ?? ""), pose?.at && `${signed(pose.at.pitch ?? 0, 2)}°`].filter(Boolean).join(", ")}
+              said={[`${number(torque)} N·m`, (braked || torque) && pose && ways[pose.way], pose?.at && `${signed(pose.at.pitch ?? 0, 2)}°`].filter(Boolean).join(", ")}
               ends={braked ? [t("coast"), ""] : [t("coast, reverse"), t("drive")]}
               set={(v) => slide(travel, v)}
             />

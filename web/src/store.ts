@@ -333,7 +333,8 @@ export class Store {
     if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
   }
 
-  show(view: View): void { this.set({ view }); }
+  /** What an editor has not told yet goes with it: it is asked for first. */
+  show(view: View): void { this.pending?.(); this.set({ view }); }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
     const mine = this.known.history;

@@ -12,7 +12,7 @@ from cardan.base.units import MPa
 from cardan.fatigue import life as room
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.evidence import Evidence
-from cardan.fatigue.fault import DRIFT, KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, HOLE, KINDS, REMOVABLE
 from cardan.fatigue.recording import Channel, Recording, between
 from cardan.files.campaign import Campaigned, Segment
 from cardan.files.pasted import entered
@@ -62,7 +62,12 @@ def driven(read: Document, args: Json, say: Language, tell: Tell) -> Json:
 
 
 def _looked(
-    recording: Recording, roles: Mapping[str, str], say: Language, tell: Tell, *, drifts: bool = True
+    recording: Recording,
+    roles: Mapping[str, str],
+    say: Language,
+    tell: Tell,
+    *,
+    drifts: bool = True,
 ) -> Json:
     """Return channels of a recording, and where those of gauges look wrong.
 
@@ -98,6 +103,8 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     options = {k: v for k, v in args.items() if k in ASKED and v not in ("", [], None)}
     numbers = {k: _typed(args, k, label, say) for k, label in _FIELDS.items() if args.get(k)}
     curve = ",".join(repr(numbers[k]) for k in ("amplitude", "cycles", "slope") if k in numbers)
+    if "modulus" in numbers:
+        options["modulus_GPa"] = numbers["modulus"]
     campaign = Campaign.of(sn=curve, target_hours=numbers.get("hours"), **options)
     recording = _opened(args)
     if {"first", "last"} & numbers.keys():
@@ -112,6 +119,12 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
         "name": recording.name,
         "orders": _orders(heard),
         "causes": _causes(heard, say),
+        "open": [
+            {"rule": f"{one.name}={k}", "said": f"{one.name}: {say(k)}", "mask": k in REMOVABLE}
+            for one in heard.lives
+            for k in one.vetoes
+            if k != HOLE
+        ],
         **_story(story.recording(replace(found, answer=_undrawn(heard)), say=say, issue=Issue())),
     }
 
@@ -210,7 +223,7 @@ ASKED = frozenset({
 
 _FIELDS = {
     "amplitude": "amplitude [MPa]", "cycles": "cycles", "slope": "slope", "first": "from [s]",
-    "last": "to [s]", "hours": "hours to live",
+    "last": "to [s]", "hours": "hours to live", "modulus": "Young's modulus [GPa]",
 }  # fmt: skip
 """Numbers that are typed, and what they are called there."""
 

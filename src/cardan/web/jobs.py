@@ -185,7 +185,9 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "life": {
         **dict.fromkeys(("gauges", "mask", "accept"), _words),
         **{key: _typed(300) for key in ("speed", "torque", "engine", "tacho")},
-        **{key: _typed(40) for key in ("amplitude", "cycles", "slope", "first", "last", "hours")},
+        **dict.fromkeys(
+            ("amplitude", "cycles", "slope", "first", "last", "hours", "modulus"), _typed(40)
+        ),
         "zero": _one_of("none", "start", "median", "drift"),
     },
     "drive": {"drive": _below(10_000)},

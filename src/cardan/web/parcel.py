@@ -47,7 +47,8 @@ class Parcel:
             msg = f"{visible(name)} is empty"
             raise CardanError(msg)
         if size > MOST:
-            msg = f"a recording of {MOST / 1e6:.0f} MB at most can be brought, not of {size / 1e6:.0f}"
+            most, of = MOST / 1e6, size / 1e6
+            msg = f"a recording of {most:.0f} MB at most can be brought, not of {of:.0f}"
             raise CardanError(msg)
         self._folder = Path(tempfile.mkdtemp(prefix="cardan-"))
         self.name, self.size = visible(name.replace("\\", "/").rpartition("/")[2][:200]), size

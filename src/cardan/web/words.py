@@ -101,6 +101,7 @@ WORDS: tuple[str, ...] = (
     "Torque, winding the axle up",
     "Travel",
     "Variants",
+    "Young's modulus [GPa]",
     "What other pages had not saved stands among the variants.",
     "Variants side by side",
     "Verdict",
