@@ -55,6 +55,18 @@ def test_a_point_that_may_divide_thousands_is_asked_about(said, either):
             assert f"torque_Nm: {number(said):.10g}\n" in drafted(form, decimal=decimal)
 
 
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_a_headings_unit_is_the_one_that_was_chosen(unit):
+    """A sheet in inches became a line of 59 mm, with a word that it is unusually small."""
+    sheet = "Joint\tX [in]\tY [in]\tZ [in]\nA\t0\t0\t0\nB\t59.2\t0\t-3"
+    if unit == "in":
+        assert hardpoints(sheet, unit=unit)[1] == (59.2, 0, -3)
+        assert hardpoints(sheet) == hardpoints(sheet, unit=unit)
+    else:
+        with pytest.raises(BadFile, match="the heading says in, and mm was chosen"):
+            hardpoints(sheet, unit=unit)
+
+
 @given(st.floats(-1e6, 1e6).map(lambda v: round(v, 3)))
 def test_a_number_survives_either_decimal_sign(value):
     for said in (f"{value:.3f}", f"{value:.3f}".replace(".", ",")):

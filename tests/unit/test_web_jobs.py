@@ -745,7 +745,7 @@ def test_a_shell_takes_a_file_name_for_a_name(name, tmp_path):
 
 
 @pytest.mark.bracket
-def test_why_a_bracket_has_no_answer_is_told(tmp_path):
+def test_why_a_bracket_has_no_answer_is_told():
     """The page said AttributeError: a gauge beside the part, a STEP file cut short."""
     folder = ROOT / "examples" / "refuse-collector"
     text = (folder / "application.yaml").read_text("utf-8")

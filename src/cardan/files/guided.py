@@ -99,7 +99,7 @@ class _Reader:
 
     def points(self, pasted: str, members: list[Form], shafts: int) -> Iterator[str]:
         try:
-            rows = hardpoints(pasted)
+            rows = hardpoints(pasted, unit=self.unit)
         except BadFile as error:
             self.problems += error.problems
             return

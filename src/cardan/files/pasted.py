@@ -7,6 +7,7 @@ from cardan.base.errors import BadFile, Problem
 _GROUPED = re.compile(r"(?<=\d)[\s'\u00a0\u202f](?=\d{3}(?!\d))")
 _NUMBER = re.compile(r"[-+\u2212]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d{1,2})?")
 _CELLS = re.compile(r"\t|;|\|")
+_UNIT = re.compile(r"[\[(]\s*(mm|cm|m|in|ft)\s*[\])]", re.IGNORECASE)
 _AXIS = re.compile(r"([xyz])(?:[\W_].*)?")
 
 _EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}[.,]\d{3}")
@@ -71,12 +72,13 @@ def entered(said: str, *, decimal: str) -> float:
     return value
 
 
-def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:
+def hardpoints(pasted: str, *, unit: str = "") -> tuple[tuple[float, float, float], ...]:
     """Return the rows of a table of points as a spreadsheet copies it, x, y and z of each.
 
     Rows without a number are headings. Where one names x, y and z, they are its columns; else
     they are the last three, and a name may stand before them. A cell that is empty in one row
-    alone is a number that is missing: nothing moves up into its place.
+    alone is a number that is missing: nothing moves up into its place. A heading that says
+    another unit than `unit`, where one was chosen, is not passed over.
 
     Raises
     ------
@@ -91,6 +93,12 @@ def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:
     for line, (row, cells) in enumerate(zip(rows, table, strict=True), 1):
         said = " ".join(row.split())[:40]
         if not _numbered(cells):
+            named = _UNIT.search(row)
+            if unit and named and named[1].lower() != unit:
+                message = f"the heading says {named[1]}, and {unit} was chosen"
+                raise BadFile(
+                    NAME, (Problem(message=message, key=f"row {line}", value=said, line=line),)
+                )
             axes = {axis: k for k, c in enumerate(cells) if (axis := _axis(c))}
             if axes and (len(axes) != 3 or sum(map(bool, map(_axis, cells))) != 3):
                 message = "a heading names x, y and z, each once"
