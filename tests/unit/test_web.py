@@ -29,7 +29,9 @@ from cardan.base.errors import BadFile, CardanError, NotInstalled
 from cardan.base.verdict import badness
 from cardan.border.document import LONGEST
 from cardan.cli import cli
+from cardan.demand.states import demand, resolve
 from cardan.files import campaign
+from cardan.quantity.response import respond
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
@@ -67,6 +69,41 @@ def asked(text, job="live", **what):
 
 
 # ------------------------------------------------------------------ what it answers
+
+
+def test_sliders_know_coasting_from_braking():
+    """The low end of the torque's slider was coasting alone; brakes turn the axle the most.
+
+    By hand: the axle pitches by what holds it over its stiffness. Brakes hold what the tyres do,
+    μ N r of its load, whatever the line's torque; coasting T i / η, as its wheels turn the line.
+    """
+    text = TRUCK.read_text("utf-8")
+    app = files.loads(text)
+    r = respond(app, demand(resolve(app, app.lines[0])))
+    line = r.demand.standing.line
+    stiffness = line.suspension.windup_stiffness
+
+    def posed(torque, **how):
+        pose = asked(
+            text, "pose", pose={"travel_mm": 0.0, "torque_Nm": torque, **how}, want=["curves"]
+        )["pose"]
+        return pose["way"], pose["torque"], pose["at"]["pitch"], pose
+
+    still = posed(0.0)[2]
+    way, _, coasts, _ = posed(-1000.0)
+    assert way == "coast"
+    axle = line.axle
+    turned = -1000.0 * axle.ratio / axle.efficiency
+    assert coasts - still == pytest.approx(np.degrees(turned / stiffness), abs=2e-3)
+    assert posed(-3000.0)[0] == "reverse"
+    assert posed(2000.0)[0] == "drive"
+    held = line.tyre.friction * line.tyre.static_radius * r.demand.standing.braked[2]
+    for torque in (-1000.0, -3000.0, 2000.0):
+        way, told, braked, pose = posed(torque, way="brake")
+        assert (way, told) == ("brake", min(torque, 0.0))
+        assert braked - still == pytest.approx(np.degrees(-held / stiffness), abs=2e-3)
+        assert max(pose["over_torque"]["x"]) == 0.0
+    assert r.demand.states[2] == "gvw"
 
 
 @pytest.mark.parametrize("path", [TRUCK, CHAIN, ROOT / "examples/tandem-6x4.yaml"],
