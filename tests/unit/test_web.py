@@ -1,5 +1,6 @@
 """The workbench's server: what it answers, what it refuses, how it ends. All on loopback."""
 
+import asyncio
 import errno
 import hashlib
 import http.client
@@ -1511,6 +1512,25 @@ def test_a_draft_of_another_text_is_told_with_what_it_was_edited_from(own):
             one.say("keep", file=0, text=told["draft"], mark=told["base"])
             one.hear("kept")
     assert path.read_text("utf-8") == TEXT + "# others\n"
+
+
+def test_what_a_process_leaves_half_done_goes_with_it(tmp_path, monkeypatch):
+    """Texts of applications lay in the folder for temporary files after each job that was ended."""
+    monkeypatch.setattr(lanes.tempfile, "tempdir", str(tmp_path))
+
+    async def ended():
+        lane = Lane()
+        await lane.start()
+        (folder,) = tmp_path.iterdir()
+        environment = Path(f"/proc/{lane.pid}/environ")
+        if environment.exists():
+            assert f"TMPDIR={folder}".encode() in environment.read_bytes().split(b"\0")
+        (folder / "question").write_text(TEXT, "utf-8")
+        lane.close()
+        await lane.closed()
+
+    asyncio.run(ended())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_half_a_letter_is_refused_and_kept_as_a_draft(own):

@@ -755,3 +755,16 @@ def test_why_a_bracket_has_no_answer_is_told():
     (problem,) = answer({**question, "text": off})["problems"]
     assert "o extensômetro S1 está a 468 mm da superfície" in problem["message"]
     assert problem["line"] == 1 + text[: text.index("\nbracket:") + 1].count("\n")
+
+
+def test_who_signs_a_deviation_signs_with_what_everybody_sees():
+    """A reason with a mark that turns writing round made a file that nobody could read."""
+    args = {"which": 0, "normal": "900", "maximum": "1200"}
+    signed = {"reason": "agreed \u202e here", "by": "A. Silva\u200b"}
+    draft = job("deviate", CHAIN, **args, **signed)["draft"]
+    assert any("agreed   here" in str(one.source) for one in files.loads(draft).limits)
+    question = {"job": "deviate", "text": CHAIN, "name": "x", "folder": None, "lang": "en"}
+    told = answer({**question, "args": {**args, "reason": "\u200b", "by": "\u202e"}})
+    assert {p["key"] for p in told["problems"]} == {"reason", "by"}
+    told = answer({**question, "args": {**args, **signed, "normal": "1,200"}})
+    assert "decimals or thousands?" in told["problems"][0]["message"]

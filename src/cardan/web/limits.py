@@ -53,7 +53,7 @@ def deviation(read: Document, args: Json, say: Language, _: Tell) -> Json:
         raise BadFile(read.name, (problem,))
     bounds = {key: _bound(args.get(key, ""), key, say) for key in ("normal", "maximum")}
     to = Deviation(
-        **bounds, **{key: visible(args.get(key, "")) for key in ("reason", "by")},
+        **bounds, reason=visible(args.get("reason", "")), by=visible(args.get("by", "")),
         on=date.today().isoformat(),
     )  # fmt: skip
     edits = deviated(read.manuscript, app.limits, which, to, profile=app.profile)
