@@ -120,7 +120,7 @@ def test_unbalance_at_a_crawl_is_that_of_rigid_bearings():
 def test_thrust_is_the_worst_of_none_and_both_ways():
     where = laid(THREE, **BENT)
     phases = np.array(THREE.phases)
-    still = turn(where.directions, phases=phases, samples=16)
+    still = turn(where.directions, phases=THREE.twisted(phases, 2000.0), samples=16)
     found = running(where, THREE, phases, torque=2000.0, speed=0.0, slip=5000.0)
     each = [
         loads(where, still, THREE, torque=2000.0, thrust=thrust).bearing_forces.static
